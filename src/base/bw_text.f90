@@ -1,0 +1,133 @@
+module bw_text
+  !! Numbers and words as text.
+  use bw_kinds, only: dp, i8
+  implicit none (type, external)
+  private
+  public :: text_of, lower, shortest, string
+
+  type :: string
+    !! One text of its own length, so that texts of different lengths stand in one array.
+    character(:), allocatable :: text
+  end type string
+
+  interface text_of
+    !! A number as the shortest text that reads back to the same bits.
+    module procedure :: text_of_integer, text_of_long, text_of_real
+  end interface text_of
+
+contains
+
+  pure function text_of_integer(value) result(text)
+    integer, intent(in) :: value
+    character(:), allocatable :: text
+    text = text_of_long(int(value, i8))
+  end function text_of_integer
+
+  pure function text_of_long(value) result(text)
+    integer(i8), intent(in) :: value
+    character(:), allocatable :: text
+    character(24) :: buffer
+    write (buffer, '(i0)') value
+    text = trim(buffer)
+  end function text_of_long
+
+  pure function text_of_real(value) result(text)
+    !! The shortest of up to 17 digits that reads back to the same binary64 number.
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    integer :: digits
+    do digits = 1, 17
+      text = shortest(value, digits)
+      if (reads_back(text, value)) return
+    end do
+  end function text_of_real
+
+  pure logical function reads_back(text, value)
+    character(*), intent(in) :: text
+    real(dp), intent(in) :: value
+    real(dp) :: again
+    integer :: stat
+    read (text, *, iostat=stat) again
+    reads_back = stat == 0 .and. (again == value .or. value /= value)
+  end function reads_back
+
+  pure function shortest(value, digits) result(text)
+    !! A real with that many significant digits, in the plain form where it is short (0.2, 50, 1.25e-7).
+    real(dp), intent(in) :: value
+    integer, intent(in) :: digits           !! significant digits, 1 … 17
+    character(:), allocatable :: text
+    character(40) :: buffer, form
+    integer :: exponent, mark
+    character(:), allocatable :: mantissa
+    if (value == 0.0_dp) then
+      text = '0'
+      return
+    end if
+    write (form, '(a,i0,a)') '(es40.', digits - 1, 'e4)'
+    write (buffer, form) value
+    buffer = adjustl(buffer)
+    mark = scan(buffer, 'E')
+    if (mark == 0) then                     ! Infinity, NaN
+      text = trim(buffer)
+      return
+    end if
+    read (buffer(mark + 1:), *) exponent
+    mantissa = strip_zeros(buffer(:mark - 1))
+    if (exponent >= -3 .and. exponent < 7) then
+      text = plain(mantissa, exponent)
+    else
+      text = mantissa//'e'//text_of_integer(exponent)
+    end if
+  end function shortest
+
+  pure function strip_zeros(mantissa) result(text)
+    !! `1.2500` → `1.25`, `1.000` → `1`.
+    character(*), intent(in) :: mantissa
+    character(:), allocatable :: text
+    integer :: last
+    last = len_trim(mantissa)
+    if (index(mantissa, '.') > 0) then
+      do while (mantissa(last:last) == '0')
+        last = last - 1
+      end do
+      if (mantissa(last:last) == '.') last = last - 1
+    end if
+    text = mantissa(:last)
+  end function strip_zeros
+
+  pure function plain(mantissa, exponent) result(text)
+    !! Shift the point of `d.ddd` by `exponent` places, without changing a digit.
+    character(*), intent(in) :: mantissa
+    integer, intent(in) :: exponent
+    character(:), allocatable :: text
+    character(:), allocatable :: digits, sign
+    integer :: i
+    sign = ''
+    digits = ''
+    do i = 1, len(mantissa)
+      select case (mantissa(i:i))
+      case ('-'); sign = '-'
+      case ('0':'9'); digits = digits//mantissa(i:i)
+      end select
+    end do
+    if (exponent < 0) then
+      text = sign//'0.'//repeat('0', -exponent - 1)//digits
+    else if (len(digits) <= exponent + 1) then
+      text = sign//digits//repeat('0', exponent + 1 - len(digits))
+    else
+      text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
+    end if
+  end function plain
+
+  pure function lower(text) result(lowered)
+    !! ASCII letters in lower case.
+    character(*), intent(in) :: text
+    character(len(text)) :: lowered
+    integer :: i
+    do i = 1, len(text)
+      lowered(i:i) = text(i:i)
+      if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lowered(i:i) = achar(iachar(text(i:i)) + 32)
+    end do
+  end function lower
+
+end module bw_text

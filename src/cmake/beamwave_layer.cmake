@@ -1,0 +1,29 @@
+# beamwave_layer(<name> SOURCES … [USES <layer> …] [LINKS <target> …])
+#
+# One static library and one module directory per folder of src/. A layer sees the modules of the
+# layers named in USES and no others, so the direction of the data is a matter of the build.
+# Module directories are not passed on: a layer names every layer whose modules it uses.
+function(beamwave_layer name)
+  cmake_parse_arguments(LAYER "" "" "SOURCES;USES;LINKS" ${ARGN})
+  set(target beamwave_${name})
+  set(modules "${PROJECT_BINARY_DIR}/modules/${name}")
+  add_library(${target} STATIC ${LAYER_SOURCES})
+  add_library(beamwave::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES
+    Fortran_MODULE_DIRECTORY "${modules}" BEAMWAVE_MODULES "${modules}")
+  target_link_libraries(${target} PRIVATE beamwave_flags)
+  target_link_libraries(${target} PUBLIC ${LAYER_LINKS})
+  foreach(used IN LISTS LAYER_USES)
+    target_link_libraries(${target} PUBLIC beamwave::${used})
+    target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/modules/${used}")
+  endforeach()
+endfunction()
+
+# beamwave_see(<target> <layer> …): lets a program or a test use and link these layers.
+function(beamwave_see target)
+  target_link_libraries(${target} PRIVATE beamwave_flags)
+  foreach(used IN LISTS ARGN)
+    target_link_libraries(${target} PRIVATE beamwave::${used})
+    target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/modules/${used}")
+  endforeach()
+endfunction()
