@@ -1,9 +1,10 @@
 module bw_text
   !! Numbers and words as text.
-  use bw_kinds, only: dp, i8
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: text_of, lower, shortest, string
+  public :: text_of, joined, lower, shortest, string
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -38,17 +39,24 @@ contains
     integer :: digits
     do digits = 1, 17
       text = shortest(value, digits)
+      if (.not. ieee_is_finite(value)) return
       if (reads_back(text, value)) return
     end do
   end function text_of_real
 
   pure logical function reads_back(text, value)
+    !! Read first in the wider range: digits rounded up beyond the largest number would overflow.
     character(*), intent(in) :: text
-    real(dp), intent(in) :: value
+    real(dp), intent(in) :: value           !! finite
     real(dp) :: again
+    real(qp) :: wide
     integer :: stat
+    reads_back = .false.
+    read (text, *, iostat=stat) wide
+    if (stat /= 0) return
+    if (abs(wide) > huge(value)) return
     read (text, *, iostat=stat) again
-    reads_back = stat == 0 .and. (again == value .or. value /= value)
+    if (stat == 0) reads_back = again == value
   end function reads_back
 
   pure function shortest(value, digits) result(text)
@@ -118,6 +126,18 @@ contains
       text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
     end if
   end function plain
+
+  pure function joined(words) result(text)
+    !! Words with one space between them.
+    character(*), intent(in) :: words(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(words)
+      if (i > 1) text = text//' '
+      text = text//trim(words(i))
+    end do
+  end function joined
 
   pure function lower(text) result(lowered)
     !! ASCII letters in lower case.

@@ -6,16 +6,25 @@ endif()
 
 add_library(beamwave_flags INTERFACE)
 target_compile_options(beamwave_flags INTERFACE
-  -std=f2018 -fimplicit-none -ffp-contract=off -Wall -Wextra -Wno-compare-reals)  # exact comparisons of reals are meant where they stand
+  -std=f2018 -fimplicit-none -ffp-contract=off
+  -Wall -Wextra -Wno-compare-reals)   # where reals are compared for equality, equality is meant
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
-  target_compile_options(beamwave_flags INTERFACE -O3)
+  # gfortran 12 takes the descriptor of an array that is allocated by assignment for uninitialised at -O3
+  target_compile_options(beamwave_flags INTERFACE -O3 -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
 if(BEAMWAVE_NATIVE)
-  target_compile_options(beamwave_flags INTERFACE -march=native)
+  include(CheckCompilerFlag)
+  check_compiler_flag(Fortran -march=native BEAMWAVE_HAS_MARCH_NATIVE)
+  if(BEAMWAVE_HAS_MARCH_NATIVE)
+    target_compile_options(beamwave_flags INTERFACE -march=native)
+  else()  # said in --version too, which reports what was done, not what was asked for
+    message(WARNING "BEAMWAVE_NATIVE: this compiler does not take -march=native; building without it")
+    set(BEAMWAVE_NATIVE OFF)
+  endif()
 endif()
 if(BEAMWAVE_CHECKS)
   target_compile_options(beamwave_flags INTERFACE
-    -O1 -Werror -fcheck=all -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan -finit-derived)
+    -O1 -Werror -fcheck=all -fcheck=no-array-temps -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan -finit-derived)
 endif()
 if(BEAMWAVE_SANITIZE)
   target_compile_options(beamwave_flags INTERFACE -O1 -fbacktrace -fsanitize=address,undefined -fno-omit-frame-pointer)

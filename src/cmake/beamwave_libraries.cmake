@@ -1,14 +1,9 @@
-# LAPACK, FFTW3 and NetCDF-Fortran as imported targets beamwave::{lapack,fftw,netcdf}.
+# LAPACK, FFTW3 and NetCDF-Fortran as imported targets beamwave::{lapack,fftw,netcdf}, and what they
+# call themselves in BEAMWAVE_LIBRARY_VERSIONS.
 #
 # gfortran does not look for .mod and .f03 files in /usr/include, and CMake drops -I/usr/include as
 # implicit, so the directory is passed as a plain compile option.
 find_package(PkgConfig QUIET)
-
-function(beamwave_require value what)
-  if(NOT ${value})
-    message(FATAL_ERROR "beamwave needs ${what}: not found")
-  endif()
-endfunction()
 
 function(beamwave_import name library module_dir)
   add_library(beamwave_${name} INTERFACE)
@@ -34,17 +29,44 @@ endif()
 find_path(BW_NETCDF_MODULES netcdf.mod
   HINTS ${BW_PC_NETCDF_FMODDIR} ${BW_PC_NETCDF_INCLUDEDIR} ${BW_NF_INCLUDE})
 find_library(BW_NETCDFF_LIBRARY netcdff HINTS ${BW_PC_NETCDF_LIBRARY_DIRS} ${BW_NF_PREFIX}/lib)
-beamwave_require(BW_NETCDF_MODULES "NetCDF-Fortran (netcdf.mod; libnetcdff-dev, netcdf-fortran-devel)")
-beamwave_require(BW_NETCDFF_LIBRARY "NetCDF-Fortran (libnetcdff; libnetcdff-dev, netcdf-fortran-devel)")
-beamwave_import(netcdf "${BW_NETCDFF_LIBRARY}" "${BW_NETCDF_MODULES}")
-
 find_path(BW_FFTW_INCLUDE fftw3.f03 HINTS ${BW_PC_FFTW_INCLUDEDIR})
 find_library(BW_FFTW_LIBRARY fftw3 HINTS ${BW_PC_FFTW_LIBRARY_DIRS})
-beamwave_require(BW_FFTW_INCLUDE "FFTW 3 (fftw3.f03; libfftw3-dev, fftw-devel)")
-beamwave_require(BW_FFTW_LIBRARY "FFTW 3 (libfftw3; libfftw3-dev, fftw-devel)")
-beamwave_import(fftw "${BW_FFTW_LIBRARY}" "${BW_FFTW_INCLUDE}")
+find_package(LAPACK QUIET)
 
-find_package(LAPACK REQUIRED)
+set(missing "")
+if(NOT BW_NETCDF_MODULES OR NOT BW_NETCDFF_LIBRARY)
+  string(APPEND missing "\n  NetCDF-Fortran (netcdf.mod, libnetcdff; packages libnetcdff-dev, netcdf-fortran-devel)")
+endif()
+if(NOT BW_FFTW_INCLUDE OR NOT BW_FFTW_LIBRARY)
+  string(APPEND missing "\n  FFTW 3 (fftw3.f03, libfftw3; packages libfftw3-dev, fftw-devel)")
+endif()
+if(NOT LAPACK_FOUND)
+  string(APPEND missing "\n  LAPACK (packages libopenblas-dev, liblapack-dev, openblas-devel)")
+endif()
+if(missing)
+  message(FATAL_ERROR "beamwave needs, and this machine lacks:${missing}")
+endif()
+
+# One program that uses all three proves that they are there for this very compiler (a netcdf.mod
+# written by another one is not), and says which versions they are.
+if(NOT BEAMWAVE_LIBRARY_VERSIONS)
+  try_run(ran compiled "${PROJECT_BINARY_DIR}/probe" "${CMAKE_CURRENT_LIST_DIR}/probe_libraries.f90"
+    COMPILE_DEFINITIONS "-I${BW_NETCDF_MODULES}" "-I${BW_FFTW_INCLUDE}"
+    LINK_LIBRARIES "${BW_NETCDFF_LIBRARY}" "${BW_FFTW_LIBRARY}" LAPACK::LAPACK
+    COMPILE_OUTPUT_VARIABLE build_output RUN_OUTPUT_VARIABLE versions)
+  if(NOT compiled OR NOT ran EQUAL 0)
+    unset(ran CACHE)        # tried again next time: the libraries may be another set by then
+    unset(compiled CACHE)
+    message(FATAL_ERROR "NetCDF-Fortran, FFTW 3 and LAPACK are there, but a program that uses them does not "
+      "build or run with ${CMAKE_Fortran_COMPILER}:\n${build_output}\n${versions}")
+  endif()
+  string(STRIP "${versions}" versions)
+  set(BEAMWAVE_LIBRARY_VERSIONS "${versions}" CACHE INTERNAL "Libraries and their versions")
+  message(STATUS "Libraries: ${BEAMWAVE_LIBRARY_VERSIONS}")
+endif()
+
+beamwave_import(netcdf "${BW_NETCDFF_LIBRARY}" "${BW_NETCDF_MODULES}")
+beamwave_import(fftw "${BW_FFTW_LIBRARY}" "${BW_FFTW_INCLUDE}")
 add_library(beamwave_lapack INTERFACE)
 add_library(beamwave::lapack ALIAS beamwave_lapack)
 target_link_libraries(beamwave_lapack INTERFACE LAPACK::LAPACK)

@@ -1,22 +1,32 @@
 # Run at build time: writes the version module, and touches it only when its text changes.
-# cmake -D SOURCE=… -D TEMPLATE=… -D OUTPUT=… -D PROJECT_VERSION=… … -P stamp_version.cmake
-set(git git -C "${SOURCE}" -c "safe.directory=*")
-execute_process(COMMAND ${git} rev-parse --show-toplevel OUTPUT_VARIABLE top RESULT_VARIABLE status
-  OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+# cmake -D SOURCE=… -D TEMPLATE=… -D OUTPUT=… -D PROJECT_VERSION=… -D NATIVE=… -D BEAMWAVE_BUILD=…
+#       -D BEAMWAVE_LIBRARIES=… -P stamp_version.cmake
+
+# git may refuse a checkout that another user owns; who builds it trusts it
+set(git git --no-optional-locks -C "${SOURCE}" -c "safe.directory=*")
+
+function(ask_git answer)
+  execute_process(COMMAND ${git} ${ARGN} OUTPUT_VARIABLE output RESULT_VARIABLE status
+    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  if(NOT status EQUAL 0)  # no git, no repository, no commit yet
+    set(output "")
+  endif()
+  set(${answer} "${output}" PARENT_SCOPE)
+endfunction()
+
+# a source archive unpacked inside somebody else's repository has no commit of its own
+ask_git(top rev-parse --show-toplevel)
+ask_git(commit rev-parse --short=12 HEAD)
 file(REAL_PATH "${SOURCE}" source_path)
 set(BEAMWAVE_COMMIT unknown)
-if(status EQUAL 0 AND "${top}" STREQUAL "${source_path}")
-  execute_process(COMMAND ${git} rev-parse --short=12 HEAD OUTPUT_VARIABLE commit RESULT_VARIABLE status
-    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-  if(status EQUAL 0)
-    set(BEAMWAVE_COMMIT "${commit}")
-    execute_process(COMMAND ${git} status --porcelain OUTPUT_VARIABLE changes
-      OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-    if(changes)
-      string(APPEND BEAMWAVE_COMMIT "+")
-    endif()
+if(commit AND top STREQUAL source_path)
+  ask_git(changes status --porcelain)
+  set(BEAMWAVE_COMMIT "${commit}")
+  if(changes)
+    string(APPEND BEAMWAVE_COMMIT "+")
   endif()
 endif()
+
 if(NATIVE)
   set(BEAMWAVE_NATIVE_LOGICAL ".true.")
 else()

@@ -1,0 +1,29 @@
+"""Pictures of what a beamwave result holds: functions from xarray datasets to matplotlib figures."""
+
+from .history import displacement, velocity
+from .jump import velocity_jump
+from .kinds import KINDS, pictures
+from .measured import measured
+from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
+from .spectrum import spectrum
+from .sweep_map import sweep_map
+from .waves import dispersion, group_velocity, phase_velocity
+
+__all__ = [
+    "KINDS",
+    "NotAResult",
+    "NothingToDraw",
+    "dispersion",
+    "displacement",
+    "group_velocity",
+    "measured",
+    "open_result",
+    "phase_velocity",
+    "pictures",
+    "spectrum",
+    "sweep_map",
+    "swept_inputs",
+    "to_grid",
+    "velocity",
+    "velocity_jump",
+]

@@ -1,0 +1,40 @@
+"""From result files to PNG files, one failure at a time."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Callable
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from .result import NotAResult, NothingToDraw, open_result
+
+EXIT_DONE, EXIT_USAGE, EXIT_FILE = 0, 2, 3
+DPI = 200
+
+
+def save(fig: Figure, path: Path) -> None:
+    """Write `fig` as PNG; no half-written picture is left behind when that fails."""
+    try:
+        fig.savefig(path, dpi=DPI)
+    except OSError:
+        path.unlink(missing_ok=True)
+        raise
+
+
+def draw_file(source: Path, draw: Callable[[xr.Dataset], dict[Path, Figure]]) -> bool:
+    """Draw one result, naming what was written on standard output and failures on standard error."""
+    try:
+        with open_result(source) as ds:
+            for path, fig in draw(ds).items():
+                save(fig, path)
+                print(path)
+    except NotAResult as problem:
+        print(problem, file=sys.stderr)
+    except (NothingToDraw, OSError, RuntimeError) as problem:  # netCDF4 says RuntimeError of damaged data
+        print(f"{source}: {problem}", file=sys.stderr)
+    else:
+        return True
+    return False

@@ -1,0 +1,72 @@
+"""A result file as an xarray dataset: opened, checked, and asked what it holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+FORMAT_VERSION = 1
+
+
+class NotAResult(ValueError):
+    """The file cannot be read, or was not written by beamwave."""
+
+
+class NothingToDraw(ValueError):
+    """The result does not hold what a picture needs."""
+
+
+def open_result(path: str | Path) -> xr.Dataset:
+    """Open the result at `path`, lazily; use it in a `with`, or close it.
+
+    Raises `NotAResult`, naming the file and the reason.
+    """
+    if not Path(path).is_file():
+        raise NotAResult(f"{path}: no such file")
+    try:
+        ds = xr.open_dataset(path, engine="netcdf4")
+    except (OSError, ValueError) as problem:
+        raise NotAResult(f"{path}: not readable as NetCDF ({problem})") from problem
+    reason = _why_not_a_result(ds)
+    if reason:
+        ds.close()
+        raise NotAResult(f"{path}: {reason}")
+    return ds
+
+
+def _why_not_a_result(ds: xr.Dataset) -> str:
+    """Why `ds` is no result of beamwave that this package reads; empty when it is one."""
+    if "format_version" not in ds.attrs or not str(ds.attrs.get("source", "")).startswith("beamwave"):
+        return "not a beamwave result (no 'format_version', or 'source' is not beamwave)"
+    if ds.attrs["format_version"] != FORMAT_VERSION:
+        return f"format_version is {ds.attrs['format_version']}; this package reads {FORMAT_VERSION}"
+    return ""
+
+
+def require(ds: xr.Dataset, *names: str) -> None:
+    """Raise `NothingToDraw` unless `ds` has every variable in `names`."""
+    absent = [name for name in names if name not in ds]
+    if absent:
+        raise NothingToDraw(f"the result holds no {', '.join(absent)}")
+
+
+def require_numbers(values: np.ndarray, name: str) -> None:
+    """Raise `NothingToDraw` unless something in `values` is not fill (NaN once read)."""
+    if not np.isfinite(values).any():
+        raise NothingToDraw(f"{name} holds nothing but fill")
+
+
+def swept_inputs(ds: xr.Dataset) -> list[str]:
+    """Names of the inputs that a sweep varies, the slowest first; empty without a sweep."""
+    names = [str(name) for name, values in ds.coords.items() if values.dims == ("case",) and name != "case"]
+    return sorted(names, key=lambda name: np.count_nonzero(np.diff(ds[name].values)))
+
+
+def to_grid(ds: xr.Dataset) -> xr.Dataset:
+    """Replace `case` by one dimension per swept input, each with its values as coordinate."""
+    names = swept_inputs(ds)
+    if len(names) == 1:
+        return ds.swap_dims(case=names[0]).drop_vars("case")
+    return ds.set_index(case=names).unstack("case")

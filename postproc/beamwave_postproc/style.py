@@ -1,0 +1,105 @@
+"""One look for all pictures: curves differ in dash and marker as well as in colour."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, Callable, Literal, TypeVar
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+# The colours of Okabe and Ito, dark to light, told apart by the colour-blind too.
+COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#7F7F7F")
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (5, 2)),
+    (0, (6, 1.5, 1, 1.5)),
+    (0, (1, 1.2)),
+    (0, (10, 3)),
+    (0, (4, 1, 1, 1, 1, 1)),
+    (0, (2, 2)),
+    (0, (8, 1, 3, 1)),
+)
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+MAX_CURVES = len(COLOURS)
+GREY = "0.45"
+FEW_DECADES = 1e3  # a ratio of limits below this is labelled between the decades too
+PLAIN = (1e-3, 1e4)  # numbers that are written out, without powers of ten
+CROWDED = 5  # more legend entries than this are set small
+LEGEND_WIDTH = 90  # characters of legend text (as typed, mathematics included) that fit above a figure
+
+RC: dict[Any, Any] = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 10.0,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "legend.framealpha": 0.9,
+    "legend.handlelength": 3.6,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 5.0,
+}
+
+Draws = TypeVar("Draws", bound=Callable[..., Figure])
+
+
+def styled(draw: Draws) -> Draws:
+    """Run a function that makes a figure under this package's settings, leaving the caller's alone."""
+
+    @functools.wraps(draw)
+    def wrapper(*args: Any, **kwargs: Any) -> Figure:
+        with mpl.rc_context(RC):
+            return draw(*args, **kwargs)
+
+    return wrapper  # type: ignore[return-value]
+
+
+def new_figure(rows: int = 1, columns: int = 1, *, width: float = 6.4, row_height: float = 4.2) -> Figure:
+    """Return an empty figure with `rows` × `columns` axes, apart from pyplot: no display is needed."""
+    fig = Figure(figsize=(width, row_height * rows), layout="constrained")
+    fig.subplots(rows, columns, sharex=rows > 1 and columns == 1)
+    return fig
+
+
+def curve_style(index: int) -> dict[str, Any]:
+    """Colour, dash and marker of curve `index` (0 …); open markers let coinciding curves show."""
+    turn = index % MAX_CURVES
+    return {
+        "color": COLOURS[turn],
+        "linestyle": DASHES[turn],
+        "marker": MARKERS[turn],
+        "markerfacecolor": "white",
+        "markeredgewidth": 1.1,
+    }
+
+
+def sparse_markers(index: int, samples: int, count: int = 12) -> tuple[int, int]:
+    """`markevery` of curve `index`: about `count` markers, staggered between curves."""
+    step = max(samples // count, 1)
+    return (index * step // 4) % step, step
+
+
+def logarithmic(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
+    """Make one axis logarithmic from `low` to `high`: labelled by decades, and between where they are few."""
+    axes.set(**{f"{which}scale": "log", f"{which}lim": (low, high)})
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    if high < FEW_DECADES * low and low > PLAIN[0] and high < PLAIN[1]:
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def add_legend(axes: Axes, title: str = "", *, above: bool = False) -> None:
+    """Legend of what is labelled on `axes`, `above` it where curves fill it; the title alone where nothing is."""
+    handles, labels = axes.get_legend_handles_labels()
+    if not above:
+        if handles:
+            axes.legend(title=title or None, fontsize="small" if len(handles) > CROWDED else None)
+    elif handles:
+        columns = max(1, min(len(handles), LEGEND_WIDTH // max(len(label) for label in labels)))
+        axes.legend(title=title or None, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False)
+    elif title:
+        axes.set_title(title, fontsize="medium")

@@ -1,0 +1,118 @@
+"""`beamwave-plot` and `python -m beamwave_postproc.paper`: files in, pictures out, failures said."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import netCDF4
+import pytest
+import synthetic
+
+from beamwave_postproc import KINDS, cli, open_result, paper
+
+PACKAGE = Path(__file__).parents[1]
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def modes_only(tmp_path):
+    return synthetic.write(tmp_path / "modes.nc", synthetic.scene(impact=None))
+
+
+@pytest.fixture
+def text_file(tmp_path):
+    path = tmp_path / "text.nc"
+    path.write_text("not NetCDF")
+    return path
+
+
+def test_the_six_figures_of_the_paper_are_drawn(paper_results, capsys):
+    assert paper.main([str(paper_results)]) == 0
+    for number in range(2, 8):
+        assert (paper_results / f"fig{number}.png").read_bytes().startswith(PNG)
+    assert capsys.readouterr().err == ""
+
+
+def test_the_curves_of_each_figure_are_told_apart_without_colour(paper_results):
+    for name, figure in paper.FIGURES.items():
+        with open_result(paper_results / f"{name}.nc") as ds:
+            handles, labels = figure(ds).axes[0].get_legend_handles_labels()
+        assert len(set(labels)) == len(labels) == ds.sizes["case"], name
+        assert len({handle.get_marker() for handle in handles}) == len(labels), name
+
+
+def test_a_missing_figure_is_said_and_the_others_are_drawn(tmp_path, paper_results, capsys):
+    (tmp_path / "fig2.nc").symlink_to(paper_results / "fig2.nc")
+    assert paper.main([str(tmp_path)]) == 3
+    assert (tmp_path / "fig2.png").exists()
+    assert f"{tmp_path / 'fig3.nc'}: no such file" in capsys.readouterr().err
+
+
+def test_a_file_is_drawn_beside_itself(modes_only, capsys):
+    assert cli.main([str(modes_only)]) == 0
+    written = sorted(path.name for path in modes_only.parent.glob("*.png"))
+    assert written == ["modes_dispersion.png", "modes_group_velocity.png", "modes_phase_velocity.png"]
+    assert len(capsys.readouterr().out.splitlines()) == 3
+
+
+def test_a_full_result_gives_every_picture_but_the_map(full_result, tmp_path):
+    assert cli.main([str(full_result), "--output", str(tmp_path / "new/pictures")]) == 0
+    written = {path.name for path in (tmp_path / "new/pictures").glob("*.png")}
+    assert written == {f"struck_{kind}.png" for kind in KINDS if kind != "sweep_map"}
+
+
+def test_bad_files_are_named_and_good_ones_drawn(modes_only, text_file, tmp_path, capsys):
+    with netCDF4.Dataset(tmp_path / "other.nc", "w") as file:
+        file.source = "another program"
+    with netCDF4.Dataset(tmp_path / "later.nc", "w") as file:
+        file.source = "beamwave 9"
+        file.format_version = 2
+    with netCDF4.Dataset(tmp_path / "empty.nc", "w") as file:
+        file.source = "beamwave 0.1.0"
+        file.format_version = 1
+    bad = [text_file, *(tmp_path / f"{name}.nc" for name in ("other", "later", "empty", "absent"))]
+    assert cli.main([str(path) for path in (*bad, modes_only)]) == 3
+    lines = capsys.readouterr().err.splitlines()
+    reasons = ("not readable as NetCDF", "not a beamwave result", "this package reads 1", "nothing in it", "no such")
+    for line, path, reason in zip(lines, bad, reasons):
+        assert line.startswith(f"{path}: ") and reason in line
+    assert len(lines) == len(bad)
+    assert (tmp_path / "modes_dispersion.png").exists()
+
+
+def test_two_files_of_one_name_into_one_directory_are_refused(modes_only, tmp_path, capsys):
+    (tmp_path / "second").mkdir()
+    twin = tmp_path / "second" / modes_only.name
+    twin.symlink_to(modes_only)
+    assert cli.main([str(modes_only), str(twin), "--output", str(tmp_path / "out")]) == 2
+    assert "modes" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+    assert cli.main([str(modes_only), str(twin)]) == 0
+
+
+def test_an_output_that_cannot_be_a_directory_is_said(modes_only, text_file, capsys):
+    assert cli.main([str(modes_only), "--output", str(text_file / "pictures")]) == 3
+    assert str(text_file) in capsys.readouterr().err
+
+
+def test_a_full_disk_leaves_no_picture(modes_only, monkeypatch, capsys):
+    def fail(fig, path, **options):
+        Path(path).write_bytes(PNG)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", fail)
+    assert cli.main([str(modes_only)]) == 3
+    assert "No space left" in capsys.readouterr().err
+    assert not list(modes_only.parent.glob("*.png"))
+
+
+def test_a_command_line_without_files_is_refused():
+    with pytest.raises(SystemExit) as stopped:
+        cli.main([])
+    assert stopped.value.code == 2
+
+
+def test_no_display_is_asked_for(modes_only):
+    script = f"from beamwave_postproc.cli import main; main([{str(modes_only)!r}]); import sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], cwd=PACKAGE, capture_output=True, text=True, check=True)
+    assert "matplotlib.pyplot" not in done.stdout.split()

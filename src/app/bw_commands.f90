@@ -1,0 +1,134 @@
+module bw_commands
+  !! The commands of the program. Each returns an exit status.
+  use bw_command_line, only: command_type
+  use bw_console, only: print_error, print_report, print_warning
+  use bw_error, only: error_type, status_done, status_stopped
+  use bw_kinds, only: dp
+  use bw_posix, only: is_terminal, standard_error, standard_output
+  use bw_result_layout, only: result_layout, layout_of
+  use bw_run_scene, only: outcome_type, run_scene
+  use bw_scene, only: scene_type
+  use bw_scene_describe, only: describe_text
+  use bw_scene_files, only: read_scenes
+  use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
+  use bw_stopwatch, only: wall_seconds
+  use bw_terminal_progress, only: terminal_progress, terminal_progress_to
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: run_command, check_command, describe_command
+
+contains
+
+  integer function run_command(command) result(status)
+    !! Run every good scene; the status is the highest of any.
+    type(command_type), intent(in) :: command
+    type(scene_type), allocatable :: scenes(:)
+    type(terminal_progress) :: progress
+    real(dp) :: deadline
+    integer :: i, count
+    deadline = huge(1.0_dp)
+    if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
+    progress = terminal_progress_to(deadline, command%quiet)
+    call read_and_list(command, scenes, count, status)
+    do i = 1, count
+      if (progress%stop_requested()) then
+        call print_warning('beamwave: stopped before '//scenes(i)%file//'; the same command goes on from there')
+        status = max(status, status_stopped)
+        return
+      end if
+      status = max(status, run_one(command, scenes(i), progress))
+    end do
+  end function run_command
+
+  integer function run_one(command, scene, progress) result(status)
+    type(command_type), intent(in) :: command
+    type(scene_type), intent(in) :: scene
+    type(terminal_progress), intent(inout) :: progress
+    type(outcome_type) :: outcome
+    type(error_type), allocatable :: error
+    call run_scene(scene, command%output, command%overwrite, progress, outcome, error)
+    if (allocated(error)) then
+      call print_error(error)
+      status = error%status
+      return
+    end if
+    status = outcome%status
+    if (outcome%was_there) then
+      if (.not. command%quiet) call print_report(outcome%file//': nothing to do, the result of this scene is there')
+      return
+    end if
+    if (.not. command%quiet) call print_report(outcome%report)
+    if (command%quiet .or. .not. seen_together()) call print_warnings(scene, outcome%warnings)
+  end function run_one
+
+  logical function seen_together()
+    !! Report and warnings come to the same eyes, and the report ends with the same notes.
+    seen_together = is_terminal(standard_output) .and. is_terminal(standard_error)
+  end function seen_together
+
+  subroutine print_warnings(scene, lines)
+    !! Each line with the scene it is about.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: lines
+    integer :: first, last
+    first = 1
+    do while (first <= len(lines))
+      last = first + index(lines(first:), new_line('a')) - 2
+      call print_warning(scene%file//': warning: '//lines(first:last))
+      first = last + 2
+    end do
+  end subroutine print_warnings
+
+  integer function check_command(command) result(status)
+    !! Say what each good scene would simulate; list what is wrong with the others.
+    type(command_type), intent(in) :: command
+    type(scene_type), allocatable :: scenes(:)
+    type(result_layout) :: layout
+    type(error_type), allocatable :: error
+    integer :: i, count
+    call read_and_list(command, scenes, count, status)
+    do i = 1, count
+      call layout_of(scenes(i), layout, error)
+      if (allocated(error)) then
+        call print_error(error)
+        status = max(status, error%status)
+      else if (.not. command%quiet) then
+        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//cost_summary(layout))
+      end if
+    end do
+  end function check_command
+
+  subroutine read_and_list(command, scenes, count, status)
+    !! Read all scenes and print what is wrong with the bad ones.
+    type(command_type), intent(in) :: command
+    type(scene_type), allocatable, intent(out) :: scenes(:)
+    integer, intent(out) :: count                  !! how many of `scenes` are good
+    integer, intent(out) :: status                 !! the highest of the errors'
+    type(error_type), allocatable :: errors(:)
+    integer :: i
+    call read_scenes(command%words, scenes, count, errors)
+    status = status_done
+    do i = 1, size(errors)
+      call print_error(errors(i))
+      status = max(status, errors(i)%status)
+    end do
+  end subroutine read_and_list
+
+  integer function describe_command(command) result(status)
+    type(command_type), intent(in) :: command
+    character(:), allocatable :: group, text
+    type(error_type), allocatable :: error
+    group = ''
+    if (size(command%words) == 1) group = command%words(1)%text
+    text = describe_text(group, error)
+    status = status_done
+    if (allocated(error)) then
+      call print_error(error)
+      status = error%status
+    else
+      call print_report(text)
+    end if
+  end function describe_command
+
+end module bw_commands

@@ -1,0 +1,98 @@
+module bw_process
+  !! How the process ends: its exit status, the signals that ask it to stop, and faults.
+  !!
+  !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
+  !! that runs at exit turns every ending that `leave` did not announce into `status_fault`.
+  use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  use bw_error, only: status_bad_file, status_fault
+  implicit none (type, external)
+  private
+  public :: watch_over_process, stop_signal, leave
+
+  integer(c_int), parameter :: sigint = 2, sigusr1 = 10, sigterm = 15                    ! Linux, any processor
+  integer(c_int), parameter :: sigill = 4, sigabrt = 6, sigbus = 7, sigfpe = 8, sigsegv = 11
+  integer(c_int), parameter :: fault_signals(5) = [sigill, sigabrt, sigbus, sigfpe, sigsegv]
+
+  logical :: orderly = .false.                   ! set by `leave`
+  integer(c_int), volatile :: received = 0       ! the last signal that asked to stop
+
+  interface
+    type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
+      import :: c_funptr, c_int
+      integer(c_int), value :: number
+      type(c_funptr), value :: handler
+    end function c_signal
+    integer(c_int) function c_atexit(handler) bind(c, name='atexit')
+      import :: c_funptr, c_int
+      type(c_funptr), value :: handler
+    end function c_atexit
+    subroutine gfortran_backtrace() bind(c, name='_gfortran_backtrace')   ! not of the standard, so named by its symbol
+    end subroutine gfortran_backtrace
+    subroutine c_exit(status) bind(c, name='exit')
+      import :: c_int
+      integer(c_int), value :: status
+    end subroutine c_exit
+    subroutine c_exit_now(status) bind(c, name='_exit')
+      import :: c_int
+      integer(c_int), value :: status
+    end subroutine c_exit_now
+  end interface
+
+contains
+
+  subroutine watch_over_process()
+    !! Call once, first.
+    type(c_funptr) :: ignored
+    integer(c_int) :: status
+    integer :: i
+    status = c_atexit(c_funloc(on_exit))
+    ignored = c_signal(sigint, c_funloc(on_stop))
+    ignored = c_signal(sigterm, c_funloc(on_stop))
+    ignored = c_signal(sigusr1, c_funloc(on_stop))
+    do i = 1, size(fault_signals)
+      ignored = c_signal(fault_signals(i), c_funloc(on_fault))
+    end do
+  end subroutine watch_over_process
+
+  integer function stop_signal()
+    !! The signal that asked to stop; 0 for none.
+    stop_signal = int(received)
+  end function stop_signal
+
+  subroutine leave(status)
+    !! End the process with this status, or with `status_bad_file` if what was printed cannot be written.
+    integer, intent(in) :: status
+    integer :: last, stat
+    last = status
+    flush (output_unit, iostat=stat)
+    if (stat /= 0) then
+      write (error_unit, '(a)', iostat=stat) 'beamwave: standard output cannot be written'
+      last = max(last, status_bad_file)
+    end if
+    orderly = .true.
+    call c_exit(int(last, c_int))
+  end subroutine leave
+
+  subroutine on_stop(number) bind(c)
+    !! Remember the signal; a second one ends the process at once.
+    integer(c_int), value :: number
+    if (received /= 0) call c_exit_now(128_c_int + number)
+    received = number
+  end subroutine on_stop
+
+  subroutine on_fault(number) bind(c)
+    integer(c_int), value :: number
+    write (error_unit, '(a,i0,a)') 'beamwave: a fault in the program (signal ', number, '): please report it'
+    call gfortran_backtrace()
+    call c_exit_now(int(status_fault, c_int))
+  end subroutine on_fault
+
+  subroutine on_exit() bind(c)
+    if (orderly) return
+    write (error_unit, '(a)') 'beamwave: a fault in the program: please report it'
+    flush (error_unit)
+    call c_exit_now(int(status_fault, c_int))
+  end subroutine on_exit
+
+end module bw_process

@@ -1,0 +1,127 @@
+module bw_terminal_progress
+  !! Progress on standard error: a bar on a terminal once a run takes longer than a second, lines in a log; and when to
+  !! stop: after a signal, or when the time that was given is up.
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  use bw_kinds, only: dp, i8
+  use bw_posix, only: is_terminal, standard_error
+  use bw_process, only: stop_signal
+  use bw_progress, only: progress_type
+  use bw_stopwatch, only: wall_seconds
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: terminal_progress_to
+
+  real(dp), parameter :: quiet_seconds = 1.0_dp       !! shorter runs show nothing
+  real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two pictures of the bar
+  real(dp), parameter :: log_interval = 5.0_dp        !! s between two lines of a log
+  integer, parameter :: bar_width = 30
+
+  type, extends(progress_type), public :: terminal_progress
+    private
+    character(:), allocatable :: name
+    integer(i8) :: cases = 1, done = 0, taken_over = 0
+    real(dp) :: started = 0.0_dp, shown = 0.0_dp
+    real(dp) :: deadline = huge(1.0_dp)               !! on the clock of `wall_seconds`
+    logical :: quiet = .false.
+    logical :: on_terminal = .false.
+    logical :: bar_stands = .false.                   !! a bar is on the screen
+  contains
+    procedure :: begin
+    procedure :: case_done
+    procedure :: end => end_scene
+    procedure :: advance
+    procedure :: stop_requested
+  end type terminal_progress
+
+contains
+
+  type(terminal_progress) function terminal_progress_to(deadline, quiet) result(progress)
+    real(dp), intent(in) :: deadline                  !! when to stop, on the clock of `wall_seconds`
+    logical, intent(in) :: quiet
+    progress%deadline = deadline
+    progress%quiet = quiet
+    progress%on_terminal = is_terminal(standard_error)
+  end function terminal_progress_to
+
+  subroutine begin(self, name, cases, finished)
+    class(terminal_progress), intent(inout) :: self
+    character(*), intent(in) :: name
+    integer(i8), intent(in) :: cases, finished
+    self%name = name
+    self%cases = cases
+    self%done = finished
+    self%taken_over = finished
+    self%started = wall_seconds()
+    self%shown = self%started
+  end subroutine begin
+
+  subroutine case_done(self)
+    class(terminal_progress), intent(inout) :: self
+    self%done = self%done + 1
+    call self%advance(0.0_dp)
+  end subroutine case_done
+
+  subroutine advance(self, fraction)
+    class(terminal_progress), intent(inout) :: self
+    real(dp), intent(in) :: fraction
+    real(dp) :: now, interval
+    if (self%quiet) return
+    now = wall_seconds()
+    if (now - self%started < quiet_seconds) return
+    interval = merge(terminal_interval, log_interval, self%on_terminal)
+    if (now - self%shown < interval) return
+    self%shown = now
+    call show(self, fraction, now)
+  end subroutine advance
+
+  subroutine show(self, fraction, now)
+    class(terminal_progress), intent(inout) :: self
+    real(dp), intent(in) :: fraction, now
+    real(dp) :: part, new_part
+    character(:), allocatable :: line
+    integer :: filled
+    part = (real(self%done, dp) + fraction)/real(self%cases, dp)
+    new_part = (real(self%done - self%taken_over, dp) + fraction)/real(self%cases, dp)
+    line = self%name//'  '//text_of(nint(100.0_dp*part))//' %'
+    if (self%cases > 1) line = line//'  case '//text_of(self%done)//' of '//text_of(self%cases)
+    if (new_part > 0.0_dp) line = line//'  '//duration_text((now - self%started)*(1.0_dp - part)/new_part)//' left'
+    if (self%on_terminal) then
+      filled = min(bar_width, int(bar_width*part))
+      line = achar(13)//'['//repeat('#', filled)//repeat('.', bar_width - filled)//'] '//line//achar(27)//'[K'
+      write (error_unit, '(a)', advance='no') line
+      self%bar_stands = .true.
+    else
+      write (error_unit, '(a)') line
+    end if
+    flush (error_unit)
+  end subroutine show
+
+  pure function duration_text(seconds) result(text)
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: text
+    if (seconds < 120.0_dp) then
+      text = text_of(ceiling(seconds))//' s'
+    else if (seconds < 7200.0_dp) then
+      text = text_of(ceiling(seconds/60.0_dp))//' min'
+    else
+      text = text_of(ceiling(min(seconds, 1.0e9_dp)/3600.0_dp))//' h'
+    end if
+  end function duration_text
+
+  subroutine end_scene(self)
+    !! Take the bar off the screen.
+    class(terminal_progress), intent(inout) :: self
+    if (.not. self%bar_stands) return
+    write (error_unit, '(a)', advance='no') achar(13)//achar(27)//'[K'
+    flush (error_unit)
+    self%bar_stands = .false.
+  end subroutine end_scene
+
+  logical function stop_requested(self)
+    class(terminal_progress), intent(inout) :: self
+    stop_requested = stop_signal() /= 0
+    if (.not. stop_requested .and. self%deadline < huge(1.0_dp)) stop_requested = wall_seconds() >= self%deadline
+  end function stop_requested
+
+end module bw_terminal_progress

@@ -1,0 +1,164 @@
+module bw_double_double
+  !! Numbers as unevaluated sums of two binary64 numbers, about 32 digits, at a few flops an operation.
+  !!
+  !! Used where one number per mode must outlive binary64: roots, frequencies, phases. The products rely on
+  !! every product being rounded on its own: compile with `-ffp-contract=off`. Scaling an operand by a power
+  !! of two scales the result exactly, within the range \(2^{\pm 900}\).
+  !!
+  !! **Source**: Dekker (1971), doi:10.1007/BF01397083; Joldes, Muller, Popescu (2017), doi:10.1145/3121432.
+  use bw_kinds, only: dp, qp
+  implicit none (type, external)
+  private
+  public :: two_sum, two_product, to_dd, to_quad, sqrt, operator(+), operator(-), operator(*), operator(/)
+
+  type, public :: dd
+    !! The number hi + lo, |lo| ≤ half a unit in the last place of hi.
+    real(dp) :: hi = 0.0_dp
+    real(dp) :: lo = 0.0_dp
+  end type dd
+
+  type(dd), parameter, public :: dd_pi = dd(3.141592653589793116_dp, 1.224646799147353207e-16_dp)
+
+  interface to_dd
+    module procedure :: dd_from_real, dd_from_quad
+  end interface to_dd
+  interface operator(+)
+    module procedure :: add_dd, add_real
+  end interface
+  interface operator(-)
+    module procedure :: subtract_dd, negate_dd
+  end interface
+  interface operator(*)
+    module procedure :: multiply_dd, multiply_real
+  end interface
+  interface operator(/)
+    module procedure :: divide_dd
+  end interface
+  interface sqrt
+    module procedure :: sqrt_dd
+  end interface
+
+contains
+
+  elemental subroutine two_sum(a, b, sum, rest)
+    !! sum + rest = a + b exactly (Knuth).
+    real(dp), intent(in) :: a, b
+    real(dp), intent(out) :: sum, rest
+    real(dp) :: t
+    sum = a + b
+    t = sum - a
+    rest = (a - (sum - t)) + (b - t)
+  end subroutine two_sum
+
+  elemental subroutine two_product(a, b, product, rest)
+    !! product + rest = a·b exactly, unless a part of it under- or overflows (Dekker, Veltkamp).
+    real(dp), intent(in) :: a, b
+    real(dp), intent(out) :: product, rest
+    real(dp) :: a_hi, a_lo, b_hi, b_lo
+    product = a*b
+    call split(a, a_hi, a_lo)
+    call split(b, b_hi, b_lo)
+    rest = ((a_hi*b_hi - product) + a_hi*b_lo + a_lo*b_hi) + a_lo*b_lo
+  end subroutine two_product
+
+  elemental subroutine split(a, hi, lo)
+    !! Two halves of 26 bits each.
+    real(dp), intent(in) :: a
+    real(dp), intent(out) :: hi, lo
+    real(dp), parameter :: splitter = 134217729.0_dp   ! 2²⁷ + 1
+    real(dp) :: t
+    t = splitter*a
+    hi = t - (t - a)
+    lo = a - hi
+  end subroutine split
+
+  elemental type(dd) function normal(hi, lo)
+    !! hi + lo with the parts made not to overlap; |hi| ≥ |lo| or hi = 0.
+    real(dp), intent(in) :: hi, lo
+    normal%hi = hi + lo
+    normal%lo = lo - (normal%hi - hi)
+  end function normal
+
+  elemental type(dd) function dd_from_real(value)
+    real(dp), intent(in) :: value
+    dd_from_real = dd(value, 0.0_dp)
+  end function dd_from_real
+
+  elemental type(dd) function dd_from_quad(value)
+    real(qp), intent(in) :: value
+    dd_from_quad%hi = real(value, dp)
+    dd_from_quad%lo = real(value - dd_from_quad%hi, dp)
+  end function dd_from_quad
+
+  elemental real(qp) function to_quad(value)
+    type(dd), intent(in) :: value
+    to_quad = real(value%hi, qp) + real(value%lo, qp)
+  end function to_quad
+
+  elemental type(dd) function add_dd(a, b) result(c)
+    type(dd), intent(in) :: a, b
+    real(dp) :: s, e, t, f
+    call two_sum(a%hi, b%hi, s, e)
+    call two_sum(a%lo, b%lo, t, f)
+    c = normal(s, e + t)
+    c = normal(c%hi, c%lo + f)
+  end function add_dd
+
+  elemental type(dd) function add_real(a, b) result(c)
+    type(dd), intent(in) :: a
+    real(dp), intent(in) :: b
+    real(dp) :: s, e
+    call two_sum(a%hi, b, s, e)
+    c = normal(s, e + a%lo)
+  end function add_real
+
+  elemental type(dd) function negate_dd(a) result(c)
+    type(dd), intent(in) :: a
+    c = dd(-a%hi, -a%lo)
+  end function negate_dd
+
+  elemental type(dd) function subtract_dd(a, b) result(c)
+    type(dd), intent(in) :: a, b
+    c = add_dd(a, negate_dd(b))
+  end function subtract_dd
+
+  elemental type(dd) function multiply_dd(a, b) result(c)
+    type(dd), intent(in) :: a, b
+    real(dp) :: p, e
+    call two_product(a%hi, b%hi, p, e)
+    c = normal(p, e + (a%hi*b%lo + a%lo*b%hi))
+  end function multiply_dd
+
+  elemental type(dd) function multiply_real(a, b) result(c)
+    type(dd), intent(in) :: a
+    real(dp), intent(in) :: b
+    real(dp) :: p, e
+    call two_product(a%hi, b, p, e)
+    c = normal(p, e + a%lo*b)
+  end function multiply_real
+
+  elemental type(dd) function divide_dd(a, b) result(c)
+    !! b ≠ 0.
+    type(dd), intent(in) :: a, b
+    real(dp) :: q
+    type(dd) :: rest
+    q = a%hi/b%hi
+    rest = subtract_dd(a, multiply_real(b, q))
+    c = normal(q, (rest%hi + rest%lo)/b%hi)
+  end function divide_dd
+
+  elemental type(dd) function sqrt_dd(a) result(c)
+    !! a ≥ 0.
+    type(dd), intent(in) :: a
+    real(dp) :: root
+    type(dd) :: rest
+    if (a%hi <= 0.0_dp) then
+      c = dd(0.0_dp, 0.0_dp)
+      return
+    end if
+    root = sqrt(a%hi)
+    rest = subtract_dd(a, multiply_real(dd(root, 0.0_dp), root))
+    c = normal(root, 0.5_dp*(rest%hi + rest%lo)/root)
+  end function sqrt_dd
+
+end module bw_double_double

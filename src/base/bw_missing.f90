@@ -1,0 +1,18 @@
+module bw_missing
+  !! The number that stands for 'does not exist' in arrays of results, and as `_FillValue` in files.
+  !! A plain finite number, so that it passes floating-point traps.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: is_missing
+
+  real(dp), parameter, public :: missing = 9.9692099683868690e+36_dp  !! NetCDF's own fill value for doubles
+
+contains
+
+  elemental logical function is_missing(value)
+    real(dp), intent(in) :: value
+    is_missing = value == missing
+  end function is_missing
+
+end module bw_missing

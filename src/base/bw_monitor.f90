@@ -1,0 +1,51 @@
+module bw_monitor
+  !! How long work tells of its progress and learns that it should stop, without knowing who listens.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+
+  type, abstract, public :: monitor_type
+  contains
+    procedure(advance_interface), deferred :: advance
+    procedure(stop_interface), deferred :: stop_requested
+  end type monitor_type
+
+  abstract interface
+    subroutine advance_interface(self, fraction)
+      !! Called now and then with the finished part, 0 … 1, of the case at hand.
+      import :: monitor_type, dp
+      class(monitor_type), intent(inout) :: self
+      real(dp), intent(in) :: fraction
+    end subroutine advance_interface
+
+    logical function stop_interface(self)
+      !! True when the work at hand should be left as it is: a signal came, or time is up.
+      import :: monitor_type
+      class(monitor_type), intent(inout) :: self
+    end function stop_interface
+  end interface
+
+  type, extends(monitor_type), public :: silent_monitor
+    !! Listens to nothing and never stops.
+  contains
+    procedure :: advance => ignore
+    procedure :: stop_requested => never
+  end type silent_monitor
+
+contains
+
+  subroutine ignore(self, fraction)
+    class(silent_monitor), intent(inout) :: self
+    real(dp), intent(in) :: fraction
+    associate (unused => self, unused_too => fraction)
+    end associate
+  end subroutine ignore
+
+  logical function never(self)
+    class(silent_monitor), intent(inout) :: self
+    associate (unused => self)
+    end associate
+    never = .false.
+  end function never
+
+end module bw_monitor

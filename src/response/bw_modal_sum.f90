@@ -1,0 +1,121 @@
+module bw_modal_sum
+  !! Histories of stable modes, \( v(\xi,t) = \sum_k \Phi_k(\xi)\,[q_k\cos\beta_k t + \dot q_k \sin\beta_k t/\beta_k] \),
+  !! Eq. 29, by products of matrices.
+  !!
+  !! Time is cut into blocks. The modal state at a block's start follows from a phase that is reduced modulo 2π
+  !! before it is rounded; within the block every mode turns alike, so all samples of all blocks are one product of
+  !! the table of turns with the table of states. Nothing is carried from sample to sample: no error grows with time.
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
+  use bw_monitor, only: monitor_type
+  use bw_time_grid, only: time_grid
+  implicit none (type, external)
+  private
+  public :: add_stable_modes
+
+  integer, parameter :: chunk_blocks = 32     !! tuned: the product's right side stays in the cache
+
+contains
+
+  subroutine add_stable_modes(beta_squared, q, q_dot, shapes, grid, monitor, displacement, velocity)
+    !! Adds the motion that starts from the modal state (q, q_dot) at t = 0; leaves early if the monitor asks for it.
+    type(dd), intent(in) :: beta_squared(:)         !! β² > 0, (modes)
+    real(dp), intent(in) :: q(:), q_dot(:)          !! modal displacements and velocities at t = 0, (modes)
+    real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
+    type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor
+    real(dp), intent(inout) :: displacement(:, :)   !! (samples, points)
+    real(dp), intent(inout), optional :: velocity(:, :)
+    type(dd) :: beta(size(q)), cycles(size(q))
+    real(dp), dimension(block_length(grid%samples), 2*size(q)) :: turn, turn_rate
+    real(dp), dimension(size(q), chunk_blocks) :: state, state_dot
+    real(dp) :: right(2*size(q), chunk_blocks)
+    integer :: b, first, blocks, length, n, p
+    n = size(q)
+    length = size(turn, 1)
+    if (n == 0) return
+    beta = sqrt(beta_squared)
+    cycles = beta*grid%step/(dd_pi*2.0_dp)
+    call turns_in_block(beta%hi, cycles, turn, turn_rate)
+    do first = 0, grid%samples - 1, length*chunk_blocks
+      blocks = min(chunk_blocks, (grid%samples - first + length - 1)/length)
+      call states_at_blocks([(first + b*length, b=0, blocks - 1)], beta%hi, cycles, q, q_dot, state, state_dot)
+      do p = 1, size(shapes, 2)
+        right(:n, :blocks) = spread(shapes(:, p), 2, blocks)*state(:, :blocks)
+        right(n + 1:, :blocks) = spread(shapes(:, p), 2, blocks)*state_dot(:, :blocks)
+        call add_product(turn, right(:, :blocks), first, displacement(:, p))
+        if (present(velocity)) call add_product(turn_rate, right(:, :blocks), first, velocity(:, p))
+      end do
+      call monitor%advance(real(first, dp)/grid%samples)
+      if (monitor%stop_requested()) return
+    end do
+  end subroutine add_stable_modes
+
+  pure integer function block_length(samples) result(length)
+    !! A power of two near √samples: the two tables of turns together are smallest there.
+    integer, intent(in) :: samples
+    length = 2**min(8, max(3, nint(0.5_dp*log(real(samples, dp))/log(2.0_dp))))
+  end function block_length
+
+  pure subroutine turns_in_block(beta, cycles, turn, turn_rate)
+    !! Rows: samples of a block. Columns: C_k then S_k for displacements, −β²S_k then C_k for velocities.
+    real(dp), intent(in) :: beta(:)
+    type(dd), intent(in) :: cycles(:)
+    real(dp), intent(out) :: turn(:, :), turn_rate(:, :)
+    real(dp) :: c, s
+    integer :: k, j, n
+    n = size(beta)
+    do k = 1, n
+      do j = 1, size(turn, 1)
+        call turn_by(cycles(k), j - 1, c, s)
+        turn(j, k) = c
+        turn(j, n + k) = s/beta(k)
+        turn_rate(j, k) = -beta(k)*s
+        turn_rate(j, n + k) = c
+      end do
+    end do
+  end subroutine turns_in_block
+
+  pure subroutine states_at_blocks(start, beta, cycles, q, q_dot, state, state_dot)
+    !! Modal state at the first sample of each block.
+    integer, intent(in) :: start(:)         !! samples before each block
+    real(dp), intent(in) :: beta(:), q(:), q_dot(:)
+    type(dd), intent(in) :: cycles(:)
+    real(dp), intent(out) :: state(:, :), state_dot(:, :)
+    real(dp) :: c, s
+    integer :: k, b
+    do b = 1, size(start)
+      do k = 1, size(q)
+        call turn_by(cycles(k), start(b), c, s)
+        state(k, b) = q(k)*c + q_dot(k)*(s/beta(k))
+        state_dot(k, b) = q_dot(k)*c - beta(k)*q(k)*s
+      end do
+    end do
+  end subroutine states_at_blocks
+
+  pure subroutine turn_by(cycles, sample, c, s)
+    !! cos and sin of 2π·cycles·sample, the phase reduced in double-double.
+    type(dd), intent(in) :: cycles        !! turns per sample
+    integer, intent(in) :: sample
+    real(dp), intent(out) :: c, s
+    type(dd) :: phase
+    real(dp) :: angle
+    phase = cycles*real(sample, dp)
+    angle = 2.0_dp*dd_pi%hi*((phase%hi - anint(phase%hi)) + phase%lo)
+    c = cos(angle)
+    s = sin(angle)
+  end subroutine turn_by
+
+  pure subroutine add_product(left, right, first, history)
+    real(dp), intent(in) :: left(:, :), right(:, :)
+    integer, intent(in) :: first                  !! samples before the first of the product
+    real(dp), intent(inout) :: history(:)
+    real(dp) :: product(size(left, 1), size(right, 2))
+    integer :: length
+    product = matmul(left, right)
+    length = min(size(product), size(history) - first)
+    history(first + 1:first + length) = history(first + 1:first + length) &
+      + reshape(product, [length])
+  end subroutine add_product
+
+end module bw_modal_sum

@@ -1,0 +1,92 @@
+module bw_response
+  !! Modal state to histories at points of the beam: Eqs 27–30.
+  !!
+  !! The answer is exact in modal coordinates: what limits it is the truncation of the modes. It never asks which
+  !! event left the state that it starts from. Velocities that are not asked for are an unallocated array, which the
+  !! sums below receive as an absent argument.
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd
+  use bw_growing_modes, only: add_growing_mode, samples_until_overflow
+  use bw_missing, only: missing
+  use bw_modal_sum, only: add_stable_modes
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
+  use bw_time_grid, only: time_grid
+  implicit none (type, external)
+  private
+  public :: free_motion
+
+  type, public :: response_type
+    !! Histories in the rotating frame, SI units.
+    real(dp), allocatable :: displacement(:, :)   !! m, (samples, points); missing from the first overflow on
+    real(dp), allocatable :: velocity(:, :)       !! m/s, (samples, points); allocated only if asked for
+    integer :: finite_samples = 0                 !! samples before the first overflow; all where there is none
+    integer :: failing_mode = 0                   !! the mode that overflows first; 0 where none does
+  end type response_type
+
+contains
+
+  subroutine free_motion(modes, q_dot, points, grid, unit_time, with_velocity, monitor, response)
+    !! The motion that starts from rest position with given modal velocities.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q_dot(:)             !! modal velocities at t = 0, m/s, (modes)
+    real(dp), intent(in) :: points(:)            !! ξ, (points)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time            !! l²/h, s
+    logical, intent(in) :: with_velocity
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(out) :: response
+    real(dp) :: shapes(modes%count, size(points))
+    real(dp) :: q(modes%count), rate(modes%count)
+    shapes = modes%shapes(points)
+    q = 0.0_dp
+    rate = q_dot*unit_time
+    allocate (response%displacement(grid%samples, size(points)), source=0.0_dp)
+    if (with_velocity) allocate (response%velocity(grid%samples, size(points)), source=0.0_dp)
+    call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
+    call add_growing(modes%beta_squared, q, rate, shapes, grid, response)
+    response%displacement(response%finite_samples + 1:, :) = missing
+    if (.not. with_velocity) return
+    response%velocity(:response%finite_samples, :) = response%velocity(:response%finite_samples, :)/unit_time
+    response%velocity(response%finite_samples + 1:, :) = missing
+  end subroutine free_motion
+
+  subroutine add_stable(beta_squared, q, rate, shapes, grid, monitor, response)
+    !! Modes below their critical speed, all together.
+    type(dd), intent(in) :: beta_squared(:)
+    real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
+    type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    integer, allocatable :: stable(:)
+    integer :: k
+    stable = pack([(k, k=1, size(q))], beta_squared%hi > 0.0_dp)
+    call add_stable_modes(beta_squared(stable), q(stable), rate(stable), shapes(stable, :), grid, monitor, &
+                          response%displacement, response%velocity)
+  end subroutine add_stable
+
+  pure subroutine add_growing(beta_squared, q, rate, shapes, grid, response)
+    !! Modes at or beyond their critical speed, one by one, up to the first sample that overflows.
+    type(dd), intent(in) :: beta_squared(:)
+    real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
+    type(time_grid), intent(in) :: grid
+    type(response_type), intent(inout) :: response
+    integer, allocatable :: growing(:)
+    integer :: i, k, finite
+    response%finite_samples = grid%samples
+    growing = pack([(k, k=1, size(q))], beta_squared%hi <= 0.0_dp)
+    do i = 1, size(growing)
+      k = growing(i)
+      finite = samples_until_overflow(beta_squared(k), q(k), rate(k), shapes(k, :), grid, allocated(response%velocity))
+      if (finite >= response%finite_samples) cycle
+      response%finite_samples = finite
+      response%failing_mode = k
+    end do
+    do i = 1, size(growing)
+      k = growing(i)
+      call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), grid, response%finite_samples, &
+                            response%displacement, response%velocity)
+    end do
+  end subroutine add_growing
+
+end module bw_response

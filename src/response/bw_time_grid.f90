@@ -1,0 +1,33 @@
+module bw_time_grid
+  !! The times of a history, t_j = j·duration/samples, j = 0 … samples − 1.
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd, to_dd, operator(/)
+  implicit none (type, external)
+  private
+  public :: time_grid_of, sample_times
+
+  type, public :: time_grid
+    integer :: samples = 0
+    type(dd) :: step         !! duration/samples in the beam's unit of time l²/h
+  end type time_grid
+
+contains
+
+  pure type(time_grid) function time_grid_of(duration, samples, unit) result(grid)
+    real(dp), intent(in) :: duration    !! s, > 0
+    integer, intent(in) :: samples      !! ≥ 1
+    type(dd), intent(in) :: unit        !! l²/h, s
+    grid%samples = samples
+    grid%step = to_dd(duration)/to_dd(real(samples, dp))/unit
+  end function time_grid_of
+
+  pure function sample_times(duration, samples) result(times)
+    !! The times themselves, s, (samples).
+    real(dp), intent(in) :: duration
+    integer, intent(in) :: samples
+    real(dp) :: times(samples)
+    integer :: j
+    times = [(real(j, dp), j=0, samples - 1)]*(duration/samples)
+  end function sample_times
+
+end module bw_time_grid

@@ -1,0 +1,45 @@
+module bw_case_result
+  !! Everything that one case yields, as the rooms before this one hand it over.
+  use bw_kinds, only: dp
+  use bw_beam_units, only: beam_units
+  use bw_event, only: event_type
+  use bw_impact, only: impact_type
+  use bw_measured, only: measured_type
+  use bw_mode_set, only: mode_set
+  use bw_response, only: response_type
+  use bw_text, only: string
+  implicit none (type, external)
+  private
+  public :: add_note
+
+  integer, parameter, public :: case_done = 0, case_diverged = 1
+  character(*), parameter, public :: case_words(0:1) = [character(8) :: 'done', 'diverged']   !! by number
+
+  type, public :: case_result
+    !! An unallocated component was not asked for.
+    type(beam_units) :: units
+    class(mode_set), allocatable :: modes             !! in force after t = 0
+    class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
+    logical :: can_grow = .false.                     !! rotation acts in the plane of the motion
+    type(impact_type), allocatable :: impact
+    real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
+    real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)
+    real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
+    type(event_type), allocatable :: events(:)        !! in the order of time
+    type(response_type), allocatable :: response      !! SI
+    real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
+    type(measured_type), allocatable :: measured      !! SI
+    integer :: status = case_done
+    type(string), allocatable :: notes(:)             !! what the report warns of
+  end type case_result
+
+contains
+
+  pure subroutine add_note(result, text)
+    type(case_result), intent(inout) :: result
+    character(*), intent(in) :: text
+    if (.not. allocated(result%notes)) allocate (result%notes(0))
+    result%notes = [result%notes, string(text)]
+  end subroutine add_note
+
+end module bw_case_result

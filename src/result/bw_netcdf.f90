@@ -1,0 +1,70 @@
+module bw_netcdf
+  !! NetCDF calls with errors as values, and variables defined the way every result file wants them.
+  use bw_kinds, only: dp, i4
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_missing, only: missing
+  use netcdf, only: nf90_clobber, nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_get_att, nf90_global, &
+    nf90_inquire_attribute, nf90_netcdf4, nf90_noerr, nf90_put_att, nf90_strerror
+  implicit none (type, external)
+  private
+  public :: check, create_file, define_variable, text_attribute
+
+  integer(i4), parameter, public :: unwritten = nf90_fill_int   !! what an integer reads as before it is written
+
+contains
+
+  subroutine check(status, path, error)
+    !! Turn a NetCDF status into an error that names the file. Keeps an error that is there.
+    integer, intent(in) :: status
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(inout) :: error
+    if (status == nf90_noerr .or. allocated(error)) return
+    call fail(error, status_bad_file, path//': '//trim(nf90_strerror(status)))
+  end subroutine check
+
+  subroutine create_file(path, id, error)
+    character(*), intent(in) :: path
+    integer, intent(out) :: id
+    type(error_type), allocatable, intent(out) :: error
+    call check(nf90_create(path, ior(nf90_netcdf4, nf90_clobber), id), path, error)
+  end subroutine create_file
+
+  subroutine define_variable(file, path, name, kind, dimensions, units, long_name, variable, error, coordinate)
+    !! A variable with its unit and meaning. Doubles get an explicit fill value unless they are coordinates, which
+    !! never hold it; integers always exist, and one would make xarray read them as reals.
+    integer, intent(in) :: file
+    character(*), intent(in) :: path, name
+    integer, intent(in) :: kind                    !! nf90_double or nf90_int
+    integer, intent(in) :: dimensions(:)           !! fastest first; none for a scalar
+    character(*), intent(in) :: units, long_name
+    integer, intent(out) :: variable
+    type(error_type), allocatable, intent(inout) :: error
+    logical, intent(in), optional :: coordinate
+    logical :: filled
+    call check(nf90_def_var(file, name, kind, dimensions, variable), path, error)
+    if (allocated(error)) return
+    if (present(coordinate)) then
+      filled = .not. coordinate
+    else
+      filled = kind == nf90_double
+    end if
+    if (filled) call check(nf90_put_att(file, variable, '_FillValue', missing), path, error)
+    call check(nf90_put_att(file, variable, 'units', units), path, error)
+    call check(nf90_put_att(file, variable, 'long_name', trim(long_name)), path, error)
+  end subroutine define_variable
+
+  function text_attribute(file, name) result(text)
+    !! A global attribute; empty where it is not there.
+    integer, intent(in) :: file
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    integer :: length, status
+    text = ''
+    if (nf90_inquire_attribute(file, nf90_global, name, len=length) /= nf90_noerr) return
+    deallocate (text)
+    allocate (character(length) :: text)
+    status = nf90_get_att(file, nf90_global, name, text)
+    if (status /= nf90_noerr) text = ''
+  end function text_attribute
+
+end module bw_netcdf

@@ -1,0 +1,179 @@
+module bw_report
+  !! The printed report of a case: the first modes with their wave velocities, the jump, the balance, what was
+  !! measured in the histories, and what to beware of.
+  use bw_kinds, only: dp
+  use bw_case_result, only: case_result
+  use bw_event, only: event_words
+  use bw_missing, only: is_missing
+  use bw_result_values, only: named_value
+  use bw_stopwatch, only: stage_words
+  use bw_text, only: shortest, text_of
+  use bw_text_builder, only: text_builder
+  implicit none (type, external)
+  private
+  public :: case_report, case_line, case_heading, notes_report, stage_report
+
+  integer, parameter :: shown_modes = 10, shown_peaks = 10
+
+contains
+
+  function case_report(result) result(text)
+    type(case_result), intent(in) :: result
+    character(:), allocatable :: text
+    type(text_builder) :: lines
+    call report_modes(result, lines)
+    if (allocated(result%impact)) call report_impact(result, lines)
+    if (allocated(result%measured)) call report_measured(result, lines)
+    text = lines%text()
+  end function case_report
+
+  subroutine report_modes(result, lines)
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    real(dp) :: critical(1)
+    call lines%append_line('')
+    call lines%append_line('  mode       alpha  wave number    frequency  phase velocity  group velocity')
+    call lines%append_line('                            1/m        rad/s             m/s             m/s')
+    call report_columns(lines, shown_modes, &
+                        named_value(result, 'alpha'), named_value(result, 'wavenumber'), &
+                        named_value(result, 'angular_frequency'), named_value(result, 'phase_velocity'), &
+                        named_value(result, 'group_velocity'))
+    critical = named_value(result, 'critical_angular_velocity')
+    if (is_missing(critical(1))) return
+    call lines%append_line('  A mode is unstable above '//shortest(critical(1), 6)//' rad/s.')
+  end subroutine report_modes
+
+  subroutine report_columns(lines, most, first, second, third, fourth, fifth)
+    !! Numbered rows, at most `most` of them.
+    type(text_builder), intent(inout) :: lines
+    integer, intent(in) :: most
+    real(dp), intent(in) :: first(:), second(:), third(:), fourth(:), fifth(:)
+    integer :: k
+    do k = 1, min(most, size(first))
+      call lines%append_line(right(text_of(k), 6)//right(fixed(first(k)), 12)//right(fixed(second(k)), 13)// &
+                             right(fixed(third(k)), 13)//right(fixed(fourth(k)), 16)//right(fixed(fifth(k)), 16))
+    end do
+    if (size(first) > most) call lines%append_line('   ...  '//text_of(size(first))//' in all')
+  end subroutine report_columns
+
+  subroutine report_impact(result, lines)
+    !! The jump, and the balance of every event.
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after
+    real(dp) :: state(3)
+    integer :: i
+    state = [named_value(result, 'impulse'), named_value(result, 'mass_velocity'), named_value(result, 'tip_velocity')]
+    call lines%append_line('')
+    call lines%append_line('  Just after the impact: impulse '//shortest(state(1), 6)//' N s, mass '// &
+                           shortest(state(2), 6)//' m/s, tip '//shortest(state(3), 6)//' m/s')
+    call lines%append_line('')
+    call lines%append_line('  event      energy before    energy after  momentum before  momentum after')
+    call lines%append_line('                         J               J           kg m/s          kg m/s')
+    energy_before = named_value(result, 'energy_before')
+    energy_after = named_value(result, 'energy_after')
+    momentum_before = named_value(result, 'momentum_before')
+    momentum_after = named_value(result, 'momentum_after')
+    do i = 1, size(result%events)
+      call lines%append_line('  '//event_words(result%events(i)%kind)//right(fixed(energy_before(i)), 16)// &
+                             right(fixed(energy_after(i)), 16)//right(fixed(momentum_before(i)), 17)// &
+                             right(fixed(momentum_after(i)), 16))
+    end do
+  end subroutine report_impact
+
+  subroutine report_measured(result, lines)
+    !! Waves found in the histories, with the bounds of their errors.
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    if (result%measured%peak_count == 0) return
+    call lines%append_line('')
+    call lines%append_line('  Measured in the tip and midpoint histories alone; +/- is a bound of the error')
+    call lines%append_line('  peak   frequency          +/-  wave number  phase velocity  group velocity')
+    call lines%append_line('             rad/s        rad/s          1/m             m/s             m/s')
+    call report_columns(lines, shown_peaks, &
+                        named_value(result, 'measured_angular_frequency'), &
+                        named_value(result, 'measured_angular_frequency_error'), &
+                        named_value(result, 'measured_wavenumber'), &
+                        named_value(result, 'measured_phase_velocity'), &
+                        named_value(result, 'measured_group_velocity'))
+  end subroutine report_measured
+
+  function case_heading() result(text)
+    !! Heads the rows of `case_line`.
+    character(:), allocatable :: text
+    text = '    case   mode 1: frequency  phase velocity  group velocity   swept'//new_line('a')// &
+           '                       rad/s             m/s             m/s'//new_line('a')
+  end function case_heading
+
+  function case_line(case_number, swept, result) result(text)
+    !! One line of a sweep.
+    integer, intent(in) :: case_number
+    character(*), intent(in) :: swept             !! 'name = value, …'
+    type(case_result), intent(in) :: result
+    character(:), allocatable :: text
+    real(dp) :: first(3)
+    real(dp), allocatable :: values(:)
+    values = named_value(result, 'angular_frequency')
+    first(1) = values(1)
+    values = named_value(result, 'phase_velocity')
+    first(2) = values(1)
+    values = named_value(result, 'group_velocity')
+    first(3) = values(1)
+    text = right(text_of(case_number), 8)//right(fixed(first(1)), 20)//right(fixed(first(2)), 16)// &
+      right(fixed(first(3)), 16)//'   '//swept//new_line('a')
+  end function case_line
+
+  pure function notes_report(notes) result(text)
+    !! The notes as they stand in the file, one to a line, indented and marked.
+    character(*), intent(in) :: notes             !! lines
+    character(:), allocatable :: text
+    integer :: first, last
+    text = ''
+    first = 1
+    do while (first <= len(notes))
+      last = first + index(notes(first:)//new_line('a'), new_line('a')) - 2
+      text = text//'  note: '//notes(first:last)//new_line('a')
+      first = last + 2
+    end do
+  end function notes_report
+
+  pure function stage_report(seconds) result(text)
+    !! Wall time by stage.
+    real(dp), intent(in) :: seconds(:)            !! (stages)
+    character(:), allocatable :: text
+    integer :: i
+    text = '  time       '
+    do i = 1, size(seconds)
+      if (i > 1) text = text//', '
+      text = text//trim(stage_words(i))//' '//shortest(seconds(i), 3)//' s'
+    end do
+    text = text//new_line('a')
+  end function stage_report
+
+  pure function fixed(value) result(text)
+    !! Seven digits, aligned at the point as far as they can; a dash for what does not exist.
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    character(20) :: buffer
+    text = '-'
+    if (is_missing(value)) return
+    if (value == 0.0_dp) then
+      text = '0'
+    else if (abs(value) >= 1.0e-3_dp .and. abs(value) < 1.0e6_dp) then
+      write (buffer, '(f20.'//text_of(max(0, 6 - max(0, floor(log10(abs(value))))))//')') value
+      text = trim(adjustl(buffer))
+    else
+      write (buffer, '(es20.4e3)') value
+      text = trim(adjustl(buffer))
+    end if
+  end function fixed
+
+  pure function right(text, width) result(field)
+    !! Text at the right of a field that it never overflows.
+    character(*), intent(in) :: text
+    integer, intent(in) :: width
+    character(:), allocatable :: field
+    field = repeat(' ', max(1, width - len(text)))//text
+  end function right
+
+end module bw_report

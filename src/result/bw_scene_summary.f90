@@ -1,0 +1,160 @@
+module bw_scene_summary
+  !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
+  use bw_kinds, only: dp, i8
+  use bw_beam_units, only: beam_units, units_of
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count
+  use bw_text, only: shortest, text_of
+  use bw_text_builder, only: text_builder
+  implicit none (type, external)
+  private
+  public :: scene_heading, scene_summary, cost_summary, result_bytes
+
+contains
+
+  pure function scene_heading(scene) result(text)
+    !! The scene's name, and its title if it has one.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    text = scene%name
+    if (scene%header%title /= '') text = text//': '//scene%header%title
+    text = text//new_line('a')
+  end function scene_heading
+
+  function scene_summary(scene, layout) result(text)
+    !! A few lines, indented by two.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: text
+    type(text_builder) :: lines
+    type(beam_units) :: units
+    units = units_of(scene%beam)
+    call lines%append_line('  scene      '//scene%file)
+    call lines%append_line('  beam       length '//shortest(units%length, 6)//' m, mass '//shortest(units%mass, 6)// &
+                           ' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+    call lines%append_line('  effects    '//effects_text(scene))
+    call lines%append_line('  method     closed form, '//modes_text(scene, layout))
+    if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
+    if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
+    text = lines%text()
+  end function scene_summary
+
+  function effects_text(scene) result(text)
+    !! The groups that are there, with their numbers.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    text = ''
+    if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
+      scene%rotation%angular_velocity)//' rad/s '//scene%rotation%plane//' plane'
+    if (allocated(scene%impact)) then
+      text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
+        number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity)//' m/s, restitution '// &
+        number_or_swept(scene, 'impact%restitution', scene%impact%restitution)//')'
+      if (allocated(scene%capture)) then
+        text = text//', capture'
+      else
+        text = text//', rebound'
+      end if
+    end if
+    if (text == '') text = ', none: modes and wave velocities of the beam alone'
+    text = text(3:)
+  end function effects_text
+
+  function mass_text(scene) result(text)
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio)
+    if (is_swept(scene, 'impact%mass')) text = 'swept'
+  end function mass_text
+
+  function modes_text(scene, layout) result(text)
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: text
+    if (allocated(scene%capture)) then
+      text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'
+    else
+      text = text_of(layout%modes)//' modes'
+    end if
+  end function modes_text
+
+  function response_text(scene) result(text)
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    associate (response => scene%response)
+      text = text_of(response%samples)//' samples over '//shortest(response%duration, 6)//' s at '// &
+        text_of(size(response%points))//' points, displacement'
+      if (response%velocity) text = text//' and velocity'
+    end associate
+    if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
+  end function response_text
+
+  function sweep_text(scene) result(text)
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    integer :: s
+    text = text_of(case_count(scene))//' cases:'
+    do s = 1, size(scene%sweeps)
+      if (s > 1) text = text//' x'
+      text = text//' '//text_of(size(scene%sweeps(s)%values))//' of '//scene%sweeps(s)%parameter
+    end do
+  end function sweep_text
+
+  function number_or_swept(scene, name, value) result(text)
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: name              !! 'group%name'
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    text = shortest(value, 6)
+    if (is_swept(scene, name)) text = 'swept'
+  end function number_or_swept
+
+  pure logical function is_swept(scene, name)
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: name
+    integer :: s
+    is_swept = any([(scene%sweeps(s)%parameter == name, s=1, size(scene%sweeps))])
+  end function is_swept
+
+  function cost_summary(layout) result(text)
+    !! What `beamwave check` says of memory and of the file.
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: text
+    text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
+      '  result     '//bytes_text(result_bytes(layout))//new_line('a')
+  end function cost_summary
+
+  pure integer(i8) function result_bytes(layout) result(bytes)
+    !! Size of the result file: its doubles, and about 60 kB of names.
+    type(result_layout), intent(in) :: layout
+    integer(i8) :: doubles, histories
+    histories = 1
+    if (layout%velocity) histories = 2
+    doubles = 8_i8*layout%modes + 8_i8*layout%modes_before + layout%profile + 8_i8*layout%peaks + 20 &
+      + histories*int(layout%samples, i8)*layout%points + int(layout%frequencies, i8)*layout%points
+    bytes = 8*(doubles*max(1, layout%cases) + layout%samples + layout%frequencies) + 60000
+  end function result_bytes
+
+  pure integer(i8) function working_bytes(layout) result(bytes)
+    !! Memory of one case: its histories, the shapes, and about 20 MB of program and libraries.
+    type(result_layout), intent(in) :: layout
+    type(result_layout) :: one
+    one = layout
+    one%cases = 0
+    bytes = result_bytes(one) + 8_i8*layout%modes*(40 + 3*layout%points) + 20000000
+  end function working_bytes
+
+  pure function bytes_text(bytes) result(text)
+    integer(i8), intent(in) :: bytes
+    character(:), allocatable :: text
+    if (bytes < 1000000) then
+      text = shortest(real(bytes, dp)/1.0e3_dp, 3)//' kB'
+    else if (bytes < 1000000000) then
+      text = shortest(real(bytes, dp)/1.0e6_dp, 3)//' MB'
+    else
+      text = shortest(real(bytes, dp)/1.0e9_dp, 3)//' GB'
+    end if
+  end function bytes_text
+
+end module bw_scene_summary

@@ -1,0 +1,151 @@
+module bw_input_name
+  !! One row of the table of input names, and the group that it belongs to.
+  !!
+  !! A row says all there is to say about a name: the reader, its messages, `beamwave describe`, the resolved
+  !! scene and the input variables of the result all come from it. Texts have fixed lengths, so that the
+  !! table is a constant of the program.
+  use bw_kinds, only: dp, i8
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: accepted_text, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, quoted_words, range_text
+
+  integer, parameter, public :: name_length = 24
+  integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5
+
+  type, public :: number_range
+    !! The numbers a name accepts: low … high, both included unless `above`.
+    real(dp) :: low = -huge(1.0_dp)
+    real(dp) :: high = huge(1.0_dp)
+    logical :: above = .false.               !! `low` itself is not accepted
+  end type number_range
+
+  type(number_range), parameter, public :: any_number = number_range()
+  type(number_range), parameter, public :: positive = number_range(low=0.0_dp, above=.true.)
+  type(number_range), parameter, public :: not_negative = number_range(low=0.0_dp)
+  type(number_range), parameter, public :: unit_interval = number_range(low=0.0_dp, high=1.0_dp)
+
+  type, public :: input_group
+    !! A namelist group.
+    character(name_length) :: name = ''
+    character(120) :: absent = ''            !! what it means that the group is not there
+    character(360) :: rules = ''             !! what its names have to do with each other
+    character(48) :: needs = ''              !! groups that have to be there too, by blanks
+    logical :: required = .false.
+    logical :: implied = .false.             !! absent is the same as empty
+    logical :: repeatable = .false.
+  end type input_group
+
+  type, public :: input_name
+    !! A name in a group.
+    character(name_length) :: group = ''
+    character(name_length) :: name = ''
+    integer :: kind = real_input             !! one of the kinds above
+    character(8) :: unit = '1'               !! as UDUNITS writes it; '' where another name has it
+    type(number_range) :: range = any_number !! of each number
+    character(24) :: default = ''            !! as a scene would write it; '' where there is none
+    logical :: required = .false.
+    logical :: swept = .false.               !! `&sweep` may vary it: a number that sets no axis of the result
+    integer :: most = 1                      !! most elements
+    character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
+    character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
+    character(80) :: meaning = ''
+  end type input_name
+
+contains
+
+  elemental logical function in_range(range, value)
+    type(number_range), intent(in) :: range
+    real(dp), intent(in) :: value
+    in_range = value >= range%low .and. value <= range%high .and. .not. (range%above .and. value == range%low)
+  end function in_range
+
+  elemental logical function is_number(row)
+    !! One real or one whole number.
+    type(input_name), intent(in) :: row
+    is_number = row%kind == real_input .or. row%kind == integer_input
+  end function is_number
+
+  elemental logical function has_unit(row)
+    !! One number or several, with a unit of their own.
+    type(input_name), intent(in) :: row
+    has_unit = row%unit /= '' .and. (is_number(row) .or. row%kind == reals_input)
+  end function has_unit
+
+  elemental logical function is_sweepable(row)
+    type(input_name), intent(in) :: row
+    is_sweepable = row%swept .and. is_number(row)
+  end function is_sweepable
+
+  pure function kind_text(row) result(text)
+    !! `real`, `whole number`, `logical`, `text`, `reals`.
+    type(input_name), intent(in) :: row
+    character(:), allocatable :: text
+    character(12), parameter :: names(*) = [character(12) :: 'real', 'whole number', 'logical', 'text', 'reals']
+    text = trim(names(row%kind))
+  end function kind_text
+
+  pure function range_text(row) result(text)
+    !! `> 0`, `0 to 1`, `any`, `.true., .false.`, `one word`: short enough for a column.
+    type(input_name), intent(in) :: row
+    character(:), allocatable :: text
+    logical :: low, high
+    low = row%range%low > -huge(1.0_dp)
+    high = row%range%high < huge(1.0_dp)
+    if (row%kind == logical_input) then
+      text = '.true., .false.'
+    else if (row%kind == text_input) then
+      text = merge('a word, below', 'any          ', row%words /= '')
+      text = trim(text)
+    else if (row%kind == integer_input) then
+      text = text_of(nint(row%range%low, i8))//' to '//text_of(nint(row%range%high, i8))
+    else if (low .and. high) then
+      text = text_of(row%range%low)//' to '//text_of(row%range%high)
+    else if (low) then
+      text = trim(merge('> ', '>=', row%range%above))//' '//text_of(row%range%low)
+    else
+      text = 'any'
+    end if
+  end function range_text
+
+  pure function accepted_text(row) result(text)
+    !! What a name accepts, in words, for a message: `a real, > 0 m`.
+    type(input_name), intent(in) :: row
+    character(:), allocatable :: text
+    select case (row%kind)
+    case (logical_input)
+      text = '.true. or .false.'
+    case (text_input)
+      text = 'a text in quotes'
+      if (row%words /= '') text = quoted_words(row%words)
+    case (reals_input)
+      text = '1 to '//text_of(row%most)//' reals, '//range_text(row)
+    case default
+      text = 'a '//kind_text(row)//', '//range_text(row)
+    end select
+    if (row%unit /= '1' .and. row%unit /= '') text = text//' '//trim(row%unit)
+  end function accepted_text
+
+  pure function quoted_words(words) result(text)
+    !! `in out` → `'in', 'out'`.
+    character(*), intent(in) :: words
+    character(:), allocatable :: text
+    integer :: i
+    text = "'"
+    do i = 1, len_trim(words)
+      if (words(i:i) == ' ') then
+        text = text//"', '"
+      else
+        text = text//words(i:i)
+      end if
+    end do
+    text = text//"'"
+  end function quoted_words
+
+  pure logical function has_word(words, word)
+    !! Is a word one of those in a list by blanks?
+    character(*), intent(in) :: words, word
+    has_word = index(' '//words//' ', ' '//trim(word)//' ') > 0
+  end function has_word
+
+end module bw_input_name

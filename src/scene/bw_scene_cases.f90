@@ -1,0 +1,110 @@
+module bw_scene_cases
+  !! The cases of a scene with sweeps: the product of their values, the first sweep varying slowest.
+  use bw_error, only: error_type, fail, status_bad_input, status_fault
+  use bw_input_values, only: group_values
+  use bw_kinds, only: dp, i8
+  use bw_scene, only: build_scene, scene_type
+  use bw_scene_checks, only: settle_groups
+  use bw_scene_messages, only: message_list
+  use bw_scene_scales, only: check_scales
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: case_count, case_positions, case_scene, check_corners, complete
+
+contains
+
+  pure integer(i8) function case_count(scene)
+    !! Number of cases, 1 without sweeps.
+    type(scene_type), intent(in) :: scene
+    integer :: i
+    case_count = 1
+    do i = 1, size(scene%sweeps)
+      case_count = case_count*size(scene%sweeps(i)%values)
+    end do
+  end function case_count
+
+  pure function case_positions(scene, index) result(positions)
+    !! Which value of each sweep a case takes, (n_sweeps).
+    type(scene_type), intent(in) :: scene
+    integer(i8), intent(in) :: index              !! 1 … case_count(scene)
+    integer :: positions(size(scene%sweeps))
+    integer(i8) :: rest
+    integer :: i, n
+    rest = index - 1
+    do i = size(positions), 1, -1
+      n = size(scene%sweeps(i)%values)
+      positions(i) = 1 + int(mod(rest, int(n, i8)))
+      rest = rest/n
+    end do
+  end function case_positions
+
+  pure subroutine case_scene(scene, index, one, error)
+    !! The scene of one case, checked, without sweeps. Cheap: nothing is read again.
+    type(scene_type), intent(in) :: scene
+    integer(i8), intent(in) :: index              !! 1 … case_count(scene)
+    type(scene_type), intent(out) :: one
+    type(error_type), allocatable, intent(out) :: error
+      !! `status_bad_input` where this combination of values makes no sense
+    type(message_list) :: messages
+    if (index < 1 .or. index > case_count(scene)) then
+      call fail(error, status_fault, scene%file//': there is no case '//text_of(index))
+      return
+    end if
+    messages%file = scene%file
+    call take_case(scene, case_positions(scene, index), one, messages)
+    if (messages%count > 0) call fail(error, status_bad_input, messages%text())
+  end subroutine case_scene
+
+  pure subroutine take_case(scene, positions, one, messages)
+    !! Put the values of one case in their places.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: positions(:)           !! (n_sweeps)
+    type(scene_type), intent(out) :: one
+    type(message_list), intent(inout) :: messages
+    integer :: g, v
+    one%file = scene%file
+    one%name = scene%name
+    one%groups = scene%groups
+    allocate (one%sweeps(0))
+    do g = 1, size(one%groups)
+      do v = 1, size(one%groups(g)%values)
+        associate (value => one%groups(g)%values(v))
+          if (value%sweep == 0) cycle
+          value%number = scene%sweeps(value%sweep)%values(positions(value%sweep))
+          value%sweep = 0
+        end associate
+      end do
+    end do
+    call complete(one, messages)
+  end subroutine take_case
+
+  pure subroutine complete(scene, messages)
+    !! From checked values to the components of a scene; report what does not fit together.
+    type(scene_type), intent(inout) :: scene
+    type(message_list), intent(inout) :: messages
+    call settle_groups(scene%groups, messages)
+    if (messages%count > 0) return
+    call build_scene(scene, messages)
+    if (messages%count > 0) return
+    call check_scales(scene, messages)
+  end subroutine complete
+
+  pure subroutine check_corners(scene, messages)
+    !! Check the cases in which every sweep takes its least or its largest value. What is checked of a case (products,
+    !! equal counts) is monotone in each input, so that these stand for all.
+    type(scene_type), intent(in) :: scene         !! with sweeps
+    type(message_list), intent(inout) :: messages
+    type(scene_type) :: one
+    integer :: ends(2, size(scene%sweeps)), positions(size(scene%sweeps)), corner, i
+    do i = 1, size(scene%sweeps)
+      ends(:, i) = [minloc(scene%sweeps(i)%values, dim=1), maxloc(scene%sweeps(i)%values, dim=1)]
+    end do
+    do corner = 0, 2**size(scene%sweeps) - 1
+      positions = [(ends(1 + ibits(corner, i - 1, 1), i), i=1, size(scene%sweeps))]
+      call take_case(scene, positions, one, messages)
+      if (messages%count > 0) return
+    end do
+  end subroutine check_corners
+
+end module bw_scene_cases

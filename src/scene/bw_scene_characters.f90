@@ -1,0 +1,114 @@
+module bw_scene_characters
+  !! Classes of characters in the text of a scene.
+  implicit none (type, external)
+  private
+  public :: ends_word, is_ascii, is_name, is_utf8, shown, stray_control
+
+  character(*), parameter :: tab = achar(9), line_feed = achar(10), return = achar(13)
+  character(*), parameter, public :: blanks = ' '//tab//return//line_feed
+  character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
+  character(*), parameter :: name_characters = letters//'0123456789_'
+
+contains
+
+  pure logical function ends_word(c)
+    !! Does this character end a bare word?
+    character, intent(in) :: c
+    ends_word = index(blanks//',/=!;&''"', c) > 0
+  end function ends_word
+
+  pure logical function is_name(text)
+    !! A Fortran name: letters, digits and underscores after a letter.
+    character(*), intent(in) :: text
+    is_name = .false.
+    if (len(text) == 0) return
+    is_name = verify(text, name_characters) == 0 .and. index(letters, text(1:1)) > 0
+  end function is_name
+
+  pure logical function is_ascii(text)
+    character(*), intent(in) :: text
+    integer :: i
+    is_ascii = all([(iachar(text(i:i)) < 128, i=1, len(text))])
+  end function is_ascii
+
+  pure integer function stray_control(text) result(at)
+    !! First byte that is no text: a control character other than tab and the line ends LF and CR LF;
+    !! 0 where there is none. A carriage return alone counts, since editors show it as a line end
+    !! where Fortran sees none.
+    character(*), intent(in) :: text
+    do at = 1, len(text)
+      select case (iachar(text(at:at)))
+      case (9, 10)
+        cycle
+      case (13)
+        if (at == len(text)) cycle
+        if (text(at + 1:at + 1) /= line_feed) return
+      case (0:8, 11:12, 14:31, 127)
+        return
+      end select
+    end do
+    at = 0
+  end function stray_control
+
+  pure logical function is_utf8(text)
+    !! Every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
+    character(*), intent(in) :: text
+    integer :: at, more
+    is_utf8 = .false.
+    at = 1
+    do while (at <= len(text))
+      more = continuation_bytes(text(at:min(at + 1, len(text))))
+      if (more < 0 .or. at + more > len(text)) return
+      if (.not. all_continue(text(at + 1:at + more))) return
+      at = at + more + 1
+    end do
+    is_utf8 = .true.
+  end function is_utf8
+
+  pure integer function continuation_bytes(start)
+    !! Bytes that follow the first of a UTF-8 sequence; −1 where none can start so. The second byte decides
+    !! on overlong forms, surrogates and values beyond U+10FFFF.
+    character(*), intent(in) :: start         !! one byte or two
+    integer :: first, second
+    first = iachar(start(1:1))
+    second = iachar(start(len(start):))
+    select case (first)
+    case (0:127); continuation_bytes = 0
+    case (194:223); continuation_bytes = 1
+    case (224); continuation_bytes = merge(2, -1, second >= 160)
+    case (237); continuation_bytes = merge(2, -1, second < 160)
+    case (225:236, 238:239); continuation_bytes = 2
+    case (240); continuation_bytes = merge(3, -1, second >= 144)
+    case (241:243); continuation_bytes = 3
+    case (244); continuation_bytes = merge(3, -1, second < 144)
+    case default; continuation_bytes = -1
+    end select
+  end function continuation_bytes
+
+  pure logical function all_continue(bytes)
+    character(*), intent(in) :: bytes
+    integer :: i
+    all_continue = all([(iachar(bytes(i:i)) >= 128 .and. iachar(bytes(i:i)) < 192, i=1, len(bytes))])
+  end function all_continue
+
+  pure function shown(text) result(piece)
+    !! A piece of the scene, shortened, as a message may show it.
+    character(*), intent(in) :: text
+    character(:), allocatable :: piece
+    integer, parameter :: most = 40
+    integer :: i, last
+    last = min(len(text), most)
+    if (last < len(text)) last = scan(text(:last), letters//'0123456789 .,+-_', back=.true.)
+    if (.not. is_utf8(text(:last))) then
+      piece = '('//'not UTF-8'//')'
+      return
+    end if
+    piece = text(:last)
+    do i = 1, last
+      if (iachar(piece(i:i)) < 32) piece(i:i) = ' '
+    end do
+    if (last < len(text)) piece = piece//'...'
+    piece = "'"//piece//"'"
+  end function shown
+
+end module bw_scene_characters

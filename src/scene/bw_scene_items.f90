@@ -1,0 +1,121 @@
+module bw_scene_items
+  !! The values of a statement one by one: `2*0.5, 1.0,` holds the item 0.5, twice, and the item 1.0.
+  !!
+  !! Commas and blanks separate; values may go on over lines; one trailing comma is fine. A value that is
+  !! left out (`1,,2`, `2*`), which Fortran reads as 'keep what was there', is an error.
+  use bw_scene_characters, only: shown
+  use bw_scene_lexer, only: bad_token, comma_token, equals_token, text_token, token, word_token
+  use bw_scene_messages, only: message_list
+  implicit none (type, external)
+  private
+  public :: read_items
+
+  type, public :: item
+    integer :: repeat = 1
+    integer :: first = 1, last = 0        !! span in the text, without quotes
+    integer :: line = 0
+    character :: quote = ' '              !! of a text; blank for a bare word
+  end type item
+
+  integer, parameter :: most_digits = 9   !! of a repeat count, so that it is a default integer
+
+contains
+
+  pure subroutine read_items(text, tokens, line, place, items, messages)
+    !! Items of one statement; none where something is wrong, which is then reported.
+    character(*), intent(in) :: text
+    type(token), intent(in) :: tokens(:)         !! what stands behind the equals sign
+    integer, intent(in) :: line                  !! of the name
+    character(*), intent(in) :: place
+    type(item), allocatable, intent(out) :: items(:)
+    type(message_list), intent(inout) :: messages
+    type(item), allocatable :: found(:)
+    character(:), allocatable :: problem
+    integer :: i, n
+    logical :: comma
+    n = 0
+    comma = .true.
+    allocate (items(0), found(size(tokens)))
+    problem = ''
+    i = 1
+    do while (i <= size(tokens) .and. problem == '')
+      select case (tokens(i)%kind)
+      case (comma_token)
+        if (comma) problem = 'a value is missing before a comma'
+        comma = .true.
+        i = i + 1
+      case (word_token, text_token)
+        n = n + 1
+        call take_item(text, tokens, i, found(n), problem)
+        comma = .false.
+      case (equals_token)
+        problem = "a second '='"
+      case default
+        return
+      end select
+    end do
+    if (size(tokens) == 0) then
+      call messages%add(line, place, 'the value is missing')
+    else if (problem /= '') then
+      call messages%add(tokens(min(i, size(tokens)))%line, place, problem)
+    else
+      items = found(:n)
+    end if
+  end subroutine read_items
+
+  pure subroutine take_item(text, tokens, i, taken, problem)
+    !! One word or text, with the count that may stand before it; `i` goes on behind it.
+    character(*), intent(in) :: text
+    type(token), intent(in) :: tokens(:)
+    integer, intent(inout) :: i
+    type(item), intent(out) :: taken
+    character(:), allocatable, intent(inout) :: problem
+    integer :: star
+    taken = item(first=tokens(i)%first, last=tokens(i)%last, line=tokens(i)%line, quote=tokens(i)%quote)
+    star = 0
+    if (tokens(i)%kind == word_token) star = index(text(taken%first:taken%last), '*')
+    if (star > 0) then
+      call take_count(text(taken%first:taken%first + star - 2), taken%repeat, problem)
+      if (problem /= '') return
+      taken%first = taken%first + star
+      if (taken%first > taken%last) call take_repeated_text(tokens, i, taken, problem)
+      if (problem /= '') return
+    end if
+    i = i + 1
+    if (i > size(tokens)) return
+    if (tokens(i)%glued .and. any(tokens(i)%kind == [word_token, text_token, bad_token])) &
+      problem = 'no comma or blank between '//shown(text(taken%first:taken%last))//' and '// &
+                shown(text(tokens(i)%first:tokens(i)%last))
+  end subroutine take_item
+
+  pure subroutine take_count(digits, count, problem)
+    character(*), intent(in) :: digits
+    integer, intent(inout) :: count
+    character(:), allocatable, intent(inout) :: problem
+    if (digits == '' .or. verify(digits, '0123456789') > 0) then
+      problem = shown(digits//'*')//' is no repeat count; accepted: as in 2*0.5'
+    else if (len(digits) > most_digits) then
+      problem = 'the repeat count '//shown(digits)//' is too large'
+    else
+      read (digits, *) count
+      if (count == 0) problem = 'a repeat count of 0; accepted: 1 or more'
+    end if
+  end subroutine take_count
+
+  pure subroutine take_repeated_text(tokens, i, taken, problem)
+    !! Behind `2*` a text in quotes has to follow at once.
+    type(token), intent(in) :: tokens(:)
+    integer, intent(inout) :: i
+    type(item), intent(inout) :: taken
+    character(:), allocatable, intent(inout) :: problem
+    problem = "no value behind '*' of a repeat count; accepted: as in 2*0.5"
+    if (i == size(tokens)) return
+    if (tokens(i + 1)%kind /= text_token .or. .not. tokens(i + 1)%glued) return
+    i = i + 1
+    taken%first = tokens(i)%first
+    taken%last = tokens(i)%last
+    taken%quote = tokens(i)%quote
+    problem = ''
+  end subroutine take_repeated_text
+
+end module bw_scene_items

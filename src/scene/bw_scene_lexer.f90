@@ -1,0 +1,261 @@
+module bw_scene_lexer
+  !! The text of a scene as tokens with line numbers.
+  !!
+  !! A token is a span of the text: nothing is copied. Text outside groups, unclosed quotes and characters
+  !! that a namelist does not know are errors here; what tokens mean is the parser's business.
+  use bw_scene_characters, only: blanks, ends_word, is_ascii, is_name, is_utf8, shown, stray_control
+  use bw_scene_messages, only: message_list
+  use bw_text, only: lower
+  implicit none (type, external)
+  private
+  public :: name_in, span, tokenise
+
+  integer, parameter, public :: group_token = 1  !! `&beam`, the span being the name alone
+  integer, parameter, public :: end_token = 2    !! `/`
+  integer, parameter, public :: equals_token = 3 !! `=`
+  integer, parameter, public :: comma_token = 4  !! `,`
+  integer, parameter, public :: word_token = 5   !! a name, a number, a logical
+  integer, parameter, public :: text_token = 6   !! a text between quotes, the span without them
+  integer, parameter, public :: bad_token = 7    !! stands where something was, of which an error was reported
+  integer, parameter, public :: bad_group_token = 8 !! likewise, for the opening of a group
+
+  type, public :: token
+    integer :: kind = bad_token
+    integer :: first = 1, last = 0               !! span in the text
+    integer :: line = 0
+    logical :: glued = .false.                   !! follows the token before it without a blank
+    character :: quote = ' '                     !! of a text
+  end type token
+
+  type :: scanner
+    integer :: at = 1                            !! next character
+    integer :: line = 1
+    integer :: past = 0                          !! first character behind the last token
+    logical :: inside = .false.                  !! inside a group
+    integer :: count = 0
+    type(token), allocatable :: tokens(:)
+  end type scanner
+
+  character(*), parameter :: line_feed = achar(10)
+  character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
+
+contains
+
+  pure subroutine tokenise(text, inside, tokens, messages)
+    !! Split a text; every token holds a span of `text`.
+    character(*), intent(in) :: text
+    logical, intent(in) :: inside                !! the text starts inside a group
+    type(token), allocatable, intent(out) :: tokens(:)
+    type(message_list), intent(inout) :: messages
+    type(scanner) :: lex
+    integer :: stray
+    allocate (lex%tokens(64))
+    lex%inside = inside
+    if (index(text, byte_order_mark) == 1) lex%at = 1 + len(byte_order_mark)
+    stray = stray_control(text)
+    if (stray > 0) then
+      call report_control(text, stray, messages)
+      lex%at = len(text) + 1
+    end if
+    do while (lex%at <= len(text))
+      call step(text, lex, messages)
+    end do
+    tokens = lex%tokens(:lex%count)
+  end subroutine tokenise
+
+  pure subroutine report_control(text, stray, messages)
+    character(*), intent(in) :: text
+    integer, intent(in) :: stray
+    type(message_list), intent(inout) :: messages
+    integer :: line, i
+    line = 1 + count([(text(i:i) == line_feed, i=1, stray)])
+    select case (iachar(text(stray:stray)))
+    case (0)
+      call messages%add(line, 'text', 'a NUL byte; accepted: a text file in UTF-8')
+    case (13)
+      call messages%add(line, 'text', 'a carriage return without a line feed; accepted: line ends LF or CR LF')
+    case default
+      call messages%add(line, 'text', 'a control character; accepted: a text file in UTF-8')
+    end select
+  end subroutine report_control
+
+  pure subroutine step(text, lex, messages)
+    !! Take the next character, and the token that it starts.
+    character(*), intent(in) :: text
+    type(scanner), intent(inout) :: lex
+    type(message_list), intent(inout) :: messages
+    select case (text(lex%at:lex%at))
+    case (line_feed)
+      lex%line = lex%line + 1
+      lex%at = lex%at + 1
+    case (' ', achar(9), achar(13))
+      lex%at = lex%at + 1
+    case ('!')
+      lex%at = line_end(text, lex%at)
+    case ('&')
+      call take_group(text, lex, messages)
+    case default
+      if (lex%inside) then
+        call take_inside(text, lex, messages)
+      else
+        call skip_outside(text, lex, messages)
+      end if
+    end select
+  end subroutine step
+
+  pure subroutine take_inside(text, lex, messages)
+    character(*), intent(in) :: text
+    type(scanner), intent(inout) :: lex
+    type(message_list), intent(inout) :: messages
+    select case (text(lex%at:lex%at))
+    case ('/')
+      call put(lex, end_token, lex%at, lex%at)
+      lex%inside = .false.
+    case ('=')
+      call put(lex, equals_token, lex%at, lex%at)
+    case (',')
+      call put(lex, comma_token, lex%at, lex%at)
+    case (';')
+      call messages%add(lex%line, 'text', "';' separates nothing here; accepted: ',' or blanks between values")
+      lex%at = lex%at + 1
+    case ('''', '"')
+      call take_text(text, lex, messages)
+    case default
+      call take_word(text, lex, messages)
+    end select
+  end subroutine take_inside
+
+  pure subroutine put(lex, kind, first, last)
+    !! Add a token and go behind it.
+    type(scanner), intent(inout) :: lex
+    integer, intent(in) :: kind, first, last
+    type(token), allocatable :: more(:)
+    if (lex%count == size(lex%tokens)) then
+      allocate (more(2*lex%count))
+      more(:lex%count) = lex%tokens
+      call move_alloc(more, lex%tokens)
+    end if
+    lex%count = lex%count + 1
+    lex%tokens(lex%count) = token(kind=kind, first=first, last=last, line=lex%line, glued=lex%at == lex%past)
+    lex%at = last + 1
+    lex%past = lex%at
+  end subroutine put
+
+  pure subroutine take_group(text, lex, messages)
+    !! `&name` opens a group, wherever it stands; `&end` closes one (the parser refuses it).
+    character(*), intent(in) :: text
+    type(scanner), intent(inout) :: lex
+    type(message_list), intent(inout) :: messages
+    integer :: last
+    last = word_end(text, lex%at + 1)
+    if (.not. is_name(text(lex%at + 1:last))) then
+      call messages%add(lex%line, 'text', shown(text(lex%at:last))//" names no group; accepted: '&' and a name, as &beam")
+      call put(lex, bad_group_token, lex%at + 1, last)
+    else
+      call put(lex, group_token, lex%at + 1, last)
+    end if
+    associate (taken => lex%tokens(lex%count))
+      lex%inside = lower(text(taken%first:taken%last)) /= 'end'
+    end associate
+  end subroutine take_group
+
+  pure subroutine take_text(text, lex, messages)
+    !! A text from quote to quote on one line; a doubled quote stands for itself.
+    character(*), intent(in) :: text
+    type(scanner), intent(inout) :: lex
+    type(message_list), intent(inout) :: messages
+    integer :: at, first, last
+    character :: quote
+    quote = text(lex%at:lex%at)
+    first = lex%at + 1
+    last = line_end(text, lex%at) - 1
+    at = first
+    do while (at <= last)
+      if (text(at:at) == quote) then
+        if (at == last) exit
+        if (text(at + 1:at + 1) /= quote) exit
+        at = at + 1
+      end if
+      at = at + 1
+    end do
+    if (at > last) then
+      call messages%add(lex%line, 'text', 'no closing quote on this line: '//shown(text(lex%at:last)))
+      call put(lex, bad_token, first, last)
+    else if (.not. is_utf8(text(first:at - 1))) then
+      call messages%add(lex%line, 'text', 'a text that is not UTF-8')
+      call put(lex, bad_token, first, at)
+    else
+      call put(lex, text_token, first, at - 1)
+      lex%tokens(lex%count)%quote = quote
+      lex%at = at + 1
+      lex%past = lex%at
+    end if
+  end subroutine take_text
+
+  pure subroutine take_word(text, lex, messages)
+    character(*), intent(in) :: text
+    type(scanner), intent(inout) :: lex
+    type(message_list), intent(inout) :: messages
+    integer :: last
+    last = word_end(text, lex%at)
+    if (is_ascii(text(lex%at:last))) then
+      call put(lex, word_token, lex%at, last)
+    else
+      call messages%add(lex%line, 'text', shown(text(lex%at:last))// &
+                        ' holds a character that is not ASCII; accepted only inside quotes and comments')
+      call put(lex, bad_token, lex%at, last)
+    end if
+  end subroutine take_word
+
+  pure subroutine skip_outside(text, lex, messages)
+    !! Report text outside groups, once per line.
+    character(*), intent(in) :: text
+    type(scanner), intent(inout) :: lex
+    type(message_list), intent(inout) :: messages
+    integer :: last
+    last = scan(text(lex%at:), '&!'//line_feed)
+    last = merge(len(text), lex%at + last - 2, last == 0)
+    associate (piece => text(lex%at:last))
+      call messages%add(lex%line, 'text', shown(piece(:verify(piece, blanks, back=.true.)))// &
+                        ' stands outside the groups: a group opens with &name and ends at the first /, '// &
+                        'so write 0.5 instead of 1/2; a comment opens with !')
+    end associate
+    lex%at = last + 1
+  end subroutine skip_outside
+
+  pure integer function word_end(text, first)
+    !! Last character of the word that starts at `first`; first − 1 for none.
+    character(*), intent(in) :: text
+    integer, intent(in) :: first
+    word_end = first - 1
+    do while (word_end < len(text))
+      if (ends_word(text(word_end + 1:word_end + 1))) exit
+      word_end = word_end + 1
+    end do
+  end function word_end
+
+  pure integer function line_end(text, at)
+    !! Place of the line feed that ends the line of `at`; one behind the text for the last line.
+    character(*), intent(in) :: text
+    integer, intent(in) :: at
+    line_end = index(text(at:), line_feed)
+    line_end = merge(len(text) + 1, at + line_end - 1, line_end == 0)
+  end function line_end
+
+  pure function span(text, piece)
+    !! The characters of a token.
+    character(*), intent(in) :: text
+    type(token), intent(in) :: piece
+    character(piece%last - piece%first + 1) :: span
+    span = text(piece%first:piece%last)
+  end function span
+
+  pure function name_in(text, piece) result(name)
+    !! The characters of a token in lower case.
+    character(*), intent(in) :: text
+    type(token), intent(in) :: piece
+    character(:), allocatable :: name
+    name = lower(text(piece%first:piece%last))
+  end function name_in
+
+end module bw_scene_lexer

@@ -1,0 +1,173 @@
+module bw_scene_resolved
+  !! The resolved scene: the namelist with defaults and settled values filled in, and its numbers one by one.
+  !! Saved to a file and read again, it gives the same values to the bit.
+  use bw_input_name, only: input_name, integer_input, logical_input, name_length, reals_input, text_input, is_number
+  use bw_input_table, only: group_table, name_row, name_table
+  use bw_input_values, only: group_values, input_value, position_of
+  use bw_kinds, only: dp, i8
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_positions
+  use bw_sweep_par, only: sweep_par
+  use bw_text, only: text_of
+  use bw_text_builder, only: text_builder
+  implicit none (type, external)
+  private
+  public :: input_in_case, numeric_inputs, resolved_text
+
+  type, public :: numeric_input
+    !! A number that the resolved scene holds.
+    character(name_length) :: group = '', name = ''
+    character(8) :: unit = ''            !! as UDUNITS writes it
+    character(80) :: meaning = ''
+    logical :: is_integer = .false.
+    logical :: is_swept = .false.        !! `input_in_case` gives its value in each case
+    integer :: sweep = 0                 !! the sweep that it follows; 0: none
+    real(dp) :: value = 0.0_dp           !! in every case, or in the first where it is swept
+  end type numeric_input
+
+  integer, parameter :: most_columns = 100
+
+contains
+
+  pure function resolved_text(scene) result(text)
+    !! All groups of a scene, each name on its line, sweeps at the end; ends with a line end.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    type(text_builder) :: builder
+    integer :: i, g
+    do i = 1, size(group_table)
+      g = position_of(scene%groups, group_table(i)%name)
+      if (g > 0) call put_group(builder, scene%groups(g))
+    end do
+    do i = 1, size(scene%sweeps)
+      call put_sweep(builder, scene%sweeps(i))
+    end do
+    text = builder%text()
+  end function resolved_text
+
+  pure subroutine put_group(builder, group)
+    !! Values that a sweep gives stand with the sweep alone.
+    type(text_builder), intent(inout) :: builder
+    type(group_values), intent(in) :: group
+    integer :: v
+    call builder%append_line('&'//trim(group%group))
+    do v = 1, size(group%values)
+      associate (value => group%values(v))
+        if (value%known .and. value%sweep == 0) &
+          call put_value(builder, name_table(name_row(group%group, value%name)), value)
+      end associate
+    end do
+    call builder%append_line('/')
+  end subroutine put_group
+
+  pure subroutine put_value(builder, row, value)
+    type(text_builder), intent(inout) :: builder
+    type(input_name), intent(in) :: row
+    type(input_value), intent(in) :: value
+    character(:), allocatable :: start
+    start = '  '//trim(row%name)//' = '
+    select case (row%kind)
+    case (logical_input)
+      call builder%append_line(start//trim(merge('.true. ', '.false.', value%flag)))
+    case (text_input)
+      call builder%append_line(start//quoted(value%text))
+    case (reals_input)
+      call put_list(builder, start, value%numbers)
+    case (integer_input)
+      call builder%append_line(start//text_of(nint(value%number, i8)))
+    case default
+      call builder%append_line(start//text_of(value%number))
+    end select
+  end subroutine put_value
+
+  pure subroutine put_sweep(builder, sweep)
+    !! As it was given: values between two ends are not listed.
+    type(text_builder), intent(inout) :: builder
+    type(sweep_par), intent(in) :: sweep
+    call builder%append_line('&sweep')
+    call builder%append_line('  parameter = '//quoted(sweep%parameter))
+    associate (values => sweep%values)
+      if (sweep%spacing == '') then
+        call put_list(builder, '  values = ', values)
+      else
+        call builder%append_line('  first = '//text_of(values(1)))
+        call builder%append_line('  last = '//text_of(values(size(values))))
+        call builder%append_line('  count = '//text_of(size(values)))
+        call builder%append_line('  spacing = '//quoted(sweep%spacing))
+      end if
+    end associate
+    call builder%append_line('/')
+  end subroutine put_sweep
+
+  pure subroutine put_list(builder, start, numbers)
+    !! Numbers separated by commas, over as many lines as they take.
+    type(text_builder), intent(inout) :: builder
+    character(*), intent(in) :: start
+    real(dp), intent(in) :: numbers(:)
+    character(:), allocatable :: piece
+    integer :: i, column
+    call builder%append(start)
+    column = len(start)
+    do i = 1, size(numbers)
+      piece = text_of(numbers(i))
+      if (i < size(numbers)) piece = piece//','
+      if (column + len(piece) + 1 > most_columns) then
+        call builder%append_line('')
+        call builder%append('   ')
+        column = 3
+      end if
+      if (i > 1) piece = ' '//piece
+      call builder%append(piece)
+      column = column + len(piece)
+    end do
+    call builder%append_line('')
+  end subroutine put_list
+
+  pure function quoted(text) result(piece)
+    !! In single quotes, those inside doubled.
+    character(*), intent(in) :: text
+    character(:), allocatable :: piece
+    type(text_builder) :: builder
+    integer :: i
+    call builder%append("'")
+    do i = 1, len(text)
+      call builder%append(text(i:i))
+      if (text(i:i) == "'") call builder%append("'")
+    end do
+    call builder%append("'")
+    piece = builder%text()
+  end function quoted
+
+  pure function numeric_inputs(scene) result(inputs)
+    !! Every single number of the resolved scene, in the order of the table.
+    type(scene_type), intent(in) :: scene
+    type(numeric_input), allocatable :: inputs(:)
+    type(numeric_input) :: found(size(name_table))
+    integer :: i, g, n
+    n = 0
+    do i = 1, size(name_table)
+      g = position_of(scene%groups, name_table(i)%group)
+      if (g == 0 .or. .not. is_number(name_table(i))) cycle
+      associate (row => name_table(i), value => scene%groups(g)%values(scene%groups(g)%at(name_table(i)%name)))
+        if (.not. value%known) cycle
+        n = n + 1
+        found(n) = numeric_input(row%group, row%name, row%unit, row%meaning, row%kind == integer_input, &
+                                 value%sweep > 0, value%sweep, value%number)
+      end associate
+    end do
+    inputs = found(:n)
+  end function numeric_inputs
+
+  pure real(dp) function input_in_case(scene, input, index) result(value)
+    !! A number of the resolved scene in one case.
+    type(scene_type), intent(in) :: scene
+    type(numeric_input), intent(in) :: input
+    integer(i8), intent(in) :: index              !! 1 … case_count(scene)
+    integer :: positions(size(scene%sweeps))
+    value = input%value
+    if (.not. input%is_swept) return
+    positions = case_positions(scene, index)
+    value = scene%sweeps(input%sweep)%values(positions(input%sweep))
+  end function input_in_case
+
+end module bw_scene_resolved

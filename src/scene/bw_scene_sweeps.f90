@@ -1,0 +1,179 @@
+module bw_scene_sweeps
+  !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
+  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable
+  use bw_input_table, only: group_row, name_row, name_table
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_checks, only: check_group
+  use bw_scene_entries, only: place_of
+  use bw_scene_fill, only: unknown_group, unknown_name
+  use bw_scene_messages, only: message_list
+  use bw_sweep_par, only: build_sweep, sweep_lines, sweep_par
+  use bw_text, only: lower, text_of
+  implicit none (type, external)
+  private
+  public :: take_sweeps
+
+  real(dp), parameter :: most_cases = 1e9_dp   !! in the product of all sweeps
+
+contains
+
+  pure subroutine take_sweeps(groups, sweeps, messages)
+    !! Take the `&sweep` groups out of a scene; the names that they vary count as given from here on.
+    type(group_values), allocatable, intent(inout) :: groups(:)
+    type(sweep_par), allocatable, intent(out) :: sweeps(:)
+    type(message_list), intent(inout) :: messages
+    type(group_values), allocatable :: sources(:), others(:)
+    integer :: i
+    sources = pick(groups, groups%group == 'sweep')
+    others = pick(groups, groups%group /= 'sweep')
+    call move_alloc(others, groups)
+    allocate (sweeps(size(sources)))
+    do i = 1, size(sweeps)
+      call take_sweep(sources(i), i, groups, sweeps(i), messages)
+    end do
+    call check_product_of(sources, sweeps, messages)
+  end subroutine take_sweeps
+
+  pure function pick(groups, mask) result(some)
+    type(group_values), intent(in) :: groups(:)
+    logical, intent(in) :: mask(:)
+    type(group_values), allocatable :: some(:)
+    integer :: i, n
+    allocate (some(count(mask)))
+    n = 0
+    do i = 1, size(groups)
+      if (.not. mask(i)) cycle
+      n = n + 1
+      some(n) = groups(i)
+    end do
+  end function pick
+
+  pure subroutine take_sweep(source, number, groups, sweep, messages)
+    !! Check one `&sweep`, and let it give the name that it varies its first value.
+    type(group_values), intent(in) :: source
+    integer, intent(in) :: number                     !! of the sweep
+    type(group_values), intent(inout) :: groups(:)
+    type(sweep_par), intent(out) :: sweep
+    type(message_list), intent(inout) :: messages
+    integer :: before, row, g, v
+    before = messages%count
+    allocate (sweep%values(0))
+    call check_group(source, messages)
+    if (.not. source%known('parameter')) return
+    call find_target(source, groups, row, messages)
+    if (row == 0) return
+    g = position_of(groups, name_table(row)%group)
+    v = groups(g)%at(name_table(row)%name)
+    associate (target => groups(g)%values(v))
+      target%given = .true.
+      target%known = .false.
+      target%sweep = number
+      target%line = source%line_of('parameter')
+      if (any(source%values%given .and. .not. source%values%known) .or. messages%count > before) return
+      call build_sweep(source, sweep)
+      call check_values(source, sweep, name_table(row), messages)
+      target%known = messages%count == before
+      target%number = sweep%values(1)
+    end associate
+  end subroutine take_sweep
+
+  pure subroutine find_target(source, groups, row, messages)
+    !! Row of the table that a sweep varies; 0, with a message, where it cannot.
+    type(group_values), intent(in) :: source
+    type(group_values), intent(in) :: groups(:)
+    integer, intent(out) :: row
+    type(message_list), intent(inout) :: messages
+    character(:), allocatable :: parameter, group, name, problem
+    integer :: mark
+    parameter = lower(source%text('parameter'))
+    mark = index(parameter, '%')
+    group = parameter(:mark - 1)
+    name = parameter(mark + 1:)
+    row = name_row(group, name)
+    if (mark == 0) then
+      problem = "names no input; accepted: 'group%name'"
+    else if (group_row(group) == 0) then
+      problem = 'group '//unknown_group(group)
+    else if (row == 0) then
+      problem = unknown_name(group, name)
+    else
+      problem = obstacle(name_table(row), groups)
+    end if
+    if (problem == '') return
+    row = 0
+    call messages%add(source%line_of('parameter'), 'sweep%parameter', "'"//parameter//"' "//problem)
+  end subroutine find_target
+
+  pure function obstacle(row, groups) result(problem)
+    !! Why a known name cannot be swept here; empty where it can.
+    type(input_name), intent(in) :: row
+    type(group_values), intent(in) :: groups(:)
+    character(:), allocatable :: problem
+    integer :: g
+    g = position_of(groups, row%group)
+    problem = ''
+    if (.not. is_number(row)) then
+      problem = 'is not one number; accepted: '//sweepable_names()
+    else if (.not. is_sweepable(row)) then
+      problem = 'sets an axis of the result; accepted: '//sweepable_names()
+    else if (g == 0) then
+      problem = 'belongs to a group that is absent; accepted: a scene with &'//trim(row%group)
+    else if (groups(g)%line == 0) then
+      problem = 'belongs to a group that is absent; accepted: a scene with &'//trim(row%group)
+    else if (groups(g)%values(groups(g)%at(row%name))%sweep > 0) then
+      problem = 'is swept twice; accepted: each name once'
+    end if
+  end function obstacle
+
+  pure function sweepable_names() result(text)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(name_table)
+      if (is_sweepable(name_table(i))) text = text//' '//place_of(name_table(i))
+    end do
+    text = text(2:)
+  end function sweepable_names
+
+  pure subroutine check_values(source, sweep, row, messages)
+    !! Each value has to be one that the name itself would accept.
+    type(group_values), intent(in) :: source
+    type(sweep_par), intent(in) :: sweep
+    type(input_name), intent(in) :: row
+    type(message_list), intent(inout) :: messages
+    integer, allocatable :: lines(:)
+    integer :: i
+    lines = sweep_lines(source, size(sweep%values))
+    do i = 1, size(sweep%values)
+      if (accepts(row, sweep%values(i))) cycle
+      call messages%add(lines(i), 'sweep%values', text_of(sweep%values(i))//' is not accepted for '//place_of(row)// &
+                        '; accepted: '//accepted_text(row))
+      if (sweep%spacing /= '') return                ! the others follow from the same three numbers
+    end do
+  end subroutine check_values
+
+  elemental logical function accepts(row, value)
+    type(input_name), intent(in) :: row
+    real(dp), intent(in) :: value
+    accepts = in_range(row%range, value) .and. (row%kind /= integer_input .or. value == aint(value))
+  end function accepts
+
+  pure subroutine check_product_of(sources, sweeps, messages)
+    !! The cases have to be countable.
+    type(group_values), intent(in) :: sources(:)
+    type(sweep_par), intent(in) :: sweeps(:)
+    type(message_list), intent(inout) :: messages
+    real(dp) :: cases
+    integer :: i
+    cases = 1.0_dp
+    do i = 1, size(sweeps)
+      cases = cases*max(1, size(sweeps(i)%values))
+      if (cases <= most_cases) cycle
+      call messages%add(sources(i)%line, '&sweep', 'brings the product of the sweeps to '//text_of(cases)// &
+                        ' cases; accepted: at most '//text_of(most_cases))
+      return
+    end do
+  end subroutine check_product_of
+
+end module bw_scene_sweeps

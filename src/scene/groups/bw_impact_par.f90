@@ -1,0 +1,73 @@
+module bw_impact_par
+  !! `&impact`: a rigid mass strikes the tip at t = 0.
+  use bw_input_name, only: any_number, input_group, input_name, integer_input, not_negative, number_range, real_input, &
+                           unit_interval
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp, qp
+  use bw_representable, only: settle_product
+  use bw_scene_messages, only: message_list
+  implicit none (type, external)
+  private
+  public :: build_impact, check_impact
+
+  type, public :: impact_par
+    real(dp) :: mass = 0.0_dp               !! m_j [kg], ≥ 0, given or γ m_i
+    real(dp) :: mass_ratio = 0.0_dp         !! γ = m_j/m_i, ≥ 0, given or derived
+    logical :: mass_given = .false.         !! the mass was given, and the ratio follows from it
+    real(dp) :: approach_velocity = 1.0_dp  !! V [m/s] in the rotating frame, of either sign
+    real(dp) :: restitution = 0.0_dp        !! e, 0 … 1
+    integer :: profile_points = 201         !! points from root to tip of the velocity jump, ≥ 2
+  end type impact_par
+
+  type(input_group), parameter, public :: impact_group = input_group( &
+    'impact', absent='nothing strikes the beam: only its modes and wave velocities are computed', &
+    rules='Give `mass` or `mass_ratio`.')
+
+  type(input_name), parameter, public :: impact_names(*) = [ &
+    input_name('impact', 'mass', real_input, 'kg', not_negative, swept=.true., excludes='mass_ratio', &
+               meaning='mass of the striking body'), &
+    input_name('impact', 'mass_ratio', real_input, '1', not_negative, swept=.true., excludes='mass', &
+               meaning='the same over the mass of the beam'), &
+    input_name('impact', 'approach_velocity', real_input, 'm s-1', any_number, '1', swept=.true., &
+               meaning='its velocity before the impact, in the rotating frame'), &
+    input_name('impact', 'restitution', real_input, '1', unit_interval, '0', swept=.true., &
+               meaning='coefficient of restitution'), &
+    input_name('impact', 'profile_points', integer_input, '1', number_range(2.0_dp, 1e6_dp), '201', &
+               meaning='points along the beam at which the velocity jump is given')]
+
+contains
+
+  pure subroutine check_impact(impact, messages)
+    type(group_values), intent(in) :: impact
+    type(message_list), intent(inout) :: messages
+    if (.not. (impact%given('mass') .or. impact%given('mass_ratio'))) &
+      call messages%add(0, 'impact%mass', 'is missing; accepted: mass or mass_ratio')
+  end subroutine check_impact
+
+  pure subroutine build_impact(groups, beam_mass, impact, messages)
+    type(group_values), intent(in) :: groups(:)
+    real(qp), intent(in) :: beam_mass                       !! m_i [kg], > 0
+    type(impact_par), allocatable, intent(out) :: impact    !! unallocated where the group is absent
+    type(message_list), intent(inout) :: messages
+    integer :: i
+    i = position_of(groups, 'impact')
+    if (i == 0) return
+    allocate (impact)
+    associate (values => groups(i))
+      impact%approach_velocity = values%number('approach_velocity')
+      impact%restitution = values%number('restitution')
+      impact%profile_points = values%whole('profile_points')
+      impact%mass_given = values%given('mass')
+      if (impact%mass_given) then
+        impact%mass = values%number('mass')
+        call settle_product(impact%mass/beam_mass, impact%mass_ratio, values%line_of('mass'), &
+                            'impact%mass', 'its ratio to the mass of the beam', messages)
+      else
+        impact%mass_ratio = values%number('mass_ratio')
+        call settle_product(impact%mass_ratio*beam_mass, impact%mass, values%line_of('mass_ratio'), &
+                            'impact%mass_ratio', 'the mass that it stands for', messages)
+      end if
+    end associate
+  end subroutine build_impact
+
+end module bw_impact_par

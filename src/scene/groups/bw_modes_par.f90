@@ -1,0 +1,107 @@
+module bw_modes_par
+  !! `&modes`: how many modes are summed.
+  use bw_input_name, only: input_group, input_name, integer_input, number_range
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: build_modes, settle_modes
+
+  type, public :: modes_par
+    integer :: before = 0   !! modes of the beam before the impact, ≥ 1
+    integer :: after = 0    !! modes after the capture, ≥ 1; without a capture the same as before
+  end type modes_par
+
+  integer, parameter :: default_count = 20                                  !! where no history depends on it
+  type(number_range), parameter :: counts = number_range(1.0_dp, 1e7_dp)
+
+  type(input_group), parameter, public :: modes_group = input_group( &
+    'modes', implied=.true., absent='20 modes without `&response`; with it, an error: counts are required', &
+    rules='With `&capture` there are two sets of modes; where one count is given, the other is the same. Without it '// &
+    'there is one set: its count is `before`, and `after`, if given, is the same. A rebound belongs to its '// &
+    'truncation, its impulse going to 0 as modes are added, so that no count can be chosen for it.')
+
+  type(input_name), parameter, public :: modes_names(*) = [ &
+    input_name('modes', 'before', integer_input, '1', counts, swept=.true., &
+               meaning='modes of the beam alone, which the impact excites'), &
+    input_name('modes', 'after', integer_input, '1', counts, swept=.true., &
+               meaning='modes of the beam with the captured mass')]
+
+contains
+
+  pure subroutine settle_modes(modes, rebound, captured, response, messages)
+    !! Fill in the counts that follow from others; say which are missing.
+    type(group_values), intent(inout) :: modes
+    logical, intent(in) :: rebound    !! an impact without capture
+    logical, intent(in) :: captured
+    logical, intent(in) :: response   !! a history is asked for
+    type(message_list), intent(inout) :: messages
+    if (any(modes%values%given .and. .not. modes%values%known)) return
+    if (.not. (modes%given('before') .or. modes%given('after'))) then
+      if (response .and. (rebound .or. captured)) then
+        call ask_for_counts(captured, messages)
+        return
+      end if
+      call modes%settle('before', real(default_count, dp), 0)
+    end if
+    if (captured) then
+      call settle_pair(modes)
+    else
+      call settle_single(modes, messages)
+    end if
+  end subroutine settle_modes
+
+  pure subroutine ask_for_counts(captured, messages)
+    logical, intent(in) :: captured
+    type(message_list), intent(inout) :: messages
+    character(:), allocatable :: accepted
+    accepted = 'accepted: 1 to '//text_of(counts%high)
+    if (captured) then
+      call messages%add(0, 'modes%before', 'is missing: &response with &capture needs a count of modes, as before or '// &
+                        'after; '//accepted)
+    else
+      call messages%add(0, 'modes%before', 'is missing: &response with &impact and without &capture needs a count of '// &
+                        'modes, since a rebound belongs to its truncation (its impulse goes to 0 as modes are added); '// &
+                        accepted)
+    end if
+  end subroutine ask_for_counts
+
+  pure subroutine settle_pair(modes)
+    !! With a capture: a count that is not given is the other one, and follows its sweep.
+    type(group_values), intent(inout) :: modes
+    if (.not. modes%given('after')) then
+      call modes%settle('after', modes%number('before'), modes%values(modes%at('before'))%sweep)
+    else if (.not. modes%given('before')) then
+      call modes%settle('before', modes%number('after'), modes%values(modes%at('after'))%sweep)
+    end if
+  end subroutine settle_pair
+
+  pure subroutine settle_single(modes, messages)
+    !! Without a capture: `after` may only repeat `before`, and says nothing then.
+    type(group_values), intent(inout) :: modes
+    type(message_list), intent(inout) :: messages
+    if (.not. modes%given('after')) return
+    if (.not. modes%given('before')) then
+      call messages%add(modes%line_of('after'), 'modes%after', &
+                        'without &capture there is one set of modes; accepted: its count as modes%before')
+    else if (modes%number('after') /= modes%number('before')) then
+      call messages%add(modes%line_of('after'), 'modes%after', 'is '//text_of(modes%whole('after'))// &
+                        '; without &capture there is one set of modes; accepted: '// &
+                        text_of(modes%whole('before'))//' as modes%before')
+    end if
+    call modes%forget('after')
+  end subroutine settle_single
+
+  pure subroutine build_modes(groups, modes)
+    type(group_values), intent(in) :: groups(:)   !! settled
+    type(modes_par), intent(out) :: modes
+    associate (values => groups(position_of(groups, 'modes')))
+      modes%before = values%whole('before')
+      modes%after = modes%before
+      if (values%known('after')) modes%after = values%whole('after')
+    end associate
+  end subroutine build_modes
+
+end module bw_modes_par

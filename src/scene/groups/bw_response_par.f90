@@ -1,0 +1,65 @@
+module bw_response_par
+  !! `&response`: time histories at points of the beam.
+  use bw_input_name, only: input_group, input_name, integer_input, logical_input, number_range, positive, real_input, &
+                           reals_input, unit_interval
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: build_response, check_response
+
+  type, public :: response_par
+    real(dp) :: duration = 0.0_dp        !! T [s], > 0
+    integer :: samples = 0               !! N ≥ 1; the times are the exact j·T/N, j = 0 … N−1
+    real(dp), allocatable :: points(:)   !! ξ in [0, 1], in the user's order, no two the same, (n_points)
+    logical :: velocity = .false.        !! velocities are asked for too
+  end type response_par
+
+  type(input_group), parameter, public :: response_group = input_group( &
+    'response', needs='impact', absent='no time history', &
+    rules='Samples are taken at the exact times j duration/samples, j = 0 ... samples-1.')
+
+  type(input_name), parameter, public :: response_names(*) = [ &
+    input_name('response', 'duration', real_input, 's', positive, required=.true., &
+               meaning='time from the impact to the end'), &
+    input_name('response', 'samples', integer_input, '1', number_range(1.0_dp, 1e9_dp), required=.true., &
+               meaning='samples of each history'), &
+    input_name('response', 'points', reals_input, '1', unit_interval, '0.5, 1.0', most=1000, &
+               meaning='places xi = x/l, 0 at the root and 1 at the tip'), &
+    input_name('response', 'velocity', logical_input, default='.false.', meaning='velocities too')]
+
+contains
+
+  pure subroutine check_response(response, messages)
+    !! Points are coordinates of the result: no two are the same.
+    type(group_values), intent(in) :: response
+    type(message_list), intent(inout) :: messages
+    integer :: i
+    associate (points => response%values(response%at('points')))
+      if (.not. points%known .or. .not. points%given) return
+      do i = 2, size(points%numbers)
+        if (any(points%numbers(:i - 1) == points%numbers(i))) &
+          call messages%add(points%lines(i), 'response%points', text_of(points%numbers(i))// &
+                            ' is there twice; accepted: each point once')
+      end do
+    end associate
+  end subroutine check_response
+
+  pure subroutine build_response(groups, response)
+    type(group_values), intent(in) :: groups(:)
+    type(response_par), allocatable, intent(out) :: response   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'response')
+    if (i == 0) return
+    allocate (response)
+    associate (values => groups(i))
+      response%duration = values%number('duration')
+      response%samples = values%whole('samples')
+      response%points = values%values(values%at('points'))%numbers
+      response%velocity = values%values(values%at('velocity'))%flag
+    end associate
+  end subroutine build_response
+
+end module bw_response_par

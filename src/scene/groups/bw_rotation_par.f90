@@ -1,0 +1,37 @@
+module bw_rotation_par
+  !! `&rotation`: the beam's root turns at a constant rate.
+  use bw_input_name, only: any_number, input_group, input_name, real_input, text_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: build_rotation
+
+  type, public :: rotation_par
+    real(dp) :: angular_velocity = 0.0_dp   !! ω [rad/s], of either sign
+    character(:), allocatable :: plane      !! 'in' or 'out': the beam bends in the plane of rotation or out of it
+  end type rotation_par
+
+  type(input_group), parameter, public :: rotation_group = input_group( &
+    'rotation', absent='the beam does not rotate')
+
+  type(input_name), parameter, public :: rotation_names(*) = [ &
+    input_name('rotation', 'angular_velocity', real_input, 'rad s-1', any_number, required=.true., swept=.true., &
+               meaning='constant angular velocity of the root'), &
+    input_name('rotation', 'plane', text_input, default="'in'", words='in out', &
+               meaning='the beam bends in the plane of rotation, or out of it')]
+
+contains
+
+  pure subroutine build_rotation(groups, rotation)
+    type(group_values), intent(in) :: groups(:)
+    type(rotation_par), allocatable, intent(out) :: rotation   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'rotation')
+    if (i == 0) return
+    allocate (rotation)
+    rotation%angular_velocity = groups(i)%number('angular_velocity')
+    rotation%plane = groups(i)%text('plane')
+  end subroutine build_rotation
+
+end module bw_rotation_par

@@ -1,0 +1,57 @@
+module bw_spectrum_par
+  !! `&spectrum`: amplitude spectra, and what they say about waves.
+  use bw_input_name, only: input_group, input_name, integer_input, number_range, text_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: build_spectrum, check_spectrum
+
+  type, public :: spectrum_par
+    character(:), allocatable :: window   !! one of the words below
+    integer :: max_peaks = 20             !! ≥ 1
+  end type spectrum_par
+
+  integer, parameter :: least_samples = 16
+    !! below it, no two peaks stand apart: the widest window's peak covers eight lines of the spectrum
+
+  type(input_group), parameter, public :: spectrum_group = input_group( &
+    'spectrum', needs='response', absent='no spectral analysis', &
+    rules='It needs at least 16 samples. Wave numbers and wave velocities are measured where 0.5 and 1.0 are among '// &
+    'the points of `&response`.')
+
+  type(input_name), parameter, public :: spectrum_names(*) = [ &
+    input_name('spectrum', 'window', text_input, default="'hann'", &
+               words='hann rectangular hamming blackman blackman_harris flat_top', &
+               meaning='window of the amplitude spectrum'), &
+    input_name('spectrum', 'max_peaks', integer_input, '1', number_range(1.0_dp, 1e4_dp), '20', &
+               meaning='most peaks to be measured')]
+
+contains
+
+  pure subroutine check_spectrum(groups, messages)
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: i
+    i = position_of(groups, 'response')
+    if (i == 0 .or. position_of(groups, 'spectrum') == 0) return
+    if (.not. groups(i)%known('samples')) return
+    if (groups(i)%whole('samples') < least_samples) &
+      call messages%add(groups(i)%line_of('samples'), 'response%samples', text_of(groups(i)%whole('samples'))// &
+                        ' samples are too few for &spectrum; accepted: '//text_of(least_samples)//' or more')
+  end subroutine check_spectrum
+
+  pure subroutine build_spectrum(groups, spectrum)
+    type(group_values), intent(in) :: groups(:)
+    type(spectrum_par), allocatable, intent(out) :: spectrum   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'spectrum')
+    if (i == 0) return
+    allocate (spectrum)
+    spectrum%window = groups(i)%text('window')
+    spectrum%max_peaks = groups(i)%whole('max_peaks')
+  end subroutine build_spectrum
+
+end module bw_spectrum_par

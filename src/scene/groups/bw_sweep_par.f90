@@ -1,0 +1,121 @@
+module bw_sweep_par
+  !! `&sweep`: one number takes several values, each of them a case.
+  use bw_input_name, only: any_number, input_group, input_name, integer_input, number_range, real_input, reals_input, &
+                           text_input
+  use bw_input_values, only: group_values
+  use bw_kinds, only: dp, qp
+  use bw_scene_messages, only: message_list
+  use bw_text, only: lower
+  implicit none (type, external)
+  private
+  public :: build_sweep, check_sweep, sweep_lines
+
+  type, public :: sweep_par
+    character(:), allocatable :: parameter   !! 'group%name', in lower case
+    real(dp), allocatable :: values(:)       !! one per value of the parameter, (n)
+    character(:), allocatable :: spacing     !! 'linear' or 'log' between the ends; '' where the values were listed
+  end type sweep_par
+
+  integer, parameter :: most_values = 1000000
+
+  type(input_group), parameter, public :: sweep_group = input_group( &
+    'sweep', repeatable=.true., absent='one case', &
+    rules='Give `values`, or `first`, `last` and `count`. Several sweeps make the product of their values, the first '// &
+    'varying slowest. The swept name''s group must be present; a value given there is replaced. With n = count, '// &
+    'value i = 0 ... n-1 is ((n-1-i) first + i last)/(n-1), or with logarithmic spacing first (last/first)^(i/(n-1)).')
+
+  type(input_name), parameter, public :: sweep_names(*) = [ &
+    input_name('sweep', 'parameter', text_input, required=.true., &
+               meaning='what is swept, as ''group%name''; a number'), &
+    input_name('sweep', 'values', reals_input, '', any_number, most=most_values, excludes='first last count spacing', &
+               meaning='its values'), &
+    input_name('sweep', 'first', real_input, '', any_number, excludes='values', meaning='its first value'), &
+    input_name('sweep', 'last', real_input, '', any_number, excludes='values', meaning='its last value'), &
+    input_name('sweep', 'count', integer_input, '1', number_range(2.0_dp, real(most_values, dp)), excludes='values', &
+               meaning='how many values, both ends included'), &
+    input_name('sweep', 'spacing', text_input, default="'linear'", words='linear log', excludes='values', &
+               meaning='equal differences, or equal ratios of values > 0')]
+
+  character(*), parameter :: range_names(*) = [character(5) :: 'first', 'last', 'count']
+
+contains
+
+  pure subroutine check_sweep(sweep, messages)
+    !! Values are needed: listed, or by their ends and number.
+    type(group_values), intent(in) :: sweep
+    type(message_list), intent(inout) :: messages
+    integer :: i
+    if (sweep%given('values')) return
+    do i = 1, size(range_names)
+      if (.not. sweep%given(range_names(i))) &
+        call messages%add(sweep%line, 'sweep%'//trim(range_names(i)), &
+                          'is missing in this group; accepted: values, or first, last and count')
+    end do
+    if (.not. sweep%known('spacing')) return
+    if (sweep%text('spacing') /= 'log') return
+    do i = 1, 2
+      if (.not. sweep%known(range_names(i))) cycle
+      if (sweep%number(range_names(i)) <= 0.0_dp) &
+        call messages%add(sweep%line_of(range_names(i)), 'sweep%'//trim(range_names(i)), &
+                          "is not positive; accepted with spacing = 'log': > 0")
+    end do
+  end subroutine check_sweep
+
+  pure subroutine build_sweep(values, sweep)
+    type(group_values), intent(in) :: values   !! checked
+    type(sweep_par), intent(out) :: sweep
+    sweep%parameter = lower(values%text('parameter'))
+    sweep%spacing = ''
+    if (values%given('values')) then
+      sweep%values = values%values(values%at('values'))%numbers
+    else
+      sweep%spacing = values%text('spacing')
+      sweep%values = spaced(values%number('first'), values%number('last'), values%whole('count'), sweep%spacing == 'log')
+    end if
+  end subroutine build_sweep
+
+  pure function sweep_lines(values, n) result(lines)
+    !! Line of the scene that each of the n values comes from.
+    type(group_values), intent(in) :: values
+    integer, intent(in) :: n
+    integer, allocatable :: lines(:)
+    if (values%given('values')) then
+      lines = values%values(values%at('values'))%lines
+    else
+      allocate (lines(n), source=values%line_of('count'))
+      lines(1) = values%line_of('first')
+      lines(n) = values%line_of('last')
+    end if
+  end function sweep_lines
+
+  pure function spaced(first, last, n, logarithmic) result(values)
+    !! n values from first to last, both exact. Extended precision keeps what lies between as near as double
+    !! precision allows, so that whole numbers and powers of ten come out as such, and nothing overflows.
+    real(dp), intent(in) :: first, last
+    integer, intent(in) :: n                   !! ≥ 2
+    logical, intent(in) :: logarithmic         !! then both are > 0
+    real(dp), allocatable :: values(:)
+    real(qp) :: ends(2)
+    integer :: i
+    allocate (values(n))
+    ends = [real(first, qp), real(last, qp)]
+    if (logarithmic) ends = log(ends)
+    do i = 2, n - 1
+      values(i) = between(ends, i - 1, n - 1, logarithmic)
+    end do
+    values(1) = first
+    values(n) = last
+  end function spaced
+
+  pure real(dp) function between(ends, i, n, logarithmic)
+    !! The point i/n of the way between two ends, which are logarithms if `logarithmic`.
+    real(qp), intent(in) :: ends(2)
+    integer, intent(in) :: i, n
+    logical, intent(in) :: logarithmic
+    real(qp) :: value
+    value = ((n - i)*ends(1) + i*ends(2))/n
+    if (logarithmic) value = exp(value)
+    between = real(value, dp)
+  end function between
+
+end module bw_sweep_par

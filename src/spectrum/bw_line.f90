@@ -1,0 +1,145 @@
+module bw_line
+  !! One spectral line in two histories: a tone that may grow or decay, and its images in the time and frequency domains.
+  !!
+  !! The history at point p is Re c_p exp(2πi (bin + offset) j/N + growth (j/N − r)), j = 0 … N−1, with r = 1 for a
+  !! line that grows and 0 for others, so that no image exceeds |c_p|. Whole bins and the offset are kept apart: phases
+  !! then lose nothing to the size of the frequency.
+  use bw_kinds, only: dp, i8
+  implicit none (type, external)
+  private
+  public :: line_position, mirror_row, line_row, subtract_line, sidelobe
+
+  integer, parameter, public :: points = 2   !! tip and midpoint, in this order
+  real(dp), parameter, public :: main_lobe = 10/32.0_dp  !! mean of the window sin⁶(πj/N)
+  integer, parameter :: block = 256          !! samples between two rotations of the coefficient
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: window(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! sin⁶(πj/N) as a row of bins
+
+  type, public :: line_type
+    integer :: bin = 0                       !! nearest whole number of periods in the record, 0 … N/2
+    real(dp) :: offset = 0                   !! periods beyond `bin`
+    real(dp) :: growth = 0                   !! logarithm of the growth over the record, 0 for a steady tone
+    complex(dp) :: amplitude(points) = 0     !! c_p, in the unit of the record
+    logical :: steady = .true.               !! growth is held at 0
+    logical :: closed = .false.              !! a further line beside this one did not help
+    real(dp) :: position_error = 0           !! bound on the error of bin + offset
+    real(dp) :: ratio = 0                    !! signed ratio midpoint to tip
+    real(dp) :: ratio_error = 0              !! bound on its error, huge if it does not exist
+  end type line_type
+
+contains
+
+  elemental real(dp) function line_position(line)
+    !! Periods in the record.
+    type(line_type), intent(in) :: line
+    line_position = line%bin + line%offset
+  end function line_position
+
+  pure function line_row(line, count, first, last, shift, windowed) result(row)
+    !! Transform of exp(…) of a line of amplitude 1, without its mirror image, at the bins first … last.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count             !! N
+    integer, intent(in) :: first, last       !! bins
+    real(dp), intent(in) :: shift            !! added to the line's offset
+    logical, intent(in) :: windowed          !! by sin⁶(πj/N)
+    complex(dp) :: row(first:last)
+    row = transform(line%bin, line%offset + shift, line%growth, count, first, last, windowed)
+  end function line_row
+
+  pure function mirror_row(line, count, first, last, shift, windowed) result(row)
+    !! The same of the line's mirror image at negative frequency.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count, first, last
+    real(dp), intent(in) :: shift
+    logical, intent(in) :: windowed
+    complex(dp) :: row(first:last)
+    row = transform(-line%bin, -line%offset - shift, line%growth, count, first, last, windowed)
+  end function mirror_row
+
+  pure function transform(bin, offset, growth, count, first, last, windowed) result(row)
+    !! Σ_j w_j exp((growth + 2πi (bin − m + offset)) j/N − max(growth, 0)), m = first … last: a geometric sum.
+    integer, intent(in) :: bin, count, first, last
+    real(dp), intent(in) :: offset, growth
+    logical, intent(in) :: windowed
+    complex(dp) :: row(first:last)
+    complex(dp) :: plain(first - 3:last + 3), numerator, denominator
+    integer :: m, away
+    if (growth > 0) then
+      numerator = -exp(cmplx(0, 2*pi*offset, dp))*exp_less_one(cmplx(-growth, -2*pi*offset, dp))
+    else
+      numerator = exp_less_one(cmplx(growth, 2*pi*offset, dp))
+    end if
+    do m = first - 3, last + 3
+      away = modulo(bin - m + count/2, count) - count/2
+      denominator = exp_less_one(cmplx(growth, 2*pi*(away + offset), dp)/count)
+      if (abs(denominator) > 0) then
+        plain(m) = numerator/denominator
+      else
+        plain(m) = count
+      end if
+    end do
+    if (.not. windowed) then
+      row = plain(first:last)
+    else
+      do m = first, last
+        row(m) = sum(window*plain(m - 3:m + 3))
+      end do
+    end if
+  end function transform
+
+  pure complex(dp) function exp_less_one(z)
+    !! e^z − 1 without cancellation near 0.
+    complex(dp), intent(in) :: z
+    real(dp) :: half, growth
+    half = sin(z%im/2)
+    if (abs(z%re) < 1) then
+      growth = 2*exp(z%re/2)*sinh(z%re/2)
+    else
+      growth = exp(z%re) - 1
+    end if
+    exp_less_one = cmplx(growth*cos(z%im) - 2*half*half, exp(z%re)*sin(z%im), dp)
+  end function exp_less_one
+
+  pure subroutine subtract_line(line, record)
+    !! Take the line out of both histories, (N, points). The tone is tabulated over one block, and its coefficient
+    !! turned from block to block: no error builds up along the record.
+    type(line_type), intent(in) :: line
+    real(dp), intent(inout) :: record(0:, :)
+    real(dp) :: tone(0:block - 1, 2)
+    complex(dp) :: start
+    integer :: j, p, count, length
+    count = size(record, 1)
+    do j = 0, min(block, count) - 1
+      start = turn(line, j, count)
+      tone(j, :) = [start%re, start%im]
+    end do
+    do j = 0, count - 1, block
+      length = min(block, count - j)
+      do p = 1, points
+        start = line%amplitude(p)*turn(line, j, count)*exp(-max(line%growth, 0.0_dp))
+        record(j:j + length - 1, p) = record(j:j + length - 1, p) &
+          & - (start%re*tone(:length - 1, 1) - start%im*tone(:length - 1, 2))
+      end do
+    end do
+  end subroutine subtract_line
+
+  pure complex(dp) function turn(line, j, count)
+    !! exp(2πi (bin + offset) j/N + growth j/N), whole periods taken out before rounding.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: j, count
+    integer(i8) :: part
+    part = modulo(int(line%bin, i8)*j, int(count, i8))
+    if (2*part > count) part = part - count
+    turn = exp(line%growth*j/count)*exp(cmplx(0, 2*pi*(part + line%offset*j)/count, dp))
+  end function turn
+
+  elemental real(dp) function sidelobe(distance)
+    !! Largest leakage of a steady line through the window, relative to its peak, at that many bins.
+    real(dp), intent(in) :: distance         !! bins, of either sign
+    real(dp) :: d
+    d = abs(distance)
+    sidelobe = 1
+    if (d >= 4) sidelobe = 36/(pi*d*(d*d - 1)*(d*d - 4)*(d*d - 9))
+  end function sidelobe
+
+end module bw_line

@@ -1,0 +1,142 @@
+module bw_line_poles
+  !! Where lines lie that overlap: the transform of a sum of exponentials is a rational function of the bin, and its
+  !! poles are the lines. They come from a Loewner pencil of both histories' bins.
+  !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
+  use bw_kinds, only: dp
+  use bw_line, only: points
+  implicit none (type, external)
+  private
+  public :: find_poles
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+
+  interface
+    subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
+      import :: dp
+      character, intent(in) :: jobu, jobvt
+      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+      complex(dp), intent(inout) :: a(lda, *), u(ldu, *), vt(ldvt, *), work(*)
+      real(dp), intent(inout) :: s(*), rwork(*)
+      integer, intent(out) :: info
+    end subroutine zgesvd
+    subroutine zgeev(jobvl, jobvr, n, a, lda, w, vl, ldvl, vr, ldvr, work, lwork, rwork, info)
+      import :: dp
+      character, intent(in) :: jobvl, jobvr
+      integer, intent(in) :: n, lda, ldvl, ldvr, lwork
+      complex(dp), intent(inout) :: a(lda, *), w(*), vl(ldvl, *), vr(ldvr, *), work(*)
+      real(dp), intent(inout) :: rwork(*)
+      integer, intent(out) :: info
+    end subroutine zgeev
+  end interface
+
+contains
+
+  subroutine find_poles(image, first, count, rank, position, growth)
+    !! `rank` poles of the rational function through `image`.
+    integer, intent(in) :: first                  !! first bin, may be negative
+    complex(dp), intent(in) :: image(first:, :)   !! transform without window, (bins, points), bins > 2 rank
+    integer, intent(in) :: count                  !! samples in the record
+    integer, intent(in) :: rank                   !! ≥ 1
+    real(dp), allocatable, intent(out) :: position(:)  !! bins
+    real(dp), allocatable, intent(out) :: growth(:)    !! logarithm of growth over the record
+    complex(dp), allocatable :: pencil(:, :), shifted(:, :), left(:, :), right(:, :), pole(:)
+    real(dp), allocatable :: singular(:)
+    integer :: middle, i
+    middle = first + size(image, 1)/2
+    call loewner(image, first, count, middle, pencil, shifted)
+    call singular_vectors(pencil, singular, left, right)
+    if (singular(rank) <= 0) then
+      allocate (position(0), growth(0))
+      return
+    end if
+    shifted = matmul(conjg(transpose(left(:, :rank))), matmul(shifted, conjg(transpose(right(:rank, :)))))
+    do i = 1, rank
+      shifted(i, :) = shifted(i, :)/singular(i)
+    end do
+    pole = eigenvalues(shifted)
+    pole = count*logarithm(pole*cmplx(0, 2*pi, dp)/count)
+    position = middle + pole%im/(2*pi)
+    growth = pole%re
+  end subroutine find_poles
+
+  pure subroutine loewner(image, first, count, middle, pencil, shifted)
+    !! Divided differences of F = Y/ω and of ωF between even and odd bins, both histories below each other, in the
+    !! variable (ω − ω_middle)/(2πi ω_middle/N), which is near the bin's distance from the middle.
+    integer, intent(in) :: first, count, middle
+    complex(dp), intent(in) :: image(first:, :)
+    complex(dp), allocatable, intent(out) :: pencil(:, :), shifted(:, :)
+    complex(dp) :: node(first:ubound(image, 1)), f(first:ubound(image, 1))
+    integer :: rows, columns, i, j, m, n, p
+    columns = size(image, 1)/2
+    rows = size(image, 1) - columns
+    allocate (pencil(points*rows, columns), shifted(points*rows, columns))
+    node = [(local_node(m - middle, count), m=first, ubound(image, 1))]
+    do p = 1, points
+      f = image(:, p)*[(exp(cmplx(0, -2*pi*(m - middle)/count, dp)), m=first, ubound(image, 1))]
+      do j = 1, columns
+        n = first + 2*j - 1
+        do i = 1, rows
+          m = first + 2*i - 2
+          pencil(rows*(p - 1) + i, j) = (f(m) - f(n))/(node(m) - node(n))
+          shifted(rows*(p - 1) + i, j) = (node(m)*f(m) - node(n)*f(n))/(node(m) - node(n))
+        end do
+      end do
+    end do
+  end subroutine loewner
+
+  pure complex(dp) function local_node(away, count)
+    !! (e^(ix) − 1) N/(2πi), x = 2π away/N.
+    integer, intent(in) :: away, count
+    real(dp) :: x
+    x = pi*away/count
+    local_node = sin(x)*exp(cmplx(0, x, dp))*count/pi
+  end function local_node
+
+  elemental complex(dp) function logarithm(z)
+    !! log(1 + z); small |z| keeps its digits, 0 of 1 + z gives a large negative growth.
+    complex(dp), intent(in) :: z
+    complex(dp) :: rounded
+    rounded = 1 + z
+    if (abs(rounded) < tiny(1.0_dp)) then
+      logarithm = -700
+    else if (abs(z) < 1.0e-4_dp) then
+      logarithm = z*(1 - z*(0.5_dp - z*(1/3.0_dp - z/4)))
+    else
+      logarithm = log(rounded)
+    end if
+  end function logarithm
+
+  subroutine singular_vectors(matrix, singular, left, right)
+    complex(dp), intent(in) :: matrix(:, :)
+    real(dp), allocatable, intent(out) :: singular(:)
+    complex(dp), allocatable, intent(out) :: left(:, :), right(:, :)  !! columns, conjugated rows
+    complex(dp) :: a(size(matrix, 1), size(matrix, 2)), work(32*sum(shape(matrix)))
+    real(dp) :: scratch(5*size(matrix, 2))
+    integer :: m, n, info
+    m = size(a, 1)
+    n = size(a, 2)                                ! n ≤ m
+    allocate (singular(n), left(m, n), right(n, n))
+    a = matrix
+    singular = 0
+    left = 0
+    right = 0
+    work = 0
+    scratch = 0
+    call zgesvd('S', 'S', m, n, a, m, singular, left, m, right, n, work, size(work), scratch, info)
+  end subroutine singular_vectors
+
+  function eigenvalues(matrix) result(values)
+    complex(dp), intent(in) :: matrix(:, :)
+    complex(dp) :: values(size(matrix, 1))
+    complex(dp) :: a(size(matrix, 1), size(matrix, 1)), none(1, 1), work(32*size(matrix, 1))
+    real(dp) :: scratch(2*size(matrix, 1))
+    integer :: info
+    a = matrix
+    values = 0
+    none = 0
+    work = 0
+    scratch = 0
+    call zgeev('N', 'N', size(a, 1), a, size(a, 1), values, none, 1, none, 1, work, size(work), scratch, info)
+  end function eigenvalues
+
+end module bw_line_poles

@@ -1,0 +1,138 @@
+module bw_line_residual
+  !! What is left of two histories when lines are taken out, and which peaks still stand out of it.
+  use bw_fourier, only: real_transform
+  use bw_kinds, only: dp
+  use bw_line, only: line_type, main_lobe, points, sidelobe, subtract_line
+  implicit none (type, external)
+  private
+  public :: plain_bins, residual_of, visible_peaks
+
+  integer, parameter :: bins_for_noise = 512   !! with fewer bins, lines may fill the quietest tenth
+  integer, parameter :: most_peaks = 64        !! taken up at a time
+  real(dp), parameter :: chance = 8            !! noise does not reach so many standard deviations in 10¹² bins
+  real(dp), parameter :: guard = 4             !! a peak stands out of so many times the sidelobes of stronger ones
+  real(dp), parameter :: pi = acos(-1.0_dp)
+
+  type, public :: residual_type
+    integer :: count = 0                       !! samples in the record
+    complex(dp), allocatable :: windowed(:, :) !! transform with the window sin⁶(πj/N), (0:N/2, points)
+    complex(dp), allocatable :: plain(:, :)    !! transform without, (0:N/2, points)
+    real(dp) :: noise = 0                      !! standard deviation of a real number of `windowed`
+    real(dp) :: threshold = 0                  !! smaller values of |windowed| are no line
+  end type residual_type
+
+contains
+
+  function residual_of(record, lines) result(residual)
+    real(dp), intent(in) :: record(0:, :)      !! (N, points)
+    type(line_type), intent(in) :: lines(:)
+    type(residual_type) :: residual
+    real(dp), allocatable :: left(:, :)
+    real(dp) :: window(0:size(record, 1) - 1), rounding
+    integer :: i, p
+    residual%count = size(record, 1)
+    window = [(sin(pi*i/residual%count)**6, i=0, residual%count - 1)]
+    allocate (left(0:residual%count - 1, points), source=record)
+    do i = 1, size(lines)
+      call subtract_line(lines(i), left)
+    end do
+    allocate (residual%windowed(0:residual%count/2, points), residual%plain(0:residual%count/2, points))
+    do p = 1, points
+      residual%windowed(:, p) = real_transform(window*left(:, p))
+      residual%plain(:, p) = real_transform(left(:, p))
+    end do
+    rounding = epsilon(1.0_dp)*maxval([(norm2(window*record(:, p)), p=1, points)])
+    residual%noise = max(rounding, quiet_level(strength(residual)))
+    residual%threshold = max(chance*residual%noise, &
+      & epsilon(1.0_dp)*maxval([(maxval(abs(window*record(:, p))), p=1, points)])*residual%count*main_lobe/2)
+  end function residual_of
+
+  pure function strength(residual) result(value)
+    !! |windowed| of both histories together, (0:N/2).
+    type(residual_type), intent(in) :: residual
+    real(dp) :: value(0:ubound(residual%windowed, 1))
+    value = sqrt(abs(residual%windowed(:, 1))**2 + abs(residual%windowed(:, 2))**2)
+  end function strength
+
+  pure real(dp) function quiet_level(value)
+    !! Standard deviation of the noise in `value`, from its quietest tenth; 0 where there are too few bins to tell.
+    !! Bisection: the tenth quantile of the length of four normal numbers is 1.03 standard deviations.
+    real(dp), intent(in) :: value(:)
+    real(dp) :: low, high, middle
+    integer :: i
+    quiet_level = 0
+    if (size(value) < bins_for_noise) return
+    low = 0
+    high = maxval(value)
+    do i = 1, 80
+      middle = merge((low + high)/2, sqrt(low)*sqrt(high), low == 0)
+      if (low == 0) middle = high/1024
+      if (10*count(value < middle) > size(value)) then
+        high = middle
+      else
+        low = middle
+      end if
+      if (high <= 1.05_dp*low .or. high == 0) exit
+    end do
+    quiet_level = high/1.03_dp
+  end function quiet_level
+
+  function visible_peaks(residual) result(peak)
+    !! Bins of the peaks that are neither noise nor a sidelobe of a stronger peak, the strongest first.
+    type(residual_type), intent(in) :: residual
+    integer, allocatable :: peak(:)
+    real(dp) :: value(0:ubound(residual%windowed, 1))
+    integer, allocatable :: candidate(:)
+    integer :: i, best
+    value = strength(residual)
+    allocate (candidate, source=local_maxima(value, residual%threshold))
+    allocate (peak(0))
+    do i = 1, min(size(candidate), 4*most_peaks)
+      best = maxloc(value(candidate), dim=1)
+      associate (bin => candidate(best))
+        if (value(bin) > guard*leakage(bin)) peak = [peak, bin]
+      end associate
+      candidate = [candidate(:best - 1), candidate(best + 1:)]
+      if (size(peak) == most_peaks) exit
+    end do
+
+  contains
+
+    pure real(dp) function leakage(bin)
+      !! Sidelobes of the peaks found so far and of their mirror images.
+      integer, intent(in) :: bin
+      leakage = sum(value(peak)*(sidelobe(real(bin - peak, dp)) + sidelobe(real(bin + peak, dp)) &
+        & + sidelobe(real(residual%count - bin - peak, dp))))
+    end function leakage
+
+  end function visible_peaks
+
+  pure function local_maxima(value, threshold) result(bins)
+    real(dp), intent(in) :: value(0:), threshold
+    integer, allocatable :: bins(:)
+    logical :: high(0:size(value) - 1)
+    integer :: last, i
+    last = size(value) - 1
+    high = value > threshold
+    high(1:) = high(1:) .and. value(1:) >= value(:last - 1)
+    high(:last - 1) = high(:last - 1) .and. value(:last - 1) > value(1:)
+    allocate (bins, source=pack([(i, i=0, last)], high))
+  end function local_maxima
+
+  pure function plain_bins(residual, first, last) result(image)
+    !! The transform without window at bins first … last, which may lie beyond 0 and the Nyquist frequency.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: first, last
+    complex(dp) :: image(first:last, points)
+    integer :: m, k
+    do m = first, last
+      k = modulo(m, residual%count)
+      if (2*k <= residual%count) then
+        image(m, :) = residual%plain(k, :)
+      else
+        image(m, :) = conjg(residual%plain(residual%count - k, :))
+      end if
+    end do
+  end function plain_bins
+
+end module bw_line_residual

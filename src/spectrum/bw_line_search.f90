@@ -1,0 +1,119 @@
+module bw_line_search
+  !! All lines of two histories: peaks are taken up the strongest first, lines that share bins are fitted together, and
+  !! what is left of the record is searched again until nothing stands out.
+  use bw_kinds, only: dp
+  use bw_line, only: line_position, line_type, sidelobe
+  use bw_line_group, only: band_of, refit_group, group_type
+  use bw_line_residual, only: residual_of, residual_type, visible_peaks
+  implicit none (type, external)
+  private
+  public :: find_lines, line_groups
+
+  integer, parameter :: max_rounds = 16
+  integer, parameter :: most_lines = 200
+  real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
+
+contains
+
+  subroutine find_lines(record, lines, residual)
+    !! Lines by ascending position, and what is left without them.
+    real(dp), intent(in) :: record(0:, :)      !! tip and midpoint, (N, points), not zero everywhere
+    type(line_type), allocatable, intent(out) :: lines(:)
+    type(residual_type), intent(out) :: residual
+    integer, allocatable :: peak(:)
+    real(dp) :: size_now, size_before
+    integer :: round
+    allocate (lines(0), peak(0))
+    residual = residual_of(record, lines)
+    size_before = huge(1.0_dp)
+    do round = 1, max_rounds
+      peak = open_peaks(visible_peaks(residual), lines)
+      size_now = maxval(abs(residual%windowed))
+      if (size(peak) == 0 .and. size_now > 0.5_dp*size_before) exit
+      if (size(lines) + size(peak) > most_lines) exit
+      size_before = size_now
+      call fit_groups(residual, peak, lines)
+      residual = residual_of(record, lines)
+    end do
+  end subroutine find_lines
+
+  pure function open_peaks(peak, lines) result(open)
+    !! The peaks that are not beside a line where a further one has already failed to help.
+    integer, intent(in) :: peak(:)
+    type(line_type), intent(in) :: lines(:)
+    integer, allocatable :: open(:)
+    integer :: i
+    allocate (open, source=pack(peak, [(all(.not. lines%closed .or. abs(line_position(lines) - peak(i)) > apart), &
+      & i=1, size(peak))]))
+  end function open_peaks
+
+  subroutine fit_groups(residual, peak, lines)
+    !! Fit each group of lines and new peaks.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: peak(:)
+    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(line_type), allocatable :: fitted(:)
+    type(group_type), allocatable :: group(:)
+    integer :: i
+    allocate (group, source=line_groups(lines, peak))
+    allocate (fitted(0))
+    do i = 1, size(group)
+      call refit_group(residual, group(i), leakage(residual, group(i), peak))
+      fitted = [fitted, group(i)%lines]
+    end do
+    lines = fitted
+  end subroutine fit_groups
+
+  pure real(dp) function leakage(residual, group, peak)
+    !! What the other peaks may put into a bin of the group.
+    type(residual_type), intent(in) :: residual
+    type(group_type), intent(in) :: group
+    integer, intent(in) :: peak(:)
+    integer :: i, bins(2), gap
+    bins = band_of(group, residual%count)
+    leakage = 0
+    do i = 1, size(peak)
+      if (any(group%peaks == peak(i))) cycle
+      gap = max(bins(1) - peak(i), peak(i) - bins(2), 4)
+      leakage = leakage + norm2(abs(residual%windowed(peak(i), :)))*sidelobe(real(gap, dp))
+    end do
+  end function leakage
+
+  pure function line_groups(lines, peak) result(group)
+    !! Lines and peaks, by ascending position, parted where more than `apart` bins are free.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: peak(:)
+    type(group_type), allocatable :: group(:)
+    real(dp) :: position(size(lines) + size(peak)), before
+    integer :: order(size(position)), i, j
+    position = [line_position(lines), real(peak, dp)]
+    order = ascending(position)
+    allocate (group(0))
+    before = -2*apart
+    do i = 1, size(order)
+      j = order(i)
+      if (position(j) - before > apart) group = [group, group_type()]
+      before = position(j)
+      associate (last => group(size(group)))
+        if (.not. allocated(last%lines)) allocate (last%lines(0), last%peaks(0))
+        if (j <= size(lines)) then
+          last%lines = [last%lines, lines(j)]
+        else
+          last%peaks = [last%peaks, peak(j - size(lines))]
+        end if
+      end associate
+    end do
+  end function line_groups
+
+  pure function ascending(value) result(order)
+    !! Permutation that sorts a short array.
+    real(dp), intent(in) :: value(:)
+    integer :: order(size(value)), i, j
+    do i = 1, size(value)
+      j = count(value(:i - 1) <= value(i)) + 1
+      order(j + 1:i) = order(j:i - 1)
+      order(j) = i
+    end do
+  end function ascending
+
+end module bw_line_search

@@ -1,0 +1,118 @@
+module bw_mode_ratio
+  !! The wave number that a mode's shape ratio fixes: Φ(½) − R Φ(1) = 0 (Eqs 18, 20), α = P l.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: alpha_of_ratio, mode_near
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: margin = 1.0e-3_dp      !! roots lie that near the ends (k−¾)π and (k−½)π, or between
+  real(dp), parameter :: first_mode(2) = [1.0e-3_dp, 1.8752_dp]
+  integer, parameter :: max_steps = 100
+
+contains
+
+  pure integer function mode_near(alpha)
+    !! The mode whose range of α, for any tip mass, is the nearest.
+    real(dp), intent(in) :: alpha
+    mode_near = max(1, nint(min(alpha, 1.0e8_dp)/pi + 0.625_dp))
+  end function mode_near
+
+  pure subroutine alpha_of_ratio(ratio, ratio_error, mode, alpha, alpha_error, found)
+    !! The α of mode `mode` that gives the ratio, and what an error of the ratio makes of it.
+    real(dp), intent(in) :: ratio, ratio_error
+    integer, intent(in) :: mode                   !! k ≥ 1
+    real(dp), intent(out) :: alpha, alpha_error
+    logical, intent(out) :: found                 !! some α in the mode's range gives a ratio within the error
+    real(dp) :: low, high, range(2)
+    range = alpha_range(mode)
+    alpha = root(ratio, mode, range)
+    low = root(ratio - ratio_error, mode, range)
+    high = root(ratio + ratio_error, mode, range)
+    alpha_error = max(abs(alpha - low), abs(high - alpha)) + 8*epsilon(1.0_dp)*alpha
+    found = any([low, alpha, high] > range(1) .and. [low, alpha, high] < range(2)) .or. abs(high - low) > 0
+  end subroutine alpha_of_ratio
+
+  pure function alpha_range(mode) result(range)
+    !! Ends of the range of α for tip masses from infinity to 0.
+    integer, intent(in) :: mode
+    real(dp) :: range(2)
+    range = first_mode
+    if (mode > 1) range = [(mode - 0.75_dp)*pi - margin, (mode - 0.5_dp)*pi + margin]
+  end function alpha_range
+
+  pure real(dp) function root(ratio, mode, range)
+    !! Zero of Φ(½) − R Φ(1) in the range (regula falsi, Illinois); the nearer end if there is none.
+    real(dp), intent(in) :: ratio, range(2)
+    integer, intent(in) :: mode
+    real(dp) :: a, b, fa, fb, f
+    integer :: i
+    a = range(1)
+    b = range(2)
+    fa = mismatch(a, ratio, mode)
+    fb = mismatch(b, ratio, mode)
+    root = merge(a, b, abs(fa) < abs(fb))
+    if ((fa < 0) .eqv. (fb < 0)) return
+    do i = 1, max_steps
+      root = b - fb*(b - a)/(fb - fa)
+      f = mismatch(root, ratio, mode)
+      if (f == 0 .or. abs(root - b) <= spacing(b)) return
+      if ((f < 0) .neqv. (fb < 0)) then
+        a = b
+        fa = fb
+      else
+        fa = fa/2
+      end if
+      b = root
+      fb = f
+    end do
+  end function root
+
+  pure real(dp) function mismatch(alpha, ratio, mode)
+    !! Φ(½) − R Φ(1), over 1 + |R|.
+    real(dp), intent(in) :: alpha, ratio
+    integer, intent(in) :: mode
+    if (mode == 1) then
+      mismatch = low_shape(alpha, 0.5_dp) - ratio*low_shape(alpha, 1.0_dp)
+    else
+      mismatch = shape_at(alpha, 0.5_dp) - ratio*shape_at(alpha, 1.0_dp)
+    end if
+    mismatch = mismatch/(1 + abs(ratio))
+  end function mismatch
+
+  pure real(dp) function shape_at(alpha, xi)
+    !! Φ(ξ) of a beam clamped at its root whose tip is free of moment, every exponential a decaying one; α > 1.
+    real(dp), intent(in) :: alpha, xi
+    real(dp) :: decay, rest
+    decay = exp(-alpha)
+    rest = 2*(sin(alpha) - cos(alpha) - decay)/(1 + (2*sin(alpha) - decay)*decay)  ! (1 − σ) e^α
+    shape_at = cos(alpha*xi) - (1 - rest*decay)*sin(alpha*xi) - (1 - rest*decay/2)*exp(-alpha*xi) &
+      & - rest*exp(-alpha*(1 - xi))/2
+  end function shape_at
+
+  pure real(dp) function low_shape(alpha, xi)
+    !! The same over α², by series: for α → 0 the closed form cancels.
+    real(dp), intent(in) :: alpha, xi
+    real(dp) :: z, sigma
+    z = alpha*xi
+    sigma = (cos(alpha) + cosh(alpha))/(sin(alpha) + sinh(alpha))
+    low_shape = 2*xi*xi*(sigma*z*odd_series(z**4, 2) - odd_series(z**4, 1))
+  end function low_shape
+
+  pure real(dp) function odd_series(power, start)
+    !! 1/m! + z⁴/(m+4)! + z⁸/(m+8)! …, m = start + 1, power = z⁴ < 13.
+    real(dp), intent(in) :: power
+    integer, intent(in) :: start
+    real(dp) :: term
+    integer :: m
+    m = start + 1
+    term = 1.0_dp/merge(2, 6, start == 1)
+    odd_series = 0
+    do while (term > epsilon(1.0_dp)**2)
+      odd_series = odd_series + term
+      term = term*power/(real(m + 1, dp)*(m + 2)*(m + 3)*(m + 4))
+      m = m + 4
+    end do
+  end function odd_series
+
+end module bw_mode_ratio

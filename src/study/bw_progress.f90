@@ -1,0 +1,35 @@
+module bw_progress
+  !! A monitor that also follows a scene from case to case.
+  use bw_kinds, only: i8
+  use bw_monitor, only: monitor_type
+  implicit none (type, external)
+  private
+
+  type, abstract, extends(monitor_type), public :: progress_type
+  contains
+    procedure(begin_interface), deferred :: begin
+    procedure(case_interface), deferred :: case_done
+    procedure(end_interface), deferred :: end
+  end type progress_type
+
+  abstract interface
+    subroutine begin_interface(self, name, cases, finished)
+      import :: progress_type, i8
+      class(progress_type), intent(inout) :: self
+      character(*), intent(in) :: name          !! of the scene
+      integer(i8), intent(in) :: cases          !! how many it has
+      integer(i8), intent(in) :: finished       !! how many an earlier run had finished
+    end subroutine begin_interface
+
+    subroutine case_interface(self)
+      import :: progress_type
+      class(progress_type), intent(inout) :: self
+    end subroutine case_interface
+
+    subroutine end_interface(self)
+      import :: progress_type
+      class(progress_type), intent(inout) :: self
+    end subroutine end_interface
+  end interface
+
+end module bw_progress

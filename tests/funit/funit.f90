@@ -1,0 +1,251 @@
+module funit
+  !! Stand-in for the few assertions of pFUnit that beamwave's tests use, for machines without pFUnit.
+  !!
+  !! `directives.awk` turns each directive of a `.pf` file into a call of this module, followed by a
+  !! return when anything has failed. Numbers are carried in binary128, which holds every binary64 and
+  !! every 64-bit integer; a difference is rounded to binary64 before it meets the tolerance, as if
+  !! it had been taken there.
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
+  use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, ieee_set_status, &
+    ieee_status_type
+  use, intrinsic :: iso_fortran_env, only: int32, int64, output_unit, real64, real128
+  use funit_lists, only: list_of, place_of, text_of
+  implicit none (type, external)
+  private
+  public :: assertEqual, assertRelativelyEqual, assertLessThanOrEqual, assertTrue, assertFalse
+  public :: anyExceptions, SourceLocation, start_tests, run_test, finish_tests
+
+  type :: SourceLocation
+    !! Where an assertion stands.
+    character(:), allocatable :: file
+    integer :: line = 0
+  end type SourceLocation
+
+  type :: comparison_type
+    !! Two lists of numbers to compare, and how to call it.
+    character(:), allocatable :: name
+    real(real128), allocatable :: expected(:), actual(:)
+    integer, allocatable :: expected_shape(:), actual_shape(:)  !! of size 0 for a scalar
+    real(real64) :: tolerance = 0
+  end type comparison_type
+
+  abstract interface
+    pure logical function rule(expected, actual, tolerance)
+      !! Whether two numbers, neither of them NaN, pass.
+      import :: real64, real128
+      implicit none (type, external)
+      real(real128), intent(in) :: expected, actual
+      real(real64), intent(in) :: tolerance
+    end function rule
+    subroutine test_procedure()
+      implicit none (type, external)
+    end subroutine test_procedure
+  end interface
+
+  interface assertEqual
+    !! (expected, actual, tolerance, message): passes if a == e or |a − e| ≤ tolerance, which is 0 when
+    !! absent. The expected value may be a scalar, and stands then for each element.
+    module procedure :: equal_reals, equal_integers, equal_longs, equal_integer_longs, equal_characters
+  end interface assertEqual
+
+  interface assertLessThanOrEqual
+    !! (a, b, message): passes if a ≤ b.
+    module procedure :: ordered_reals, ordered_integers, ordered_longs
+  end interface assertLessThanOrEqual
+
+  integer :: tests_run = 0
+  integer :: tests_failed = 0
+  logical :: has_failed = .false.  !! the running test
+
+contains
+
+  subroutine start_tests(program_name)
+    character(*), intent(in) :: program_name
+    write (output_unit, '(a)') program_name//': run by the stand-in for pFUnit in tests/funit'
+  end subroutine start_tests
+
+  subroutine run_test(suite, name, test)
+    !! The name is written before the test runs, so that a crash is told by the last line.
+    character(*), intent(in) :: suite, name
+    procedure(test_procedure) :: test
+    write (output_unit, '(a)') '  '//suite//': '//name
+    flush (output_unit)
+    has_failed = .false.
+    call test()
+    tests_run = tests_run + 1
+    if (has_failed) tests_failed = tests_failed + 1
+  end subroutine run_test
+
+  subroutine finish_tests()
+    !! The closing line. Exit status 1 on any failure, and when there was nothing to run.
+    write (output_unit, '(2(a,i0),a)') 'Tests run: ', tests_run, ', Failures: ', tests_failed, ', Errors: 0'
+    flush (output_unit)
+    if (tests_failed > 0 .or. tests_run == 0) stop 1, quiet=.true.
+  end subroutine finish_tests
+
+  logical function anyExceptions()
+    !! Whether an assertion of the running test has failed.
+    anyExceptions = has_failed
+  end function anyExceptions
+
+  subroutine assertTrue(condition, message, location)
+    logical, intent(in) :: condition
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    if (.not. condition) call report('assertTrue: the condition is false', message, location)
+  end subroutine assertTrue
+
+  subroutine assertFalse(condition, message, location)
+    logical, intent(in) :: condition
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    if (condition) call report('assertFalse: the condition is true', message, location)
+  end subroutine assertFalse
+
+  subroutine assertRelativelyEqual(expected, actual, tolerance, message, location)
+    !! Passes if |a − e| ≤ tolerance |e|. An expected 0 fails: no number is relatively close to it.
+    real(real64), intent(in) :: expected(..), actual(..), tolerance
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertRelativelyEqual', list_of(expected), list_of(actual), &
+      shape(expected), shape(actual), tolerance), is_relatively_close, message, location)
+  end subroutine assertRelativelyEqual
+
+  subroutine equal_reals(expected, actual, tolerance, message, location)
+    real(real64), intent(in) :: expected(..), actual(..)
+    real(real64), intent(in), optional :: tolerance
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    real(real64) :: allowed
+    allowed = 0
+    if (present(tolerance)) allowed = tolerance
+    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
+      shape(expected), shape(actual), allowed), is_close, message, location)
+  end subroutine equal_reals
+
+  subroutine equal_integers(expected, actual, message, location)
+    integer(int32), intent(in) :: expected(..), actual(..)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
+      shape(expected), shape(actual)), is_close, message, location)
+  end subroutine equal_integers
+
+  subroutine equal_longs(expected, actual, message, location)
+    integer(int64), intent(in) :: expected(..), actual(..)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
+      shape(expected), shape(actual)), is_close, message, location)
+  end subroutine equal_longs
+
+  subroutine equal_integer_longs(expected, actual, message, location)
+    integer(int32), intent(in) :: expected(..)
+    integer(int64), intent(in) :: actual(..)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
+      shape(expected), shape(actual)), is_close, message, location)
+  end subroutine equal_integer_longs
+
+  subroutine equal_characters(expected, actual, message, location)
+    !! Blanks at both ends do not count, nor do they in pFUnit.
+    character(*), intent(in) :: expected, actual
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    if (adjustl(expected) == adjustl(actual)) return
+    call report("assertEqual: expected '"//expected//"', actual '"//actual//"'", message, location)
+  end subroutine equal_characters
+
+  subroutine ordered_reals(a, b, message, location)
+    real(real64), intent(in) :: a(..), b(..)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertLessThanOrEqual', list_of(a), list_of(b), shape(a), shape(b)), &
+      is_ordered, message, location)
+  end subroutine ordered_reals
+
+  subroutine ordered_integers(a, b, message, location)
+    integer(int32), intent(in) :: a(..), b(..)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertLessThanOrEqual', list_of(a), list_of(b), shape(a), shape(b)), &
+      is_ordered, message, location)
+  end subroutine ordered_integers
+
+  subroutine ordered_longs(a, b, message, location)
+    integer(int64), intent(in) :: a(..), b(..)
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    call compare(comparison_type('assertLessThanOrEqual', list_of(a), list_of(b), shape(a), shape(b)), &
+      is_ordered, message, location)
+  end subroutine ordered_longs
+
+  pure logical function is_close(expected, actual, tolerance)
+    real(real128), intent(in) :: expected, actual
+    real(real64), intent(in) :: tolerance
+    is_close = actual == expected
+    if (.not. is_close .and. ieee_is_finite(expected)) is_close = abs(real(actual - expected, real64)) <= tolerance
+  end function is_close
+
+  pure logical function is_relatively_close(expected, actual, tolerance)
+    real(real128), intent(in) :: expected, actual
+    real(real64), intent(in) :: tolerance
+    is_relatively_close = .false.
+    if (expected == 0 .or. .not. ieee_is_finite(expected)) return
+    is_relatively_close = abs(real(actual - expected, real64)) <= tolerance*abs(real(expected, real64))
+  end function is_relatively_close
+
+  pure logical function is_ordered(expected, actual, tolerance)
+    real(real128), intent(in) :: expected, actual
+    real(real64), intent(in) :: tolerance
+    is_ordered = expected <= actual + tolerance
+  end function is_ordered
+
+  subroutine compare(this, passes, message, location)
+    !! Report the first element that does not pass. Traps are off meanwhile: a NaN or an overflow in
+    !! what is compared is a failed assertion, not a crash.
+    type(comparison_type), intent(in) :: this
+    procedure(rule) :: passes
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    type(ieee_status_type) :: status
+    real(real128) :: expected
+    integer :: i
+    if (size(this%expected_shape) > 0 .and. .not. same_shape(this)) then
+      call report(this%name//': the shapes differ', message, location)
+      return
+    end if
+    call ieee_get_status(status)
+    call ieee_set_halting_mode(ieee_all, .false.)
+    do i = 1, size(this%actual)
+      expected = this%expected(merge(1, i, size(this%expected_shape) == 0))
+      if (.not. (ieee_is_nan(expected) .or. ieee_is_nan(this%actual(i)))) then
+        if (passes(expected, this%actual(i), this%tolerance)) cycle
+      end if
+      call report(this%name//place_of(i, this%actual_shape)//': expected '//text_of(expected)//', actual '// &
+        text_of(this%actual(i))//', difference '//text_of(this%actual(i) - expected)// &
+        ', tolerance '//text_of(real(this%tolerance, real128)), message, location)
+      exit
+    end do
+    call ieee_set_status(status)
+  end subroutine compare
+
+  pure logical function same_shape(this)
+    type(comparison_type), intent(in) :: this
+    same_shape = size(this%expected_shape) == size(this%actual_shape)
+    if (same_shape) same_shape = all(this%expected_shape == this%actual_shape)
+  end function same_shape
+
+  subroutine report(what, message, location)
+    character(*), intent(in) :: what
+    character(*), intent(in), optional :: message
+    type(SourceLocation), intent(in) :: location
+    character(12) :: line
+    has_failed = .true.
+    write (line, '(i0)') location%line
+    write (output_unit, '(a)') '    FAILED '//location%file//':'//trim(line)//': '//what
+    if (present(message)) write (output_unit, '(a)') '      '//message
+  end subroutine report
+
+end module funit

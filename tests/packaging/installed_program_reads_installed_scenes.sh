@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# installed_program_reads_installed_scenes.sh BUILD CMAKE: `cmake --install` puts program, scenes and
+# documents where they belong, and the program works from there.
+set -eu
+
+build=$1 cmake=$2
+prefix=$(mktemp -d)
+trap 'rm -rf "$prefix"' EXIT
+
+"$cmake" --install "$build" --prefix "$prefix" > /dev/null
+for file in share/beamwave/input/paper/fig2.nml share/doc/beamwave/{README.md,LICENSE,docs/input.md}; do
+  [ -s "$prefix/$file" ] || { echo "not installed: $file"; exit 1; }
+done
+"$prefix/bin/beamwave" --version
+"$prefix/bin/beamwave" check "$prefix/share/beamwave/input/paper"
