@@ -47,6 +47,7 @@ contains
     type(terminal_progress), intent(inout) :: progress
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
+    logical :: seen                                !! the report has shown the warnings to the same eyes
     call run_scene(scene, command%output, command%overwrite, progress, outcome, error)
     if (allocated(error)) then
       call print_error(error)
@@ -59,12 +60,15 @@ contains
       return
     end if
     if (.not. command%quiet) call print_report(outcome%report)
-    if (command%quiet .or. .not. seen_together()) call print_warnings(scene, outcome%warnings)
+    seen = .false.
+    if (.not. command%quiet) seen = seen_together()
+    if (.not. seen) call print_warnings(scene, outcome%warnings)
   end function run_one
 
   logical function seen_together()
     !! Report and warnings come to the same eyes, and the report ends with the same notes.
-    seen_together = is_terminal(standard_output) .and. is_terminal(standard_error)
+    seen_together = is_terminal(standard_output)
+    if (seen_together) seen_together = is_terminal(standard_error)
   end function seen_together
 
   subroutine print_warnings(scene, lines)

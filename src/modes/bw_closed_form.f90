@@ -2,8 +2,9 @@ module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
-  use bw_frequency_equation, only: solve_root, root_value
+  use bw_frequency_equation, only: root_type, root_value, solve_root
   use bw_mode_set, only: mode_set
+  use bw_refined_root, only: refined_root
   use bw_shape, only: shape_type, shape_of, shape_value
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
@@ -17,14 +18,19 @@ module bw_closed_form
     procedure :: shapes => closed_form_shapes
   end type closed_form_set
 
+  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
+  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
+
 contains
 
-  pure type(closed_form_set) function closed_form_modes(count, gamma, omega) result(modes)
+  pure type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
     !! The first `count` modes; γ = 0 is the beam alone.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
       !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
+    real(dp), intent(in), optional :: longest
+      !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(dd), allocatable :: alpha(:), square(:)
     integer :: k
     modes%count = count
@@ -34,6 +40,7 @@ contains
     modes%tip = modes%shape%tip
     modes%modal_mass = modes%shape%modal_mass
     alpha = root_value(modes%shape%root)
+    call refine_roots(modes%shape%root, alpha, omega, longest)
     square = alpha*alpha
     if (present(omega)) then
       modes%beta_squared = (square - omega)*(square + omega)   ! α⁴ − ω² without cancellation, Eq. 2
@@ -44,6 +51,24 @@ contains
     modes%phase_velocity = phase_velocity(modes%alpha, modes%beta_squared)
     modes%group_velocity = group_velocity(modes%alpha, modes%beta_squared)
   end function closed_form_modes
+
+  pure subroutine refine_roots(root, alpha, omega, longest)
+    !! Solve again in extended precision what binary64 cannot carry: a mode near its critical speed, where
+    !! α² − ω cancels, and one whose phase would drift over the length of the history.
+    type(root_type), intent(in) :: root(:)
+    type(dd), intent(inout) :: alpha(:)
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    real(dp) :: drift(size(alpha))
+    logical :: coarse(size(alpha))
+    coarse = .false.
+    if (present(omega)) coarse = abs(alpha%hi**2 - omega%hi) < near_critical*alpha%hi**2
+    if (present(longest)) then
+      drift = alpha%hi*(root%rest*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `rest`
+      coarse = coarse .or. abs(drift) > phase_error
+    end if
+    where (coarse) alpha = refined_root(root)
+  end subroutine refine_roots
 
   pure function closed_form_shapes(self, xi) result(values)
     class(closed_form_set), intent(in) :: self

@@ -17,7 +17,7 @@ module bw_frequency_equation
   use bw_small_series, only: alternating_series
   implicit none (type, external)
   private
-  public :: solve_root, root_value
+  public :: solve_root, root_value, first_slope, light_equation, heavy_equation, is_light
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: highest_mode = 100000000  !! the eighths of a turn of its root still fit an integer
@@ -56,6 +56,12 @@ contains
     root_value = dd_pi*(0.25_dp*root%eighths) + root%rest
   end function root_value
 
+  elemental logical function is_light(root)
+    !! γα ≲ 1: the root, k ≥ 2, is anchored at (k − ½)π.
+    type(root_type), intent(in) :: root
+    is_light = mod(root%eighths, 4) == 2
+  end function is_light
+
   ! The first root
 
   elemental real(dp) function first_root_fourth_power(gamma) result(x)
@@ -68,11 +74,17 @@ contains
     x = 3.0_dp*free/(mass + 0.2427_dp*free)   ! Rayleigh's quotient of the static shape, within 0.1 %
     do i = 1, newton_steps
       step = (free*(1.0_dp + alternating_series(0, x)) - mass*x*4.0_dp*alternating_series(3, x)) &
-        /(free*slope_free(x) - mass*slope_mass(x))
+        /first_slope(gamma, x)
       x = x - step
       if (abs(step) <= 4.0_dp*epsilon(x)*x) exit   ! the step after it is below rounding
     end do
   end function first_root_fourth_power
+
+  elemental real(dp) function first_slope(gamma, x) result(slope)
+    !! Derivative by x of the first root's equation, divided by γ where γ > 1.
+    real(dp), intent(in) :: gamma, x
+    slope = slope_free(x)/max(1.0_dp, gamma) - min(1.0_dp, gamma)*slope_mass(x)
+  end function first_slope
 
   elemental real(dp) function slope_free(x)
     !! d(1 + cos α cosh α)/dx = (cos α sinh α − sin α cosh α)/(4α³) = −T₃(x).
@@ -89,56 +101,72 @@ contains
   ! Higher roots
 
   elemental real(dp) function light_mass_rest(k, gamma) result(delta)
-    !! δ of α = (k − ½)π + δ, for γα ≲ 1:
-    !! sin δ (1 + αγ tanh α) + αγ cos δ + (−1)^k sech α = 0.
+    !! δ of α = (k − ½)π + δ, for γα ≲ 1.
     integer, intent(in) :: k
     real(dp), intent(in) :: gamma
-    real(dp) :: alpha, c, sech, th, sign, value, slope, lower, upper
+    real(dp) :: c, value, slope, lower, upper
     integer :: i
     logical :: done
-    sign = alternate(k)
     lower = -0.25_dp*pi - 0.05_dp
     upper = 0.05_dp
     c = gamma*(k - 0.5_dp)*pi
     delta = -atan(c/(1.0_dp + c))
     do i = 1, newton_steps
-      alpha = (k - 0.5_dp)*pi + delta
-      c = alpha*gamma
-      sech = hyperbolic_secant(alpha)
-      th = tanh(alpha)
-      value = sin(delta)*(1.0_dp + c*th) + c*cos(delta) + sign*sech
-      slope = cos(delta)*(1.0_dp + c*th) - c*sin(delta) + gamma*(sin(delta)*(th + alpha*sech**2) + cos(delta)) &
-        - sign*sech*th
+      call light_equation(k, gamma, delta, value, slope)
       call newton_step(delta, value, slope, lower, upper, done)
       if (done) exit
     end do
   end function light_mass_rest
 
+  pure subroutine light_equation(k, gamma, delta, value, slope)
+    !! sin δ (1 + αγ tanh α) + αγ cos δ + (−1)^k sech α at α = (k − ½)π + δ, and its derivative.
+    integer, intent(in) :: k
+    real(dp), intent(in) :: gamma, delta
+    real(dp), intent(out) :: value, slope
+    real(dp) :: alpha, c, sech, th
+    alpha = (k - 0.5_dp)*pi + delta
+    c = alpha*gamma
+    sech = hyperbolic_secant(alpha)
+    th = tanh(alpha)
+    value = sin(delta)*(1.0_dp + c*th) + c*cos(delta) + alternate(k)*sech
+    slope = cos(delta)*(1.0_dp + c*th) - c*sin(delta) + gamma*(sin(delta)*(th + alpha*sech**2) + cos(delta)) &
+      - alternate(k)*sech*th
+  end subroutine light_equation
+
   elemental real(dp) function heavy_mass_rest(k, gamma) result(delta)
-    !! δ of α = (k − ¾)π + δ, for γα ≳ 1, with u = 1/(γα) and τ = 1 − tanh α:
-    !! sin δ (2 + u − τ) − cos δ (u − τ) + √2 (−1)^k u sech α = 0.
+    !! δ of α = (k − ¾)π + δ, for γα ≳ 1.
     integer, intent(in) :: k
     real(dp), intent(in) :: gamma
-    real(dp) :: alpha, u, sech, tau, value, slope, lower, upper, edge, change
+    real(dp) :: value, slope, lower, upper
     integer :: i
     logical :: done
-    edge = sqrt(2.0_dp)*alternate(k)
     lower = -0.05_dp
     upper = 0.25_dp*pi + 0.05_dp
     delta = 0.5_dp/((k - 0.75_dp)*pi)/gamma
     do i = 1, newton_steps
-      alpha = (k - 0.75_dp)*pi + delta
-      u = 1.0_dp/alpha/gamma
-      sech = hyperbolic_secant(alpha)
-      tau = 2.0_dp*exp(-2.0_dp*alpha)/(1.0_dp + exp(-2.0_dp*alpha))
-      change = sech**2 - u/alpha              ! d(u − τ)/dα
-      value = sin(delta)*(2.0_dp + u - tau) - cos(delta)*(u - tau) + edge*u*sech
-      slope = cos(delta)*(2.0_dp + u - tau) + sin(delta)*(u - tau) + change*(sin(delta) - cos(delta)) &
-        - edge*u*sech*(1.0_dp/alpha + tanh(alpha))
+      call heavy_equation(k, gamma, delta, value, slope)
       call newton_step(delta, value, slope, lower, upper, done)
       if (done) exit
     end do
   end function heavy_mass_rest
+
+  pure subroutine heavy_equation(k, gamma, delta, value, slope)
+    !! sin δ (2 + u − τ) − cos δ (u − τ) + √2 (−1)^k u sech α at α = (k − ¾)π + δ, with u = 1/(γα) and
+    !! τ = 1 − tanh α, and its derivative.
+    integer, intent(in) :: k
+    real(dp), intent(in) :: gamma, delta
+    real(dp), intent(out) :: value, slope
+    real(dp) :: alpha, u, sech, tau, edge, change
+    alpha = (k - 0.75_dp)*pi + delta
+    u = 1.0_dp/alpha/gamma
+    sech = hyperbolic_secant(alpha)
+    tau = 2.0_dp*exp(-2.0_dp*alpha)/(1.0_dp + exp(-2.0_dp*alpha))
+    edge = sqrt(2.0_dp)*alternate(k)*u*sech
+    change = sech**2 - u/alpha                ! d(u − τ)/dα
+    value = sin(delta)*(2.0_dp + u - tau) - cos(delta)*(u - tau) + edge
+    slope = cos(delta)*(2.0_dp + u - tau) + sin(delta)*(u - tau) + change*(sin(delta) - cos(delta)) &
+      - edge*(1.0_dp/alpha + tanh(alpha))
+  end subroutine heavy_equation
 
   pure subroutine newton_step(x, value, slope, lower, upper, done)
     !! One step of Newton's method inside a bracket on which the function rises.

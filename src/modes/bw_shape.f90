@@ -8,7 +8,7 @@ module bw_shape
   !! k to 10⁶ and beyond, every γ ≥ 0. **Source**: Eqs 7, 9, 18, 20, 21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, two_product
-  use bw_frequency_equation, only: root_type, root_value
+  use bw_frequency_equation, only: is_light, root_type, root_value
   use bw_small_series, only: alternating_series, growing_series
   implicit none (type, external)
   private
@@ -64,8 +64,10 @@ contains
     !! Modes from the second on, with everything scaled by e^(−α).
     type(shape_type), intent(inout) :: shape
     real(dp) :: sine, cosine, difference, decay, sech, th, denominator
+    type(dd) :: alpha
     call end_angle(shape%root, sine, cosine, difference)
-    decay = exp(-shape%alpha)
+    alpha = root_value(shape%root)
+    decay = exp(-alpha%hi)*(1.0_dp - alpha%lo)         ! what rounding α took is up to α units in the last place here
     sech = 2.0_dp*decay/(1.0_dp + decay**2)
     th = (1.0_dp - decay**2)/(1.0_dp + decay**2)
     denominator = sine*sech + th                       ! (sin α + sinh α)/cosh α
@@ -81,12 +83,6 @@ contains
     shape%tip_slope = -2.0_dp*shape%alpha*sine*th/denominator
     shape%modal_mass = mass_of(shape, sine*th/denominator)
   end subroutine set_higher
-
-  pure logical function is_light(root)
-    !! γα ≲ 1: the root is anchored at (k − ½)π.
-    type(root_type), intent(in) :: root
-    is_light = mod(root%eighths, 4) == 2
-  end function is_light
 
   pure real(dp) function mass_of(shape, end_ratio) result(mass)
     !! M/m_i = ¼(1+γ)Φ(1)² + 2(1 + cos α cosh α) sin α sinh α/(sin α + sinh α)², by the frequency equation

@@ -135,6 +135,7 @@ contains
     integer, intent(out) :: variable
     type(error_type), allocatable, intent(inout) :: error
     integer, allocatable :: ids(:)
+    character(:), allocatable :: coordinates
     integer :: gap
     gap = index(dimensions, ' ')
     if (dimensions == '') then
@@ -146,8 +147,19 @@ contains
     end if
     if (has_dimension(file%layout, 'case')) ids = [ids, dimension_of(file, 'case')]
     call define_variable(file%id, file%path, name, kind, ids, units, long_name, variable, error)
-    if (swept /= '') call check(nf90_put_att(file%id, variable, 'coordinates', swept), file%path, error)
+    coordinates = swept//position_of(dimensions)
+    if (coordinates /= '') call check(nf90_put_att(file%id, variable, 'coordinates', trim(adjustl(coordinates))), &
+                                      file%path, error)
   end subroutine define
+
+  pure function position_of(dimensions) result(name)
+    !! The places along the beam that belong to a variable's dimensions.
+    character(*), intent(in) :: dimensions
+    character(:), allocatable :: name
+    name = ''
+    if (index(dimensions, 'point') == 1) name = ' point_position'
+    if (dimensions == 'profile') name = ' profile_position'
+  end function position_of
 
   integer function dimension_of(file, name) result(id)
     use netcdf, only: nf90_inq_dimid

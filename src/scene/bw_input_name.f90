@@ -109,7 +109,7 @@ contains
   end function range_text
 
   pure function accepted_text(row) result(text)
-    !! What a name accepts, in words, for a message: `a real, > 0 m`.
+    !! What a name accepts, in words, for a message: `a real, > 0 (m)`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     select case (row%kind)
@@ -119,11 +119,13 @@ contains
       text = 'a text in quotes'
       if (row%words /= '') text = quoted_words(row%words)
     case (reals_input)
-      text = '1 to '//text_of(row%most)//' reals, '//range_text(row)
+      text = '1 to '//text_of(row%most)//' reals'
     case default
-      text = 'a '//kind_text(row)//', '//range_text(row)
+      text = 'a '//kind_text(row)
     end select
-    if (row%unit /= '1' .and. row%unit /= '') text = text//' '//trim(row%unit)
+    if (.not. (is_number(row) .or. row%kind == reals_input)) return
+    if (range_text(row) /= 'any') text = text//', '//range_text(row)
+    if (row%unit /= '1' .and. row%unit /= '') text = text//' ('//trim(row%unit)//')'
   end function accepted_text
 
   pure function quoted_words(words) result(text)

@@ -12,6 +12,7 @@ module bw_input_values
     integer :: line = 0                        !! where it is said; 0: nowhere
     logical :: given = .false.                 !! named in its group, or swept
     logical :: known = .false.                 !! has a value: given, by default, or settled from others
+    logical :: redundant = .false.             !! only repeats another value, and is not shown beside it
     integer :: sweep = 0                       !! number of the sweep that it follows; 0: none
     real(dp) :: number = 0.0_dp                !! of a real or a whole number
     logical :: flag = .false.
@@ -34,7 +35,7 @@ module bw_input_values
     procedure :: text
     procedure :: line_of
     procedure :: settle
-    procedure :: forget
+    procedure :: drop
   end type group_values
 
 contains
@@ -108,11 +109,11 @@ contains
     end associate
   end subroutine settle
 
-  pure subroutine forget(self, name)
-    !! Drop a value that says nothing beyond the others.
+  pure subroutine drop(self, name)
+    !! Let a value that only repeats another go unsaid.
     class(group_values), intent(inout) :: self
     character(*), intent(in) :: name
-    self%values(self%at(name))%known = .false.
-  end subroutine forget
+    self%values(self%at(name))%redundant = .true.
+  end subroutine drop
 
 end module bw_input_values

@@ -32,7 +32,7 @@ contains
     if (abs(product) > huge(1.0_dp)) then
       call messages%add(line, place, what//' is too large for double precision; accepted: at most 1.79e308')
     else if (product /= 0.0_qp .and. abs(product) < tiny(1.0_dp)) then
-      call messages%add(line, place, what//' is too small for double precision; accepted: 0, or at least 2.3e-308')
+      call messages%add(line, place, what//' is too small for double precision; accepted: at least 2.23e-308')
     end if
   end subroutine check_product
 

@@ -1,7 +1,8 @@
 module bw_scene_describe
   !! Every input name with its type, unit, range, default and meaning: plain text that is Markdown too.
   use bw_error, only: error_type, fail, status_bad_input
-  use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, range_text
+  use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
+                           range_text
   use bw_input_table, only: group_row, group_table, name_table, rows_of
   use bw_scene_fill, only: unknown_group
   use bw_text, only: lower
@@ -26,14 +27,14 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
-    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&sweep` as often as needed.', &
-    '  Between groups only comments and blanks may stand. `&end` and `$name` are not accepted.', &
+    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&sweep` as often as', &
+    '  needed. Between groups only comments and blanks may stand. `&end` and `$name` are not accepted.', &
     '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
     '  A value that is left out (`1,,2`, `2*`, `name =`), which Fortran reads as "keep what was there", is an error.', &
-    '- A real is written `7870`, `.5`, `2e11` or `2d11`, a whole number with digits alone. `1/2`, `1.0-3`, NaN, Inf and', &
-    '  what does not fit into double precision are errors. A zero has no sign.', &
+    '- A real is written `7870`, `.5`, `2e11` or `2d11`, a whole number with digits alone. `1/2`, `1.0-3`, NaN, Inf', &
+    '  and what does not fit into double precision are errors. A zero has no sign.', &
     '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
     '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
     '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.']

@@ -113,7 +113,8 @@ contains
     type(input_value), intent(inout) :: value
     type(message_list), intent(inout) :: messages
     if (source%quote == ' ') then
-      call messages%add(source%line, place_of(row), shown(piece)//' stands without quotes; accepted: '//accepted_text(row))
+      call messages%add(source%line, place_of(row), &
+                        shown(piece)//' stands without quotes; accepted: '//accepted_text(row))
       return
     end if
     value%text = trim(single_quotes(piece, source%quote))

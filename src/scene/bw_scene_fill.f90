@@ -135,7 +135,8 @@ contains
       group%values(i)%given = .true.
       group%values(i)%line = line
       call read_items(text, tokens(source%first:source%last), line, place, items, messages)
-      if (size(items) > 0) call read_value(name_table(name_row(group%group, name)), text, items, group%values(i), messages)
+      if (size(items) == 0) return
+      call read_value(name_table(name_row(group%group, name)), text, items, group%values(i), messages)
     end if
   end subroutine fill_value
 

@@ -149,7 +149,8 @@ contains
     integer :: last
     last = word_end(text, lex%at + 1)
     if (.not. is_name(text(lex%at + 1:last))) then
-      call messages%add(lex%line, 'text', shown(text(lex%at:last))//" names no group; accepted: '&' and a name, as &beam")
+      call messages%add(lex%line, 'text', &
+                        shown(text(lex%at:last))//" names no group; accepted: '&' and a name, as &beam")
       call put(lex, bad_group_token, lex%at + 1, last)
     else
       call put(lex, group_token, lex%at + 1, last)

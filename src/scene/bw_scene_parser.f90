@@ -1,7 +1,8 @@
 module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
   use bw_scene_characters, only: shown
-  use bw_scene_lexer, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, token, word_token
+  use bw_scene_lexer, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, token, &
+                            word_token
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private

@@ -53,7 +53,7 @@ contains
     call builder%append_line('&'//trim(group%group))
     do v = 1, size(group%values)
       associate (value => group%values(v))
-        if (value%known .and. value%sweep == 0) &
+        if (value%known .and. .not. value%redundant .and. value%sweep == 0) &
           call put_value(builder, name_table(name_row(group%group, value%name)), value)
       end associate
     end do
@@ -149,7 +149,7 @@ contains
       g = position_of(scene%groups, name_table(i)%group)
       if (g == 0 .or. .not. is_number(name_table(i))) cycle
       associate (row => name_table(i), value => scene%groups(g)%values(scene%groups(g)%at(name_table(i)%name)))
-        if (.not. value%known) cycle
+        if (.not. value%known .or. value%redundant) cycle
         n = n + 1
         found(n) = numeric_input(row%group, row%name, row%unit, row%meaning, row%kind == integer_input, &
                                  value%sweep > 0, value%sweep, value%number)

@@ -9,6 +9,8 @@ module bw_line_poles
   public :: find_poles
 
   real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: spare = 4  !! columns behind each matrix: zgemv of OpenBLAS 0.3.21 reads past the last one
+                                   !! (github.com/OpenMathLib/OpenBLAS/issues/5000)
 
   interface
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
@@ -49,7 +51,7 @@ contains
       allocate (position(0), growth(0))
       return
     end if
-    shifted = matmul(conjg(transpose(left(:, :rank))), matmul(shifted, conjg(transpose(right(:rank, :)))))
+    shifted = matmul(conjg(transpose(left(:, :rank))), matmul(shifted, conjg(transpose(right(:rank, :size(pencil, 2))))))
     do i = 1, rank
       shifted(i, :) = shifted(i, :)/singular(i)
     end do
@@ -109,14 +111,15 @@ contains
   subroutine singular_vectors(matrix, singular, left, right)
     complex(dp), intent(in) :: matrix(:, :)
     real(dp), allocatable, intent(out) :: singular(:)
-    complex(dp), allocatable, intent(out) :: left(:, :), right(:, :)  !! columns, conjugated rows
-    complex(dp) :: a(size(matrix, 1), size(matrix, 2)), work(32*sum(shape(matrix)))
+    complex(dp), allocatable, intent(out) :: left(:, :), right(:, :)  !! columns, conjugated rows; then `spare` more
+    complex(dp) :: a(size(matrix, 1), size(matrix, 2) + spare), work(32*sum(shape(matrix)))
     real(dp) :: scratch(5*size(matrix, 2))
     integer :: m, n, info
-    m = size(a, 1)
-    n = size(a, 2)                                ! n ≤ m
-    allocate (singular(n), left(m, n), right(n, n))
-    a = matrix
+    m = size(matrix, 1)
+    n = size(matrix, 2)                           ! n ≤ m
+    allocate (singular(n), left(m, n + spare), right(n, n + spare))
+    a = 0
+    a(:, :n) = matrix
     singular = 0
     left = 0
     right = 0
@@ -128,15 +131,17 @@ contains
   function eigenvalues(matrix) result(values)
     complex(dp), intent(in) :: matrix(:, :)
     complex(dp) :: values(size(matrix, 1))
-    complex(dp) :: a(size(matrix, 1), size(matrix, 1)), none(1, 1), work(32*size(matrix, 1))
+    complex(dp) :: a(size(matrix, 1), size(matrix, 1) + spare), none(1, 1), work(32*size(matrix, 1))
     real(dp) :: scratch(2*size(matrix, 1))
-    integer :: info
-    a = matrix
+    integer :: n, info
+    n = size(matrix, 1)
+    a = 0
+    a(:, :n) = matrix
     values = 0
     none = 0
     work = 0
     scratch = 0
-    call zgeev('N', 'N', size(a, 1), a, size(a, 1), values, none, 1, none, 1, work, size(work), scratch, info)
+    call zgeev('N', 'N', n, a, n, values, none, 1, none, 1, work, size(work), scratch, info)
   end function eigenvalues
 
 end module bw_line_poles

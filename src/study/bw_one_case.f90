@@ -162,13 +162,13 @@ contains
       end if
       if (layout%middle == 0 .or. layout%tip == 0) then
         call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
-        return
+      else
+        allocate (result%measured)
+        call measure_waves(histories(:, layout%tip), histories(:, layout%middle), scene%response%duration, &
+                           scene%beam%length, scene%spectrum%max_peaks, .true., result%measured)
       end if
-      allocate (result%measured)
-      call measure_waves(histories(:, layout%tip), histories(:, layout%middle), scene%response%duration, &
-                         scene%beam%length, scene%spectrum%max_peaks, .true., result%measured)
     end associate
-    result%notes = [result%notes, result%measured%notes]
+    if (allocated(result%measured)) result%notes = [result%notes, result%measured%notes]
   end subroutine take_spectrum
 
 end module bw_one_case

@@ -20,3 +20,16 @@ else()
   find_program(BEAMWAVE_AWK NAMES awk gawk mawk REQUIRED)
   include("${CMAKE_CURRENT_LIST_DIR}/add_pfunit_ctest.cmake")
 endif()
+
+# funit_track_suites(<folder>): pFUnit's drivers include their list of suites through a macro, which no
+# dependency scan sees; without this a file added to an existing build would not be run.
+function(funit_track_suites folder)
+  get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)
+  get_property(binary_dir DIRECTORY "${folder}" PROPERTY BINARY_DIR)
+  foreach(target IN LISTS targets)
+    if(EXISTS "${binary_dir}/${target}.inc")
+      set_property(SOURCE "${binary_dir}/${target}_driver.F90" TARGET_DIRECTORY ${target}
+        APPEND PROPERTY OBJECT_DEPENDS "${binary_dir}/${target}.inc")
+    endif()
+  endforeach()
+endfunction()

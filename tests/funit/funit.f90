@@ -2,14 +2,13 @@ module funit
   !! Stand-in for the few assertions of pFUnit that beamwave's tests use, for machines without pFUnit.
   !!
   !! `directives.awk` turns each directive of a `.pf` file into a call of this module, followed by a
-  !! return when anything has failed. Numbers are carried in binary128, which holds every binary64 and
-  !! every 64-bit integer; a difference is rounded to binary64 before it meets the tolerance, as if
-  !! it had been taken there.
+  !! return when anything has failed. Numbers are carried in binary128; a difference is rounded to
+  !! binary64 before it meets the tolerance, as if it had been taken there.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   use, intrinsic :: ieee_exceptions, only: ieee_all, ieee_get_status, ieee_set_halting_mode, ieee_set_status, &
     ieee_status_type
   use, intrinsic :: iso_fortran_env, only: int32, int64, output_unit, real64, real128
-  use funit_lists, only: list_of, place_of, text_of
+  use funit_numbers, only: numbers_of, numbers_type, text_of
   implicit none (type, external)
   private
   public :: assertEqual, assertRelativelyEqual, assertLessThanOrEqual, assertTrue, assertFalse
@@ -20,14 +19,6 @@ module funit
     character(:), allocatable :: file
     integer :: line = 0
   end type SourceLocation
-
-  type :: comparison_type
-    !! Two lists of numbers to compare, and how to call it.
-    character(:), allocatable :: name
-    real(real128), allocatable :: expected(:), actual(:)
-    integer, allocatable :: expected_shape(:), actual_shape(:)  !! of size 0 for a scalar
-    real(real64) :: tolerance = 0
-  end type comparison_type
 
   abstract interface
     pure logical function rule(expected, actual, tolerance)
@@ -53,6 +44,7 @@ module funit
     module procedure :: ordered_reals, ordered_integers, ordered_longs
   end interface assertLessThanOrEqual
 
+  real(real64), parameter :: exact = 0  !! the tolerance of what takes none
   integer :: tests_run = 0
   integer :: tests_failed = 0
   logical :: has_failed = .false.  !! the running test
@@ -107,8 +99,8 @@ contains
     real(real64), intent(in) :: expected(..), actual(..), tolerance
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertRelativelyEqual', list_of(expected), list_of(actual), &
-      shape(expected), shape(actual), tolerance), is_relatively_close, message, location)
+    call compare('assertRelativelyEqual', is_relatively_close, numbers_of(expected), numbers_of(actual), tolerance, &
+      message, location)
   end subroutine assertRelativelyEqual
 
   subroutine equal_reals(expected, actual, tolerance, message, location)
@@ -117,26 +109,23 @@ contains
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
     real(real64) :: allowed
-    allowed = 0
+    allowed = exact
     if (present(tolerance)) allowed = tolerance
-    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
-      shape(expected), shape(actual), allowed), is_close, message, location)
+    call compare('assertEqual', is_close, numbers_of(expected), numbers_of(actual), allowed, message, location)
   end subroutine equal_reals
 
   subroutine equal_integers(expected, actual, message, location)
     integer(int32), intent(in) :: expected(..), actual(..)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
-      shape(expected), shape(actual)), is_close, message, location)
+    call compare('assertEqual', is_close, numbers_of(expected), numbers_of(actual), exact, message, location)
   end subroutine equal_integers
 
   subroutine equal_longs(expected, actual, message, location)
     integer(int64), intent(in) :: expected(..), actual(..)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
-      shape(expected), shape(actual)), is_close, message, location)
+    call compare('assertEqual', is_close, numbers_of(expected), numbers_of(actual), exact, message, location)
   end subroutine equal_longs
 
   subroutine equal_integer_longs(expected, actual, message, location)
@@ -144,8 +133,7 @@ contains
     integer(int64), intent(in) :: actual(..)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertEqual', list_of(expected), list_of(actual), &
-      shape(expected), shape(actual)), is_close, message, location)
+    call compare('assertEqual', is_close, numbers_of(expected), numbers_of(actual), exact, message, location)
   end subroutine equal_integer_longs
 
   subroutine equal_characters(expected, actual, message, location)
@@ -161,24 +149,21 @@ contains
     real(real64), intent(in) :: a(..), b(..)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertLessThanOrEqual', list_of(a), list_of(b), shape(a), shape(b)), &
-      is_ordered, message, location)
+    call compare('assertLessThanOrEqual', is_ordered, numbers_of(a), numbers_of(b), exact, message, location)
   end subroutine ordered_reals
 
   subroutine ordered_integers(a, b, message, location)
     integer(int32), intent(in) :: a(..), b(..)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertLessThanOrEqual', list_of(a), list_of(b), shape(a), shape(b)), &
-      is_ordered, message, location)
+    call compare('assertLessThanOrEqual', is_ordered, numbers_of(a), numbers_of(b), exact, message, location)
   end subroutine ordered_integers
 
   subroutine ordered_longs(a, b, message, location)
     integer(int64), intent(in) :: a(..), b(..)
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
-    call compare(comparison_type('assertLessThanOrEqual', list_of(a), list_of(b), shape(a), shape(b)), &
-      is_ordered, message, location)
+    call compare('assertLessThanOrEqual', is_ordered, numbers_of(a), numbers_of(b), exact, message, location)
   end subroutine ordered_longs
 
   pure logical function is_close(expected, actual, tolerance)
@@ -202,40 +187,36 @@ contains
     is_ordered = expected <= actual + tolerance
   end function is_ordered
 
-  subroutine compare(this, passes, message, location)
+  subroutine compare(name, passes, expected, actual, tolerance, message, location)
     !! Report the first element that does not pass. Traps are off meanwhile: a NaN or an overflow in
     !! what is compared is a failed assertion, not a crash.
-    type(comparison_type), intent(in) :: this
+    character(*), intent(in) :: name
     procedure(rule) :: passes
+    type(numbers_type), intent(in) :: expected, actual
+    real(real64), intent(in) :: tolerance
     character(*), intent(in), optional :: message
     type(SourceLocation), intent(in) :: location
     type(ieee_status_type) :: status
-    real(real128) :: expected
+    real(real128) :: e, a
     integer :: i
-    if (size(this%expected_shape) > 0 .and. .not. same_shape(this)) then
-      call report(this%name//': the shapes differ', message, location)
+    if (.not. expected%fits(actual)) then
+      call report(name//': the shapes differ', message, location)
       return
     end if
     call ieee_get_status(status)
     call ieee_set_halting_mode(ieee_all, .false.)
-    do i = 1, size(this%actual)
-      expected = this%expected(merge(1, i, size(this%expected_shape) == 0))
-      if (.not. (ieee_is_nan(expected) .or. ieee_is_nan(this%actual(i)))) then
-        if (passes(expected, this%actual(i), this%tolerance)) cycle
+    do i = 1, size(actual%list)
+      e = expected%list(min(i, size(expected%list)))
+      a = actual%list(i)
+      if (.not. (ieee_is_nan(e) .or. ieee_is_nan(a))) then
+        if (passes(e, a, tolerance)) cycle
       end if
-      call report(this%name//place_of(i, this%actual_shape)//': expected '//text_of(expected)//', actual '// &
-        text_of(this%actual(i))//', difference '//text_of(this%actual(i) - expected)// &
-        ', tolerance '//text_of(real(this%tolerance, real128)), message, location)
+      call report(name//actual%place_of(i)//': expected '//text_of(e)//', actual '//text_of(a)//', difference '// &
+        text_of(a - e)//', tolerance '//text_of(real(tolerance, real128)), message, location)
       exit
     end do
     call ieee_set_status(status)
   end subroutine compare
-
-  pure logical function same_shape(this)
-    type(comparison_type), intent(in) :: this
-    same_shape = size(this%expected_shape) == size(this%actual_shape)
-    if (same_shape) same_shape = all(this%expected_shape == this%actual_shape)
-  end function same_shape
 
   subroutine report(what, message, location)
     character(*), intent(in) :: what

@@ -5,7 +5,7 @@ working precision pays for it. Lengths in units of the beam's length, masses in 
 in units of the approach velocity. An input given as a Python float stands for that binary64 number, exactly.
 """
 
-from functools import lru_cache
+from functools import cache
 
 from mpmath import cos, cosh, exp, log, mp, mpc, mpf, pi, sin, sinh, sqrt
 
@@ -37,7 +37,7 @@ def bracket(k, gamma):
     return (k - 1) * pi + pi / 4 - mpf(1) / 100, (k - mpf(1) / 2) * pi + mpf(1) / 100
 
 
-@lru_cache(maxsize=None)
+@cache
 def root(k, gamma):
     """Root k = 1, 2, … of the frequency equation for the binary64 mass ratio gamma."""
     gamma = mpf(gamma)

@@ -1,6 +1,5 @@
 """Writes jumps.txt, cross_integrals.txt and modal_velocities.txt."""
 
-from mpmath import mpf
 
 from beam import Jump, Shape, modal_velocity, product_integral, use_digits
 from table import write_table

@@ -2,9 +2,8 @@
 
 from math import inf, nextafter
 
-from mpmath import mpf, sqrt
-
 from beam import PaperBeam, root, use_digits
+from mpmath import mpf, sqrt
 from table import write_table
 
 MASS_RATIOS = [0.0, 1e-6, 0.2, 1.0, 1e6]

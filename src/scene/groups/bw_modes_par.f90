@@ -91,7 +91,7 @@ contains
                         '; without &capture there is one set of modes; accepted: '// &
                         text_of(modes%whole('before'))//' as modes%before')
     end if
-    call modes%forget('after')
+    call modes%drop('after')
   end subroutine settle_single
 
   pure subroutine build_modes(groups, modes)

@@ -70,7 +70,8 @@ contains
       sweep%values = values%values(values%at('values'))%numbers
     else
       sweep%spacing = values%text('spacing')
-      sweep%values = spaced(values%number('first'), values%number('last'), values%whole('count'), sweep%spacing == 'log')
+      sweep%values = spaced(values%number('first'), values%number('last'), values%whole('count'), &
+                            sweep%spacing == 'log')
     end if
   end subroutine build_sweep
 

@@ -1,0 +1,86 @@
+module bw_refined_root
+  !! Roots of the frequency equation to about 30 digits: one Newton step whose residual is taken in extended precision
+  !! from the exact mass ratio. Entered only for modes that need it, as binary128 runs in software.
+  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, to_dd
+  use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
+  implicit none (type, external)
+  private
+  public :: refined_root
+
+  real(qp), parameter :: pi = acos(-1.0_qp)
+
+contains
+
+  elemental type(dd) function refined_root(root) result(alpha)
+    !! α; the step squares the relative error of the binary64 root, about 1e-16.
+    type(root_type), intent(in) :: root
+    if (root%k == 1) then
+      alpha = to_dd(refined_first(root))
+    else if (is_light(root)) then
+      alpha = to_dd(refined_light(root))
+    else
+      alpha = to_dd(refined_heavy(root))
+    end if
+  end function refined_root
+
+  elemental real(qp) function refined_first(root) result(alpha)
+    !! 1 + cos α cosh α − 4γxT₃(x) = 0 in x = α⁴, divided by γ where γ > 1 (see bw_small_series).
+    type(root_type), intent(in) :: root
+    real(qp) :: x, free, mass
+    x = real(root%rest, qp)**4
+    free = 1.0_qp/max(1.0_qp, real(root%gamma, qp))
+    mass = min(1.0_qp, real(root%gamma, qp))
+    x = x - (free*(1.0_qp + series(0, x)) - 4.0_qp*mass*x*series(3, x))/first_slope(root%gamma, real(x, dp))
+    alpha = sqrt(sqrt(x))
+  end function refined_first
+
+  elemental real(qp) function series(j, x) result(sum)
+    !! T_j(x) = Σ(−4x)^m/(4m+j)!, summed until nothing changes.
+    integer, intent(in) :: j
+    real(qp), intent(in) :: x
+    real(qp) :: term
+    integer :: m, n
+    term = 1.0_qp/gamma(real(j + 1, qp))
+    sum = term
+    do m = 1, 20
+      n = 4*m + j
+      term = -4.0_qp*x*term/(real(n, qp)*(n - 1)*(n - 2)*(n - 3))
+      sum = sum + term
+    end do
+  end function series
+
+  elemental real(qp) function refined_light(root) result(alpha)
+    !! `light_equation` with the residual in extended precision.
+    type(root_type), intent(in) :: root
+    real(qp) :: delta, c, sign
+    real(dp) :: coarse, slope
+    delta = root%rest
+    alpha = (root%k - 0.5_qp)*pi + delta
+    c = alpha*root%gamma
+    sign = merge(1, -1, mod(root%k, 2) == 0)
+    call light_equation(root%k, root%gamma, root%rest, coarse, slope)
+    alpha = alpha - (sin(delta)*(1.0_qp + c*tanh(alpha)) + c*cos(delta) + sign*secant(alpha))/slope
+  end function refined_light
+
+  elemental real(qp) function refined_heavy(root) result(alpha)
+    !! `heavy_equation` with the residual in extended precision.
+    type(root_type), intent(in) :: root
+    real(qp) :: delta, u, tau, sign
+    real(dp) :: coarse, slope
+    delta = root%rest
+    alpha = (root%k - 0.75_qp)*pi + delta
+    u = 1.0_qp/alpha/root%gamma
+    tau = secant(alpha)*exp(-alpha)          ! 1 − tanh α
+    sign = merge(1, -1, mod(root%k, 2) == 0)
+    call heavy_equation(root%k, root%gamma, root%rest, coarse, slope)
+    alpha = alpha - (sin(delta)*(2.0_qp + u - tau) - cos(delta)*(u - tau) + sqrt(2.0_qp)*sign*u*secant(alpha))/slope
+  end function refined_heavy
+
+  elemental real(qp) function secant(alpha)
+    !! sech α without overflow.
+    real(qp), intent(in) :: alpha
+    secant = 2.0_qp*exp(-alpha)/(1.0_qp + exp(-2.0_qp*alpha))
+  end function secant
+
+end module bw_refined_root

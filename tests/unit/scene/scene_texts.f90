@@ -1,0 +1,97 @@
+module scene_texts
+  !! Scenes as texts, and what the reader makes of them; shared by the tests of this folder.
+  use bw_error, only: error_type
+  use bw_kinds, only: dp, i8
+  use bw_scene, only: scene_type
+  use bw_scene_reader, only: read_scene_text
+  use bw_scene_resolved, only: resolved_text
+  implicit none (type, external)
+  private
+  public :: accepted, lines_of, refusal, resolved, says, scene_of
+
+  character, parameter, public :: nl = new_line('a')
+  character(*), parameter, public :: beam = '&beam length=1 density=7870 youngs_modulus=2e11 diameter=0.037 /'//nl
+  character(*), parameter, public :: impact = '&impact mass_ratio=0.2 /'//nl
+  character(*), parameter, public :: response = '&response duration=0.2 samples=64 /'//nl
+  character(*), parameter, public :: whole = &
+    "&scene title='all groups' /"//nl//beam//'&rotation angular_velocity=50 /'//nl//impact//'&capture /'//nl// &
+    '&modes before=40 /'//nl//response//'&spectrum /'//nl
+    !! every group but &sweep, one per line
+
+  type, public :: random_stream
+    !! A small linear congruential generator: the same numbers on every machine.
+    integer(i8) :: state = 20020917_i8
+  contains
+    procedure :: below
+    procedure :: real_bits
+  end type random_stream
+
+contains
+
+  function scene_of(text) result(scene)
+    !! The scene of a text that is known to be accepted.
+    character(*), intent(in) :: text
+    type(scene_type) :: scene
+    type(error_type), allocatable :: error
+    call read_scene_text(text, 'x.nml', scene, error)
+  end function scene_of
+
+  function refusal(text) result(message)
+    !! All that is wrong with a text; empty if it is accepted.
+    character(*), intent(in) :: text
+    character(:), allocatable :: message
+    type(scene_type) :: scene
+    type(error_type), allocatable :: error
+    call read_scene_text(text, 'x.nml', scene, error)
+    message = ''
+    if (allocated(error)) message = error%message
+  end function refusal
+
+  logical function accepted(text)
+    character(*), intent(in) :: text
+    accepted = refusal(text) == ''
+  end function accepted
+
+  logical function says(text, piece)
+    !! Is the text refused with a message that goes on like this behind the file's name?
+    character(*), intent(in) :: text, piece
+    says = index(nl//refusal(text), nl//'x.nml'//piece) > 0
+  end function says
+
+  function resolved(text) result(again)
+    !! The resolved scene of a text; empty if it is refused.
+    character(*), intent(in) :: text
+    character(:), allocatable :: again
+    type(scene_type) :: scene
+    type(error_type), allocatable :: error
+    call read_scene_text(text, 'x.nml', scene, error)
+    again = ''
+    if (.not. allocated(error)) again = resolved_text(scene)
+  end function resolved
+
+  pure integer function lines_of(text)
+    !! Lines of a text whose last line has no end.
+    character(*), intent(in) :: text
+    integer :: i
+    lines_of = 1 + count([(text(i:i) == nl, i=1, len(text))])
+  end function lines_of
+
+  integer function below(self, n)
+    !! A number 0 … n − 1.
+    class(random_stream), intent(inout) :: self
+    integer, intent(in) :: n
+    self%state = mod(1103515245_i8*self%state + 12345_i8, 2_i8**31)
+    below = int(mod(self%state/2_i8**8, int(n, i8)))
+  end function below
+
+  real(dp) function real_bits(self, least, most)
+    !! A positive number with random bits and an exponent between two powers of two.
+    class(random_stream), intent(inout) :: self
+    integer, intent(in) :: least, most
+    real(dp) :: fraction
+    fraction = 0.5_dp + self%below(2**22)*2.0_dp**(-23)
+    fraction = fraction + self%below(2**22)*2.0_dp**(-45) + self%below(2**8)*2.0_dp**(-53)
+    real_bits = scale(fraction, least + self%below(most - least + 1))
+  end function real_bits
+
+end module scene_texts
