@@ -2,8 +2,8 @@ program beamwave
   !! Bending waves in a rotating beam struck at its tip.
   use bw_command_line, only: command_type, help_text, read_command_line
   use bw_commands, only: check_command, describe_command, run_command
-  use bw_console, only: print_error, print_report
-  use bw_error, only: error_type, status_done
+  use bw_console, only: print_error, print_report, print_warning, report_lost
+  use bw_error, only: error_type, status_bad_file, status_done
   use bw_process, only: leave, watch_over_process
   use bw_version_text, only: version_text
   implicit none (type, external)
@@ -25,5 +25,9 @@ program beamwave
   case ('version'); call print_report(version_text())
   case default; call print_report(help_text())
   end select
+  if (report_lost) then
+    call print_warning('beamwave: standard output cannot be written')
+    status = max(status, status_bad_file)
+  end if
   call leave(status)
 end program beamwave

@@ -3,7 +3,7 @@ module bw_command_line
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_error, only: error_type, fail, status_bad_input
   use bw_kinds, only: dp
-  use bw_text, only: string
+  use bw_text, only: append, string
   implicit none (type, external)
   private
   public :: read_command_line, help_text
@@ -42,7 +42,7 @@ contains
       if (len(word) > 1 .and. word(:min(1, len(word))) == '-') then
         call read_option(command, word, i, error)
       else
-        command%words = [command%words, string(word)]
+        call append(command%words, word)
       end if
       if (allocated(error)) return
       i = i + 1

@@ -13,7 +13,7 @@ module bw_commands
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: terminal_progress, terminal_progress_to
-  use bw_text, only: text_of
+  use bw_text, only: string
   implicit none (type, external)
   private
   public :: run_command, check_command, describe_command
@@ -109,13 +109,11 @@ contains
     type(scene_type), allocatable, intent(out) :: scenes(:)
     integer, intent(out) :: count                  !! how many of `scenes` are good
     integer, intent(out) :: status                 !! the highest of the errors'
-    type(error_type), allocatable :: errors(:)
+    type(string), allocatable :: messages(:)
     integer :: i
-    call read_scenes(command%words, scenes, count, errors)
-    status = status_done
-    do i = 1, size(errors)
-      call print_error(errors(i))
-      status = max(status, errors(i)%status)
+    call read_scenes(command%words, scenes, count, messages, status)
+    do i = 1, size(messages)
+      call print_warning(messages(i)%text)
     end do
   end subroutine read_and_list
 

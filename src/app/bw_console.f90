@@ -1,45 +1,46 @@
 module bw_console
-  !! What the program prints: reports to standard output, warnings and errors to standard error.
-  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+  !! What the program prints: reports to standard output, warnings and errors to standard error. Every text goes out at
+  !! once: what waits in a buffer is lost when a process is killed.
   use bw_error, only: error_type
+  use bw_posix, only: standard_error, standard_output, write_text
   implicit none (type, external)
   private
   public :: print_report, print_warning, print_error
 
+  logical, protected, public :: report_lost = .false.   !! standard output could not be written
+
 contains
 
   subroutine print_report(text)
-    !! Lines, flushed: redirected output is lost when a process is killed. A failure shows when the process ends.
+    !! Lines. A failure sets `report_lost`.
     character(*), intent(in) :: text
-    integer :: stat
+    logical :: written
     if (text == '') return
-    write (output_unit, '(a)', advance=merge('no ', 'yes', ends_line(text)), iostat=stat) text
-    flush (output_unit, iostat=stat)
+    written = write_text(standard_output, whole_lines(text))
+    if (.not. written) report_lost = .true.
   end subroutine print_report
 
-  pure logical function ends_line(text)
-    character(*), intent(in) :: text
-    ends_line = text(len(text):) == new_line('a')
-  end function ends_line
-
   subroutine print_warning(text)
+    !! Lines. Nowhere is left to tell of a failure.
     character(*), intent(in) :: text
-    integer :: stat
-    write (error_unit, '(a)', iostat=stat) text
+    logical :: ignored
+    ignored = write_text(standard_error, whole_lines(text))
   end subroutine print_warning
 
   subroutine print_error(error)
     type(error_type), intent(in) :: error
-    call print_warning(without_last_end(error%message))
+    call print_warning(error%message)
   end subroutine print_error
 
-  pure function without_last_end(text) result(lines)
+  pure function whole_lines(text) result(lines)
+    !! With an end to the last line.
     character(*), intent(in) :: text
     character(:), allocatable :: lines
     lines = text
     if (len(text) > 0) then
-      if (ends_line(text)) lines = text(:len(text) - 1)
+      if (text(len(text):) == new_line('a')) return
     end if
-  end function without_last_end
+    lines = text//new_line('a')
+  end function whole_lines
 
 end module bw_console

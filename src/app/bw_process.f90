@@ -4,8 +4,8 @@ module bw_process
   !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
   !! that runs at exit turns every ending that `leave` did not announce into `status_fault`.
   use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
-  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-  use bw_error, only: status_bad_file, status_fault
+  use bw_error, only: status_fault
+  use bw_posix, only: standard_error, write_text
   implicit none (type, external)
   private
   public :: watch_over_process, stop_signal, leave
@@ -13,6 +13,8 @@ module bw_process
   integer(c_int), parameter :: sigint = 2, sigusr1 = 10, sigterm = 15                    ! Linux, any processor
   integer(c_int), parameter :: sigill = 4, sigabrt = 6, sigbus = 7, sigfpe = 8, sigsegv = 11
   integer(c_int), parameter :: fault_signals(5) = [sigill, sigabrt, sigbus, sigfpe, sigsegv]
+
+  character(*), parameter :: fault_message = 'beamwave: a fault in the program: please report it'//new_line('a')
 
   logical :: orderly = .false.                   ! set by `leave`
   integer(c_int), volatile :: received = 0       ! the last signal that asked to stop
@@ -27,8 +29,6 @@ module bw_process
       import :: c_funptr, c_int
       type(c_funptr), value :: handler
     end function c_atexit
-    subroutine gfortran_backtrace() bind(c, name='_gfortran_backtrace')   ! not of the standard, so named by its symbol
-    end subroutine gfortran_backtrace
     subroutine c_exit(status) bind(c, name='exit')
       import :: c_int
       integer(c_int), value :: status
@@ -61,17 +61,10 @@ contains
   end function stop_signal
 
   subroutine leave(status)
-    !! End the process with this status, or with `status_bad_file` if what was printed cannot be written.
+    !! End the process with this status.
     integer, intent(in) :: status
-    integer :: last, stat
-    last = status
-    flush (output_unit, iostat=stat)
-    if (stat /= 0) then
-      write (error_unit, '(a)', iostat=stat) 'beamwave: standard output cannot be written'
-      last = max(last, status_bad_file)
-    end if
     orderly = .true.
-    call c_exit(int(last, c_int))
+    call c_exit(int(status, c_int))
   end subroutine leave
 
   subroutine on_stop(number) bind(c)
@@ -82,16 +75,17 @@ contains
   end subroutine on_stop
 
   subroutine on_fault(number) bind(c)
+    !! Nothing here may allocate: the heap may be what is broken.
     integer(c_int), value :: number
-    write (error_unit, '(a,i0,a)') 'beamwave: a fault in the program (signal ', number, '): please report it'
-    call gfortran_backtrace()
-    call c_exit_now(int(status_fault, c_int))
+    logical :: ignored
+    ignored = write_text(standard_error, fault_message)
+    call c_exit_now(int(status_fault, c_int) + 0_c_int*number)
   end subroutine on_fault
 
   subroutine on_exit() bind(c)
+    logical :: ignored
     if (orderly) return
-    write (error_unit, '(a)') 'beamwave: a fault in the program: please report it'
-    flush (error_unit)
+    ignored = write_text(standard_error, fault_message)
     call c_exit_now(int(status_fault, c_int))
   end subroutine on_exit
 

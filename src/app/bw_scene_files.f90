@@ -1,56 +1,62 @@
 module bw_scene_files
   !! The scenes that a command line names: files, and directories that stand for their *.nml.
-  use bw_error, only: error_type, status_bad_file, status_bad_input
+  use bw_error, only: error_type, status_bad_file, status_bad_input, status_done
   use bw_posix, only: files_in, is_directory
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene, stem
-  use bw_text, only: string
+  use bw_text, only: append, string
   implicit none (type, external)
   private
   public :: read_scenes
 
 contains
 
-  subroutine read_scenes(words, scenes, count, errors)
+  subroutine read_scenes(words, scenes, count, messages, status)
     !! Read everything first. Two scenes of one name leave no scene at all.
     type(string), intent(in) :: words(:)                        !! as the user wrote them
     type(scene_type), allocatable, intent(out) :: scenes(:)     !! the first `count` of them are read
     integer, intent(out) :: count
-    type(error_type), allocatable, intent(out) :: errors(:)     !! one for each bad scene or path
+    type(string), allocatable, intent(out) :: messages(:)       !! one for each bad scene or path
+    integer, intent(out) :: status                              !! the highest of the bad ones', or `status_done`
     type(string), allocatable :: paths(:)
     type(error_type), allocatable :: error
     integer :: i
-    allocate (errors(0))
+    allocate (messages(0))
     count = 0
-    call expand(words, paths, errors)
+    status = status_done
+    call expand(words, paths, messages)
+    if (size(messages) > 0) status = status_bad_file
     allocate (scenes(size(paths)))
-    call find_clashes(paths, errors)
-    if (any(errors%status == status_bad_input)) return
+    call find_clashes(paths, messages, status)
+    if (status == status_bad_input) return
     do i = 1, size(paths)
       call read_scene(paths(i)%text, scenes(count + 1), error)
       if (allocated(error)) then
-        errors = [errors, error]
+        call append(messages, error%message)
+        status = max(status, error%status)
       else
         count = count + 1
       end if
     end do
   end subroutine read_scenes
 
-  subroutine expand(words, paths, errors)
+  subroutine expand(words, paths, messages)
     type(string), intent(in) :: words(:)
     type(string), allocatable, intent(out) :: paths(:)
-    type(error_type), allocatable, intent(inout) :: errors(:)
+    type(string), allocatable, intent(inout) :: messages(:)
     type(string), allocatable :: found(:)
-    integer :: i
+    integer :: i, j
     allocate (paths(0))
     do i = 1, size(words)
       if (is_directory(words(i)%text)) then
         found = files_in(without_slash(words(i)%text), '.nml')
-        if (size(found) == 0) errors = [errors, error_type(status_bad_file, words(i)%text// &
-          ': no scenes in this directory; accepted: files *.nml')]
-        paths = [paths, found]
+        if (size(found) == 0) call append(messages, words(i)%text// &
+          ': no scenes in this directory; accepted: files *.nml')
+        do j = 1, size(found)
+          call append(paths, found(j)%text)
+        end do
       else
-        paths = [paths, words(i)]
+        call append(paths, words(i)%text)
       end if
     end do
   end subroutine expand
@@ -62,18 +68,20 @@ contains
     if (len(path) > 1 .and. path(len(path):) == '/') text = path(:len(path) - 1)
   end function without_slash
 
-  subroutine find_clashes(paths, errors)
+  subroutine find_clashes(paths, messages, status)
     !! Scenes of one stem would write the same result.
     type(string), intent(in) :: paths(:)
-    type(error_type), allocatable, intent(inout) :: errors(:)
+    type(string), allocatable, intent(inout) :: messages(:)
+    integer, intent(inout) :: status
     type(string) :: stems(size(paths))
     integer :: i, j
     do i = 1, size(paths)
       stems(i)%text = stem(paths(i)%text)
       do j = 1, i - 1
         if (stems(i)%text /= stems(j)%text) cycle
-        errors = [errors, error_type(status_bad_input, paths(i)%text//': has the same name as '//paths(j)%text// &
-          ', and both would write '//stems(i)%text//'.nc; accepted: different names, or separate runs')]
+        call append(messages, paths(i)%text//': has the same name as '//paths(j)%text// &
+          ', and both would write '//stems(i)%text//'.nc; accepted: different names, or separate runs')
+        status = status_bad_input
         exit
       end do
     end do

@@ -1,9 +1,8 @@
 module bw_terminal_progress
   !! Progress on standard error: a bar on a terminal once a run takes longer than a second, lines in a log; and when to
   !! stop: after a signal, or when the time that was given is up.
-  use, intrinsic :: iso_fortran_env, only: error_unit
   use bw_kinds, only: dp, i8
-  use bw_posix, only: is_terminal, standard_error
+  use bw_posix, only: is_terminal, standard_error, write_text
   use bw_process, only: stop_signal
   use bw_progress, only: progress_type
   use bw_stopwatch, only: wall_seconds
@@ -81,6 +80,7 @@ contains
     real(dp) :: part, new_part
     character(:), allocatable :: line
     integer :: filled
+    logical :: ignored
     part = (real(self%done, dp) + fraction)/real(self%cases, dp)
     new_part = (real(self%done - self%taken_over, dp) + fraction)/real(self%cases, dp)
     line = self%name//'  '//text_of(nint(100.0_dp*part))//' %'
@@ -89,12 +89,11 @@ contains
     if (self%on_terminal) then
       filled = min(bar_width, int(bar_width*part))
       line = achar(13)//'['//repeat('#', filled)//repeat('.', bar_width - filled)//'] '//line//achar(27)//'[K'
-      write (error_unit, '(a)', advance='no') line
       self%bar_stands = .true.
     else
-      write (error_unit, '(a)') line
+      line = line//new_line('a')
     end if
-    flush (error_unit)
+    ignored = write_text(standard_error, line)
   end subroutine show
 
   pure function duration_text(seconds) result(text)
@@ -112,9 +111,9 @@ contains
   subroutine end_scene(self)
     !! Take the bar off the screen.
     class(terminal_progress), intent(inout) :: self
+    logical :: ignored
     if (.not. self%bar_stands) return
-    write (error_unit, '(a)', advance='no') achar(13)//achar(27)//'[K'
-    flush (error_unit)
+    ignored = write_text(standard_error, achar(13)//achar(27)//'[K')
     self%bar_stands = .false.
   end subroutine end_scene
 

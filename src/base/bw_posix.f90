@@ -5,7 +5,7 @@ module bw_posix
   use bw_text, only: string
   implicit none (type, external)
   private
-  public :: make_directory, rename_file, remove_file, remove_directory, is_terminal, file_exists, is_directory, files_in
+  public :: make_directory, rename_file, remove_file, remove_directory, is_terminal, file_exists, is_directory, files_in, write_text
 
   integer(c_int), parameter, public :: standard_output = 1, standard_error = 2
   integer(c_int), parameter :: f_ok = 0
@@ -35,6 +35,12 @@ module bw_posix
       import :: c_ptr, c_size_t
       type(c_ptr), value :: text
     end function c_strlen
+    integer(c_size_t) function c_write(descriptor, bytes, count) bind(c, name='write')   ! ssize_t has the same size
+      import :: c_char, c_int, c_size_t
+      integer(c_int), value :: descriptor
+      character(c_char), intent(in) :: bytes(*)
+      integer(c_size_t), value :: count
+    end function c_write
     integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
       import :: c_char, c_int
       character(c_char), intent(in) :: path(*)
@@ -64,6 +70,21 @@ module bw_posix
   end interface
 
 contains
+
+  logical function write_text(descriptor, text) result(written)
+    !! Write to an open descriptor at once. gfortran's own units forget a failure of their last buffer.
+    integer(c_int), intent(in) :: descriptor    !! `standard_output` or `standard_error`
+    character(*), intent(in) :: text
+    integer(c_size_t) :: count
+    integer :: first
+    first = 1
+    written = .true.
+    do while (written .and. first <= len(text))
+      count = c_write(descriptor, text(first:), int(len(text) - first + 1, c_size_t))
+      written = count > 0
+      first = first + int(count)
+    end do
+  end function write_text
 
   logical function make_directory(path) result(there)
     !! Make a directory and its parents; true if it is there afterwards.

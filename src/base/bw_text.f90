@@ -4,7 +4,7 @@ module bw_text
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: text_of, joined, lower, shortest, string
+  public :: text_of, append, joined, lower, shortest, string
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -37,7 +37,8 @@ contains
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     integer :: digits
-    do digits = 1, 17
+    ! up to 15 digits any number in the normal range reads back, and zeros at the end are dropped
+    do digits = merge(1, 15, abs(value) < tiny(value)), 17
       text = shortest(value, digits)
       if (.not. ieee_is_finite(value)) return
       if (reads_back(text, value)) return
@@ -126,6 +127,22 @@ contains
       text = sign//digits(:exponent + 1)//'.'//digits(exponent + 2:)
     end if
   end function plain
+
+  pure subroutine append(list, text)
+    !! One more text at the end of a list. (gfortran 12 corrupts the heap on `[list, string(text)]`.)
+    type(string), allocatable, intent(inout) :: list(:)    !! unallocated is empty
+    character(*), intent(in) :: text
+    type(string), allocatable :: longer(:)
+    integer :: i, n
+    n = 0
+    if (allocated(list)) n = size(list)
+    allocate (longer(n + 1))
+    do i = 1, n
+      call move_alloc(list(i)%text, longer(i)%text)
+    end do
+    longer(n + 1)%text = text
+    call move_alloc(longer, list)
+  end subroutine append
 
   pure function joined(words) result(text)
     !! Words with one space between them.

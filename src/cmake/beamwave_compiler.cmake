@@ -27,6 +27,7 @@ if(BEAMWAVE_CHECKS)
     -O1 -Werror -fcheck=all -fcheck=no-array-temps -fbacktrace -ffpe-trap=invalid,zero,overflow -finit-real=snan -finit-derived)
 endif()
 if(BEAMWAVE_SANITIZE)
-  target_compile_options(beamwave_flags INTERFACE -O1 -fbacktrace -fsanitize=address,undefined -fno-omit-frame-pointer)
+  target_compile_options(beamwave_flags INTERFACE -O1 -fbacktrace -fno-omit-frame-pointer
+    -fsanitize=address,undefined -Wno-uninitialized -Wno-maybe-uninitialized)   # gfortran 12: false, as at -O3
   target_link_options(beamwave_flags INTERFACE -fsanitize=address,undefined)
 endif()

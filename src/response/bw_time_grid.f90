@@ -1,7 +1,7 @@
 module bw_time_grid
   !! The times of a history, t_j = j·duration/samples, j = 0 … samples − 1.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, to_dd, operator(/)
+  use bw_double_double, only: dd, to_dd, operator(*), operator(/)
   implicit none (type, external)
   private
   public :: time_grid_of, sample_times
@@ -26,8 +26,13 @@ contains
     real(dp), intent(in) :: duration
     integer, intent(in) :: samples
     real(dp) :: times(samples)
+    type(dd) :: step, time
     integer :: j
-    times = [(real(j, dp), j=0, samples - 1)]*(duration/samples)
+    step = to_dd(duration)/to_dd(real(samples, dp))
+    do j = 1, samples
+      time = step*real(j - 1, dp)       ! j·T/N rounded once
+      times(j) = time%hi
+    end do
   end function sample_times
 
 end module bw_time_grid

@@ -7,7 +7,7 @@ module bw_case_result
   use bw_measured, only: measured_type
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
-  use bw_text, only: string
+  use bw_text, only: append, string
   implicit none (type, external)
   private
   public :: add_note
@@ -37,9 +37,8 @@ contains
 
   pure subroutine add_note(result, text)
     type(case_result), intent(inout) :: result
-    character(*), intent(in) :: text
-    if (.not. allocated(result%notes)) allocate (result%notes(0))
-    result%notes = [result%notes, string(text)]
+    character(*), intent(in) :: text      !! what stands before its first colon is its kind
+    call append(result%notes, text)
   end subroutine add_note
 
 end module bw_case_result

@@ -15,11 +15,13 @@ contains
 
   subroutine check(status, path, error)
     !! Turn a NetCDF status into an error that names the file. Keeps an error that is there.
+    !! HDF5 gives one status for everything that the system refuses, so the usual reasons are named.
     integer, intent(in) :: status
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
     if (status == nf90_noerr .or. allocated(error)) return
-    call fail(error, status_bad_file, path//': '//trim(nf90_strerror(status)))
+    call fail(error, status_bad_file, path//': cannot be written: '//trim(nf90_strerror(status))// &
+              '; is the disk full, a quota used up, the directory gone or read-only?')
   end subroutine check
 
   subroutine create_file(path, id, error)

@@ -9,7 +9,7 @@ module bw_scene_summary
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, cost_summary, result_bytes
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, result_bytes, working_bytes
 
 contains
 
@@ -46,11 +46,11 @@ contains
     character(:), allocatable :: text
     text = ''
     if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
-      scene%rotation%angular_velocity)//' rad/s '//scene%rotation%plane//' plane'
+      scene%rotation%angular_velocity, ' rad/s')//' '//scene%rotation%plane//' plane'
     if (allocated(scene%impact)) then
       text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
-        number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity)//' m/s, restitution '// &
-        number_or_swept(scene, 'impact%restitution', scene%impact%restitution)//')'
+        number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity, ' m/s')//', restitution '// &
+        number_or_swept(scene, 'impact%restitution', scene%impact%restitution, '')//')'
       if (allocated(scene%capture)) then
         text = text//', capture'
       else
@@ -64,7 +64,7 @@ contains
   function mass_text(scene) result(text)
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
-    text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio)
+    text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio, '')
     if (is_swept(scene, 'impact%mass')) text = 'swept'
   end function mass_text
 
@@ -101,12 +101,13 @@ contains
     end do
   end function sweep_text
 
-  function number_or_swept(scene, name, value) result(text)
+  function number_or_swept(scene, name, value, unit) result(text)
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: name              !! 'group%name'
     real(dp), intent(in) :: value
+    character(*), intent(in) :: unit              !! with the blank before it
     character(:), allocatable :: text
-    text = shortest(value, 6)
+    text = shortest(value, 6)//unit
     if (is_swept(scene, name)) text = 'swept'
   end function number_or_swept
 
@@ -137,12 +138,14 @@ contains
   end function result_bytes
 
   pure integer(i8) function working_bytes(layout) result(bytes)
-    !! Memory of one case: its histories, the shapes, and about 20 MB of program and libraries.
+    !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
+    !! 20 MB of program and libraries.
     type(result_layout), intent(in) :: layout
-    type(result_layout) :: one
-    one = layout
-    one%cases = 0
-    bytes = result_bytes(one) + 8_i8*layout%modes*(40 + 3*layout%points) + 20000000
+    integer(i8) :: histories, spectra, modal
+    histories = int(layout%samples, i8)*layout%points*merge(2, 1, layout%velocity)
+    spectra = int(layout%frequencies, i8)*(layout%points + 30)
+    modal = int(max(layout%modes, layout%modes_before), i8)*(60 + 4*layout%points)
+    bytes = 8*(2*histories + spectra + modal) + 20000000
   end function working_bytes
 
   pure function bytes_text(bytes) result(text)

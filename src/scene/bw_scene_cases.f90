@@ -1,8 +1,7 @@
 module bw_scene_cases
   !! The cases of a scene with sweeps: the product of their values, the first sweep varying slowest.
   use bw_error, only: error_type, fail, status_bad_input, status_fault
-  use bw_input_values, only: group_values
-  use bw_kinds, only: dp, i8
+  use bw_kinds, only: i8
   use bw_scene, only: build_scene, scene_type
   use bw_scene_checks, only: settle_groups
   use bw_scene_messages, only: message_list

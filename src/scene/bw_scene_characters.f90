@@ -45,6 +45,8 @@ contains
         if (text(at + 1:at + 1) /= line_feed) return
       case (0:8, 11:12, 14:31, 127)
         return
+      case default
+        cycle
       end select
     end do
     at = 0

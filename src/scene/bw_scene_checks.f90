@@ -28,8 +28,9 @@ contains
       call check_needs(groups, i, messages)
     end do
     do i = 1, size(group_table)
-      if (group_table(i)%required .and. position_of(groups, group_table(i)%name) == 0) &
+      if (group_table(i)%required .and. position_of(groups, group_table(i)%name) == 0) then
         call messages%add(0, '&'//trim(group_table(i)%name), 'is missing; accepted: a scene with this group')
+      end if
     end do
     call check_spectrum(groups, messages)
   end subroutine check_groups
@@ -55,12 +56,14 @@ contains
     type(message_list), intent(inout) :: messages
     integer, allocatable :: rows(:)
     integer :: i
+    integer :: absent          ! line for what is absent: that of the group where there may be several
     rows = rows_of(group%group)
+    absent = merge(group%line, 0, group_table(group_row(group%group))%repeatable)
     do i = 1, size(rows)
       associate (row => name_table(rows(i)))
-        if (row%required .and. .not. group%values(i)%given) &
-          call messages%add(merge(group%line, 0, group%group == 'sweep'), place_of(row), &
-                            'is missing; accepted: '//accepted_text(row))
+        if (row%required .and. .not. group%values(i)%given) then
+          call messages%add(absent, place_of(row), 'is missing; accepted: '//accepted_text(row))
+        end if
         if (group%values(i)%given) call check_excluded(group, i, row%excludes, messages)
       end associate
     end do
@@ -69,6 +72,7 @@ contains
     case ('impact'); call check_impact(group, messages)
     case ('response'); call check_response(group, messages)
     case ('sweep'); call check_sweep(group, messages)
+    case default                                   ! the others have no rules of their own
     end select
   end subroutine check_group
 

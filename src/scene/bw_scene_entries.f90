@@ -1,6 +1,7 @@
 module bw_scene_entries
   !! The items of a statement as the value of one row of the table: kind, count and range.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, logical_input, reals_input, text_input
+  use bw_input_name, only: accepted_text, has_word, in_range, input_name, integer_input, logical_input, reals_input, &
+                           text_input
   use bw_input_values, only: input_value
   use bw_kinds, only: dp
   use bw_scene_characters, only: shown
@@ -120,8 +121,9 @@ contains
     value%text = trim(single_quotes(piece, source%quote))
     if (row%words == '') return
     value%text = lower(value%text)
-    if (index(' '//row%words//' ', ' '//value%text//' ') == 0 .or. scan(value%text, ' ') > 0 .or. value%text == '') &
+    if (.not. has_word(row%words, value%text) .or. scan(value%text, ' ') > 0 .or. value%text == '') then
       call messages%add(source%line, place_of(row), shown(piece)//' is not known; accepted: '//accepted_text(row))
+    end if
   end subroutine read_text
 
   pure function single_quotes(piece, quote) result(text)

@@ -1,18 +1,18 @@
 module bw_scene_fill
   !! Statements as values: each is matched with its row of the table and read.
-  use bw_did_you_mean, only: suggestion
-  use bw_input_name, only: name_length
   use bw_input_table, only: group_row, group_table, name_row, name_table, names_of, rows_of
   use bw_input_values, only: group_values
   use bw_scene_entries, only: place_of, read_value
   use bw_scene_items, only: item, read_items
-  use bw_scene_lexer, only: bad_group_token, bad_token, name_in, token, tokenise
+  use bw_scene_lexer, only: tokenise
   use bw_scene_messages, only: message_list
   use bw_scene_parser, only: opened_group, parsed_scene, statement
+  use bw_scene_tokens, only: bad_group_token, bad_token, name_in, token
   use bw_text, only: text_of
+  use bw_unknown_input, only: unknown_group, unknown_name
   implicit none (type, external)
   private
-  public :: fill_groups, unknown_group, unknown_name
+  public :: fill_groups
 
 contains
 
@@ -158,35 +158,5 @@ contains
       end associate
     end do
   end subroutine fill_defaults
-
-  pure function unknown_group(group) result(text)
-    !! Message for a group that is not in the table.
-    character(*), intent(in) :: group
-    character(:), allocatable :: text
-    integer :: i
-    text = 'is no known group'//suggestion(group, group_table%name, '&')//'; accepted:'
-    do i = 1, size(group_table)
-      text = text//' &'//trim(group_table(i)%name)
-    end do
-  end function unknown_group
-
-  pure function unknown_name(group, name) result(text)
-    !! Message for a name that is not in its group.
-    character(*), intent(in) :: group, name
-    character(:), allocatable :: text
-    character(name_length), allocatable :: names(:)
-    integer :: i
-    names = names_of(group)
-    text = suggestion(name, names, '')
-    i = findloc(name_table%name, name, dim=1)
-    if (text == '' .and. i > 0) text = ' (it belongs to &'//trim(name_table(i)%group)//')'
-    if (index(name, '%') > 0) text = ' (write the group as &group and its names alone)'
-    if (index(name, '(') > 0) text = ' (write the values of a list without an index, as points = 0.5, 1.0)'
-    text = 'is no known name'//text//'; accepted:'
-    do i = 1, size(names)
-      text = text//' '//trim(names(i))
-    end do
-    if (size(names) == 0) text = text//' none'
-  end function unknown_name
 
 end module bw_scene_fill

@@ -4,8 +4,8 @@ module bw_scene_items
   !! Commas and blanks separate; values may go on over lines; one trailing comma is fine. A value that is
   !! left out (`1,,2`, `2*`), which Fortran reads as 'keep what was there', is an error.
   use bw_scene_characters, only: shown
-  use bw_scene_lexer, only: bad_token, comma_token, equals_token, text_token, token, word_token
   use bw_scene_messages, only: message_list
+  use bw_scene_tokens, only: bad_token, comma_token, equals_token, text_token, token, word_token
   implicit none (type, external)
   private
   public :: read_items
@@ -31,37 +31,54 @@ contains
     type(message_list), intent(inout) :: messages
     type(item), allocatable :: found(:)
     character(:), allocatable :: problem
-    integer :: i, n
+    integer :: at
+    allocate (items(0))
+    if (size(tokens) == 0) then
+      call messages%add(line, place, 'the value is missing')
+      return
+    end if
+    call take_items(text, tokens, found, at, problem)
+    if (problem /= '') then
+      call messages%add(tokens(min(at, size(tokens)))%line, place, problem)
+    else if (at > size(tokens)) then
+      items = found
+    end if
+  end subroutine read_items
+
+  pure subroutine take_items(text, tokens, found, at, problem)
+    !! Items up to the first problem, or up to a token of which an error was reported before.
+    character(*), intent(in) :: text
+    type(token), intent(in) :: tokens(:)
+    type(item), allocatable, intent(out) :: found(:)
+    integer, intent(out) :: at                   !! the token behind the last one that was taken
+    character(:), allocatable, intent(out) :: problem
+    type(item) :: taken
     logical :: comma
-    n = 0
-    comma = .true.
-    allocate (items(0), found(size(tokens)))
+    integer :: n
+    allocate (found(size(tokens)))
     problem = ''
-    i = 1
-    do while (i <= size(tokens) .and. problem == '')
-      select case (tokens(i)%kind)
+    comma = .true.
+    n = 0
+    at = 1
+    do while (at <= size(tokens) .and. problem == '')
+      select case (tokens(at)%kind)
       case (comma_token)
         if (comma) problem = 'a value is missing before a comma'
         comma = .true.
-        i = i + 1
+        at = at + 1
       case (word_token, text_token)
-        n = n + 1
-        call take_item(text, tokens, i, found(n), problem)
+        call take_item(text, tokens, at, taken, problem)
         comma = .false.
+        n = n + 1
+        found(n) = taken
       case (equals_token)
         problem = "a second '='"
       case default
-        return
+        exit
       end select
     end do
-    if (size(tokens) == 0) then
-      call messages%add(line, place, 'the value is missing')
-    else if (problem /= '') then
-      call messages%add(tokens(min(i, size(tokens)))%line, place, problem)
-    else
-      items = found(:n)
-    end if
-  end subroutine read_items
+    found = found(:n)
+  end subroutine take_items
 
   pure subroutine take_item(text, tokens, i, taken, problem)
     !! One word or text, with the count that may stand before it; `i` goes on behind it.
@@ -83,9 +100,10 @@ contains
     end if
     i = i + 1
     if (i > size(tokens)) return
-    if (tokens(i)%glued .and. any(tokens(i)%kind == [word_token, text_token, bad_token])) &
+    if (tokens(i)%glued .and. any(tokens(i)%kind == [word_token, text_token, bad_token])) then
       problem = 'no comma or blank between '//shown(text(taken%first:taken%last))//' and '// &
                 shown(text(tokens(i)%first:tokens(i)%last))
+    end if
   end subroutine take_item
 
   pure subroutine take_count(digits, count, problem)

@@ -1,31 +1,15 @@
 module bw_scene_lexer
   !! The text of a scene as tokens with line numbers.
   !!
-  !! A token is a span of the text: nothing is copied. Text outside groups, unclosed quotes and characters
-  !! that a namelist does not know are errors here; what tokens mean is the parser's business.
+  !! Text outside groups, unclosed quotes and characters that a namelist does not know are errors here; what tokens
+  !! mean is the parser's business.
   use bw_scene_characters, only: blanks, ends_word, is_ascii, is_name, is_utf8, shown, stray_control
   use bw_scene_messages, only: message_list
-  use bw_text, only: lower
+  use bw_scene_tokens, only: bad_group_token, bad_token, comma_token, end_token, equals_token, group_token, name_in, &
+                             text_token, token, word_token
   implicit none (type, external)
   private
-  public :: name_in, span, tokenise
-
-  integer, parameter, public :: group_token = 1  !! `&beam`, the span being the name alone
-  integer, parameter, public :: end_token = 2    !! `/`
-  integer, parameter, public :: equals_token = 3 !! `=`
-  integer, parameter, public :: comma_token = 4  !! `,`
-  integer, parameter, public :: word_token = 5   !! a name, a number, a logical
-  integer, parameter, public :: text_token = 6   !! a text between quotes, the span without them
-  integer, parameter, public :: bad_token = 7    !! stands where something was, of which an error was reported
-  integer, parameter, public :: bad_group_token = 8 !! likewise, for the opening of a group
-
-  type, public :: token
-    integer :: kind = bad_token
-    integer :: first = 1, last = 0               !! span in the text
-    integer :: line = 0
-    logical :: glued = .false.                   !! follows the token before it without a blank
-    character :: quote = ' '                     !! of a text
-  end type token
+  public :: tokenise
 
   type :: scanner
     integer :: at = 1                            !! next character
@@ -155,9 +139,7 @@ contains
     else
       call put(lex, group_token, lex%at + 1, last)
     end if
-    associate (taken => lex%tokens(lex%count))
-      lex%inside = lower(text(taken%first:taken%last)) /= 'end'
-    end associate
+    lex%inside = name_in(text, lex%tokens(lex%count)) /= 'end'
   end subroutine take_group
 
   pure subroutine take_text(text, lex, messages)
@@ -165,33 +147,39 @@ contains
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
-    integer :: at, first, last
-    character :: quote
-    quote = text(lex%at:lex%at)
+    integer :: first, last, closing
     first = lex%at + 1
     last = line_end(text, lex%at) - 1
-    at = first
-    do while (at <= last)
-      if (text(at:at) == quote) then
-        if (at == last) exit
-        if (text(at + 1:at + 1) /= quote) exit
+    closing = first - 1 + closing_quote(text(first:last), text(lex%at:lex%at))
+    if (closing < first) then
+      call messages%add(lex%line, 'text', 'no closing quote on this line: '//shown(text(lex%at:last)))
+      call put(lex, bad_token, first, last)
+    else if (.not. is_utf8(text(first:closing - 1))) then
+      call messages%add(lex%line, 'text', 'a text that is not UTF-8')
+      call put(lex, bad_token, first, closing)
+    else
+      call put(lex, text_token, first, closing - 1)
+      lex%tokens(lex%count)%quote = text(closing:closing)
+      lex%at = closing + 1
+      lex%past = lex%at
+    end if
+  end subroutine take_text
+
+  pure integer function closing_quote(rest, quote) result(at)
+    !! Place of the first quote that is not doubled; 0 for none.
+    character(*), intent(in) :: rest
+    character, intent(in) :: quote
+    at = 1
+    do while (at <= len(rest))
+      if (rest(at:at) == quote) then
+        if (at == len(rest)) return
+        if (rest(at + 1:at + 1) /= quote) return
         at = at + 1
       end if
       at = at + 1
     end do
-    if (at > last) then
-      call messages%add(lex%line, 'text', 'no closing quote on this line: '//shown(text(lex%at:last)))
-      call put(lex, bad_token, first, last)
-    else if (.not. is_utf8(text(first:at - 1))) then
-      call messages%add(lex%line, 'text', 'a text that is not UTF-8')
-      call put(lex, bad_token, first, at)
-    else
-      call put(lex, text_token, first, at - 1)
-      lex%tokens(lex%count)%quote = quote
-      lex%at = at + 1
-      lex%past = lex%at
-    end if
-  end subroutine take_text
+    at = 0
+  end function closing_quote
 
   pure subroutine take_word(text, lex, messages)
     character(*), intent(in) :: text
@@ -242,21 +230,5 @@ contains
     line_end = index(text(at:), line_feed)
     line_end = merge(len(text) + 1, at + line_end - 1, line_end == 0)
   end function line_end
-
-  pure function span(text, piece)
-    !! The characters of a token.
-    character(*), intent(in) :: text
-    type(token), intent(in) :: piece
-    character(piece%last - piece%first + 1) :: span
-    span = text(piece%first:piece%last)
-  end function span
-
-  pure function name_in(text, piece) result(name)
-    !! The characters of a token in lower case.
-    character(*), intent(in) :: text
-    type(token), intent(in) :: piece
-    character(:), allocatable :: name
-    name = lower(text(piece%first:piece%last))
-  end function name_in
 
 end module bw_scene_lexer

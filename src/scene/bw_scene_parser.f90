@@ -1,9 +1,9 @@
 module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
   use bw_scene_characters, only: shown
-  use bw_scene_lexer, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, token, &
-                            word_token
   use bw_scene_messages, only: message_list
+  use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, token, &
+                             word_token
   implicit none (type, external)
   private
   public :: parse
@@ -103,9 +103,10 @@ contains
       end associate
     else
       last = last_of_statement(tokens, i)
-      if (tokens(i)%kind /= bad_token) &
+      if (tokens(i)%kind /= bad_token) then
         call messages%add(tokens(i)%line, 'text', shown(span(text, tokens(i)))// &
                           " stands where a name should; accepted: name = value, or '/' to end the group")
+      end if
     end if
     i = last + 1
   end subroutine take_statement

@@ -1,21 +1,22 @@
 module bw_scene_reader
   !! From a file, or its text, to a scene: all that is wrong with it is reported at once.
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
-  use bw_input_values, only: group_values
   use bw_kinds, only: i8
   use bw_scene, only: scene_type
   use bw_scene_cases, only: check_corners, complete
   use bw_scene_checks, only: check_groups
   use bw_scene_fill, only: fill_groups
-  use bw_scene_lexer, only: token, tokenise
+  use bw_scene_lexer, only: tokenise
   use bw_scene_messages, only: message_list
   use bw_scene_parser, only: parse, parsed_scene
   use bw_scene_sweeps, only: take_sweeps
+  use bw_scene_tokens, only: token
   use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: read_scene, read_scene_text, stem
 
+  integer, parameter :: most_reason = 200    !! characters of the system's own message
   integer, parameter :: most_bytes = 2**26   !! a scene of 64 MB holds more values than a sweep may have
 
 contains
@@ -69,7 +70,7 @@ contains
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
-    character(200) :: reason
+    character(most_reason) :: reason
     integer(i8) :: bytes
     integer :: unit, stat
     open (newunit=unit, file=path, access='stream', form='unformatted', action='read', status='old', &
@@ -87,7 +88,7 @@ contains
     integer(i8), intent(in) :: bytes                !! size of a file; 0 or less for an empty one, and for a pipe
     character(:), allocatable, intent(out) :: text
     integer, intent(out) :: stat
-    character(*), intent(inout) :: reason
+    character(most_reason), intent(inout) :: reason
     stat = 0
     if (bytes > most_bytes) then
       stat = 1
@@ -95,6 +96,7 @@ contains
     else if (bytes > 0) then
       allocate (character(bytes) :: text)
       read (unit, iostat=stat, iomsg=reason) text
+      if (stat /= 0) return
     else
       call read_pipe(unit, text, stat, reason)
     end if
@@ -105,7 +107,7 @@ contains
     integer, intent(in) :: unit
     character(:), allocatable, intent(out) :: text
     integer, intent(out) :: stat
-    character(*), intent(inout) :: reason
+    character(most_reason), intent(inout) :: reason
     integer, parameter :: most_piped = 2**20
     character(:), allocatable :: buffer
     integer :: n

@@ -53,8 +53,9 @@ contains
     call builder%append_line('&'//trim(group%group))
     do v = 1, size(group%values)
       associate (value => group%values(v))
-        if (value%known .and. .not. value%redundant .and. value%sweep == 0) &
+        if (value%known .and. .not. value%redundant .and. value%sweep == 0) then
           call put_value(builder, name_table(name_row(group%group, value%name)), value)
+        end if
       end associate
     end do
     call builder%append_line('/')

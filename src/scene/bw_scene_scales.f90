@@ -25,12 +25,14 @@ contains
     call check(scene, 'beam', beam_mass(scene%beam), 'the mass of the beam', messages)
     call check(scene, 'beam', lowest**2, 'EI/(rho A l^4), the square of the frequency scale,', messages)
     call check(scene, 'beam', highest**2, 'the square of the highest frequency', messages)
-    if (allocated(scene%rotation)) &
+    if (allocated(scene%rotation)) then
       call check(scene, 'rotation', at_least_1(real(scene%rotation%angular_velocity, qp)**2), &
                  'the square of angular_velocity', messages)
-    if (allocated(scene%impact)) &
+    end if
+    if (allocated(scene%impact)) then
       call check(scene, 'impact', at_least_1(scene%impact%mass*real(scene%impact%approach_velocity, qp)**2), &
                  'the kinetic energy of the mass', messages)
+    end if
     if (allocated(scene%response)) call check_times(scene, highest, messages)
   end subroutine check_scales
 
@@ -42,9 +44,10 @@ contains
     duration = scene%response%duration
     call check(scene, 'response', duration/scene%response%samples, 'the time between samples', messages)
     call check(scene, 'response', at_least_1(highest*duration), 'the phase of the highest mode at the end', messages)
-    if (allocated(scene%rotation)) &
+    if (allocated(scene%rotation)) then
       call check(scene, 'response', at_least_1(abs(scene%rotation%angular_velocity)*duration), 'the angle turned', &
                  messages)
+    end if
   end subroutine check_times
 
   pure subroutine check(scene, group, product, what, messages)

@@ -6,10 +6,10 @@ module bw_scene_sweeps
   use bw_kinds, only: dp
   use bw_scene_checks, only: check_group
   use bw_scene_entries, only: place_of
-  use bw_scene_fill, only: unknown_group, unknown_name
   use bw_scene_messages, only: message_list
   use bw_sweep_par, only: build_sweep, sweep_lines, sweep_par
   use bw_text, only: lower, text_of
+  use bw_unknown_input, only: unknown_group, unknown_name
   implicit none (type, external)
   private
   public :: take_sweeps
@@ -32,7 +32,7 @@ contains
     do i = 1, size(sweeps)
       call take_sweep(sources(i), i, groups, sweeps(i), messages)
     end do
-    call check_product_of(sources, sweeps, messages)
+    call check_case_count(sources, sweeps, messages)
   end subroutine take_sweeps
 
   pure function pick(groups, mask) result(some)
@@ -91,7 +91,7 @@ contains
     group = parameter(:mark - 1)
     name = parameter(mark + 1:)
     row = name_row(group, name)
-    if (mark == 0) then
+    if (mark == 0 .or. scan(parameter, ' ') > 0) then
       problem = "names no input; accepted: 'group%name'"
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
@@ -142,12 +142,15 @@ contains
     type(sweep_par), intent(in) :: sweep
     type(input_name), intent(in) :: row
     type(message_list), intent(inout) :: messages
+    character(:), allocatable :: place
     integer, allocatable :: lines(:)
     integer :: i
+    place = '&sweep'
+    if (sweep%spacing == '') place = 'sweep%values'
     lines = sweep_lines(source, size(sweep%values))
     do i = 1, size(sweep%values)
       if (accepts(row, sweep%values(i))) cycle
-      call messages%add(lines(i), 'sweep%values', text_of(sweep%values(i))//' is not accepted for '//place_of(row)// &
+      call messages%add(lines(i), place, text_of(sweep%values(i))//' is not accepted for '//place_of(row)// &
                         '; accepted: '//accepted_text(row))
       if (sweep%spacing /= '') return                ! the others follow from the same three numbers
     end do
@@ -159,7 +162,7 @@ contains
     accepts = in_range(row%range, value) .and. (row%kind /= integer_input .or. value == aint(value))
   end function accepts
 
-  pure subroutine check_product_of(sources, sweeps, messages)
+  pure subroutine check_case_count(sources, sweeps, messages)
     !! The cases have to be countable.
     type(group_values), intent(in) :: sources(:)
     type(sweep_par), intent(in) :: sweeps(:)
@@ -174,6 +177,6 @@ contains
                         ' cases; accepted: at most '//text_of(most_cases))
       return
     end do
-  end subroutine check_product_of
+  end subroutine check_case_count
 
 end module bw_scene_sweeps

@@ -21,8 +21,8 @@ module bw_line
     real(dp) :: growth = 0                   !! logarithm of the growth over the record, 0 for a steady tone
     complex(dp) :: amplitude(points) = 0     !! c_p, in the unit of the record
     logical :: steady = .true.               !! growth is held at 0
-    logical :: closed = .false.              !! a further line beside this one did not help
     real(dp) :: position_error = 0           !! bound on the error of bin + offset
+    real(dp) :: strength_error = 0           !! bound on the error of both amplitudes' length
     real(dp) :: ratio = 0                    !! signed ratio midpoint to tip
     real(dp) :: ratio_error = 0              !! bound on its error, huge if it does not exist
   end type line_type

@@ -7,8 +7,10 @@ module bw_line_fit
   private
   public :: add_lines, fit_lines, fit_amplitudes, line_errors, unknowns
 
-  integer, parameter :: max_steps = 25
-  integer, parameter :: max_halvings = 5
+  integer, parameter :: max_steps = 12
+  integer, parameter :: max_halvings = 3
+  real(dp), parameter :: slowest = 0.8_dp         !! a step that gains less is the last
+  real(dp), parameter :: negligible = 1.0e-3_dp   !! part of the target at which a fit is complete
   real(dp), parameter :: difference = 1.0e-4_dp   !! bins; slopes need a few digits only, the residual is exact
   real(dp), parameter :: longest_step = 0.5_dp    !! bins; about what a linearised main lobe bears
   real(dp), parameter :: most_growth = 600        !! e^600 is near overflow
@@ -33,6 +35,7 @@ contains
     type(line_type) :: trial(size(lines))
     real(dp) :: step(2, size(lines)), trial_residual, factor
     integer :: i, j
+    logical :: slow
     call fit_amplitudes(lines, count, first, image, residual)
     do i = 1, max_steps
       step = newton_step(lines, count, first, image)
@@ -46,11 +49,10 @@ contains
       end do
       if (trial_residual >= residual) exit
       lines = trial
-      if (trial_residual > 0.99_dp*residual .or. residual == 0) exit
+      slow = trial_residual > slowest*residual
       residual = trial_residual
-      if (residual < 1.0e-3_dp*target_residual) exit
+      if (slow .or. residual < negligible*target_residual) exit
     end do
-    residual = min(residual, trial_residual)
   end subroutine fit_lines
 
   subroutine fit_amplitudes(lines, count, first, image, residual)
@@ -210,6 +212,7 @@ contains
     integer :: i, last
     allocate (matrix, source=jacobian(lines, count, first, bins))
     lines%position_error = huge(1.0_dp)
+    lines%strength_error = huge(1.0_dp)
     lines%ratio_error = huge(1.0_dp)
     if (size(matrix, 1) < size(matrix, 2)) return
     allocate (triangle(size(matrix, 2), size(matrix, 2)), length(size(matrix, 2)), gradient(size(matrix, 2)))
@@ -219,14 +222,24 @@ contains
       gradient = 0
       gradient(last + 2*points + 1) = 1
       lines(i)%position_error = noise_times(gradient_length(triangle, length, gradient), noise)
+      gradient(last + 2*points + 1) = 0
+      gradient(last + 1:last + 2*points) = direction(lines(i)%amplitude)
+      lines(i)%strength_error = noise_times(gradient_length(triangle, length, gradient), noise)
       if (abs(lines(i)%amplitude(1)) > 0) then
         call ratio_of(lines(i)%amplitude, lines(i)%ratio, gradient(last + 1:last + 2*points))
-        gradient(last + 2*points + 1) = 0
         lines(i)%ratio_error = noise_times(gradient_length(triangle, length, gradient), noise)
       end if
       last = last + unknowns(lines(i))
     end do
   end subroutine line_errors
+
+  pure function direction(amplitude) result(gradient)
+    !! Slopes of both amplitudes' length with respect to their real and imaginary parts.
+    complex(dp), intent(in) :: amplitude(:)
+    real(dp) :: gradient(2*points)
+    gradient = [amplitude(1)%re, amplitude(1)%im, amplitude(2)%re, amplitude(2)%im]
+    gradient = gradient/max(norm2(gradient), tiny(1.0_dp))
+  end function direction
 
   elemental real(dp) function noise_times(factor, noise)
     !! factor·noise, huge if the factor is.

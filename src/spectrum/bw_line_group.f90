@@ -3,16 +3,24 @@ module bw_line_group
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_row, line_type, main_lobe, mirror_row, points
   use bw_line_fit, only: add_lines, fit_lines, unknowns
-  use bw_line_poles, only: find_poles
+  use bw_line_poles, only: find_poles, pencil_of, pencil_type, rank_of
   use bw_line_residual, only: plain_bins, residual_type
   implicit none (type, external)
   private
-  public :: band_of, group_noise, group_image, refit_group
+  public :: band_of, numbers_in, group_noise, group_image, refit_group
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
-  integer, parameter :: extra_lines = 3        !! tried beyond the peaks seen
+  integer, parameter :: extra_lines = 2        !! tried beyond one more
+  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image
+  real(dp), parameter :: most_growth = 300     !! over the record
   real(dp), parameter :: worth = 0.3_dp        !! a further line must lower the residual to this part of it
+  real(dp), parameter :: unseen = 0.2_dp       !! of the threshold: no peak would be taken up any more
+  integer, parameter :: widest = 40            !! bins beside a group that may help to find its poles
+  real(dp), parameter :: fullest = 0.7_dp      !! unknowns for each number in a group's bins
+  real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
+
+  real(dp), parameter, public :: correlated = 2.3_dp  !! neighbouring bins of the window share their noise
 
   type, public :: group_type
     type(line_type), allocatable :: lines(:)
@@ -43,6 +51,15 @@ contains
     call add_lines(lines, residual%count, bins(1), image, 1.0_dp)
   end function group_image
 
+  pure function group_image_of(lines, count, bins) result(image)
+    !! Windowed transform of these lines alone.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: count, bins(2)
+    complex(dp) :: image(bins(1):bins(2), points)
+    image = 0
+    call add_lines(lines, count, bins(1), image, 1.0_dp)
+  end function group_image_of
+
   pure real(dp) function group_noise(residual, lines, leakage)
     !! Expected residual of a real number of the image: noise, leakage, rounding of the strongest line.
     type(residual_type), intent(in) :: residual
@@ -64,15 +81,12 @@ contains
     integer :: bins(2)
     start = group
     bins = band_of(group, residual%count)
-    left = huge(1.0_dp)
     if (size(group%lines) > 0) then
       goal = goal_of(residual, group%lines, leakage, bins)
       call fit_lines(group%lines, residual%count, bins(1), group_image(residual, start%lines, bins), goal, left)
       if (left <= goal .or. size(group%peaks) == 0) return
     end if
-    group%lines = start%lines
-    call grow(residual, start, leakage, group%lines, left)
-    if (size(group%lines) == size(start%lines)) group%lines%closed = .true.
+    call grow(residual, start, leakage, group%lines)
   end subroutine refit_group
 
   pure real(dp) function goal_of(residual, lines, leakage, bins)
@@ -81,59 +95,71 @@ contains
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
     integer, intent(in) :: bins(2)
-    goal_of = enough*group_noise(residual, lines, leakage)*sqrt(2.0_dp*points*(bins(2) - bins(1) + 1))
+    goal_of = max(enough*group_noise(residual, lines, leakage), unseen*residual%threshold)*sqrt(numbers_in(bins))
   end function goal_of
 
-  subroutine grow(residual, start, leakage, lines, left)
-    !! Try the peaks as lines, then 1, 2, … poles of the group's bins; keep the first set that explains all,
-    !! otherwise the last that was worth its further lines.
+  pure real(dp) function numbers_in(bins)
+    !! Real numbers in both histories' bins.
+    integer, intent(in) :: bins(2)
+    numbers_in = 2*points*(bins(2) - bins(1) + 1)
+  end function numbers_in
+
+  subroutine grow(residual, start, leakage, lines)
+    !! Try the peaks as lines, then poles of the group's bins, as many as stand out of noise, one more or less, and
+    !! one after another; keep the first set that explains all, otherwise the last that was worth its further lines.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     real(dp), intent(in) :: leakage
     type(line_type), allocatable, intent(inout) :: lines(:)
-    real(dp), intent(inout) :: left
+    type(pencil_type) :: pencil
     type(line_type), allocatable :: trial(:)
-    integer :: rank, bins(2), edge
+    integer :: rank, fewest, images, i, bins(2)
+    integer, allocatable :: ranks(:)
     logical :: done
     bins = band_of(start, residual%count)
-    edge = merge(2, 1, bins(1) == 0 .or. bins(2) == residual%count/2)  ! mirror images are poles too
-    trial = [start%lines, peak_lines(residual, start%peaks)]
-    call try(residual, start, leakage, trial, lines, left, done)
-    do rank = 1, edge*(size(start%lines) + size(start%peaks) + extra_lines)
-      if (done) exit
-      trial = pole_lines(residual, start%lines, bins, rank)
+    allocate (trial, source=[start%lines, peak_lines(residual, start%peaks)])
+    call try(residual, start, leakage, trial, lines, done)
+    if (done) return
+    call ample_pencil(residual, start%lines, bins, residual%noise + leakage, pencil, rank)
+    fewest = size(start%lines) + 1
+    images = merge(2, 1, bins(1) == 0 .or. bins(2) == residual%count/2)  ! mirror images are poles too
+    allocate (ranks, source=[rank, rank - 1, rank + 1, rank - 2, rank + 2, (images*i, i=fewest, fewest + extra_lines)])
+    do i = 1, size(ranks)
+      if (ranks(i) < 1 .or. any(ranks(:i - 1) == ranks(i))) cycle
+      trial = pole_lines(pencil, ranks(i), bins)
       if (size(trial) == 0) cycle
-      call try(residual, start, leakage, trial, lines, left, done)
+      call try(residual, start, leakage, trial, lines, done)
+      if (done) return
     end do
   end subroutine grow
 
-  subroutine try(residual, start, leakage, trial, lines, left, done)
+  subroutine try(residual, start, leakage, trial, lines, done)
     !! Fit `trial` as steady lines, then with growth; keep what was worth it.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     real(dp), intent(in) :: leakage
     type(line_type), intent(in) :: trial(:)
     type(line_type), allocatable, intent(inout) :: lines(:)
-    real(dp), intent(inout) :: left
     logical, intent(out) :: done
     type(line_type), allocatable :: fitted(:)
-    real(dp) :: trial_left, goal
+    real(dp) :: left, trial_left, goal, freedom
     integer :: bins(2), pass
     done = .false.
+    allocate (fitted, source=trial)
     do pass = 1, 2
       fitted = trial
       fitted%steady = pass == 1
       if (pass == 1) fitted%growth = 0
       bins = band_of(group_type(fitted, start%peaks), residual%count)
-      if (sum(unknowns(fitted)) > 2*points*(bins(2) - bins(1))) return
+      if (sum(unknowns(fitted)) > fullest*numbers_in(bins)) return
       goal = goal_of(residual, fitted, leakage, bins)
       call fit_lines(fitted, residual%count, bins(1), group_image(residual, start%lines, bins), goal, trial_left)
       goal = goal_of(residual, fitted, leakage, bins)
-      done = trial_left <= goal
-      if (done .or. trial_left < worth*left) then
-        lines = fitted
-        left = trial_left
-      end if
+      left = norm2(abs(group_image(residual, start%lines, bins) - group_image_of(lines, residual%count, bins)))
+      done = trial_left <= min(goal, worth*left)
+      freedom = 1 - correlated*(sum(unknowns(fitted)) - sum(unknowns(lines)))/numbers_in(bins)
+      if (.not. done .and. trial_left > worth*left*sqrt(max(freedom, least_freedom))) cycle
+      lines = fitted
       if (done) return
     end do
   end subroutine try
@@ -156,37 +182,62 @@ contains
     end do
   end function peak_lines
 
-  function pole_lines(residual, own, bins, rank) result(lines)
-    !! Lines at the poles of the group's bins.
+  subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
+    !! A pencil over so many bins that its rank, which counts the lines, is well below its size.
+    type(residual_type), intent(in) :: residual
+    type(line_type), intent(in) :: own(:)
+    integer, intent(in) :: bins(2)
+    real(dp), intent(in) :: noise
+    type(pencil_type), intent(out) :: pencil
+    integer, intent(out) :: rank
+    integer :: beside
+    beside = half_band
+    do
+      pencil = group_pencil(residual, own, bins, beside)
+      rank = rank_of(pencil, noise)
+      if (4*rank < 3*size(pencil%singular) .or. beside > widest .or. 2*beside > residual%count) exit
+      beside = 2*beside
+    end do
+  end subroutine ample_pencil
+
+  function group_pencil(residual, own, bins, beside) result(pencil)
+    !! Pencil of the group's bins and some beside them; on both sides of 0 where the group is near it.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
-    integer, intent(in) :: bins(2), rank
-    type(line_type), allocatable :: lines(:)
+    integer, intent(in) :: bins(2), beside
+    type(pencil_type) :: pencil
     complex(dp), allocatable :: image(:, :)
-    real(dp), allocatable :: position(:), growth(:)
-    integer :: first, last, wide, i, p
-    allocate (lines(0))
-    wide = 2*rank + 6
-    first = min(bins(1), (bins(1) + bins(2) - wide)/2)
-    if (bins(1) == 0) first = min(first, -bins(2), -wide/2)
-    last = max(bins(2), first + wide)
-    if (last - first + 1 > residual%count) then
+    integer :: first, last, i, p
+    first = bins(1) - beside
+    last = bins(2) + beside
+    if (bins(1) == 0) first = -last
+    if (bins(2) == residual%count/2) last = residual%count - first
+    if (last - first >= residual%count) then
       first = -((residual%count - 1)/2)
       last = residual%count/2
     end if
-    if (last - first + 1 < 2*rank + 1) return
-    allocate (image(first:last, points))
-    image = plain_bins(residual, first, last)
+    allocate (image(first:last, points), source=plain_bins(residual, first, last))
     do i = 1, size(own)
       do p = 1, points
         image(:, p) = image(:, p) + (own(i)%amplitude(p)*line_row(own(i), residual%count, first, last, 0.0_dp, .false.) &
           & + conjg(own(i)%amplitude(p))*mirror_row(own(i), residual%count, first, last, 0.0_dp, .false.))/2
       end do
     end do
-    call find_poles(image, first, residual%count, rank, position, growth)
+    pencil = pencil_of(image, first, residual%count)
+  end function group_pencil
+
+  function pole_lines(pencil, rank, bins) result(lines)
+    !! Lines at the poles that lie among the group's bins; mirror images at negative frequency are left out.
+    type(pencil_type), intent(in) :: pencil
+    integer, intent(in) :: rank, bins(2)
+    type(line_type), allocatable :: lines(:)
+    real(dp), allocatable :: position(:), growth(:)
+    integer :: i
+    allocate (lines(0))
+    call find_poles(pencil, rank, position, growth)
     do i = 1, size(position)
-      if (position(i) < max(bins(1) - 1.0_dp, -1.0e-3_dp) .or. position(i) > bins(2) + 1 .or. abs(growth(i)) > 300) cycle
-      if (2*position(i) > residual%count + 1.0e-3_dp) cycle
+      if (position(i) < max(bins(1) - 1.0_dp, -at_edge) .or. position(i) > bins(2) + 1) cycle
+      if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > most_growth) cycle
       lines = [lines, line_type(bin=nint(position(i)), offset=position(i) - nint(position(i)), growth=growth(i))]
     end do
   end function pole_lines

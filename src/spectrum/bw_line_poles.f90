@@ -6,11 +6,19 @@ module bw_line_poles
   use bw_line, only: points
   implicit none (type, external)
   private
-  public :: find_poles
+  public :: find_poles, pencil_of, rank_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: spare = 4  !! columns behind each matrix: zgemv of OpenBLAS 0.3.21 reads past the last one
                                    !! (github.com/OpenMathLib/OpenBLAS/issues/5000)
+  real(dp), parameter :: rounding = 1.0e-13_dp  !! of singular values
+
+  type, public :: pencil_type
+    integer :: middle = 0                       !! bin
+    integer :: count = 0                        !! samples in the record
+    real(dp), allocatable :: singular(:)        !! of the divided differences, descending
+    complex(dp), allocatable :: shifted(:, :)   !! the shifted differences between their singular vectors
+  end type pencil_type
 
   interface
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
@@ -33,31 +41,45 @@ module bw_line_poles
 
 contains
 
-  subroutine find_poles(image, first, count, rank, position, growth)
-    !! `rank` poles of the rational function through `image`.
+  function pencil_of(image, first, count) result(pencil)
+    !! The pencil of `image` on its principal vectors.
     integer, intent(in) :: first                  !! first bin, may be negative
-    complex(dp), intent(in) :: image(first:, :)   !! transform without window, (bins, points), bins > 2 rank
+    complex(dp), intent(in) :: image(first:, :)   !! transform without window, (bins, points)
     integer, intent(in) :: count                  !! samples in the record
+    type(pencil_type) :: pencil
+    complex(dp), allocatable :: difference(:, :), shifted(:, :), left(:, :), right(:, :)
+    integer :: n
+    pencil%count = count
+    pencil%middle = first + size(image, 1)/2
+    call loewner(image, first, count, pencil%middle, difference, shifted)
+    n = size(difference, 2)
+    call singular_vectors(difference, pencil%singular, left, right)
+    allocate (pencil%shifted, source=matmul(conjg(transpose(left(:, :n))), matmul(shifted, conjg(transpose(right(:, :n))))))
+  end function pencil_of
+
+  pure integer function rank_of(pencil, noise)
+    !! Poles that stand out of noise of this size in the bins, and out of rounding.
+    type(pencil_type), intent(in) :: pencil
+    real(dp), intent(in) :: noise
+    rank_of = count(pencil%singular > max(noise*size(pencil%singular), rounding*pencil%singular(1)))
+  end function rank_of
+
+  subroutine find_poles(pencil, rank, position, growth)
+    !! Poles of the rational function of that degree.
+    type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank                   !! ≥ 1
-    real(dp), allocatable, intent(out) :: position(:)  !! bins
+    real(dp), allocatable, intent(out) :: position(:)  !! bins; none if the degree is too high
     real(dp), allocatable, intent(out) :: growth(:)    !! logarithm of growth over the record
-    complex(dp), allocatable :: pencil(:, :), shifted(:, :), left(:, :), right(:, :), pole(:)
-    real(dp), allocatable :: singular(:)
-    integer :: middle, i
-    middle = first + size(image, 1)/2
-    call loewner(image, first, count, middle, pencil, shifted)
-    call singular_vectors(pencil, singular, left, right)
-    if (singular(rank) <= 0) then
-      allocate (position(0), growth(0))
-      return
-    end if
-    shifted = matmul(conjg(transpose(left(:, :rank))), matmul(shifted, conjg(transpose(right(:rank, :size(pencil, 2))))))
+    complex(dp) :: reduced(rank, rank), pole(rank)
+    integer :: i
+    allocate (position(0), growth(0))
+    if (rank > size(pencil%singular)) return
+    if (pencil%singular(rank) <= tiny(1.0_dp)) return
     do i = 1, rank
-      shifted(i, :) = shifted(i, :)/singular(i)
+      reduced(i, :) = pencil%shifted(i, :rank)/pencil%singular(i)
     end do
-    pole = eigenvalues(shifted)
-    pole = count*logarithm(pole*cmplx(0, 2*pi, dp)/count)
-    position = middle + pole%im/(2*pi)
+    pole = pencil%count*logarithm(eigenvalues(reduced)*cmplx(0, 2*pi, dp)/pencil%count)
+    position = pencil%middle + pole%im/(2*pi)
     growth = pole%re
   end subroutine find_poles
 

@@ -5,11 +5,12 @@ module bw_line_residual
   use bw_line, only: line_type, main_lobe, points, sidelobe, subtract_line
   implicit none (type, external)
   private
-  public :: plain_bins, residual_of, visible_peaks
+  public :: plain_bins, residual_of, strength, visible_peaks
 
-  integer, parameter :: bins_for_noise = 512   !! with fewer bins, lines may fill the quietest tenth
+  integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
   integer, parameter :: most_peaks = 64        !! taken up at a time
   real(dp), parameter :: chance = 8            !! noise does not reach so many standard deviations in 10¹² bins
+  real(dp), parameter :: faintest = 1.0e-13_dp !! of the record's peak; rounded phases make lines of up to 1e-14
   real(dp), parameter :: guard = 4             !! a peak stands out of so many times the sidelobes of stronger ones
   real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -44,7 +45,7 @@ contains
     rounding = epsilon(1.0_dp)*maxval([(norm2(window*record(:, p)), p=1, points)])
     residual%noise = max(rounding, quiet_level(strength(residual)))
     residual%threshold = max(chance*residual%noise, &
-      & epsilon(1.0_dp)*maxval([(maxval(abs(window*record(:, p))), p=1, points)])*residual%count*main_lobe/2)
+      & faintest*maxval([(maxval(abs(window*record(:, p))), p=1, points)])*residual%count*main_lobe/2)
   end function residual_of
 
   pure function strength(residual) result(value)

@@ -4,7 +4,7 @@ module bw_line_search
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_type, sidelobe
   use bw_line_group, only: band_of, refit_group, group_type
-  use bw_line_residual, only: residual_of, residual_type, visible_peaks
+  use bw_line_residual, only: residual_of, residual_type, strength, visible_peaks
   implicit none (type, external)
   private
   public :: find_lines, line_groups
@@ -12,6 +12,7 @@ module bw_line_search
   integer, parameter :: max_rounds = 16
   integer, parameter :: most_lines = 200
   real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
+  integer, parameter :: beside = 3             !! bins; within the main lobe
 
 contains
 
@@ -20,45 +21,47 @@ contains
     real(dp), intent(in) :: record(0:, :)      !! tip and midpoint, (N, points), not zero everywhere
     type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
-    integer, allocatable :: peak(:)
+    integer, allocatable :: peak(:), closed(:)
     real(dp) :: size_now, size_before
     integer :: round
-    allocate (lines(0), peak(0))
+    allocate (lines(0), peak(0), closed(0))
     residual = residual_of(record, lines)
     size_before = huge(1.0_dp)
     do round = 1, max_rounds
-      peak = open_peaks(visible_peaks(residual), lines)
+      peak = open_peaks(visible_peaks(residual), closed)
+      if (round == 1 .and. size(peak) == 0) peak = [maxloc(strength(residual), dim=1) - 1]  ! lines in every bin
       size_now = maxval(abs(residual%windowed))
       if (size(peak) == 0 .and. size_now > 0.5_dp*size_before) exit
       if (size(lines) + size(peak) > most_lines) exit
       size_before = size_now
-      call fit_groups(residual, peak, lines)
+      call fit_groups(residual, peak, lines, closed)
       residual = residual_of(record, lines)
     end do
   end subroutine find_lines
 
-  pure function open_peaks(peak, lines) result(open)
-    !! The peaks that are not beside a line where a further one has already failed to help.
-    integer, intent(in) :: peak(:)
-    type(line_type), intent(in) :: lines(:)
+  pure function open_peaks(peak, closed) result(open)
+    !! The peaks that are not where a further line has already failed to help.
+    integer, intent(in) :: peak(:), closed(:)
     integer, allocatable :: open(:)
     integer :: i
-    allocate (open, source=pack(peak, [(all(.not. lines%closed .or. abs(line_position(lines) - peak(i)) > apart), &
-      & i=1, size(peak))]))
+    allocate (open, source=pack(peak, [(all(abs(closed - peak(i)) > beside), i=1, size(peak))]))
   end function open_peaks
 
-  subroutine fit_groups(residual, peak, lines)
-    !! Fit each group of lines and new peaks.
+  subroutine fit_groups(residual, peak, lines, closed)
+    !! Fit each group of lines and new peaks; peaks that made no line are closed.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peak(:)
     type(line_type), allocatable, intent(inout) :: lines(:)
+    integer, allocatable, intent(inout) :: closed(:)
     type(line_type), allocatable :: fitted(:)
     type(group_type), allocatable :: group(:)
-    integer :: i
+    integer :: i, lines_before
     allocate (group, source=line_groups(lines, peak))
     allocate (fitted(0))
     do i = 1, size(group)
+      lines_before = size(group(i)%lines)
       call refit_group(residual, group(i), leakage(residual, group(i), peak))
+      if (size(group(i)%lines) <= lines_before) closed = [closed, group(i)%peaks]
       fitted = [fitted, group(i)%lines]
     end do
     lines = fitted

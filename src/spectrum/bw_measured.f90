@@ -84,7 +84,8 @@ contains
     integer, allocatable :: listed(:)
     logical :: qualified(size(peaks))
     integer :: i
-    qualified = curve%support == 0 .or. modes%number > 0 .or. peaks%members > 1 .or. peaks%at_edge
+    qualified = peaks%located .and. &
+      & (curve%support == 0 .or. modes%number > 0 .or. peaks%members > 1 .or. peaks%at_edge)
     allocate (listed, source=pack([(i, i=1, size(peaks))], &
       & qualified .and. [(count(qualified .and. peaks%strength > peaks(i)%strength) < max_peaks, i=1, size(peaks))]))
   end function listed_peaks

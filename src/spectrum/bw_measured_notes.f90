@@ -3,7 +3,7 @@ module bw_measured_notes
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
   use bw_mode_numbering, only: curve_type, mode_type
-  use bw_text, only: shortest, string, text_of
+  use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
   public :: measured_notes
@@ -27,15 +27,18 @@ contains
     allocate (notes(0))
     if (any(folded > 0)) call note(notes, 'folded back from above half the sampling rate ('// &
       & shortest(samples/(2*duration), 6)//' Hz) and left out: modes '//list([(text(folded(i)), i=1, size(folded))]))
-    stray = curve%support > 0 .and. modes%number == 0 .and. folded == 0 .and. peaks%members == 1 .and. .not. peaks%at_edge
+    stray = curve%support > 0 .and. modes%number == 0 .and. folded == 0 .and. peaks%members == 1 &
+      & .and. peaks%located .and. .not. peaks%at_edge
+    if (.not. all(peaks%located)) call note(notes, 'lines that could not be told apart, left out: '// &
+      & frequencies(.not. peaks%located))
     if (any(stray)) call note(notes, 'lines that fit no mode, left out: '//frequencies(stray))
-    if (any(peaks%members > 1)) call note(notes, &
-      & 'lines closer than 1/duration, each group taken as one: '//frequencies(peaks%members > 1))
-    if (any(peaks%at_edge)) call note(notes, &
-      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '//frequencies(peaks%at_edge))
+    if (any(peaks%members > 1 .and. peaks%located)) call note(notes, &
+      & 'lines closer than 1/duration, each group taken as one: '//frequencies(peaks%members > 1 .and. peaks%located))
+    if (any(peaks%at_edge .and. peaks%located)) call note(notes, &
+      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '//frequencies(peaks%at_edge .and. peaks%located))
     if (any(abs(peaks%growth) > worth_a_note)) call note(notes, &
       & 'lines that grow or decay: '//frequencies(abs(peaks%growth) > worth_a_note))
-    if (size(listed) < count(.not. stray .and. folded == 0)) call note(notes, &
+    if (size(listed) < count(.not. stray .and. folded == 0 .and. peaks%located)) call note(notes, &
       & 'only the '//text_of(size(listed))//' strongest peaks are listed')
 
   contains
@@ -78,7 +81,7 @@ contains
   pure subroutine note(notes, words)
     type(string), allocatable, intent(inout) :: notes(:)
     character(*), intent(in) :: words
-    notes = [notes, string(words)]
+    call append(notes, words)
   end subroutine note
 
 end module bw_measured_notes

@@ -51,19 +51,22 @@ contains
     type(case_result), intent(inout) :: result
     type(closed_form_set), allocatable, intent(out) :: free, loaded
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
+    real(dp), allocatable :: longest               ! absent: no history is asked for
     result%can_grow = .true.
     if (allocated(scene%rotation)) then
       result%can_grow = acts_in_plane(scene%rotation)
       if (result%can_grow) omega = dimensionless_speed(scene%rotation, result%units)
       if (.not. result%can_grow) call add_note(result, &
-        'rotation out of plane changes nothing in this model, which has neither tension nor shear')
+        'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
     end if
-    free = closed_form_modes(scene%modes%before, 0.0_dp, omega)
+    if (allocated(scene%response)) longest = scene%response%duration/result%units%time%hi
     if (allocated(scene%capture)) then
-      loaded = closed_form_modes(scene%modes%after, scene%impact%mass_ratio, omega)
+      free = closed_form_modes(scene%modes%before, 0.0_dp, omega)
+      loaded = closed_form_modes(scene%modes%after, scene%impact%mass_ratio, omega, longest)
       result%before = free
       result%modes = loaded
     else
+      free = closed_form_modes(scene%modes%before, 0.0_dp, omega, longest)
       result%modes = free
     end if
     call note_growth(result)
@@ -118,7 +121,7 @@ contains
     capture = result%events(2)
     approach = result%events(1)%energy_before
     if (approach == 0.0_dp) return
-    call add_note(result, 'restitution '//shortest(scene%impact%restitution, 6)// &
+    call add_note(result, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
       ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
       shortest((capture%momentum_after - capture%momentum_before)/result%events(1)%momentum_before, 4)// &
       ' and the energy '//shortest((capture%energy_after - capture%energy_before)/approach, 4)// &
@@ -139,7 +142,7 @@ contains
                      result%units%time%hi, scene%response%velocity, monitor, result%response)
     if (result%response%failing_mode == 0) return
     result%status = case_diverged
-    call add_note(result, 'mode '//text_of(result%response%failing_mode)//' overflows at t = '// &
+    call add_note(result, 'overflow: mode '//text_of(result%response%failing_mode)//' overflows at t = '// &
       shortest(result%response%finite_samples*(scene%response%duration/scene%response%samples), 6)// &
       ' s; the histories hold fill from there on')
   end subroutine respond
@@ -168,7 +171,10 @@ contains
                            scene%beam%length, scene%spectrum%max_peaks, .true., result%measured)
       end if
     end associate
-    if (allocated(result%measured)) result%notes = [result%notes, result%measured%notes]
+    if (.not. allocated(result%measured)) return
+    do p = 1, size(result%measured%notes)
+      call add_note(result, result%measured%notes(p)%text)
+    end do
   end subroutine take_spectrum
 
 end module bw_one_case

@@ -1,8 +1,9 @@
 module bw_run_scene
   !! A scene from its first case to its finished file: what is there already, what is left to do, and the report.
-  use bw_kinds, only: i8
+  use bw_kinds, only: i1, i8
   use bw_case_result, only: case_result, case_done
   use bw_error, only: error_type, fail, status_bad_file, status_done, status_not_trusted, status_stopped
+  use bw_notes, only: notes_type
   use bw_one_case, only: run_case
   use bw_posix, only: file_exists, make_directory, remove_directory, remove_file, rename_file
   use bw_progress, only: progress_type
@@ -11,7 +12,7 @@ module bw_run_scene
   use bw_result_header, only: holds_scene
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
-  use bw_scene_summary, only: scene_heading, scene_summary
+  use bw_scene_summary, only: bytes_text, scene_heading, scene_summary, working_bytes
   use bw_scene_cases, only: case_positions, case_scene
   use bw_stopwatch, only: stopwatch, stage_write
   use bw_text, only: text_of
@@ -21,7 +22,6 @@ module bw_run_scene
   public :: run_scene
 
   integer, parameter :: shown_cases = 20      !! rows of a sweep in the report
-  integer, parameter :: noted_cases = 20      !! cases whose notes are written out
   integer(i8), parameter :: save_every = 1000 !! cases between two saves to disk
 
   type, public :: outcome_type
@@ -38,9 +38,10 @@ module bw_run_scene
     type(result_layout) :: layout
     type(result_file) :: file
     type(stopwatch) :: watch
-    type(text_builder) :: report, notes
+    type(text_builder) :: report
+    type(notes_type) :: notes
     integer(i8) :: taken_over = 0             !! cases that an earlier run had finished
-    integer :: shown = 0, noted = 0
+    integer :: shown = 0
     integer(i8) :: not_trusted = 0
   end type run_state
 
@@ -62,6 +63,7 @@ contains
     call look_at_existing(scene, outcome, overwrite, error)
     if (allocated(error) .or. outcome%was_there) return
     call layout_of(scene, state%layout, error)
+    if (.not. allocated(error)) call ask_for_memory(scene, state%layout, error)
     if (allocated(error)) return
     call open_partial(scene, partial, state, error)
     if (allocated(error)) return
@@ -74,6 +76,18 @@ contains
       call complete(scene, partial, state, outcome, error)
     end if
   end subroutine run_scene
+
+  subroutine ask_for_memory(scene, layout, error)
+    !! Memory that is refused is refused before any work is done.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(error_type), allocatable, intent(out) :: error
+    integer(i1), allocatable :: room(:)
+    integer :: stat
+    allocate (room(working_bytes(layout)), stat=stat)
+    if (stat /= 0) call fail(error, status_bad_file, scene%file//': memory was refused: a case takes about '// &
+                             bytes_text(working_bytes(layout)))
+  end subroutine ask_for_memory
 
   subroutine look_at_existing(scene, outcome, overwrite, error)
     !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
@@ -154,7 +168,7 @@ contains
     type(case_result), intent(in) :: result
     type(run_state), intent(inout) :: state
     if (result%status /= case_done) state%not_trusted = state%not_trusted + 1
-    call note_case(i, result, state)
+    call state%notes%add(i, result%notes)
     if (state%layout%cases == 0) then
       call state%report%append(case_report(result))
       return
@@ -179,23 +193,6 @@ contains
     end do
   end function case_text
 
-  subroutine note_case(i, result, state)
-    !! Collect a case's notes, each text once where cases repeat it.
-    integer(i8), intent(in) :: i
-    type(case_result), intent(in) :: result
-    type(run_state), intent(inout) :: state
-    character(:), allocatable :: text
-    integer :: n
-    if (size(result%notes) == 0) return
-    state%noted = state%noted + 1
-    if (state%noted > noted_cases) return
-    do n = 1, size(result%notes)
-      text = result%notes(n)%text
-      if (state%layout%cases > 0) text = 'case '//text_of(i)//': '//text
-      call state%notes%append_line(text)
-    end do
-  end subroutine note_case
-
   subroutine complete(scene, partial, state, outcome, error)
     !! Close the file and give it its final name.
     type(scene_type), intent(in) :: scene
@@ -205,11 +202,10 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(text_builder) :: report
     if (state%not_trusted > 0) outcome%status = status_not_trusted
-    if (state%noted > noted_cases) &
-      call state%notes%append_line(text_of(state%noted - noted_cases)//' further cases have notes of their own')
-    if (state%not_trusted > 0 .and. state%layout%cases > 0) call state%notes%append_line( &
-      text_of(state%not_trusted)//' of '//text_of(state%layout%cases)//' cases hold numbers that cannot be trusted')
-    outcome%warnings = state%notes%text()
+    outcome%warnings = state%notes%lines(state%layout%cases)
+    if (state%not_trusted > 0 .and. state%layout%cases > 0) outcome%warnings = outcome%warnings// &
+      text_of(state%not_trusted)//' of '//text_of(state%layout%cases)//' cases hold numbers that cannot be trusted'// &
+      new_line('a')
     call state%file%finish(trimmed(outcome%warnings), state%watch%seconds, error)
     if (.not. allocated(error)) then
       if (.not. rename_file(partial//'/result.nc', outcome%file)) &

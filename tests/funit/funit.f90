@@ -14,6 +14,11 @@ module funit
   public :: assertEqual, assertRelativelyEqual, assertLessThanOrEqual, assertTrue, assertFalse
   public :: anyExceptions, SourceLocation, start_tests, run_test, finish_tests
 
+  ! Names that pFUnit exports as well: a test module that defined one would not compile with pFUnit.
+  integer, parameter, public :: catch = 0, throw = 0, test = 0, run = 0, initialize = 0, finalize = 0, disable = 0, &
+    true = 0, false = 0, is = 0, every = 0, near = 0, equal_to = 0, starts_with = 0, ends_with = 0, &
+    subject = 0, predicate = 0, expectation = 0, stub = 0
+
   type :: SourceLocation
     !! Where an assertion stands.
     character(:), allocatable :: file

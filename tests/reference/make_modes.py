@@ -1,7 +1,8 @@
 """Writes roots.txt, shapes.txt and modal_quantities.txt."""
 
-from beam import MASS_RATIOS, Shape, product_integral, root, use_digits
 from mpmath import mpf
+
+from beam import MASS_RATIOS, Shape, product_integral, root, use_digits
 from table import write_table
 
 ROOT_NUMBERS = [*range(1, 31), 50, 100, 237, 300, 1000, 12345, 10**5, 10**6, 10**7, 10**8]

@@ -2,8 +2,9 @@
 
 from fractions import Fraction
 
-from beam import PaperBeam, Shape, cosine_like, modal_velocity, sine_like, use_digits
 from mpmath import mpf, sqrt
+
+from beam import PaperBeam, Shape, cosine_like, modal_velocity, sine_like, use_digits
 from table import write_table
 
 POSITIONS = [0.1, 0.5, 1.0]

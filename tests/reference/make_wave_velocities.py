@@ -2,8 +2,9 @@
 
 from math import inf, nextafter
 
-from beam import PaperBeam, root, use_digits
 from mpmath import mpf, sqrt
+
+from beam import PaperBeam, root, use_digits
 from table import write_table
 
 MASS_RATIOS = [0.0, 1e-6, 0.2, 1.0, 1e6]

@@ -40,8 +40,9 @@ contains
   pure subroutine check_impact(impact, messages)
     type(group_values), intent(in) :: impact
     type(message_list), intent(inout) :: messages
-    if (.not. (impact%given('mass') .or. impact%given('mass_ratio'))) &
+    if (.not. (impact%given('mass') .or. impact%given('mass_ratio'))) then
       call messages%add(0, 'impact%mass', 'is missing; accepted: mass or mass_ratio')
+    end if
   end subroutine check_impact
 
   pure subroutine build_impact(groups, beam_mass, impact, messages)

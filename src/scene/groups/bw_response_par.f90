@@ -40,9 +40,10 @@ contains
     associate (points => response%values(response%at('points')))
       if (.not. points%known .or. .not. points%given) return
       do i = 2, size(points%numbers)
-        if (any(points%numbers(:i - 1) == points%numbers(i))) &
+        if (any(points%numbers(:i - 1) == points%numbers(i))) then
           call messages%add(points%lines(i), 'response%points', text_of(points%numbers(i))// &
                             ' is there twice; accepted: each point once')
+        end if
       end do
     end associate
   end subroutine check_response

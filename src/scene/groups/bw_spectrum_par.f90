@@ -38,9 +38,10 @@ contains
     i = position_of(groups, 'response')
     if (i == 0 .or. position_of(groups, 'spectrum') == 0) return
     if (.not. groups(i)%known('samples')) return
-    if (groups(i)%whole('samples') < least_samples) &
+    if (groups(i)%whole('samples') < least_samples) then
       call messages%add(groups(i)%line_of('samples'), 'response%samples', text_of(groups(i)%whole('samples'))// &
                         ' samples are too few for &spectrum; accepted: '//text_of(least_samples)//' or more')
+    end if
   end subroutine check_spectrum
 
   pure subroutine build_spectrum(groups, spectrum)

@@ -47,17 +47,19 @@ contains
     integer :: i
     if (sweep%given('values')) return
     do i = 1, size(range_names)
-      if (.not. sweep%given(range_names(i))) &
+      if (.not. sweep%given(range_names(i))) then
         call messages%add(sweep%line, 'sweep%'//trim(range_names(i)), &
                           'is missing in this group; accepted: values, or first, last and count')
+      end if
     end do
     if (.not. sweep%known('spacing')) return
     if (sweep%text('spacing') /= 'log') return
     do i = 1, 2
       if (.not. sweep%known(range_names(i))) cycle
-      if (sweep%number(range_names(i)) <= 0.0_dp) &
+      if (sweep%number(range_names(i)) <= 0.0_dp) then
         call messages%add(sweep%line_of(range_names(i)), 'sweep%'//trim(range_names(i)), &
                           "is not positive; accepted with spacing = 'log': > 0")
+      end if
     end do
   end subroutine check_sweep
 
