@@ -4,7 +4,7 @@ program beamwave
   use bw_commands, only: check_command, describe_command, run_command
   use bw_console, only: print_error, print_report, print_warning, report_lost
   use bw_error, only: error_type, status_bad_file, status_done
-  use bw_process, only: leave, watch_over_process
+  use bw_process, only: leave, use_one_thread, watch_over_process
   use bw_version_text, only: version_text
   implicit none (type, external)
   type(command_type) :: command
@@ -12,6 +12,7 @@ program beamwave
   integer :: status
 
   call watch_over_process()
+  call use_one_thread()
   call read_command_line(command, error)
   if (allocated(error)) then
     call print_error(error)

@@ -3,12 +3,13 @@ module bw_process
   !!
   !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
   !! that runs at exit turns every ending that `leave` did not announce into `status_fault`.
-  use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funloc, c_funptr, c_int, c_null_char, &
+    c_null_ptr, c_ptr
   use bw_error, only: status_fault
   use bw_posix, only: standard_error, write_text
   implicit none (type, external)
   private
-  public :: watch_over_process, stop_signal, leave
+  public :: watch_over_process, use_one_thread, stop_signal, leave
 
   integer(c_int), parameter :: sigint = 2, sigusr1 = 10, sigterm = 15                    ! Linux, any processor
   integer(c_int), parameter :: sigill = 4, sigabrt = 6, sigbus = 7, sigfpe = 8, sigsegv = 11
@@ -19,7 +20,19 @@ module bw_process
   logical :: orderly = .false.                   ! set by `leave`
   integer(c_int), volatile :: received = 0       ! the last signal that asked to stop
 
+  abstract interface
+    subroutine set_threads(count) bind(c)
+      import :: c_int
+      integer(c_int), value :: count
+    end subroutine set_threads
+  end interface
+
   interface
+    type(c_funptr) function c_dlsym(library, name) bind(c, name='dlsym')
+      import :: c_char, c_funptr, c_ptr
+      type(c_ptr), value :: library
+      character(c_char), intent(in) :: name(*)
+    end function c_dlsym
     type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
       import :: c_funptr, c_int
       integer(c_int), value :: number
@@ -54,6 +67,17 @@ contains
       ignored = c_signal(fault_signals(i), c_funloc(on_fault))
     end do
   end subroutine watch_over_process
+
+  subroutine use_one_thread()
+    !! A process uses one thread. Where LAPACK is OpenBLAS with threads of its own, tell it; elsewhere there is no such
+    !! procedure and nothing to tell.
+    type(c_funptr) :: address
+    procedure(set_threads), pointer :: set_openblas_threads
+    address = c_dlsym(c_null_ptr, 'openblas_set_num_threads'//c_null_char)
+    if (.not. c_associated(address)) return
+    call c_f_procpointer(address, set_openblas_threads)
+    call set_openblas_threads(1_c_int)
+  end subroutine use_one_thread
 
   integer function stop_signal()
     !! The signal that asked to stop; 0 for none.

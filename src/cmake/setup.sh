@@ -6,7 +6,7 @@
 # and where that cannot be done the names of what is missing are printed and the script stops.
 # Nothing is ever asked. Messages go to standard error; the details of each step to build/setup/.
 
-root=$(cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+root=$(unset CDPATH; cd -P -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
 setup=$root/build/setup
 python=$root/.venv/bin/python
 missing=()   # what the machine lacks, by its common names

@@ -16,6 +16,7 @@ module bw_line_peaks
 
   real(dp), parameter :: safety = 10           !! tuned on random records: 4 already holds in all of them
   real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
+  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
   real(dp), parameter :: resolution = 1        !! bins; closer lines are one
   real(dp), parameter :: unlocated = 2         !! bins; a peak with a larger error is none
 
@@ -60,6 +61,7 @@ contains
     left = norm2(abs(residual%windowed(bins(1):bins(2), :)))
     expected = group_noise(residual, group%lines, 0.0_dp)
     noise = max(left/sqrt(max(1.0_dp, numbers_in(bins)/correlated - sum(unknowns(group%lines)))), expected)
+    call settle(group%lines, residual%count)
     call line_errors(group%lines, residual%count, bins(1), bins(2) - bins(1) + 1, safety*noise)
     explained = noise <= unexplained*expected
     associate (lines => group%lines)
@@ -73,6 +75,17 @@ contains
         & + abs(aimag(lines%amplitude(2)*conjg(lines%amplitude(1))))/max(abs(lines%amplitude(1))**2, tiny(1.0_dp))
     end associate
   end subroutine bound_errors
+
+  elemental subroutine settle(line, count)
+    !! A steady line that is at 0 or the Nyquist frequency but for rounding is put there: it has no phase, and the fit
+    !! must not be asked for one.
+    type(line_type), intent(inout) :: line
+    integer, intent(in) :: count
+    if (.not. line%steady .or. abs(line%offset) > at_edge) return
+    if (line%bin /= 0 .and. 2*line%bin /= count) return
+    line%offset = 0
+    line%amplitude%im = 0
+  end subroutine settle
 
   elemental real(dp) function line_strength(line)
     type(line_type), intent(in) :: line
@@ -119,7 +132,7 @@ contains
     peak%ratio_error = lines(1)%ratio_error
     peak%located = peak%members > 1 .or. peak%position_error <= unlocated
     if (peak%at_edge) peak%located = explained
-    if (all(line_strength(lines) < lines%strength_error)) peak%located = .false.
+    if (size(lines) == 1) peak%located = peak%located .and. line_strength(lines(1)) > lines(1)%strength_error
     if (peak%members > 1 .or. peak%at_edge) then
       peak%position_error = max(peak%position_error, resolution)
       peak%ratio_error = huge(1.0_dp)

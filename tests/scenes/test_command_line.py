@@ -1,0 +1,120 @@
+"""The words of the command line: what each command prints, and status 2 for what makes no sense."""
+
+import re
+
+import pytest
+from conftest import PROJECT
+from workplace import captured_beam
+
+WRONG = {
+    "no command": [],
+    "an unknown command": ["frob"],
+    "an option of no command": ["run", "--frob", "a.nml"],
+    "an option of another command": ["check", "--overwrite", "a.nml"],
+    "run without a scene": ["run"],
+    "check without a scene": ["check", "--quiet"],
+    "an option without its value": ["run", "a.nml", "--output"],
+    "a value where none is taken": ["run", "a.nml", "--quiet=yes"],
+    "seconds that are no number": ["run", "a.nml", "--max-seconds", "soon"],
+    "seconds below zero": ["run", "a.nml", "--max-seconds", "-1"],
+    "seconds without end": ["run", "a.nml", "--max-seconds", "inf"],
+    "two groups to describe": ["describe", "beam", "modes"],
+    "an unknown group to describe": ["describe", "nope"],
+}
+
+
+@pytest.mark.parametrize("words", WRONG.values(), ids=WRONG.keys())
+def test_a_wrong_command_line_is_refused_before_anything_runs(here, words):
+    here.scene("a", captured_beam())
+    ended = here.beamwave(*words)
+    assert ended.returncode == 2
+    assert ended.stderr.strip()
+    assert ended.stdout == ""
+    assert not (here.directory / "output").exists()
+
+
+@pytest.mark.parametrize("word", ["--help", "help"])
+def test_help_names_every_command_and_status(here, word):
+    ended = here.beamwave(word)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    for name in ["run", "check", "describe", "--version", "--output", "--overwrite", "--quiet", "--max-seconds", "70"]:
+        assert name in ended.stdout
+
+
+def test_version_names_program_compiler_and_libraries(here):
+    ended = here.beamwave("--version")
+    version = re.search(r"project\(beamwave VERSION ([0-9.]+)", (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8"))
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ended.stdout.startswith(f"beamwave {version[1]} (")
+    for name in ["GCC", "NetCDF", "FFTW", "LAPACK"]:
+        assert name in ended.stdout
+
+
+def test_the_documented_inputs_are_those_the_program_describes(here):
+    ended = here.beamwave("describe")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ended.stdout == (PROJECT / "docs/input.md").read_text(encoding="utf-8")
+
+
+def test_one_group_can_be_described(here):
+    ended = here.beamwave("describe", "impact")
+    assert ended.returncode == 0
+    assert "mass_ratio" in ended.stdout
+    assert "youngs_modulus" not in ended.stdout
+
+
+def test_check_says_what_would_run_and_writes_nothing(here):
+    here.scene("a", captured_beam(scene={"title": "a title"}))
+    ended = here.beamwave("check", "a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    for word in ["a title", "rotation", "impact", "capture", "closed form", "memory", "result"]:
+        assert word in ended.stdout
+    assert here.left(".") == ["a.nml"]
+    assert here.beamwave("check", "a.nml", "--quiet").stdout == ""
+
+
+def test_run_reports_and_leaves_one_file(here):
+    here.scene("a", captured_beam())
+    ended = here.beamwave("run", "a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    for word in ["closed form", "phase velocity", "impulse", "energy", "output/a.nc"]:
+        assert word in ended.stdout
+    assert here.left() == ["a.nc"]
+
+
+def test_a_directory_stands_for_its_scenes(here):
+    for name in ["set/b", "set/a"]:
+        here.scene(name, captured_beam())
+    here.write("set/notes.txt", "no scene")
+    ended = here.beamwave("run", "set/", "--output=results", "--quiet")
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
+    assert here.left("results") == ["a.nc", "b.nc"]
+
+
+def test_a_second_run_has_nothing_to_do(here):
+    here.scene("a", captured_beam())
+    first = here.run("a")
+    ended = here.beamwave("run", "a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "output/a.nc" in ended.stdout
+    assert "nothing to do" in ended.stdout
+    assert here.result("a").attributes == first.attributes  # `created` too: nobody touched it
+
+
+def test_a_scene_that_only_reads_differently_is_the_same_scene(here):
+    here.scene("a", captured_beam())
+    here.run("a")
+    here.write("a.nml", "! a comment\n" + (here.directory / "a.nml").read_text(encoding="utf-8").upper())
+    assert "nothing to do" in here.beamwave("run", "a.nml").stdout
+
+
+def test_another_scene_does_not_replace_a_result_unasked(here):
+    here.scene("a", captured_beam())
+    first = here.run("a")
+    here.scene("a", captured_beam(impact={"mass_ratio": 0.5}))
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 3
+    assert "output/a.nc" in ended.stderr
+    assert "--overwrite" in ended.stderr
+    assert here.result("a").attributes == first.attributes
+    assert here.run("a", "--overwrite")["impact_mass_ratio"] == 0.5

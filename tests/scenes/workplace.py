@@ -1,0 +1,94 @@
+"""Scenes written as namelists, and the program run on them in one directory."""
+
+import subprocess
+
+import results
+
+PAPER_BEAM = {"length": 1.0, "diameter": 0.037, "density": 7870.0, "youngs_modulus": 2e11}
+SECONDS = 120  # far above any run here: what takes longer hangs
+
+
+def captured_beam(**groups):
+    """The paper's capture with few modes; `groups` (dicts) are merged in, one given as None is left out."""
+    scene = {
+        "beam": dict(PAPER_BEAM),
+        "rotation": {"angular_velocity": 50.0},
+        "impact": {"mass_ratio": 0.2},
+        "capture": {},
+        "modes": {"before": 12, "after": 10},
+    }
+    for name, values in groups.items():
+        if values is None:
+            scene.pop(name, None)
+        else:
+            scene[name] = {**scene.get(name, {}), **values}
+    return scene
+
+
+def namelist(scene, *sweeps):
+    """The scene as a namelist, with its `&sweep` groups (dicts) in their order."""
+    groups = [*scene.items(), *(("sweep", sweep) for sweep in sweeps)]
+    return "".join(group_text(name, values) for name, values in groups)
+
+
+def group_text(name, values):
+    lines = "".join(f"  {key} = {value_text(value)}\n" for key, value in values.items())
+    return f"&{name}\n{lines}/\n"
+
+
+def value_text(value):
+    if isinstance(value, bool):
+        return ".true." if value else ".false."
+    if isinstance(value, str):
+        return f"'{value}'"
+    if isinstance(value, (list, tuple)):
+        return ", ".join(value_text(item) for item in value)
+    return repr(value)
+
+
+class Workplace:
+    """A directory in which the program runs; paths are relative to it, results go to `output/`."""
+
+    def __init__(self, program, directory):
+        self.program = program
+        self.directory = directory
+
+    def write(self, name, text):
+        """Write a file; return its name."""
+        path = self.directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+        return name
+
+    def scene(self, name, scene, *sweeps):
+        """Write `<name>.nml`; return that name."""
+        return self.write(f"{name}.nml", namelist(scene, *sweeps))
+
+    def beamwave(self, *words, **options):
+        """Run the program to its end; the answer has `returncode`, `stdout`, `stderr`."""
+        options = {"capture_output": True, "timeout": SECONDS, "text": True, "cwd": self.directory, **options}
+        if "stdout" in options:
+            options["capture_output"] = False
+            options.setdefault("stderr", subprocess.PIPE)
+        return subprocess.run([self.program, *map(str, words)], stdin=subprocess.DEVNULL, check=False, **options)
+
+    def start(self, *words, **options):
+        """Start the program and leave it running."""
+        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
+        command = [self.program, *map(str, words)]
+        return subprocess.Popen(command, stdin=subprocess.DEVNULL, cwd=self.directory, **options)
+
+    def run(self, name, *options, status=0):
+        """Run scene `name` and return its result."""
+        ended = self.beamwave("run", f"{name}.nml", *options)
+        assert ended.returncode == status, ended.stderr
+        return self.result(name)
+
+    def result(self, name, directory="output"):
+        """Read the result of scene `name`."""
+        return results.read(self.directory / directory / f"{name}.nc")
+
+    def left(self, directory="output"):
+        """Names of all that lies in a directory of results, sorted."""
+        path = self.directory / directory
+        return sorted(str(item.relative_to(path)) for item in path.rglob("*"))
