@@ -145,10 +145,20 @@ contains
     text = '  time       '
     do i = 1, size(seconds)
       if (i > 1) text = text//', '
-      text = text//trim(stage_words(i))//' '//shortest(seconds(i), 3)//' s'
+      text = text//trim(stage_words(i))//' '//seconds_text(seconds(i))
     end do
     text = text//new_line('a')
   end function stage_report
+
+  pure function seconds_text(seconds) result(text)
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: text
+    if (seconds < 1.0_dp) then
+      text = text_of(nint(1000.0_dp*seconds))//' ms'
+    else
+      text = shortest(seconds, 3)//' s'
+    end if
+  end function seconds_text
 
   pure function fixed(value) result(text)
     !! Seven digits, aligned at the point as far as they can; a dash for what does not exist.

@@ -58,14 +58,14 @@ contains
       peaks = peaks_of(lines, residual)
     end if
     allocate (modes(size(peaks)))
-    if (uniform) call number_modes(peaks, modes, curve)
+    if (uniform) call number_modes(peaks, size(tip), modes, curve)
     allocate (listed, source=listed_peaks(peaks, modes, curve, max_peaks))
     allocate (folded(size(peaks)), source=0)
     do i = 1, size(peaks)
       if (curve%support > 0 .and. modes(i)%number == 0) folded(i) = folded_mode(peaks(i), curve, size(tip))
     end do
     call fill(measured, peaks(listed), modes(listed), curve, duration, length)
-    measured%notes = measured_notes(peaks, modes, curve, listed, folded, size(tip), duration)
+    measured%notes = measured_notes(peaks, modes, curve, uniform, listed, folded, size(tip), duration)
   end subroutine measure_waves
 
   pure logical function is_usable(tip, midpoint)

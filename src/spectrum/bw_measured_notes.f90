@@ -12,11 +12,12 @@ module bw_measured_notes
 
 contains
 
-  pure function measured_notes(peaks, modes, curve, listed, folded, samples, duration) result(notes)
+  pure function measured_notes(peaks, modes, curve, uniform, listed, folded, samples, duration) result(notes)
     !! One note for each kind of thing found.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(curve_type), intent(in) :: curve
+    logical, intent(in) :: uniform             !! modes were looked for
     integer, intent(in) :: listed(:)           !! peaks in the result
     integer, intent(in) :: folded(:)           !! modes that peaks are folded images of, 0: none
     integer, intent(in) :: samples
@@ -29,6 +30,8 @@ contains
       & shortest(samples/(2*duration), 6)//' Hz) and left out: modes '//list([(text(folded(i)), i=1, size(folded))]))
     stray = curve%support > 0 .and. modes%number == 0 .and. folded == 0 .and. peaks%members == 1 &
       & .and. peaks%located .and. .not. peaks%at_edge
+    if (uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call note(notes, &
+      & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing, and any line may be folded')
     if (.not. all(peaks%located)) call note(notes, 'lines that could not be told apart, left out: '// &
       & frequencies(.not. peaks%located))
     if (any(stray)) call note(notes, 'lines that fit no mode, left out: '//frequencies(stray))

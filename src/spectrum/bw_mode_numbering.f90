@@ -12,8 +12,11 @@ module bw_mode_numbering
   integer, parameter :: most_anchors = 6         !! strongest peaks that are tried as pairs
   integer, parameter :: highest_anchor = 50      !! mode
   integer, parameter :: highest_folded = 400     !! mode
+  integer, parameter :: far = 14                 !! from this mode on α(R) repeats with period 4π in 4 modes
   real(dp), parameter :: clear_position = 0.3_dp !! bins; peaks with larger errors number nothing
   real(dp), parameter :: clear_ratio = 0.05_dp   !! relative to 1 + |R|
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
 
   type, public :: curve_type
     !! ν² = slope α⁴ + start, ν in periods in the record.
@@ -32,9 +35,10 @@ module bw_mode_numbering
 
 contains
 
-  subroutine number_modes(peaks, modes, curve)
+  subroutine number_modes(peaks, samples, modes, curve)
     !! Number the peaks; `curve%support` is 0 if that cannot be done.
     type(peak_type), intent(in) :: peaks(:)
+    integer, intent(in) :: samples               !! in the record
     type(mode_type), intent(out) :: modes(:)     !! one for each peak
     type(curve_type), intent(out) :: curve
     type(mode_type) :: anchor(highest_anchor, most_anchors)
@@ -57,13 +61,41 @@ contains
         end do
       end do
     end do
-    if (curve%support == 0 .and. count(clear) == 1) call number_single(peaks, findloc(clear, .true., dim=1), modes)
-    if (curve%support == 2 .and. (curve%gaps > 0 .or. count(clear) > 2)) then
-      curve = curve_type()                       ! any two peaks lie on some curve
-      modes = mode_type()
+    if (curve%support == 2 .and. (curve%gaps > 0 .or. count(clear) > 2)) then  ! any two peaks lie on some curve
+      call number_first_two(peaks, clear, strong, anchor(:2, :), samples, modes, curve)
     end if
-    if (curve%support > 0) call fit_curve(modes, curve)
+    if (curve%support > 0) then
+      call fit_curve(modes, curve)
+    else if (count(clear) == 1) then
+      call number_single(peaks, findloc(clear, .true., dim=1), modes)
+    end if
   end subroutine number_modes
+
+  subroutine number_first_two(peaks, clear, strong, anchor, samples, modes, curve)
+    !! Modes 1 and 2 alone below the Nyquist frequency: the pair on whose curve all other clear peaks are folded modes.
+    type(peak_type), intent(in) :: peaks(:)
+    logical, intent(in) :: clear(:)
+    integer, intent(in) :: strong(:)
+    type(mode_type), intent(in) :: anchor(:, :)  !! strong peaks as mode 1 and as mode 2
+    integer, intent(in) :: samples
+    type(mode_type), intent(inout) :: modes(:)
+    type(curve_type), intent(inout) :: curve
+    integer :: i, j, k
+    do i = 1, size(strong)
+      do j = 1, size(strong)
+        if (peaks(strong(i))%position >= peaks(strong(j))%position) cycle
+        if (anchor(1, i)%number == 0 .or. anchor(2, j)%number == 0) cycle
+        curve = curve_type()
+        call try_curve(anchor(1, i), anchor(2, j), peaks, clear, modes, curve)
+        if (curve%support /= 2) cycle
+        call fit_curve(modes, curve)
+        if (all(modes%number > 0 .or. .not. clear .or. &
+          & [(folded_mode(peaks(k), curve, samples) > 0, k=1, size(peaks))])) return
+      end do
+    end do
+    curve = curve_type()
+    modes = mode_type()
+  end subroutine number_first_two
 
   elemental logical function is_clear(peak)
     type(peak_type), intent(in) :: peak
@@ -84,13 +116,12 @@ contains
     !! The peak as that mode; number 0 if its ratio forbids it.
     type(peak_type), intent(in) :: peak
     integer, intent(in) :: number
-    real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
     logical :: found
     call alpha_of_ratio(peak%ratio, peak%ratio_error, number, mode%alpha, mode%alpha_error, found)
     if (found) mode%number = number
-    mode%square = peak%position**2 + (peak%growth/two_pi)**2
+    mode%square = peak%position**2 + (peak%growth/(2*pi))**2
     mode%square_error = (2*peak%position + peak%position_error)*peak%position_error &
-      & + 2*abs(peak%growth)/two_pi*peak%position_error + 4*epsilon(1.0_dp)*mode%square
+      & + 2*abs(peak%growth)/(2*pi)*peak%position_error + 4*epsilon(1.0_dp)*mode%square
   end function as_mode
 
   subroutine try_curve(low, high, peaks, clear, modes, curve)
@@ -180,14 +211,17 @@ contains
     type(peak_type), intent(in) :: peak
     type(curve_type), intent(in) :: curve
     integer, intent(in) :: samples
-    type(mode_type) :: mode
+    type(mode_type) :: as(far + 3), mode
     real(dp) :: position, error
     integer :: k, lowest
     number = 0
-    lowest = mode_near(sqrt(sqrt((samples**2/4.0_dp - curve%start)/curve%slope)))
+    if (.not. is_clear(peak)) return
+    as = [(as_mode(peak, k), k=1, far + 3)]
+    lowest = mode_near(sqrt(sqrt(max(0.0_dp, samples**2/4.0_dp - curve%start)/curve%slope)))
     do k = lowest, highest_folded
-      mode = as_mode(peak, k)
+      mode = as(min(k, far + modulo(k - far, 4)))
       if (mode%number == 0) cycle
+      mode%alpha = mode%alpha + (k - mode%number)*pi
       position = sqrt(max(0.0_dp, curve%start + curve%slope*mode%alpha**4))
       error = (curve%slope_error*mode%alpha**4 + curve_error(mode, curve%slope))/(2*max(position, 1.0_dp)) &
         & + peak%position_error

@@ -1,0 +1,86 @@
+"""Numbers that cannot be trusted end with 4: the result is there, with fill from the first lost sample on."""
+
+import numpy as np
+import results
+from workplace import captured_beam
+
+FAST = 400.0  # rad/s, above the critical angular velocity of mode 1 (121.8) and below that of mode 2 (849)
+OVERFLOWING = captured_beam(
+    rotation={"angular_velocity": FAST},
+    response={"duration": 4.0, "samples": 4096, "velocity": True},
+)
+
+
+def growth(result):
+    return result["growth_rate"][0]
+
+
+def test_an_overflowing_mode_ends_with_4_and_is_named_with_its_time(here):
+    here.scene("a", OVERFLOWING)
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 4
+    notes = here.result("a").attributes["notes"]
+    assert "mode 1 overflows at t = " in notes
+    assert "1 of 10 modes grow" in notes
+    for line in notes.splitlines():
+        assert line in ended.stdout
+        assert f"a.nml: warning: {line}" in ended.stderr
+
+
+def test_the_histories_are_fill_from_the_first_lost_sample_on(here):
+    here.scene("a", OVERFLOWING)
+    result = here.run("a", status=4)
+    first = int(np.argmax(results.is_fill(result["displacement"][1])))
+    time = result["time"]
+    # e^(|β|t) reaches the largest double, 1.8e308, at |β|t = 709.8; the amplitude is within e^±20
+    assert 709.8 - 20 < growth(result) * time[first] < 709.8 + 20
+    for name in ["displacement", "velocity"]:
+        values = result[name]
+        assert np.isfinite(values).all()
+        assert not results.is_fill(values[:, :first]).any()
+        assert results.is_fill(values[:, first:]).all()
+    assert f"{time[first]:.6g}" in result.attributes["notes"]
+
+
+def test_what_came_before_is_what_a_shorter_run_gives(here):
+    here.scene("a", OVERFLOWING)
+    lost = here.run("a", status=4)
+    here.scene("b", {**OVERFLOWING, "response": {"duration": 1.0, "samples": 1024, "velocity": True}})
+    kept = here.run("b")
+    np.testing.assert_array_equal(lost["displacement"][:, :1024], kept["displacement"])
+    np.testing.assert_array_equal(lost["velocity"][:, :1024], kept["velocity"])
+
+
+def test_the_case_says_diverged_and_the_rest_of_it_stands(here):
+    here.scene("a", OVERFLOWING)
+    result = here.run("a", status=4)
+    meanings = result.variables["case_status"].attributes["flag_meanings"].split()
+    assert meanings[int(result["case_status"])] == "diverged"
+    unstable = np.sqrt(FAST**2 - result["critical_angular_velocity"] ** 2)  # each a few roundings from exact
+    np.testing.assert_allclose(growth(result), unstable, rtol=1e-14)
+    for name in ["angular_frequency", "phase_velocity", "group_velocity"]:
+        np.testing.assert_array_equal(results.is_fill(result[name]), [True] + 9 * [False])
+
+
+def test_a_spectrum_of_lost_histories_is_fill_and_measures_nothing(here):
+    here.scene("a", {**OVERFLOWING, "spectrum": {}})
+    result = here.run("a", status=4)
+    assert results.is_fill(result["amplitude"]).all()
+    assert result["peak_count"] == 0
+    assert results.is_fill(result["measured_angular_frequency"]).all()
+
+
+def test_only_the_cases_that_overflow_are_marked(here):
+    speeds = [50.0, 300.0, FAST, 100.0]
+    here.scene("a", OVERFLOWING, {"parameter": "rotation%angular_velocity", "values": speeds})
+    result = here.run("a", status=4)
+    np.testing.assert_array_equal(result["case_status"], [0, 1, 1, 0])
+    np.testing.assert_array_equal(results.is_fill(result["displacement"]).any(axis=(1, 2)), [False, True, True, False])
+    assert "2 of 4 cases" in result.attributes["notes"]
+
+
+def test_growth_without_overflow_is_a_result_to_trust(here):
+    here.scene("a", captured_beam(rotation={"angular_velocity": FAST}, response={"duration": 0.1, "samples": 64}))
+    result = here.run("a")
+    assert not results.is_fill(result["displacement"]).any()
+    assert "1 of 10 modes grow" in result.attributes["notes"]
