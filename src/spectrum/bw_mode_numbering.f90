@@ -66,8 +66,8 @@ contains
     end if
     if (curve%support > 0) then
       call fit_curve(modes, curve)
-    else if (count(clear) == 1) then
-      call number_single(peaks, findloc(clear, .true., dim=1), modes)
+    else if (size(peaks) == 1 .and. count(clear) == 1) then
+      modes(1) = as_mode(peaks(1), 1)            ! a line that stands alone is mode 1 if its ratio allows
     end if
   end subroutine number_modes
 
@@ -133,7 +133,7 @@ contains
     type(curve_type), intent(inout) :: curve
     type(mode_type) :: trial_modes(size(modes))
     type(curve_type) :: trial
-    integer :: i, lowest
+    integer :: i
     trial%slope = (high%square - low%square)/(high%alpha**4 - low%alpha**4)
     trial%start = low%square - trial%slope*low%alpha**4
     if (trial%slope <= 0 .or. trial%start > tolerance(0.0_dp, low, high, trial%slope)) return
@@ -141,8 +141,8 @@ contains
       if (clear(i)) trial_modes(i) = mode_on_curve(peaks(i), low, high, trial)
     end do
     trial%support = count(trial_modes%number > 0)
-    lowest = mode_near(sqrt(sqrt(max(0.0_dp, 1 - trial%start)/trial%slope)))  ! below it modes grow, or hide at 0
-    trial%gaps = max(0, maxval(trial_modes%number) - lowest + 1 - trial%support)
+    trial%gaps = maxval(trial_modes%number) - trial%support - count(peaks%at_edge)  ! a mode may grow, or hide at 0
+    if (trial%gaps > trial%support) return
     if (trial%support < curve%support) return
     if (trial%support == curve%support .and. trial%gaps >= curve%gaps) return
     curve = trial
@@ -179,14 +179,6 @@ contains
       & curve_error(mode, curve%slope) + tolerance(mode%alpha**4, low, high, curve%slope)) mode%number = 0
   end function mode_on_curve
 
-  subroutine number_single(peaks, only, modes)
-    !! A peak that stands alone is taken as mode 1 if its ratio allows.
-    type(peak_type), intent(in) :: peaks(:)
-    integer, intent(in) :: only
-    type(mode_type), intent(inout) :: modes(:)
-    modes(only) = as_mode(peaks(only), 1)
-  end subroutine number_single
-
   pure subroutine fit_curve(modes, curve)
     !! Straight line ν²(α⁴) through all modes, weighted by their errors; its slope's error if all errors conspire.
     type(mode_type), intent(in) :: modes(:)
@@ -217,7 +209,7 @@ contains
     number = 0
     if (.not. is_clear(peak)) return
     as = [(as_mode(peak, k), k=1, far + 3)]
-    lowest = mode_near(sqrt(sqrt(max(0.0_dp, samples**2/4.0_dp - curve%start)/curve%slope)))
+    lowest = mode_near(sqrt(sqrt(max(0.0_dp, (0.5_dp*samples)**2 - curve%start)/curve%slope)))
     do k = lowest, highest_folded
       mode = as(min(k, far + modulo(k - far, 4)))
       if (mode%number == 0) cycle

@@ -116,7 +116,7 @@ contains
     end if
     if (file_exists(path)) then
       if (holds_scene(path, scene)) then
-        call reopen_result(path, state%layout, state%file, error)
+        call reopen_result(path, scene, state%layout, state%file, error)
         if (.not. allocated(error)) return
         deallocate (error)
       end if
