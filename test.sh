@@ -7,7 +7,8 @@ set -eu
 presets=(default dev)
 
 lock
-set_up_python beamwave_postproc,pytest '[test]' || say 'no Python: the tests of postproc/ are left out'
+left_out=
+set_up_python beamwave_postproc,pytest '[test]' || left_out='no Python: the tests that need it were left out'
 for preset in "${presets[@]}"; do
   set_up "$preset"
 done
@@ -19,4 +20,5 @@ for preset in "${presets[@]}"; do
   say "testing the preset $preset"
   ctest --preset "$preset" --no-tests=error "$@" 9>&- || failed+=("$preset")
 done
+[ -z "$left_out" ] || say "$left_out"
 [ ${#failed[@]} -eq 0 ] || die "tests failed in: $(joined "${failed[@]}")"

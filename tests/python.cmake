@@ -12,5 +12,5 @@ foreach(candidate IN ITEMS "${BEAMWAVE_PYTHON}" "${PROJECT_SOURCE_DIR}/.venv/bin
 endforeach()
 set(BEAMWAVE_PYTHON "${python_with_postproc}")
 if(NOT BEAMWAVE_PYTHON)
-  message(STATUS "Tests: no Python with beamwave_postproc and pytest (test.sh makes one): those of postproc/ are left out")
+  message(STATUS "Tests: no Python with beamwave_postproc and pytest (test.sh makes one): those that need it are left out")
 endif()

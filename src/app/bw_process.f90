@@ -3,9 +3,9 @@ module bw_process
   !!
   !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
   !! that runs at exit turns every ending that `leave` did not announce into `status_fault`.
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funloc, c_funptr, c_int, c_null_char, &
-    c_null_ptr, c_ptr
-  use bw_error, only: status_fault
+  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funloc, c_funptr, c_int, c_intptr_t, &
+    c_null_char, c_null_ptr, c_ptr
+  use bw_error, only: status_bad_file, status_fault
   use bw_posix, only: standard_error, write_text
   implicit none (type, external)
   private
@@ -13,7 +13,8 @@ module bw_process
 
   integer(c_int), parameter :: sigint = 2, sigusr1 = 10, sigterm = 15                    ! Linux, any processor
   integer(c_int), parameter :: sigill = 4, sigabrt = 6, sigbus = 7, sigfpe = 8, sigsegv = 11
-  integer(c_int), parameter :: fault_signals(5) = [sigill, sigabrt, sigbus, sigfpe, sigsegv]
+  integer(c_int), parameter :: sigxfsz = 25       ! a file grew beyond `ulimit -f`
+  integer(c_int), parameter :: fault_signals(*) = [sigill, sigabrt, sigbus, sigfpe, sigsegv]
 
   character(*), parameter :: fault_message = 'beamwave: a fault in the program: please report it'//new_line('a')
 
@@ -23,6 +24,7 @@ module bw_process
   abstract interface
     subroutine set_threads(count) bind(c)
       import :: c_int
+      implicit none (type, external)
       integer(c_int), value :: count
     end subroutine set_threads
   end interface
@@ -30,24 +32,29 @@ module bw_process
   interface
     type(c_funptr) function c_dlsym(library, name) bind(c, name='dlsym')
       import :: c_char, c_funptr, c_ptr
+      implicit none (type, external)
       type(c_ptr), value :: library
       character(c_char), intent(in) :: name(*)
     end function c_dlsym
     type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
       import :: c_funptr, c_int
+      implicit none (type, external)
       integer(c_int), value :: number
       type(c_funptr), value :: handler
     end function c_signal
     integer(c_int) function c_atexit(handler) bind(c, name='atexit')
       import :: c_funptr, c_int
+      implicit none (type, external)
       type(c_funptr), value :: handler
     end function c_atexit
     subroutine c_exit(status) bind(c, name='exit')
       import :: c_int
+      implicit none (type, external)
       integer(c_int), value :: status
     end subroutine c_exit
     subroutine c_exit_now(status) bind(c, name='_exit')
       import :: c_int
+      implicit none (type, external)
       integer(c_int), value :: status
     end subroutine c_exit_now
   end interface
@@ -63,6 +70,7 @@ contains
     ignored = c_signal(sigint, c_funloc(on_stop))
     ignored = c_signal(sigterm, c_funloc(on_stop))
     ignored = c_signal(sigusr1, c_funloc(on_stop))
+    ignored = c_signal(sigxfsz, transfer(1_c_intptr_t, ignored))    ! SIG_IGN: the write fails, as on a full disk
     do i = 1, size(fault_signals)
       ignored = c_signal(fault_signals(i), c_funloc(on_fault))
     end do
@@ -85,8 +93,10 @@ contains
   end function stop_signal
 
   subroutine leave(status)
-    !! End the process with this status.
+    !! End the process with this status. Where a file may have been refused nothing else runs: HDF5 would try at exit
+    !! to finish that file, and can crash over it.
     integer, intent(in) :: status
+    if (status >= status_bad_file) call c_exit_now(int(status, c_int))
     orderly = .true.
     call c_exit(int(status, c_int))
   end subroutine leave

@@ -14,6 +14,7 @@ module bw_monitor
     subroutine advance_interface(self, fraction)
       !! Called now and then with the finished part, 0 … 1, of the case at hand.
       import :: monitor_type, dp
+      implicit none (type, external)
       class(monitor_type), intent(inout) :: self
       real(dp), intent(in) :: fraction
     end subroutine advance_interface
@@ -21,6 +22,7 @@ module bw_monitor
     logical function stop_interface(self)
       !! True when the work at hand should be left as it is: a signal came, or time is up.
       import :: monitor_type
+      implicit none (type, external)
       class(monitor_type), intent(inout) :: self
     end function stop_interface
   end interface

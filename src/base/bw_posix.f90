@@ -22,6 +22,7 @@ module bw_posix
   interface
     integer(c_int) function c_glob(pattern, flags, on_error, found) bind(c, name='glob')
       import :: c_char, c_funptr, c_int, glob_type
+      implicit none (type, external)
       character(c_char), intent(in) :: pattern(*)
       integer(c_int), value :: flags
       type(c_funptr), value :: on_error
@@ -29,42 +30,51 @@ module bw_posix
     end function c_glob
     subroutine c_globfree(found) bind(c, name='globfree')
       import :: glob_type
+      implicit none (type, external)
       type(glob_type), intent(inout) :: found
     end subroutine c_globfree
     integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
       import :: c_ptr, c_size_t
+      implicit none (type, external)
       type(c_ptr), value :: text
     end function c_strlen
     integer(c_size_t) function c_write(descriptor, bytes, count) bind(c, name='write')   ! ssize_t has the same size
       import :: c_char, c_int, c_size_t
+      implicit none (type, external)
       integer(c_int), value :: descriptor
       character(c_char), intent(in) :: bytes(*)
       integer(c_size_t), value :: count
     end function c_write
     integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
       import :: c_char, c_int
+      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
       integer(c_int), value :: mode
     end function c_mkdir
     integer(c_int) function c_rename(from, to) bind(c, name='rename')
       import :: c_char, c_int
+      implicit none (type, external)
       character(c_char), intent(in) :: from(*), to(*)
     end function c_rename
     integer(c_int) function c_unlink(path) bind(c, name='unlink')
       import :: c_char, c_int
+      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
     end function c_unlink
     integer(c_int) function c_rmdir(path) bind(c, name='rmdir')
       import :: c_char, c_int
+      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
     end function c_rmdir
     integer(c_int) function c_access(path, mode) bind(c, name='access')
       import :: c_char, c_int
+      implicit none (type, external)
       character(c_char), intent(in) :: path(*)
       integer(c_int), value :: mode
     end function c_access
     integer(c_int) function c_isatty(descriptor) bind(c, name='isatty')
       import :: c_int
+      implicit none (type, external)
       integer(c_int), value :: descriptor
     end function c_isatty
   end interface

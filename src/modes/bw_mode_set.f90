@@ -24,6 +24,7 @@ module bw_mode_set
     pure function shapes_interface(self, xi) result(values)
       !! Φ_k(ξ) at points of the beam.
       import :: mode_set, dp
+      implicit none (type, external)
       class(mode_set), intent(in) :: self
       real(dp), intent(in) :: xi(:)               !! 0 ≤ ξ ≤ 1, (points)
       real(dp) :: values(self%count, size(xi))    !! (modes, points)

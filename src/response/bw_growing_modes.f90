@@ -8,27 +8,31 @@ module bw_growing_modes
   private
   public :: add_growing_mode, samples_until_overflow
 
-  real(dp), parameter :: log_huge = log(huge(1.0_dp))
+  real(dp), parameter :: log_half = log(0.5_dp)
+  real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x taken as the square of e^(x/2)
 
 contains
 
-  pure integer function samples_until_overflow(beta_squared, q, q_dot, shapes, grid, with_velocity) result(samples)
-    !! How many samples of a growing mode are finite numbers at every point.
+  pure integer function samples_until_overflow(beta_squared, q, q_dot, shapes, grid, limit, velocity_limit) result(samples)
+    !! How many samples of a growing mode are, at every point, no larger than given limits. The mode moves as
+    !! Φ·½(q + q̇/|β|)e^(|β|t), and a part that decays.
     type(dd), intent(in) :: beta_squared         !! β² ≤ 0
     real(dp), intent(in) :: q, q_dot             !! modal displacement and velocity at t = 0
     real(dp), intent(in) :: shapes(:)            !! Φ(ξ_p), (points)
     type(time_grid), intent(in) :: grid
-    logical, intent(in) :: with_velocity         !! velocities are asked for as well
+    real(dp), intent(in) :: limit                !! logarithm of the largest displacement
+    real(dp), intent(in), optional :: velocity_limit   !! the same for the velocity; absent: none is asked for
     type(dd) :: rate
     real(dp) :: amplitude, room
     samples = grid%samples
     rate = sqrt(-beta_squared)
-    if (rate%hi == 0.0_dp) return
-    amplitude = max(1.0_dp, maxval(abs(shapes)))*(abs(q) + abs(q_dot)/rate%hi)
-    if (amplitude == 0.0_dp) return
-    room = log_huge - max(0.0_dp, log(amplitude))
-    if (with_velocity) room = room - max(0.0_dp, log(rate%hi))
-    if (room < rate%hi*grid%step%hi*(samples - 1)) samples = int(room/(rate%hi*grid%step%hi)) + 1
+    amplitude = maxval([0.0_dp, abs(shapes)])
+    if (rate%hi == 0.0_dp .or. amplitude == 0.0_dp .or. rate%hi*q + q_dot == 0.0_dp) return
+    amplitude = log_half + log(amplitude) + log(abs(rate%hi*q + q_dot))      ! of the velocity
+    room = limit - amplitude + log(rate%hi)
+    if (present(velocity_limit)) room = min(room, velocity_limit - amplitude)
+    room = min(room, largest_exponent)
+    if (room < rate%hi*grid%step%hi*(samples - 1)) samples = max(0, floor(room/(rate%hi*grid%step%hi))) + 1
   end function samples_until_overflow
 
   pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
@@ -40,34 +44,40 @@ contains
     integer, intent(in) :: samples               !! at most those of `samples_until_overflow`
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
-    type(dd) :: rate, turn
-    real(dp) :: c, s, now, now_dot
+    type(dd) :: rate, time, x
+    real(dp) :: now(size(shapes)), now_dot(size(shapes))
     integer :: j
     rate = sqrt(-beta_squared)
     do j = 1, samples
-      turn = grid%step*real(j - 1, dp)
-      call hyperbolic_pair(rate, turn, c, s)
-      now = q*c + q_dot*s
-      displacement(j, :) = displacement(j, :) + shapes*now
-      if (.not. present(velocity)) cycle
-      now_dot = q_dot*c + rate%hi*(rate%hi*s)*q
-      velocity(j, :) = velocity(j, :) + shapes*now_dot
+      time = grid%step*real(j - 1, dp)
+      x = rate*time
+      if (x%hi < 1.0_dp) then
+        now = shapes*(q*cosh(x%hi) + q_dot*time%hi*mean_hyperbolic_cosine(x%hi))
+        now_dot = shapes*(q_dot*cosh(x%hi) + q*rate%hi*sinh(x%hi))
+      else
+        now = exponentials(shapes*(0.5_dp*(q + q_dot/rate%hi)), shapes*(0.5_dp*(q - q_dot/rate%hi)), x)
+        now_dot = exponentials(shapes*(0.5_dp*(rate%hi*q + q_dot)), shapes*(0.5_dp*(q_dot - rate%hi*q)), x)
+      end if
+      displacement(j, :) = displacement(j, :) + now
+      if (present(velocity)) velocity(j, :) = velocity(j, :) + now_dot
     end do
   end subroutine add_growing_mode
 
-  pure subroutine hyperbolic_pair(rate, time, c, s)
-    !! cosh(rate·t) and sinh(rate·t)/rate; t where the rate is zero. The part of the exponent that rounding would
-    !! lose, up to 1e-13 of a number near overflow, is added to first order.
-    type(dd), intent(in) :: rate, time
-    real(dp), intent(out) :: c, s
-    type(dd) :: x
-    real(dp) :: hyperbolic_cosine, hyperbolic_sine
-    x = rate*time
-    hyperbolic_cosine = cosh(x%hi)
-    hyperbolic_sine = sinh(x%hi)
-    c = hyperbolic_cosine + x%lo*hyperbolic_sine
-    s = time%hi
-    if (rate%hi > 0.0_dp) s = (hyperbolic_sine + x%lo*hyperbolic_cosine)/rate%hi
-  end subroutine hyperbolic_pair
+  elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
+    !! sinh x/x, 1 at x = 0.
+    real(dp), intent(in) :: x
+    mean = 1.0_dp
+    if (x > 0.0_dp) mean = sinh(x)/x
+  end function mean_hyperbolic_cosine
+
+  elemental real(dp) function exponentials(growing, decaying, x) result(value)
+    !! growing·e^x + decaying·e^(−x). As e^x may overflow where the product does not, the growing part is multiplied
+    !! by e^(x/2) twice. The part of the exponent that rounding would lose, up to 1e-13, is added to first order.
+    real(dp), intent(in) :: growing, decaying
+    type(dd), intent(in) :: x                     !! 0 ≤ x ≤ `largest_exponent`
+    real(dp) :: half
+    half = exp(0.5_dp*x%hi)*(1.0_dp + 0.5_dp*x%lo)
+    value = (growing*half)*half + (decaying/half)/half
+  end function exponentials
 
 end module bw_growing_modes

@@ -44,7 +44,7 @@ contains
     allocate (response%displacement(grid%samples, size(points)), source=0.0_dp)
     if (with_velocity) allocate (response%velocity(grid%samples, size(points)), source=0.0_dp)
     call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
-    call add_growing(modes%beta_squared, q, rate, shapes, grid, response)
+    call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
     response%displacement(response%finite_samples + 1:, :) = missing
     if (.not. with_velocity) return
     response%velocity(:response%finite_samples, :) = response%velocity(:response%finite_samples, :)/unit_time
@@ -65,19 +65,26 @@ contains
                           response%displacement, response%velocity)
   end subroutine add_stable
 
-  pure subroutine add_growing(beta_squared, q, rate, shapes, grid, response)
-    !! Modes at or beyond their critical speed, one by one, up to the first sample that overflows.
+  pure subroutine add_growing(beta_squared, q, rate, shapes, grid, unit_time, response)
+    !! Modes at or beyond their critical speed, one by one, up to the first sample that overflows. Each has its share
+    !! of the range, so that their sum cannot leave it, nor a velocity in m/s.
     type(dd), intent(in) :: beta_squared(:)
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time
     type(response_type), intent(inout) :: response
     integer, allocatable :: growing(:)
+    real(dp), allocatable :: velocity_limit        ! absent: no velocity is asked for
+    real(dp) :: limit
     integer :: i, k, finite
     response%finite_samples = grid%samples
     growing = pack([(k, k=1, size(q))], beta_squared%hi <= 0.0_dp)
+    if (size(growing) == 0) return
+    limit = log(huge(1.0_dp)) - log(real(size(growing), dp))
+    if (allocated(response%velocity)) velocity_limit = limit + min(0.0_dp, log(unit_time))
     do i = 1, size(growing)
       k = growing(i)
-      finite = samples_until_overflow(beta_squared(k), q(k), rate(k), shapes(k, :), grid, allocated(response%velocity))
+      finite = samples_until_overflow(beta_squared(k), q(k), rate(k), shapes(k, :), grid, limit, velocity_limit)
       if (finite >= response%finite_samples) cycle
       response%finite_samples = finite
       response%failing_mode = k

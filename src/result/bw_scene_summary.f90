@@ -11,6 +11,9 @@ module bw_scene_summary
   private
   public :: scene_heading, scene_summary, bytes_text, cost_summary, result_bytes, working_bytes
 
+  integer(i8), parameter :: lapack_bytes = 140000000
+    !! what OpenBLAS takes for itself at its first call; where it is refused it asks again without end
+
 contains
 
   pure function scene_heading(scene) result(text)
@@ -146,6 +149,7 @@ contains
     spectra = int(layout%frequencies, i8)*(layout%points + 30)
     modal = int(max(layout%modes, layout%modes_before), i8)*(60 + 4*layout%points)
     bytes = 8*(2*histories + spectra + modal) + 20000000
+    if (layout%peaks > 0) bytes = bytes + lapack_bytes
   end function working_bytes
 
   pure function bytes_text(bytes) result(text)

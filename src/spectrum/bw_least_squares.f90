@@ -10,6 +10,7 @@ module bw_least_squares
   interface
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       import :: dp
+      implicit none (type, external)
       integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
       real(dp), intent(inout) :: a(lda, *), b(ldb, *), work(*)
       integer, intent(inout) :: jpvt(*)
@@ -18,6 +19,7 @@ module bw_least_squares
     end subroutine dgelsy
     subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
       import :: dp
+      implicit none (type, external)
       integer, intent(in) :: m, n, lda, lwork
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(out) :: info

@@ -1,9 +1,9 @@
 module bw_line
-  !! One spectral line in two histories: a tone that may grow or decay, and its images in the time and frequency domains.
+  !! One spectral line in two histories: a tone that may grow or decay, and its images in time and in frequency.
   !!
   !! The history at point p is Re c_p exp(2πi (bin + offset) j/N + growth (j/N − r)), j = 0 … N−1, with r = 1 for a
-  !! line that grows and 0 for others, so that no image exceeds |c_p|. Whole bins and the offset are kept apart: phases
-  !! then lose nothing to the size of the frequency.
+  !! line that grows and 0 for others, so that |c_p| is its peak. Whole bins and the offset are kept apart: phases
+  !! lose nothing to the size of the frequency.
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private

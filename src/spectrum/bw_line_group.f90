@@ -1,21 +1,20 @@
 module bw_line_group
   !! One group of lines that share bins: how many there are, steady or growing, and where.
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_row, line_type, main_lobe, mirror_row, points
-  use bw_line_fit, only: add_lines, fit_lines, unknowns
-  use bw_line_poles, only: find_poles, pencil_of, pencil_type, rank_of
-  use bw_line_residual, only: plain_bins, residual_type
+  use bw_line, only: line_position, line_type, main_lobe, points
+  use bw_line_candidates, only: ample_pencil, peak_lines, pole_lines
+  use bw_line_fit, only: fit_lines
+  use bw_line_image, only: add_lines, unknowns
+  use bw_line_poles, only: pencil_type
+  use bw_line_residual, only: residual_type
   implicit none (type, external)
   private
-  public :: band_of, numbers_in, group_noise, group_image, refit_group
+  public :: band_of, numbers_in, group_noise, refit_group
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
   integer, parameter :: extra_lines = 2        !! tried beyond one more
-  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image
-  real(dp), parameter :: most_growth = 300     !! over the record
   real(dp), parameter :: worth = 0.3_dp        !! a further line must lower the residual to this part of it
   real(dp), parameter :: unseen = 0.2_dp       !! of the threshold: no peak would be taken up any more
-  integer, parameter :: widest = 40            !! bins beside a group that may help to find its poles
   real(dp), parameter :: fullest = 0.7_dp      !! unknowns for each number in a group's bins
   real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
@@ -48,7 +47,7 @@ contains
     integer, intent(in) :: bins(2)
     complex(dp) :: image(bins(1):bins(2), points)
     image = residual%windowed(bins(1):bins(2), :)
-    call add_lines(lines, residual%count, bins(1), image, 1.0_dp)
+    call add_lines(lines, residual%count, bins(1), image, 1.0_dp, .true.)
   end function group_image
 
   pure function group_image_of(lines, count, bins) result(image)
@@ -57,7 +56,7 @@ contains
     integer, intent(in) :: count, bins(2)
     complex(dp) :: image(bins(1):bins(2), points)
     image = 0
-    call add_lines(lines, count, bins(1), image, 1.0_dp)
+    call add_lines(lines, count, bins(1), image, 1.0_dp, .true.)
   end function group_image_of
 
   pure real(dp) function group_noise(residual, lines, leakage)
@@ -163,83 +162,5 @@ contains
       if (done) return
     end do
   end subroutine try
-
-  pure function peak_lines(residual, peaks) result(lines)
-    !! A line at each peak, its offset by a parabola through the logarithms of three bins.
-    type(residual_type), intent(in) :: residual
-    integer, intent(in) :: peaks(:)
-    type(line_type) :: lines(size(peaks))
-    real(dp) :: value(-1:1)
-    integer :: i, m
-    lines%bin = peaks
-    do i = 1, size(peaks)
-      if (peaks(i) == 0 .or. peaks(i) == ubound(residual%windowed, 1)) cycle
-      value = [(norm2(abs(residual%windowed(peaks(i) + m, :))), m=-1, 1)]
-      if (any(value <= 0)) cycle
-      value = log(value)
-      lines(i)%offset = (value(1) - value(-1))/max(2*(2*value(0) - value(1) - value(-1)), 1.0_dp)
-      lines(i)%offset = max(-0.5_dp, min(0.5_dp, lines(i)%offset))
-    end do
-  end function peak_lines
-
-  subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
-    !! A pencil over so many bins that its rank, which counts the lines, is well below its size.
-    type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: own(:)
-    integer, intent(in) :: bins(2)
-    real(dp), intent(in) :: noise
-    type(pencil_type), intent(out) :: pencil
-    integer, intent(out) :: rank
-    integer :: beside
-    beside = half_band
-    do
-      pencil = group_pencil(residual, own, bins, beside)
-      rank = rank_of(pencil, noise)
-      if (4*rank < 3*size(pencil%singular) .or. beside > widest .or. 2*beside > residual%count) exit
-      beside = 2*beside
-    end do
-  end subroutine ample_pencil
-
-  function group_pencil(residual, own, bins, beside) result(pencil)
-    !! Pencil of the group's bins and some beside them; on both sides of 0 where the group is near it.
-    type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
-    integer, intent(in) :: bins(2), beside
-    type(pencil_type) :: pencil
-    complex(dp), allocatable :: image(:, :)
-    integer :: first, last, i, p
-    first = bins(1) - beside
-    last = bins(2) + beside
-    if (bins(1) == 0) first = -last
-    if (bins(2) == residual%count/2) last = residual%count - first
-    if (last - first >= residual%count) then
-      first = -((residual%count - 1)/2)
-      last = residual%count/2
-    end if
-    allocate (image(first:last, points), source=plain_bins(residual, first, last))
-    do i = 1, size(own)
-      do p = 1, points
-        image(:, p) = image(:, p) + (own(i)%amplitude(p)*line_row(own(i), residual%count, first, last, 0.0_dp, .false.) &
-          & + conjg(own(i)%amplitude(p))*mirror_row(own(i), residual%count, first, last, 0.0_dp, .false.))/2
-      end do
-    end do
-    pencil = pencil_of(image, first, residual%count)
-  end function group_pencil
-
-  function pole_lines(pencil, rank, bins) result(lines)
-    !! Lines at the poles that lie among the group's bins; mirror images at negative frequency are left out.
-    type(pencil_type), intent(in) :: pencil
-    integer, intent(in) :: rank, bins(2)
-    type(line_type), allocatable :: lines(:)
-    real(dp), allocatable :: position(:), growth(:)
-    integer :: i
-    allocate (lines(0))
-    call find_poles(pencil, rank, position, growth)
-    do i = 1, size(position)
-      if (position(i) < max(bins(1) - 1.0_dp, -at_edge) .or. position(i) > bins(2) + 1) cycle
-      if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > most_growth) cycle
-      lines = [lines, line_type(bin=nint(position(i)), offset=position(i) - nint(position(i)), growth=growth(i))]
-    end do
-  end function pole_lines
 
 end module bw_line_group

@@ -6,8 +6,9 @@ module bw_line_peaks
   !! that leaves a relative residual ρ moves it by about √ρ bins, which is added.
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_type, main_lobe
-  use bw_line_fit, only: line_errors, unknowns
+  use bw_line_errors, only: line_errors
   use bw_line_group, only: band_of, correlated, group_noise, group_type, numbers_in
+  use bw_line_image, only: unknowns
   use bw_line_residual, only: residual_type
   use bw_line_search, only: line_groups
   implicit none (type, external)

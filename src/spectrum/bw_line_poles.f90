@@ -23,6 +23,7 @@ module bw_line_poles
   interface
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
       import :: dp
+      implicit none (type, external)
       character, intent(in) :: jobu, jobvt
       integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
       complex(dp), intent(inout) :: a(lda, *), u(ldu, *), vt(ldvt, *), work(*)
@@ -31,6 +32,7 @@ module bw_line_poles
     end subroutine zgesvd
     subroutine zgeev(jobvl, jobvr, n, a, lda, w, vl, ldvl, vr, ldvr, work, lwork, rwork, info)
       import :: dp
+      implicit none (type, external)
       character, intent(in) :: jobvl, jobvr
       integer, intent(in) :: n, lda, ldvl, ldvr, lwork
       complex(dp), intent(inout) :: a(lda, *), w(*), vl(ldvl, *), vr(ldvr, *), work(*)
@@ -54,7 +56,8 @@ contains
     call loewner(image, first, count, pencil%middle, difference, shifted)
     n = size(difference, 2)
     call singular_vectors(difference, pencil%singular, left, right)
-    allocate (pencil%shifted, source=matmul(conjg(transpose(left(:, :n))), matmul(shifted, conjg(transpose(right(:, :n))))))
+    shifted = matmul(shifted, conjg(transpose(right(:, :n))))
+    allocate (pencil%shifted, source=matmul(conjg(transpose(left(:, :n))), shifted))
   end function pencil_of
 
   pure integer function rank_of(pencil, noise)

@@ -38,7 +38,8 @@ contains
     if (any(peaks%members > 1 .and. peaks%located)) call note(notes, &
       & 'lines closer than 1/duration, each group taken as one: '//frequencies(peaks%members > 1 .and. peaks%located))
     if (any(peaks%at_edge .and. peaks%located)) call note(notes, &
-      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '//frequencies(peaks%at_edge .and. peaks%located))
+      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '// &
+      & frequencies(peaks%at_edge .and. peaks%located))
     if (any(abs(peaks%growth) > worth_a_note)) call note(notes, &
       & 'lines that grow or decay: '//frequencies(abs(peaks%growth) > worth_a_note))
     if (size(listed) < count(.not. stray .and. folded == 0 .and. peaks%located)) call note(notes, &

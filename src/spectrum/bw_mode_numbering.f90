@@ -1,7 +1,7 @@
 module bw_mode_numbering
-  !! Which peak is which mode. A ratio R fits many modes, each with its own α; all modes of a uniform beam lie on one
-  !! curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and ω). Two strong peaks taken as two modes give a
-  !! curve; the curve that most peaks lie on numbers them. What lies off it is folded, or no mode.
+  !! Which peak is which mode. A ratio R fits many modes, each with its own α; all modes of a uniform beam lie on
+  !! one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and ω). Two strong peaks taken as two
+  !! modes give a curve; the curve that most peaks lie on numbers them. What lies off it is folded, or no mode.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
   use bw_mode_ratio, only: alpha_of_ratio, mode_near
@@ -12,7 +12,7 @@ module bw_mode_numbering
   integer, parameter :: most_anchors = 6         !! strongest peaks that are tried as pairs
   integer, parameter :: highest_anchor = 50      !! mode
   integer, parameter :: highest_folded = 400     !! mode
-  integer, parameter :: far = 14                 !! from this mode on α(R) repeats with period 4π in 4 modes
+  integer, parameter :: far = 26                 !! e^(−α/2) is below rounding: α(R) repeats, 4π further every 4 modes
   real(dp), parameter :: clear_position = 0.3_dp !! bins; peaks with larger errors number nothing
   real(dp), parameter :: clear_ratio = 0.05_dp   !! relative to 1 + |R|
 

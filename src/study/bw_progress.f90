@@ -15,6 +15,7 @@ module bw_progress
   abstract interface
     subroutine begin_interface(self, name, cases, finished)
       import :: progress_type, i8
+      implicit none (type, external)
       class(progress_type), intent(inout) :: self
       character(*), intent(in) :: name          !! of the scene
       integer(i8), intent(in) :: cases          !! how many it has
@@ -23,11 +24,13 @@ module bw_progress
 
     subroutine case_interface(self)
       import :: progress_type
+      implicit none (type, external)
       class(progress_type), intent(inout) :: self
     end subroutine case_interface
 
     subroutine end_interface(self)
       import :: progress_type
+      implicit none (type, external)
       class(progress_type), intent(inout) :: self
     end subroutine end_interface
   end interface

@@ -7,7 +7,7 @@ in units of the approach velocity. An input given as a Python float stands for t
 
 from functools import cache
 
-from mpmath import cos, cosh, exp, log, mp, mpc, mpf, pi, sin, sinh, sqrt
+from mpmath import atan, cos, cosh, exp, log, mp, mpc, mpf, pi, sin, sinh, sqrt, tanh
 
 MASS_RATIOS = [0.0, 1e-300, 1e-12, 1e-6, 0.2, 1.0, 10.0, 1e6, 1e12, 1e300]
 
@@ -72,6 +72,7 @@ class Shape:
         self.sigma = (cos(a) + cosh(a)) / (sin(a) + sinh(a))
         # 1 − σ put over one denominator: with cosh and sinh apart it would take 0.87 α digits
         self.one_minus_sigma = (sin(a) - cos(a) - exp(-a)) / (sin(a) + sinh(a))
+        self.terms = self.exponentials()
         self.tip = self.value(mpf(1))
         self.tip_slope = self.slope(mpf(1))
 
@@ -82,19 +83,20 @@ class Shape:
     def one_minus_sigma_scaled(self):
         return self.one_minus_sigma * exp(self.alpha)
 
-    def terms(self):
-        """The shape as a sum of c exp(λ ξ): pairs (c, λ)."""
+    def exponentials(self):
+        """The shape as a sum of c exp(λ ξ): triples (c, λ, exp λ)."""
         a, s = self.alpha, self.sigma
-        return [(mpc(1, s) / 2, mpc(0, a)), (mpc(1, -s) / 2, mpc(0, -a)),
-                (-self.one_minus_sigma / 2, a), (-(1 + s) / 2, -a)]
+        pairs = [(mpc(1, s) / 2, mpc(0, a)), (mpc(1, -s) / 2, mpc(0, -a)),
+                 (-self.one_minus_sigma / 2, a), (-(1 + s) / 2, -a)]
+        return [(c, rate, exp(rate)) for c, rate in pairs]
 
     def value(self, xi):
         if xi == 0:
             return mpf(0)
-        return sum((c * exp(rate * xi) for c, rate in self.terms()), mpf(0)).real
+        return sum((c * exp(rate * xi) for c, rate, _ in self.terms), mpf(0)).real
 
     def slope(self, xi):
-        return sum((c * rate * exp(rate * xi) for c, rate in self.terms()), mpf(0)).real
+        return sum((c * rate * exp(rate * xi) for c, rate, _ in self.terms), mpf(0)).real
 
     def plain_value(self, xi):
         """The definition, with the digits that cosh αξ − σ sinh αξ takes."""
@@ -107,10 +109,10 @@ class Shape:
 def product_integral(one, other):
     """∫₀¹ of the product of two shapes, each exponential integrated by itself."""
     total = mpf(0)
-    for c, a in one.terms():
-        for d, b in other.terms():
+    for c, a, end in one.terms:
+        for d, b, other_end in other.terms:
             rate = a + b
-            total += c * d * ((exp(rate) - 1) / rate if rate != 0 else 1)
+            total += c * d * ((end * other_end - 1) / rate if rate != 0 else 1)
     return total.real
 
 
@@ -126,14 +128,27 @@ class Jump:
         assert abs(self.tip_velocity - self.mass_velocity - restitution) < mpf(10) ** -(mp.dps // 2)
 
 
-def modal_velocity(shape, free_shapes, restitution=0):
-    """Eq. 26: the velocity of one mode after the capture, from the field that the impact leaves.
+def velocity_terms(shape, free_shapes, restitution=0):
+    """The terms of Eq. 26, one for each mode that the impact sets in motion.
 
     The beam moves as the sum of its modes, Δq̇_i = φ_i(1) H; the mass moves with the tip."""
     impulse = Jump(shape.gamma, len(free_shapes), restitution).impulse
-    projection = sum(free.tip * impulse * (product_integral(shape, free) + shape.gamma * shape.tip * free.tip)
-                     for free in free_shapes)
-    return projection / shape.modal_mass()
+    scale = impulse / shape.modal_mass()
+    return [free.tip * scale * (product_integral(shape, free) + shape.gamma * shape.tip * free.tip)
+            for free in free_shapes]
+
+
+def modal_velocity(shape, free_shapes, restitution=0):
+    """Eq. 26: the velocity of one mode after the capture, from the field that the impact leaves."""
+    return sum(velocity_terms(shape, free_shapes, restitution), mpf(0))
+
+
+def clamped_pinned_root(k):
+    """Root k of tan α = tanh α: the tip held in place by an endless mass."""
+    middle = k * pi + pi / 4
+    for _ in range(mp.dps):  # gains 3 digits a step for k = 1, more beyond
+        middle = k * pi + atan(tanh(middle))
+    return middle
 
 
 class PaperBeam:

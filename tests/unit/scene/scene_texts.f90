@@ -1,7 +1,6 @@
 module scene_texts
   !! Scenes as texts, and what the reader makes of them; shared by the tests of this folder.
   use bw_error, only: error_type
-  use bw_kinds, only: dp, i8
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene_text
   use bw_scene_resolved, only: resolved_text
@@ -17,14 +16,6 @@ module scene_texts
     "&scene title='all groups' /"//nl//beam//'&rotation angular_velocity=50 /'//nl//impact//'&capture /'//nl// &
     '&modes before=40 /'//nl//response//'&spectrum /'//nl
     !! every group but &sweep, one per line
-
-  type, public :: random_stream
-    !! A small linear congruential generator: the same numbers on every machine.
-    integer(i8) :: state = 20020917_i8
-  contains
-    procedure :: below
-    procedure :: real_bits
-  end type random_stream
 
 contains
 
@@ -75,23 +66,5 @@ contains
     integer :: i
     lines_of = 1 + count([(text(i:i) == nl, i=1, len(text))])
   end function lines_of
-
-  integer function below(self, n)
-    !! A number 0 … n − 1.
-    class(random_stream), intent(inout) :: self
-    integer, intent(in) :: n
-    self%state = mod(1103515245_i8*self%state + 12345_i8, 2_i8**31)
-    below = int(mod(self%state/2_i8**8, int(n, i8)))
-  end function below
-
-  real(dp) function real_bits(self, least, most)
-    !! A positive number with random bits and an exponent between two powers of two.
-    class(random_stream), intent(inout) :: self
-    integer, intent(in) :: least, most
-    real(dp) :: fraction
-    fraction = 0.5_dp + self%below(2**22)*2.0_dp**(-23)
-    fraction = fraction + self%below(2**22)*2.0_dp**(-45) + self%below(2**8)*2.0_dp**(-53)
-    real_bits = scale(fraction, least + self%below(most - least + 1))
-  end function real_bits
 
 end module scene_texts

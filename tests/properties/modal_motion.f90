@@ -1,0 +1,46 @@
+module modal_motion
+  !! Each mode's own motion: the histories of `bw_response` at points where one mode has the shape 1 and the others 0.
+  use bw_double_double, only: operator(*)
+  use bw_growing_modes, only: add_growing_mode
+  use bw_kinds, only: dp
+  use bw_modal_sum, only: add_stable_modes
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: silent_monitor
+  use bw_time_grid, only: time_grid
+  implicit none (type, external)
+  private
+  public :: greatest_energy_norm, move
+
+contains
+
+  subroutine move(modes, q, q_dot, grid, displacement, velocity)
+    !! Modal displacements and velocities at all samples.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q(:), q_dot(:)                                !! at t = 0, (modes)
+    type(time_grid), intent(in) :: grid
+    real(dp), allocatable, intent(out) :: displacement(:, :), velocity(:, :)   !! (samples, modes)
+    type(silent_monitor) :: monitor
+    real(dp) :: unit(modes%count, modes%count)
+    integer, allocatable :: stable(:)
+    integer :: k
+    allocate (displacement(grid%samples, modes%count), velocity(grid%samples, modes%count), source=0.0_dp)
+    unit = 0.0_dp
+    do k = 1, modes%count
+      unit(k, k) = 1.0_dp
+    end do
+    stable = pack([(k, k=1, modes%count)], modes%beta_squared%hi > 0.0_dp)
+    call add_stable_modes(modes%beta_squared(stable), q(stable), q_dot(stable), unit(stable, :), grid, monitor, &
+                          displacement, velocity)
+    do k = 1, modes%count
+      if (modes%beta_squared(k)%hi > 0.0_dp) cycle
+      call add_growing_mode(modes%beta_squared(k), q(k), q_dot(k), unit(k, :), grid, grid%samples, displacement, velocity)
+    end do
+  end subroutine move
+
+  elemental real(dp) function greatest_energy_norm(beta_squared, q, q_dot) result(norm)
+    !! q̇² + |β²|q²: what rounding errors of the energy q̇² + β²q² are measured by.
+    real(dp), intent(in) :: beta_squared, q, q_dot
+    norm = q_dot**2 + abs(beta_squared)*q**2
+  end function greatest_energy_norm
+
+end module modal_motion
