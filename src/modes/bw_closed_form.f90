@@ -9,7 +9,7 @@ module bw_closed_form
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
-  public :: closed_form_modes
+  public :: closed_form_modes, numbered_modes
 
   type, extends(mode_set), public :: closed_form_set
     real(dp) :: gamma = 0.0_dp                     !! mass ratio γ
@@ -28,14 +28,23 @@ contains
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    integer :: k
+    modes = numbered_modes([(k, k=1, count)], gamma, omega, longest)
+  end function closed_form_modes
+
+  pure type(closed_form_set) function numbered_modes(number, gamma, omega, longest) result(modes)
+    !! Modes of any numbers, in their order.
+    integer, intent(in) :: number(:)       !! k ≥ 1, ascending
+    real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega
       !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(dd), allocatable :: alpha(:), square(:)
-    integer :: k
-    modes%count = count
+    modes%count = size(number)
     modes%gamma = gamma
-    modes%shape = shape_of(solve_root([(k, k=1, count)], gamma))
+    modes%shape = shape_of(solve_root(number, gamma))
     modes%alpha = modes%shape%alpha
     modes%tip = modes%shape%tip
     modes%modal_mass = modes%shape%modal_mass
@@ -47,10 +56,10 @@ contains
     else
       modes%beta_squared = square*square                       ! Eq. 3
     end if
-    modes%critical_speed = square(1)                           ! ω = hP₁²
+    modes%critical_speed = square(1)                           ! ω = hP₁², for the lowest of them
     modes%phase_velocity = phase_velocity(modes%alpha, modes%beta_squared)
     modes%group_velocity = group_velocity(modes%alpha, modes%beta_squared)
-  end function closed_form_modes
+  end function numbered_modes
 
   pure subroutine refine_roots(root, alpha, omega, longest)
     !! Solve again in extended precision what binary64 cannot carry: a mode near its critical speed, where

@@ -14,12 +14,14 @@ module bw_response
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: free_motion
+  public :: free_motion, start_histories, add_motion, finish_histories
 
   type, public :: response_type
     !! Histories in the rotating frame, SI units.
     real(dp), allocatable :: displacement(:, :)   !! m, (samples, points); missing from the first overflow on
     real(dp), allocatable :: velocity(:, :)       !! m/s, (samples, points); allocated only if asked for
+    real(dp), allocatable :: displacement_error(:)  !! m, estimate of the largest error, (points); not of a rebound
+    real(dp), allocatable :: velocity_error(:)      !! m/s, (points)
     integer :: finite_samples = 0                 !! samples before the first overflow; all where there is none
     integer :: failing_mode = 0                   !! the mode that overflows first; 0 where none does
   end type response_type
@@ -36,20 +38,47 @@ contains
     logical, intent(in) :: with_velocity
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(out) :: response
-    real(dp) :: shapes(modes%count, size(points))
-    real(dp) :: q(modes%count), rate(modes%count)
+    call start_histories(grid, size(points), with_velocity, response)
+    call add_motion(modes, q_dot*unit_time, points, grid, unit_time, monitor, response)
+    call finish_histories(unit_time, response)
+  end subroutine free_motion
+
+  subroutine start_histories(grid, points, with_velocity, response)
+    !! Histories of a beam at rest.
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: points                !! how many
+    logical, intent(in) :: with_velocity
+    type(response_type), intent(out) :: response
+    allocate (response%displacement(grid%samples, points), source=0.0_dp)
+    if (with_velocity) allocate (response%velocity(grid%samples, points), source=0.0_dp)
+    response%finite_samples = grid%samples
+  end subroutine start_histories
+
+  subroutine add_motion(modes, rate, points, grid, unit_time, monitor, response)
+    !! Add modes that start from rest position; velocities are in m per unit of time until the histories are finished.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: rate(:)              !! modal velocities at t = 0, m per l²/h, (modes)
+    real(dp), intent(in) :: points(:)            !! ξ, (points)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time            !! l²/h, s
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    real(dp) :: shapes(modes%count, size(points)), q(modes%count)
     shapes = modes%shapes(points)
     q = 0.0_dp
-    rate = q_dot*unit_time
-    allocate (response%displacement(grid%samples, size(points)), source=0.0_dp)
-    if (with_velocity) allocate (response%velocity(grid%samples, size(points)), source=0.0_dp)
     call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
     call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
+  end subroutine add_motion
+
+  subroutine finish_histories(unit_time, response)
+    !! Fill from the first overflow on, and velocities in m/s.
+    real(dp), intent(in) :: unit_time            !! l²/h, s
+    type(response_type), intent(inout) :: response
     response%displacement(response%finite_samples + 1:, :) = missing
-    if (.not. with_velocity) return
+    if (.not. allocated(response%velocity)) return
     response%velocity(:response%finite_samples, :) = response%velocity(:response%finite_samples, :)/unit_time
     response%velocity(response%finite_samples + 1:, :) = missing
-  end subroutine free_motion
+  end subroutine finish_histories
 
   subroutine add_stable(beta_squared, q, rate, shapes, grid, monitor, response)
     !! Modes below their critical speed, all together.
@@ -77,7 +106,6 @@ contains
     real(dp), allocatable :: velocity_limit        ! absent: no velocity is asked for
     real(dp) :: limit
     integer :: i, k, finite
-    response%finite_samples = grid%samples
     growing = pack([(k, k=1, size(q))], beta_squared%hi <= 0.0_dp)
     if (size(growing) == 0) return
     limit = log(huge(1.0_dp)) - log(real(size(growing), dp))

@@ -18,7 +18,8 @@ module bw_case_result
   type, public :: case_result
     !! An unallocated component was not asked for.
     type(beam_units) :: units
-    class(mode_set), allocatable :: modes             !! in force after t = 0
+    class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
+    integer :: mode_count = 0                         !! how many were summed
     class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
     logical :: can_grow = .false.                     !! rotation acts in the plane of the motion
     type(impact_type), allocatable :: impact

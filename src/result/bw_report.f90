@@ -13,7 +13,7 @@ module bw_report
   private
   public :: case_report, case_line, case_heading, notes_report, stage_report
 
-  integer, parameter :: shown_modes = 10, shown_peaks = 10
+  integer, parameter :: shown_modes = 10, shown_peaks = 10, shown_points = 5
 
 contains
 
@@ -23,6 +23,7 @@ contains
     type(text_builder) :: lines
     call report_modes(result, lines)
     if (allocated(result%impact)) call report_impact(result, lines)
+    if (allocated(result%response)) call report_histories(result, lines)
     if (allocated(result%measured)) call report_measured(result, lines)
     text = lines%text()
   end function case_report
@@ -53,7 +54,7 @@ contains
       call lines%append_line(right(text_of(k), 6)//right(fixed(first(k)), 12)//right(fixed(second(k)), 13)// &
                              right(fixed(third(k)), 13)//right(fixed(fourth(k)), 16)//right(fixed(fifth(k)), 16))
     end do
-    if (size(first) > most) call lines%append_line('   ...  '//text_of(size(first))//' in all')
+    if (size(first) > most) call lines%append_line('   ...  '//text_of(size(first))//' in the file')
   end subroutine report_columns
 
   subroutine report_impact(result, lines)
@@ -80,6 +81,28 @@ contains
                              right(fixed(momentum_after(i)), 16))
     end do
   end subroutine report_impact
+
+  subroutine report_histories(result, lines)
+    !! The largest displacement at each point, and how far it may be from the answer of infinitely many modes.
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    real(dp) :: peak
+    integer :: p
+    associate (response => result%response)
+      call lines%append_line('')
+      call lines%append_line('  Displacement from '//text_of(result%mode_count)//' modes')
+      do p = 1, min(shown_points, size(response%displacement, 2))
+        peak = maxval(abs(response%displacement(:response%finite_samples, p)))
+        call lines%append('  point'//right(text_of(p), 4)//': largest '//shortest(peak, 6)//' m')
+        if (allocated(response%displacement_error) .and. peak > 0.0_dp) call lines%append(', error about '// &
+          shortest(response%displacement_error(p), 2)//' m or '//shortest(response%displacement_error(p)/peak, 2)// &
+          ' of it')
+        call lines%append_line('')
+      end do
+      if (size(response%displacement, 2) > shown_points) &
+        call lines%append_line('  ...  '//text_of(size(response%displacement, 2))//' points in all')
+    end associate
+  end subroutine report_histories
 
   subroutine report_measured(result, lines)
     !! Waves found in the histories, with the bounds of their errors.

@@ -86,7 +86,7 @@ contains
     if (allocated(result%events)) call put_integers(self, index, 'event_kind', result%events%kind, .true., error)
     if (has_dimension(self%layout, 'peak')) &
       call put_integers(self, index, 'peak_count', [result%measured%peak_count], .false., error)
-    call put_integers(self, index, 'mode_count', [result%modes%count], .false., error)
+    call put_integers(self, index, 'mode_count', [result%mode_count], .false., error)
     call put_integers(self, index, 'case_status', [result%status], .false., error)
   end subroutine put_case
 

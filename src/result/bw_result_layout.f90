@@ -20,6 +20,7 @@ module bw_result_layout
     integer :: frequencies = 0
     integer :: peaks = 0
     logical :: velocity = .false.     !! velocity histories are asked for
+    logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
   end type result_layout
@@ -42,6 +43,7 @@ contains
     layout%points = size(scene%response%points)
     layout%samples = scene%response%samples
     layout%velocity = scene%response%velocity
+    layout%continuum = allocated(scene%capture)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
     layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
     if (.not. allocated(scene%spectrum)) return

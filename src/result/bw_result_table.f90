@@ -25,7 +25,7 @@ contains
     before%dimensions = 'mode_before'
     before%long_name = before_name(modal%long_name)
     before%references = before_source(modal%name)
-    rows = [modal, before, impact_rows(), event_rows(), measured_rows()]
+    rows = [modal, before, impact_rows(), event_rows(), error_rows(), measured_rows()]
   end function variable_table
 
   pure function modal_rows() result(rows)
@@ -92,6 +92,15 @@ contains
                    'generalised momentum of the first mode per unit of tip displacement, after the event', '')]
   end function event_rows
 
+  pure function error_rows() result(rows)
+    type(variable_row), allocatable :: rows(:)
+    rows = [ &
+      variable_row('displacement_error', 'point', 'm', &
+                   'estimate of the largest error of the displacement against infinitely many modes', ''), &
+      variable_row('velocity_error', 'point', 'm s-1', &
+                   'estimate of the largest error of the velocity against infinitely many modes', '')]
+  end function error_rows
+
   pure function measured_rows() result(rows)
     type(variable_row), allocatable :: rows(:)
     type(variable_row), allocatable :: values(:), bounds(:)
@@ -117,6 +126,8 @@ contains
     select case (row%name)
     case ('critical_angular_velocity'); held = .true.
     case ('critical_angular_velocity_before'); held = has_dimension(layout, 'mode_before')
+    case ('displacement_error'); held = layout%continuum
+    case ('velocity_error'); held = layout%continuum .and. layout%velocity
     case ('modal_velocity', 'impulse', 'mass_velocity', 'tip_velocity'); held = has_dimension(layout, 'event')
     case default; held = has_dimension(layout, trim(row%dimensions))
     end select

@@ -7,6 +7,7 @@ module bw_result_values
   use bw_measured, only: measured_type
   use bw_missing, only: missing, is_missing
   use bw_mode_set, only: mode_set
+  use bw_response, only: response_type
   use bw_result_table, only: variable_row, variable_table
   implicit none (type, external)
   private
@@ -34,6 +35,7 @@ contains
       end if
     case ('event'); values = event_value(result, row%name)
     case ('peak'); values = measured_value(result%measured, row%name)
+    case ('point'); values = error_value(result%response, row%name)
     case default; values = impact_value(result, row%name)
     end select
   end function value_of
@@ -105,6 +107,16 @@ contains
       end select
     end associate
   end function event_value
+
+  pure function error_value(response, name) result(values)
+    !! Empty where a history has no estimate.
+    type(response_type), intent(in) :: response
+    character(*), intent(in) :: name
+    real(dp), allocatable :: values(:)
+    allocate (values(0))
+    if (name == 'displacement_error' .and. allocated(response%displacement_error)) values = response%displacement_error
+    if (name == 'velocity_error' .and. allocated(response%velocity_error)) values = response%velocity_error
+  end function error_value
 
   pure function measured_value(measured, name) result(values)
     type(measured_type), intent(in) :: measured

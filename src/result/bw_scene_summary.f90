@@ -2,6 +2,7 @@ module bw_scene_summary
   !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
+  use bw_modes_par, only: by_tolerance
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count
@@ -75,7 +76,10 @@ contains
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
-    if (allocated(scene%capture)) then
+    if (by_tolerance(scene%modes)) then
+      text = 'as many modes as an error of '//number_or_swept(scene, 'modes%tolerance', scene%modes%tolerance, '')// &
+        ' of the peak takes'
+    else if (allocated(scene%capture)) then
       text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'
     else
       text = text_of(layout%modes)//' modes'

@@ -6,51 +6,60 @@ module bw_one_case
   use bw_capture, only: capture_type, capture_mass
   use bw_case_result, only: case_result, add_note, case_diverged
   use bw_closed_form, only: closed_form_set, closed_form_modes
+  use bw_continuum, only: continuum_capture, continuum_impact, continuum_velocity
   use bw_double_double, only: dd
+  use bw_error, only: error_type
   use bw_event, only: event_type
-  use bw_impact, only: impact_type, strike
+  use bw_histories, only: respond
+  use bw_impact, only: strike
+  use bw_modes_par, only: by_tolerance
   use bw_measured, only: measure_waves
   use bw_monitor, only: monitor_type
-  use bw_response, only: free_motion
   use bw_result_layout, only: result_layout
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
   use bw_text, only: shortest, text_of
-  use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
   public :: run_case
 
 contains
 
-  subroutine run_case(scene, layout, watch, monitor, result)
+  subroutine run_case(scene, layout, watch, monitor, result, error)
     !! The way the data goes. After a stop that the monitor asked for the result is not complete.
+    !! **Errors**: `status_bad_input` where the tolerance cannot be reached.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
+    type(error_type), allocatable, intent(out) :: error
     type(closed_form_set), allocatable :: free, loaded
+    type(dd), allocatable :: omega
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded)
+    call find_modes(scene, result, omega, free, loaded)
+    call note_growth(result)
+    result%mode_count = result%modes%count
     call watch%lap(stage_modes)
     call apply_events(scene, free, loaded, result)
     call watch%lap(stage_events)
-    call respond(scene, monitor, result)
+    call respond(scene, omega, loaded, monitor, result, error)
+    if (allocated(error)) return
     call watch%lap(stage_response)
     call take_spectrum(scene, layout, result)
     call watch%lap(stage_spectrum)
   end subroutine run_case
 
-  subroutine find_modes(scene, result, free, loaded)
-    !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force.
+  subroutine find_modes(scene, result, omega, free, loaded)
+    !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force. Where a
+    !! tolerance says how many are summed, there are none before the capture, and the first few stand for those after it.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
+    type(dd), allocatable, intent(out) :: omega    !! absent: the beam does not rotate in the plane of its motion
     type(closed_form_set), allocatable, intent(out) :: free, loaded
-    type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     real(dp), allocatable :: longest               ! absent: no history is asked for
     result%can_grow = .true.
     if (allocated(scene%rotation)) then
@@ -61,15 +70,15 @@ contains
     end if
     if (allocated(scene%response)) longest = scene%response%duration/result%units%time%hi
     if (allocated(scene%capture)) then
-      free = closed_form_modes(scene%modes%before, 0.0_dp, omega)
       loaded = closed_form_modes(scene%modes%after, scene%impact%mass_ratio, omega, longest)
-      result%before = free
       result%modes = loaded
+      if (by_tolerance(scene%modes)) return
+      free = closed_form_modes(scene%modes%before, 0.0_dp, omega)
+      result%before = free
     else
       free = closed_form_modes(scene%modes%before, 0.0_dp, omega, longest)
       result%modes = free
     end if
-    call note_growth(result)
   end subroutine find_modes
 
   subroutine note_growth(result)
@@ -86,31 +95,46 @@ contains
   subroutine apply_events(scene, free, loaded, result)
     !! The impact, and the capture if the mass stays.
     type(scene_type), intent(in) :: scene
-    type(closed_form_set), intent(in) :: free
-    type(closed_form_set), intent(in), optional :: loaded
+    type(closed_form_set), intent(in), optional :: free, loaded
     type(case_result), intent(inout) :: result
     type(capture_type) :: capture
-    real(dp) :: profile(scene_profile(scene))
-    integer :: j
     if (.not. allocated(scene%impact)) return
     result%approach_velocity = scene%impact%approach_velocity
-    result%impact = strike(free, scene%impact%mass_ratio, scene%impact%restitution)
-    result%modal_velocity = result%impact%modal_velocity
-    result%events = [result%impact%event]
-    profile = [(real(j, dp)/(size(profile) - 1), j=0, size(profile) - 1)]
-    result%velocity_jump = matmul(result%impact%modal_velocity, free%shapes(profile))
-    if (.not. present(loaded)) return
-    capture = capture_mass(free, result%impact, loaded)
-    result%modal_velocity = capture%modal_velocity
-    result%events = [result%events, capture%event]
-    if (scene%impact%restitution > 0.0_dp) call note_added_energy(scene, result)
+    associate (gamma => scene%impact%mass_ratio, e => scene%impact%restitution)
+      if (.not. present(free)) then
+        result%impact = continuum_impact(gamma, e)
+        result%modal_velocity = continuum_velocity(result%modes, gamma, e)
+        result%events = [result%impact%event, continuum_capture(gamma, e)]
+      else
+        result%impact = strike(free, gamma, e)
+        result%modal_velocity = result%impact%modal_velocity
+        result%events = [result%impact%event]
+        if (present(loaded)) then
+          capture = capture_mass(free, result%impact, loaded)
+          result%modal_velocity = capture%modal_velocity
+          result%events = [result%events, capture%event]
+        end if
+      end if
+      if (present(loaded) .and. e > 0.0_dp) call note_added_energy(scene, result)
+    end associate
+    call set_velocity_jump(scene, free, result)
   end subroutine apply_events
 
-  pure integer function scene_profile(scene) result(points)
+  subroutine set_velocity_jump(scene, free, result)
+    !! Fig. 3; of infinitely many modes only the tip jumps.
     type(scene_type), intent(in) :: scene
-    points = 0
-    if (allocated(scene%impact)) points = scene%impact%profile_points
-  end function scene_profile
+    type(closed_form_set), intent(in), optional :: free
+    type(case_result), intent(inout) :: result
+    real(dp) :: profile(scene%impact%profile_points)
+    integer :: j
+    profile = [(real(j, dp)/(size(profile) - 1), j=0, size(profile) - 1)]
+    if (present(free)) then
+      result%velocity_jump = matmul(result%impact%modal_velocity, free%shapes(profile))
+    else
+      result%velocity_jump = 0.0_dp*profile
+      result%velocity_jump(size(profile)) = result%impact%tip_velocity
+    end if
+  end subroutine set_velocity_jump
 
   subroutine note_added_energy(scene, result)
     !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.
@@ -128,24 +152,6 @@ contains
       ' of what the mass brought; beam and mass then hold '//shortest(capture%energy_after/approach, 4)// &
       ' of its energy')
   end subroutine note_added_energy
-
-  subroutine respond(scene, monitor, result)
-    !! Histories from the state after the last event at t = 0.
-    type(scene_type), intent(in) :: scene
-    class(monitor_type), intent(inout) :: monitor
-    type(case_result), intent(inout) :: result
-    type(time_grid) :: grid
-    if (.not. allocated(scene%response)) return
-    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
-    allocate (result%response)
-    call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
-                     result%units%time%hi, scene%response%velocity, monitor, result%response)
-    if (result%response%failing_mode == 0) return
-    result%status = case_diverged
-    call add_note(result, 'overflow: mode '//text_of(result%response%failing_mode)//' overflows at t = '// &
-      shortest(result%response%finite_samples*(scene%response%duration/scene%response%samples), 6)// &
-      ' s; the histories hold fill from there on')
-  end subroutine respond
 
   subroutine take_spectrum(scene, layout, result)
     !! Amplitude spectra of all points; waves measured from the tip and midpoint histories alone.

@@ -145,7 +145,8 @@ contains
       if (finished(i)) cycle
       call case_scene(scene, i, one, error)
       if (allocated(error)) return
-      if (.not. progress%stop_requested()) call run_case(one, state%layout, state%watch, progress, result)
+      if (.not. progress%stop_requested()) call run_case(one, state%layout, state%watch, progress, result, error)
+      if (allocated(error)) return
       if (progress%stop_requested()) then
         outcome%status = status_stopped
         exit

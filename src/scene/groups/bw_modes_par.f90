@@ -1,25 +1,32 @@
 module bw_modes_par
   !! `&modes`: how many modes are summed.
-  use bw_input_name, only: input_group, input_name, integer_input, number_range
+  use bw_input_name, only: input_group, input_name, integer_input, number_range, real_input
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing
   use bw_scene_messages, only: message_list
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: build_modes, settle_modes
+  public :: build_modes, settle_modes, by_tolerance
 
   type, public :: modes_par
     integer :: before = 0   !! modes of the beam before the impact, ≥ 1
     integer :: after = 0    !! modes after the capture, ≥ 1; without a capture the same as before
+    real(dp) :: tolerance = missing
+      !! largest error of the displacement over its peak; `missing` where counts are given instead, and the counts are
+      !! then 0 before and `shown_modes` after
   end type modes_par
 
-  integer, parameter :: default_count = 20                                  !! where no history depends on it
+  integer, parameter, public :: shown_modes = 20      !! modes that a result holds where the sum has as many as it takes
+  integer, parameter :: default_count = 20            !! where no history depends on it
+  real(dp), parameter :: default_tolerance = 1.0e-6_dp
   type(number_range), parameter :: counts = number_range(1.0_dp, 1e7_dp)
 
   type(input_group), parameter, public :: modes_group = input_group( &
-    'modes', implied=.true., absent='20 modes without `&response`; with it, an error: counts are required', &
-    rules='With `&capture` there are two sets of modes; where one count is given, the other is the same. Without it '// &
+    'modes', implied=.true., absent='20 modes without `&response`; with it and `&capture`, tolerance 1e-6', &
+    rules='Give counts, or a tolerance. '// &
+    'With `&capture` there are two sets of modes; where one count is given, the other is the same. Without it '// &
     'there is one set: its count is `before`, and `after`, if given, is the same. A rebound belongs to its '// &
     'truncation, its impulse going to 0 as modes are added, so that no count can be chosen for it.')
 
@@ -27,7 +34,9 @@ module bw_modes_par
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., &
                meaning='modes of the beam alone, which the impact excites'), &
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., &
-               meaning='modes of the beam with the captured mass')]
+               meaning='modes of the beam with the captured mass'), &
+    input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, 0.5_dp), swept=.true., &
+               excludes='before after', meaning='largest error of the displacement over its peak')]
 
 contains
 
@@ -39,9 +48,18 @@ contains
     logical, intent(in) :: response   !! a history is asked for
     type(message_list), intent(inout) :: messages
     if (any(modes%values%given .and. .not. modes%values%known)) return
+    if (modes%given('tolerance')) then
+      if (.not. (captured .and. response)) call messages%add(modes%line_of('tolerance'), 'modes%tolerance', &
+        'needs &capture and &response: it is an error of their history; accepted: counts, as before and after')
+      return
+    end if
     if (.not. (modes%given('before') .or. modes%given('after'))) then
-      if (response .and. (rebound .or. captured)) then
-        call ask_for_counts(captured, messages)
+      if (response .and. captured) then
+        call modes%settle('tolerance', default_tolerance, 0)
+        return
+      end if
+      if (response .and. rebound) then
+        call ask_for_counts(messages)
         return
       end if
       call modes%settle('before', real(default_count, dp), 0)
@@ -53,19 +71,11 @@ contains
     end if
   end subroutine settle_modes
 
-  pure subroutine ask_for_counts(captured, messages)
-    logical, intent(in) :: captured
+  pure subroutine ask_for_counts(messages)
     type(message_list), intent(inout) :: messages
-    character(:), allocatable :: accepted
-    accepted = 'accepted: 1 to '//text_of(counts%high)
-    if (captured) then
-      call messages%add(0, 'modes%before', 'is missing: &response with &capture needs a count of modes, as before or '// &
-                        'after; '//accepted)
-    else
-      call messages%add(0, 'modes%before', 'is missing: &response with &impact and without &capture needs a count of '// &
-                        'modes, since a rebound belongs to its truncation (its impulse goes to 0 as modes are added); '// &
-                        accepted)
-    end if
+    call messages%add(0, 'modes%before', 'is missing: &response with &impact and without &capture needs a count of '// &
+                      'modes, since a rebound belongs to its truncation (its impulse goes to 0 as modes are added); '// &
+                      'accepted: 1 to '//text_of(counts%high))
   end subroutine ask_for_counts
 
   pure subroutine settle_pair(modes)
@@ -98,10 +108,21 @@ contains
     type(group_values), intent(in) :: groups(:)   !! settled
     type(modes_par), intent(out) :: modes
     associate (values => groups(position_of(groups, 'modes')))
+      if (values%known('tolerance')) then
+        modes%tolerance = values%number('tolerance')
+        modes%after = shown_modes
+        return
+      end if
       modes%before = values%whole('before')
       modes%after = modes%before
       if (values%known('after')) modes%after = values%whole('after')
     end associate
   end subroutine build_modes
+
+  pure logical function by_tolerance(modes)
+    !! The program chooses how many modes are summed.
+    type(modes_par), intent(in) :: modes
+    by_tolerance = .not. is_missing(modes%tolerance)
+  end function by_tolerance
 
 end module bw_modes_par

@@ -1,0 +1,151 @@
+module bw_truncation
+  !! How far a sum of n modes is from the answer of infinitely many, before any of the others is summed.
+  !!
+  !! What is missing is a sum of sines with the amplitudes A of the modes from n + 1 on, and of the differences that a
+  !! finite number of modes before the capture leaves in the first n. Its largest value over N samples is at most Σ|A|,
+  !! and, the phases being as good as random, hardly ever above √(½ΣA²)·√(2 ln 2N): the estimate is the smaller of the
+  !! first and `safety` times the second. The sums run over windows of mode numbers that double in length, each sampled
+  !! by runs of neighbouring modes, since the shapes at a point repeat every few modes.
+  !!
+  !! **Empirical**: `safety`, and the sampling; test_bw_truncation shows what they are worth.
+  use bw_kinds, only: dp
+  use bw_closed_form, only: closed_form_set, numbered_modes
+  use bw_double_double, only: dd, sqrt, operator(-)
+  use bw_frequency_equation, only: highest_mode
+  implicit none (type, external)
+  private
+  public :: truncation_error, tail_error
+
+  real(dp), parameter :: safety = 2.5_dp          !! empirical
+  integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
+  real(dp), parameter :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
+
+  type, public :: deviation_type
+    !! Of one point: the sums from which the estimates are made.
+    real(dp) :: magnitude = 0.0_dp                !! Σ|A|
+    real(dp) :: square = 0.0_dp                   !! ΣA²
+    real(dp) :: growing = 0.0_dp                  !! the largest value of what grows
+  end type deviation_type
+
+contains
+
+  pure function truncation_error(modes, lacking, force, omega, points, longest, samples, velocity) result(error)
+    !! Estimates of the largest error over the samples of a history, (points).
+    type(closed_form_set), intent(in) :: modes    !! the first n, that were summed
+    real(dp), intent(in) :: lacking(:)            !! modal velocities less those of the continuum, (n)
+    real(dp), intent(in) :: force                 !! the continuum's modal velocities are force·Φ_k(1)/M_k
+    type(dd), intent(in), optional :: omega       !! in-plane angular velocity in h/l²; absent: none
+    real(dp), intent(in) :: points(:)             !! ξ, (points)
+    real(dp), intent(in) :: longest               !! duration in l²/h
+    integer, intent(in) :: samples                !! N
+    logical, intent(in) :: velocity               !! of the velocity, else of the displacement
+    real(dp) :: error(size(points))
+    type(deviation_type) :: sums(size(points))
+    call add_modes(modes, lacking, points, longest, velocity, 1.0_dp, sums)
+    call add_tail(modes%count, modes%gamma, force, omega, points, longest, velocity, sums)
+    error = largest(sums, samples)
+  end function truncation_error
+
+  pure function tail_error(count, gamma, force, omega, points, longest, samples, velocity) result(error)
+    !! `truncation_error` where the first `count` modes are those of the continuum, (points).
+    integer, intent(in) :: count
+    real(dp), intent(in) :: gamma, force
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in) :: points(:), longest
+    integer, intent(in) :: samples
+    logical, intent(in) :: velocity
+    real(dp) :: error(size(points))
+    type(deviation_type) :: sums(size(points))
+    call add_tail(count, gamma, force, omega, points, longest, velocity, sums)
+    error = largest(sums, samples)
+  end function tail_error
+
+  elemental real(dp) function largest(sums, samples) result(error)
+    type(deviation_type), intent(in) :: sums
+    integer, intent(in) :: samples
+    error = sums%growing + min(sums%magnitude, &
+                               safety*sqrt(0.5_dp*sums%square)*sqrt(2.0_dp*log(2.0_dp*max(2, samples))))
+  end function largest
+
+  pure subroutine add_tail(count, gamma, force, omega, points, longest, velocity, sums)
+    !! The continuum's modes from `count` + 1 on.
+    integer, intent(in) :: count
+    real(dp), intent(in) :: gamma, force
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in) :: points(:), longest
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    type(closed_form_set) :: modes
+    type(deviation_type) :: before(size(points))
+    integer, allocatable :: number(:)
+    integer :: first, last
+    if (gamma == 0.0_dp .or. force == 0.0_dp) return
+    first = count + 1
+    do
+      last = min(2*max(first, run_length), highest_mode)
+      number = sampled(first, last)
+      modes = numbered_modes(number, gamma, omega)
+      before = sums
+      call add_modes(modes, force*modes%tip/modes%modal_mass, points, longest, velocity, &
+                     real(last - first + 1, dp)/size(number), sums)
+      if (last == highest_mode) exit
+      if (gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
+          (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit
+      first = last + 1
+    end do
+  end subroutine add_tail
+
+  pure function sampled(first, last) result(number)
+    !! All mode numbers of a short window, runs of neighbours of a long one.
+    integer, intent(in) :: first, last
+    integer, allocatable :: number(:)
+    integer :: i, k, gap
+    if (last - first + 1 <= 2*runs*run_length) then
+      number = [(k, k=first, last)]
+    else
+      gap = (last - first + 1)/runs
+      number = [((first + i*gap + (gap - run_length)/2 + k, k=0, run_length - 1), i=0, runs - 1)]
+    end if
+  end function sampled
+
+  pure subroutine add_modes(modes, rate, points, longest, velocity, weight, sums)
+    !! Amplitudes of modes that start with velocity `rate`; each stands for `weight` modes.
+    type(closed_form_set), intent(in) :: modes
+    real(dp), intent(in) :: rate(:)               !! (modes)
+    real(dp), intent(in) :: points(:), longest
+    logical, intent(in) :: velocity
+    real(dp), intent(in) :: weight
+    type(deviation_type), intent(inout) :: sums(:)
+    real(dp) :: shapes(modes%count, size(points)), reach(modes%count)
+    logical :: stable(modes%count)
+    integer :: p
+    shapes = modes%shapes(points)
+    stable = modes%beta_squared%hi > 0.0_dp
+    reach = reach_of(modes%beta_squared, longest, velocity)
+    do p = 1, size(points)
+      sums(p)%magnitude = sums(p)%magnitude + weight*sum(abs(rate*shapes(:, p))*reach, mask=stable)
+      sums(p)%square = sums(p)%square + weight*sum((rate*shapes(:, p)*reach)**2, mask=stable)
+      sums(p)%growing = sums(p)%growing + weight*sum(abs(rate*shapes(:, p))*reach, mask=.not. stable)
+    end do
+  end subroutine add_modes
+
+  elemental real(dp) function reach_of(beta_squared, longest, velocity) result(reach)
+    !! The largest |S|, or |C|, of a mode up to that time: 1/β and 1 where it is stable.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: longest
+    logical, intent(in) :: velocity
+    real(dp), parameter :: furthest = 700.0_dp    ! beyond it the history overflows, and so may the estimate not
+    type(dd) :: rate
+    if (beta_squared%hi > 0.0_dp) then
+      rate = sqrt(beta_squared)
+      reach = min(longest, 1.0_dp/rate%hi)
+      if (velocity) reach = 1.0_dp
+      return
+    end if
+    rate = sqrt(-beta_squared)
+    reach = longest
+    if (rate%hi > 0.0_dp) reach = sinh(min(furthest, rate%hi*longest))/rate%hi
+    if (velocity) reach = cosh(min(furthest, rate%hi*longest))
+  end function reach_of
+
+end module bw_truncation
