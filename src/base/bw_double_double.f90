@@ -9,7 +9,7 @@ module bw_double_double
   use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  public :: two_sum, two_product, to_dd, to_quad, sqrt, operator(+), operator(-), operator(*), operator(/)
+  public :: two_sum, two_product, accurate_sum, to_dd, to_quad, sqrt, operator(+), operator(-), operator(*), operator(/)
 
   type, public :: dd
     !! The number hi + lo, |lo| ≤ half a unit in the last place of hi.
@@ -60,6 +60,21 @@ contains
     call split(b, b_hi, b_lo)
     rest = ((a_hi*b_hi - product) + a_hi*b_lo + a_lo*b_hi) + a_lo*b_lo
   end subroutine two_product
+
+  pure real(dp) function accurate_sum(values) result(total)
+    !! The sum of many numbers, rounded about once however many there are (Neumaier's compensated sum).
+    real(dp), intent(in) :: values(:)
+    real(dp) :: next, rest, lost
+    integer :: i
+    total = 0.0_dp
+    lost = 0.0_dp
+    do i = 1, size(values)
+      call two_sum(total, values(i), next, rest)
+      total = next
+      lost = lost + rest
+    end do
+    total = total + lost
+  end function accurate_sum
 
   elemental subroutine split(a, hi, lo)
     !! Two halves of 26 bits each.

@@ -34,7 +34,28 @@ module bw_monitor
     procedure :: stop_requested => never
   end type silent_monitor
 
+  type, extends(monitor_type), public :: part_monitor
+    !! For a part of a case: passes on how much of the whole is done.
+    class(monitor_type), pointer :: whole => null()
+    real(dp) :: start = 0.0_dp       !! what was done before this part, 0 … 1
+    real(dp) :: share = 1.0_dp       !! how much of the whole this part is, 0 … 1
+  contains
+    procedure :: advance => advance_whole
+    procedure :: stop_requested => ask_whole
+  end type part_monitor
+
 contains
+
+  subroutine advance_whole(self, fraction)
+    class(part_monitor), intent(inout) :: self
+    real(dp), intent(in) :: fraction
+    call self%whole%advance(self%start + self%share*fraction)
+  end subroutine advance_whole
+
+  logical function ask_whole(self)
+    class(part_monitor), intent(inout) :: self
+    ask_whole = self%whole%stop_requested()
+  end function ask_whole
 
   subroutine ignore(self, fraction)
     class(silent_monitor), intent(inout) :: self

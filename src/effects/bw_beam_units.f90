@@ -34,14 +34,15 @@ contains
   end function units_of
 
   pure type(dd) function root_of_stiffness(beam) result(h)
-    !! h = (D/4)√(E/ρ) for a solid circle, where A and I would only add roundings; √(EI/(ρA)) else.
+    !! h = (D/4)√(E/ρ) for a solid circle, where A and I would only add roundings; √(E/ρ)√(I/A) else, each root by
+    !! itself, since h² may leave the range of numbers.
     type(beam_par), intent(in) :: beam
-    type(dd) :: stiffness
-    stiffness = to_dd(beam%youngs_modulus)/to_dd(beam%density)
+    type(dd) :: sound
+    sound = sqrt(to_dd(beam%youngs_modulus)/to_dd(beam%density))
     if (beam%round) then
-      h = sqrt(stiffness)*to_dd(0.25_dp*beam%diameter)
+      h = sound*to_dd(0.25_dp*beam%diameter)
     else
-      h = sqrt(stiffness*(to_dd(beam%second_moment)/to_dd(beam%area)))
+      h = sound*sqrt(to_dd(beam%second_moment)/to_dd(beam%area))
     end if
   end function root_of_stiffness
 

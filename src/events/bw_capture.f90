@@ -2,6 +2,7 @@ module bw_capture
   !! The mass stays at the tip: the velocities carry over into the modes of beam and mass (Eqs 22–26).
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_set
+  use bw_double_double, only: accurate_sum
   use bw_event, only: event_type, capture_event
   use bw_impact, only: impact_type
   use bw_overlap, only: overlap_of_beam, overlap_with_mass
@@ -38,7 +39,7 @@ contains
     beam = overlap_of_beam(after, before, impact%modal_velocity)
     event%kind = capture_event
     event%energy_before = impact%event%energy_after
-    event%energy_after = 0.5_dp*sum(after%modal_mass*velocity**2)
+    event%energy_after = 0.5_dp*accurate_sum(after%modal_mass*velocity**2)
     event%momentum_before = beam(1)/after%tip(1) + impact%gamma*impact%mass_velocity
     event%momentum_after = after%modal_mass(1)*velocity(1)/after%tip(1)
   end function balance

@@ -6,6 +6,7 @@ module bw_impact
   !! H = (1+e)V/(1/m_j + Σφ_i(1)²/M_i). **Limit**: the sum grows with the number of modes, so H belongs to its
   !! truncation. Without dimensions: masses in m_i, velocities in V; the mass then comes with velocity 1.
   use bw_kinds, only: dp
+  use bw_double_double, only: accurate_sum
   use bw_event, only: event_type, impact_event
   use bw_mode_set, only: mode_set
   implicit none (type, external)
@@ -30,7 +31,7 @@ contains
     real(dp), intent(in) :: gamma              !! m_j/m_i ≥ 0; 0 moves nothing
     real(dp), intent(in) :: restitution        !! 0 ≤ e ≤ 1
     real(dp) :: mobility, light, heavy, total
-    mobility = sum(modes%tip**2/modes%modal_mass)            ! Σφ_i(1)²/M_i
+    mobility = accurate_sum(modes%tip**2/modes%modal_mass)   ! Σφ_i(1)²/M_i
     light = 1.0_dp/max(1.0_dp, gamma)                        ! 1 and γ, both divided by the larger
     heavy = min(1.0_dp, gamma)
     total = light + heavy*mobility
@@ -50,7 +51,7 @@ contains
     event%kind = impact_event
     event%impulse = impact%impulse
     event%energy_before = 0.5_dp*impact%gamma
-    event%energy_after = 0.5_dp*sum(modes%modal_mass*impact%modal_velocity**2) &
+    event%energy_after = 0.5_dp*accurate_sum(modes%modal_mass*impact%modal_velocity**2) &
       + 0.5_dp*impact%gamma*impact%mass_velocity**2
     event%momentum_before = impact%gamma
     event%momentum_after = modes%modal_mass(1)*impact%modal_velocity(1)/modes%tip(1) &

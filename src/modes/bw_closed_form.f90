@@ -9,7 +9,7 @@ module bw_closed_form
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
-  public :: closed_form_modes, numbered_modes
+  public :: closed_form_modes, is_coarse, numbered_modes
 
   type, extends(mode_set), public :: closed_form_set
     real(dp) :: gamma = 0.0_dp                     !! mass ratio γ
@@ -68,16 +68,22 @@ contains
     type(dd), intent(inout) :: alpha(:)
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
-    real(dp) :: drift(size(alpha))
-    logical :: coarse(size(alpha))
+    where (is_coarse(root, alpha, omega, longest)) alpha = refined_root(root)
+  end subroutine refine_roots
+
+  elemental logical function is_coarse(root, alpha, omega, longest) result(coarse)
+    !! Binary64 does not carry this root: extended precision is entered for it, and for no other.
+    type(root_type), intent(in) :: root
+    type(dd), intent(in) :: alpha
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    real(dp) :: drift
     coarse = .false.
     if (present(omega)) coarse = abs(alpha%hi**2 - omega%hi) < near_critical*alpha%hi**2
-    if (present(longest)) then
-      drift = alpha%hi*(root%rest*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `rest`
-      coarse = coarse .or. abs(drift) > phase_error
-    end if
-    where (coarse) alpha = refined_root(root)
-  end subroutine refine_roots
+    if (.not. present(longest)) return
+    drift = alpha%hi*(root%rest*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `rest`
+    coarse = coarse .or. abs(drift) > phase_error
+  end function is_coarse
 
   pure function closed_form_shapes(self, xi) result(values)
     class(closed_form_set), intent(in) :: self

@@ -6,6 +6,7 @@ module bw_overlap
   !! the sum is γΦ̄_k(1)φ_i(1) α_i⁴/(α_i⁴ − ᾱ_k⁴).
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_set
+  use bw_double_double, only: accurate_sum
   use bw_root_difference, only: fourth_power_difference
   implicit none (type, external)
   private
@@ -48,7 +49,7 @@ contains
     end if
     do k = 1, loaded%count
       sums(k) = loaded%shape(k)%tip_force/loaded%alpha(k) &
-        *sum(free%tip*weight/differences(loaded, free, k))
+        *accurate_sum(free%tip*weight/differences(loaded, free, k))
     end do
   end function weighted_sums
 

@@ -45,26 +45,40 @@ contains
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
     type(dd) :: rate, time, x
-    real(dp) :: now(size(shapes)), now_dot(size(shapes))
     integer :: j
     rate = sqrt(-beta_squared)
     do j = 1, samples
       time = grid%step*real(j - 1, dp)
       x = rate*time
-      if (x%hi < 1.0_dp) then
-        now = shapes*(q*cosh(x%hi) + q_dot*time%hi*mean_hyperbolic_cosine(x%hi))
-        now_dot = shapes*(q_dot*cosh(x%hi) + q*rate%hi*sinh(x%hi))
-      else
-        now = exponentials(shapes*(0.5_dp*(q + q_dot/rate%hi)), shapes*(0.5_dp*(q - q_dot/rate%hi)), x)
-        now_dot = exponentials(shapes*(0.5_dp*(rate%hi*q + q_dot)), shapes*(0.5_dp*(q_dot - rate%hi*q)), x)
-      end if
-      displacement(j, :) = displacement(j, :) + now
-      if (present(velocity)) velocity(j, :) = velocity(j, :) + now_dot
+      displacement(j, :) = displacement(j, :) + displacement_at(x, time%hi, rate%hi, q, q_dot, shapes)
+      if (present(velocity)) velocity(j, :) = velocity(j, :) + velocity_at(x, rate%hi, q, q_dot, shapes)
     end do
   end subroutine add_growing_mode
 
+  elemental real(dp) function displacement_at(x, time, rate, q, q_dot, shape) result(now)
+    !! Φ·(q C + q̇ S).
+    type(dd), intent(in) :: x                    !! |β|t
+    real(dp), intent(in) :: time, rate, q, q_dot, shape
+    if (x%hi < 1.0_dp) then
+      now = shape*(q*cosh(x%hi) + q_dot*time*mean_hyperbolic_cosine(x%hi))
+    else
+      now = exponentials(shape*(0.5_dp*(q + q_dot/rate)), shape*(0.5_dp*(q - q_dot/rate)), x)
+    end if
+  end function displacement_at
+
+  elemental real(dp) function velocity_at(x, rate, q, q_dot, shape) result(now)
+    !! Its derivative.
+    type(dd), intent(in) :: x
+    real(dp), intent(in) :: rate, q, q_dot, shape
+    if (x%hi < 1.0_dp) then
+      now = shape*(q_dot*cosh(x%hi) + q*rate*sinh(x%hi))
+    else
+      now = exponentials(shape*(0.5_dp*(rate*q + q_dot)), shape*(0.5_dp*(q_dot - rate*q)), x)
+    end if
+  end function velocity_at
+
   elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
-    !! sinh x/x, 1 at x = 0.
+    !! sinh x/x, 1 at x = 0: the mean of cosh from 0 to x.
     real(dp), intent(in) :: x
     mean = 1.0_dp
     if (x > 0.0_dp) mean = sinh(x)/x

@@ -16,6 +16,9 @@ module bw_response
   private
   public :: free_motion, start_histories, add_motion, finish_histories
 
+  real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
+    !! of the largest number, less what the roundings of a logarithm may amount to
+
   type, public :: response_type
     !! Histories in the rotating frame, SI units.
     real(dp), allocatable :: displacement(:, :)   !! m, (samples, points); missing from the first overflow on
@@ -108,7 +111,7 @@ contains
     integer :: i, k, finite
     growing = pack([(k, k=1, size(q))], beta_squared%hi <= 0.0_dp)
     if (size(growing) == 0) return
-    limit = log(huge(1.0_dp)) - log(real(size(growing), dp))
+    limit = log_huge - log(real(size(growing), dp))
     if (allocated(response%velocity)) velocity_limit = limit + min(0.0_dp, log(unit_time))
     do i = 1, size(growing)
       k = growing(i)

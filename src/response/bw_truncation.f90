@@ -77,17 +77,15 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     type(closed_form_set) :: modes
     type(deviation_type) :: before(size(points))
-    integer, allocatable :: number(:)
     integer :: first, last
     if (gamma == 0.0_dp .or. force == 0.0_dp) return
     first = count + 1
     do
       last = min(2*max(first, run_length), highest_mode)
-      number = sampled(first, last)
-      modes = numbered_modes(number, gamma, omega)
+      modes = numbered_modes(sampled(first, last), gamma, omega)
       before = sums
       call add_modes(modes, force*modes%tip/modes%modal_mass, points, longest, velocity, &
-                     real(last - first + 1, dp)/size(number), sums)
+                     real(last - first + 1, dp)/modes%count, sums)
       if (last == highest_mode) exit
       if (gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
           (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit

@@ -4,6 +4,7 @@ module bw_scene_sweeps
   use bw_input_table, only: group_row, name_row, name_table
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
+  use bw_scene_characters, only: shown
   use bw_scene_checks, only: check_group
   use bw_scene_entries, only: place_of
   use bw_scene_messages, only: message_list
@@ -102,7 +103,7 @@ contains
     end if
     if (problem == '') return
     row = 0
-    call messages%add(source%line_of('parameter'), 'sweep%parameter', "'"//parameter//"' "//problem)
+    call messages%add(source%line_of('parameter'), 'sweep%parameter', shown(parameter)//' '//problem)
   end subroutine find_target
 
   pure function obstacle(row, groups) result(problem)

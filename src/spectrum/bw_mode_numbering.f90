@@ -41,28 +41,28 @@ contains
     integer, intent(in) :: samples               !! in the record
     type(mode_type), intent(out) :: modes(:)     !! one for each peak
     type(curve_type), intent(out) :: curve
-    type(mode_type) :: anchor(highest_anchor, most_anchors)
+    type(mode_type), allocatable :: role(:, :)   !! every clear peak as every mode
     logical :: clear(size(peaks))
     integer, allocatable :: strong(:)
     integer :: i, j, k, m
     clear = is_clear(peaks)
     allocate (strong, source=strongest(peaks, clear))
-    do i = 1, size(strong)
-      anchor(:, i) = [(as_mode(peaks(strong(i)), k), k=1, highest_anchor)]
+    allocate (role(highest_anchor, size(peaks)))
+    do i = 1, size(peaks)
+      if (clear(i)) role(:, i) = [(as_mode(peaks(i), k), k=1, highest_anchor)]
     end do
     do i = 1, size(strong)
       do j = 1, size(strong)
         if (peaks(strong(i))%position >= peaks(strong(j))%position) cycle
         do k = 1, highest_anchor
-          if (anchor(k, i)%number == 0) cycle
           do m = k + 1, highest_anchor
-            if (anchor(m, j)%number > 0) call try_curve(anchor(k, i), anchor(m, j), peaks, clear, modes, curve)
+            call try_curve(role(k, strong(i)), role(m, strong(j)), peaks, clear, role, modes, curve)
           end do
         end do
       end do
     end do
     if (curve%support == 2 .and. (curve%gaps > 0 .or. count(clear) > 2)) then  ! any two peaks lie on some curve
-      call number_first_two(peaks, clear, strong, anchor(:2, :), samples, modes, curve)
+      call number_first_two(peaks, clear, strong, role, samples, modes, curve)
     end if
     if (curve%support > 0) then
       call fit_curve(modes, curve)
@@ -71,12 +71,12 @@ contains
     end if
   end subroutine number_modes
 
-  subroutine number_first_two(peaks, clear, strong, anchor, samples, modes, curve)
+  subroutine number_first_two(peaks, clear, strong, role, samples, modes, curve)
     !! Modes 1 and 2 alone below the Nyquist frequency: the pair on whose curve all other clear peaks are folded modes.
     type(peak_type), intent(in) :: peaks(:)
     logical, intent(in) :: clear(:)
     integer, intent(in) :: strong(:)
-    type(mode_type), intent(in) :: anchor(:, :)  !! strong peaks as mode 1 and as mode 2
+    type(mode_type), intent(in) :: role(:, :)    !! (mode, peak)
     integer, intent(in) :: samples
     type(mode_type), intent(inout) :: modes(:)
     type(curve_type), intent(inout) :: curve
@@ -84,9 +84,8 @@ contains
     do i = 1, size(strong)
       do j = 1, size(strong)
         if (peaks(strong(i))%position >= peaks(strong(j))%position) cycle
-        if (anchor(1, i)%number == 0 .or. anchor(2, j)%number == 0) cycle
         curve = curve_type()
-        call try_curve(anchor(1, i), anchor(2, j), peaks, clear, modes, curve)
+        call try_curve(role(1, strong(i)), role(2, strong(j)), peaks, clear, role, modes, curve)
         if (curve%support /= 2) cycle
         call fit_curve(modes, curve)
         if (all(modes%number > 0 .or. .not. clear .or. &
@@ -124,21 +123,23 @@ contains
       & + 2*abs(peak%growth)/(2*pi)*peak%position_error + 4*epsilon(1.0_dp)*mode%square
   end function as_mode
 
-  subroutine try_curve(low, high, peaks, clear, modes, curve)
+  subroutine try_curve(low, high, peaks, clear, role, modes, curve)
     !! Keep the curve through two modes if more peaks lie on it, or as many and fewer modes are without a peak.
     type(mode_type), intent(in) :: low, high
     type(peak_type), intent(in) :: peaks(:)
     logical, intent(in) :: clear(:)
+    type(mode_type), intent(in) :: role(:, :)    !! (mode, peak)
     type(mode_type), intent(inout) :: modes(:)
     type(curve_type), intent(inout) :: curve
     type(mode_type) :: trial_modes(size(modes))
     type(curve_type) :: trial
     integer :: i
+    if (low%number == 0 .or. high%number == 0) return
     trial%slope = (high%square - low%square)/(high%alpha**4 - low%alpha**4)
     trial%start = low%square - trial%slope*low%alpha**4
     if (trial%slope <= 0 .or. trial%start > tolerance(0.0_dp, low, high, trial%slope)) return
     do i = 1, size(peaks)
-      if (clear(i)) trial_modes(i) = mode_on_curve(peaks(i), low, high, trial)
+      if (clear(i)) trial_modes(i) = mode_on_curve(peaks(i), role(:, i), low, high, trial)
     end do
     trial%support = count(trial_modes%number > 0)
     trial%gaps = maxval(trial_modes%number) - trial%support - count(peaks%at_edge)  ! a mode may grow, or hide at 0
@@ -165,16 +166,22 @@ contains
     curve_error = mode%square_error + slope*((mode%alpha + mode%alpha_error)**4 - mode%alpha**4)
   end function curve_error
 
-  pure type(mode_type) function mode_on_curve(peak, low, high, curve) result(mode)
+  pure type(mode_type) function mode_on_curve(peak, role, low, high, curve) result(mode)
     !! The mode that the peak is, if its α and its frequency agree with the curve within their errors.
     type(peak_type), intent(in) :: peak
+    type(mode_type), intent(in) :: role(:)       !! the peak as each of the first modes
     type(mode_type), intent(in) :: low, high
     type(curve_type), intent(in) :: curve
     real(dp) :: power
     integer :: k
     power = max(0.0_dp, (peak%position**2 - curve%start)/curve%slope)
     k = mode_near(sqrt(sqrt(power)))
-    mode = as_mode(peak, k)
+    if (k <= size(role)) then
+      mode = role(k)
+    else
+      mode = as_mode(peak, k)
+    end if
+    if (mode%number == 0) return
     if (abs(mode%square - curve%start - curve%slope*mode%alpha**4) > &
       & curve_error(mode, curve%slope) + tolerance(mode%alpha**4, low, high, curve%slope)) mode%number = 0
   end function mode_on_curve

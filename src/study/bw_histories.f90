@@ -8,7 +8,7 @@ module bw_histories
   use bw_error, only: error_type, fail, status_bad_input
   use bw_mode_choice, only: modes_for, most_modes
   use bw_modes_par, only: by_tolerance, shown_modes
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_response, only: response_type, add_motion, finish_histories, free_motion, start_histories
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
@@ -142,16 +142,18 @@ contains
     type(dd), intent(in), optional :: omega
     integer, intent(in) :: first, last
     type(time_grid), intent(in) :: grid
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     type(case_result), intent(inout) :: result
     type(closed_form_set) :: modes
+    type(part_monitor) :: part
     integer :: k, i
     do k = first, last, batch
+      part = part_monitor(monitor, real(k - 1, dp)/last, real(min(batch, last - k + 1), dp)/last)
       modes = numbered_modes([(i, i=k, min(k + batch - 1, last))], scene%impact%mass_ratio, omega, &
                              grid%samples*grid%step%hi)
       call add_motion(modes, continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution) &
                       *(result%approach_velocity*result%units%time%hi), scene%response%points, grid, &
-                      result%units%time%hi, monitor, result%response)
+                      result%units%time%hi, part, result%response)
       if (monitor%stop_requested()) return
     end do
   end subroutine add_continuum

@@ -9,7 +9,7 @@ module scene_mutations
   character(*), parameter :: blanks = ' '//nl//tab
   character(*), parameter :: nasty_bytes = "&/=,*'""!;%():.+-eEdD0123456789tTfFnN_ "// &
     tab//nl//carriage_return//achar(0)//char(194)//char(160)//char(255)
-  character(*), parameter :: nasty_tokens(*) = [character(24) :: '1/2', '1.0-3', '1e999', '-1e-320', 'NaN', '-Inf', &
+  character(*), parameter :: nasty_tokens(*) = [character(25) :: '1/2', '1.0-3', '1e999', '-1e-320', 'NaN', '-Inf', &
     '2*', '0*1', '2*0.5', '3*,', ',,', ';', '= =', '&end', '$end', '/', '!', '&rotatoin', '&sweep', '&capture /', '&modes', &
     '&scene', '& beam', 'beam%length = 1', 'points(1) = 0.5', 'length', 'length =', 'samples = 64', 'before = 9', &
     'count = 1000000', 'plane', 'title =', "'", '"', "''", "'impact%mass'", "'in'", '.true.', 'Tuesday', 't', '.f', '1d0', &
@@ -27,7 +27,7 @@ contains
     character(:), allocatable :: bad
     integer :: i, changes
     bad = text
-    changes = 1 + random%below(4)
+    changes = 1 + random%below(4)*random%below(2)
     do i = 1, changes
       bad = changed(bad, other, random)
       if (len(bad) == 0) bad = ' '
@@ -120,7 +120,7 @@ contains
     character(*), intent(in) :: text
     type(random_stream), intent(inout) :: random
     character(:), allocatable :: bad
-    character(*), parameter :: edits(*) = [character(8) :: '0', '9', '-', '+', '.', 'e', 'e3', 'E+2', 'd-3', 'D0', 'q1', '-3', &
+    character(*), parameter :: edits(*) = [character(9) :: '0', '9', '-', '+', '.', 'e', 'e3', 'E+2', 'd-3', 'D0', 'q1', '-3', &
       '*', '2*', ',', ' ', ' ,', '_8', 'e400', 'e-400', '000000000', '/', ' /', '!', '1.0']
     integer :: at, start
     start = 1 + random%below(len(text))

@@ -5,16 +5,15 @@ module gauss_legendre
   private
   public :: panel_rule
 
-  integer, parameter :: order = 12
   real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 
-  subroutine panel_rule(panels, nodes, weights)
-    !! Nodes and weights of `panels` equal panels with 12 nodes each: exact to rounding where the integrand turns by less
-    !! than a full turn in a panel.
-    integer, intent(in) :: panels
-    real(dp), allocatable, intent(out) :: nodes(:), weights(:)     !! (12·panels)
+  subroutine panel_rule(panels, order, nodes, weights)
+    !! Nodes and weights of `panels` equal panels with `order` nodes each: exact to rounding where the integrand turns
+    !! by less than a full turn in a panel of 12 nodes, 20 turns in one of 64.
+    integer, intent(in) :: panels, order
+    real(dp), allocatable, intent(out) :: nodes(:), weights(:)     !! (order·panels)
     real(dp) :: x(order), slope(order)
     integer :: p
     call legendre_roots(x, slope)
@@ -24,9 +23,10 @@ contains
 
   subroutine legendre_roots(x, slope)
     !! Roots of the Legendre polynomial and its derivative there, by Newton's method.
-    real(dp), intent(out) :: x(order), slope(order)
-    real(dp), dimension(order) :: value, last, next
-    integer :: i, n
+    real(dp), intent(out) :: x(:), slope(:)
+    real(dp), dimension(size(x)) :: value, last, next
+    integer :: i, n, order
+    order = size(x)
     x = cos(pi*([(i, i=1, order)] - 0.25_dp)/(order + 0.5_dp))
     do i = 1, 6
       last = 1.0_dp

@@ -38,7 +38,7 @@ contains
     one = scene
     if (present(velocity_factor)) one%impact%approach_velocity = velocity_factor*one%impact%approach_velocity
     call layout_of(one, layout, error)
-    call run_case(one, layout, watch, monitor, outcome)
+    call run_case(one, layout, watch, monitor, outcome, error)
   end subroutine run_scene
 
 end module random_cases

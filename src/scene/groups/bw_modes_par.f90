@@ -31,9 +31,9 @@ module bw_modes_par
     'truncation, its impulse going to 0 as modes are added, so that no count can be chosen for it.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
-    input_name('modes', 'before', integer_input, '1', counts, swept=.true., &
+    input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam alone, which the impact excites'), &
-    input_name('modes', 'after', integer_input, '1', counts, swept=.true., &
+    input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, 0.5_dp), swept=.true., &
                excludes='before after', meaning='largest error of the displacement over its peak')]

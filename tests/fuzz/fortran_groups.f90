@@ -1,0 +1,146 @@
+module fortran_groups
+  !! Each group of a scene as a namelist of Fortran, read by the compiler's own library.
+  use bw_kinds, only: dp
+  use bw_text, only: lower
+  use read_comparison, only: comparison, longest_text, most_values, unset, unset_text, unset_whole
+  implicit none (type, external)
+  private
+  public :: read_group
+
+contains
+
+  subroutine read_group(lines, name, both)
+    character(*), intent(in) :: lines(:), name
+    type(comparison), intent(inout) :: both
+    select case (name)
+    case ('scene'); call read_header(lines, both)
+    case ('beam'); call read_beam(lines, both)
+    case ('rotation'); call read_rotation(lines, both)
+    case ('impact'); call read_impact(lines, both)
+    case ('capture'); call read_capture(lines, both)
+    case ('modes'); call read_modes(lines, both)
+    case ('response'); call read_response(lines, both)
+    case ('spectrum'); call read_spectrum(lines, both)
+    case default; both%differing = 'all its names, for which this test has no namelist,'
+    end select
+  end subroutine read_group
+
+  subroutine read_header(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    character(longest_text) :: title
+    namelist /scene/ title
+    title = unset_text
+    read (lines, nml=scene, iostat=both%stat)
+    call both%same_text('title', title)
+  end subroutine read_header
+
+  subroutine read_beam(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: length, density, youngs_modulus, diameter, area, second_moment
+    namelist /beam/ length, density, youngs_modulus, diameter, area, second_moment
+    length = unset
+    density = unset
+    youngs_modulus = unset
+    diameter = unset
+    area = unset
+    second_moment = unset
+    read (lines, nml=beam, iostat=both%stat)
+    call both%same_real('length', length)
+    call both%same_real('density', density)
+    call both%same_real('youngs_modulus', youngs_modulus)
+    call both%same_real('diameter', diameter)
+    call both%same_real('area', area)
+    call both%same_real('second_moment', second_moment)
+  end subroutine read_beam
+
+  subroutine read_rotation(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: angular_velocity
+    character(longest_text) :: plane
+    namelist /rotation/ angular_velocity, plane
+    angular_velocity = unset
+    plane = unset_text
+    read (lines, nml=rotation, iostat=both%stat)
+    call both%same_real('angular_velocity', angular_velocity)
+    call both%same_text('plane', lower(plane))
+  end subroutine read_rotation
+
+  subroutine read_impact(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: mass, mass_ratio, approach_velocity, restitution
+    integer :: profile_points
+    namelist /impact/ mass, mass_ratio, approach_velocity, restitution, profile_points
+    mass = unset
+    mass_ratio = unset
+    approach_velocity = unset
+    restitution = unset
+    profile_points = unset_whole
+    read (lines, nml=impact, iostat=both%stat)
+    call both%same_real('mass', mass)
+    call both%same_real('mass_ratio', mass_ratio)
+    call both%same_real('approach_velocity', approach_velocity)
+    call both%same_real('restitution', restitution)
+    call both%same_whole('profile_points', profile_points)
+  end subroutine read_impact
+
+  subroutine read_capture(lines, both)
+    !! A group without names; a namelist needs one.
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    integer :: none
+    namelist /capture/ none
+    none = 0
+    read (lines, nml=capture, iostat=both%stat)
+  end subroutine read_capture
+
+  subroutine read_modes(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    integer :: before, after
+    real(dp) :: tolerance
+    namelist /modes/ before, after, tolerance
+    before = unset_whole
+    after = unset_whole
+    tolerance = unset
+    read (lines, nml=modes, iostat=both%stat)
+    call both%same_whole('before', before)
+    call both%same_whole('after', after)
+    call both%same_real('tolerance', tolerance)
+  end subroutine read_modes
+
+  subroutine read_response(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: duration, points(most_values)
+    integer :: samples
+    logical :: velocity
+    namelist /response/ duration, samples, points, velocity
+    duration = unset
+    samples = unset_whole
+    points = unset
+    velocity = .false.                    ! the default
+    read (lines, nml=response, iostat=both%stat)
+    call both%same_real('duration', duration)
+    call both%same_whole('samples', samples)
+    call both%same_list('points', points)
+    call both%same_flag('velocity', velocity)
+  end subroutine read_response
+
+  subroutine read_spectrum(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    character(longest_text) :: window
+    integer :: max_peaks
+    namelist /spectrum/ window, max_peaks
+    window = unset_text
+    max_peaks = unset_whole
+    read (lines, nml=spectrum, iostat=both%stat)
+    call both%same_text('window', lower(window))
+    call both%same_whole('max_peaks', max_peaks)
+  end subroutine read_spectrum
+
+end module fortran_groups
