@@ -1,17 +1,28 @@
 #!/usr/bin/env bash
-# ./test.sh [ARGUMENT …]   builds and runs every test, optimised and with all run-time checks; what is
-# given goes to CTest: ./test.sh -L unit, ./test.sh -R capture
+# ./test.sh [ARGUMENT …]   builds and runs every test, optimised and with all run-time checks, and the fuzz of
+# the scene reader with sanitizers; what is given goes to CTest: ./test.sh -L unit, ./test.sh -R capture
 set -eu
 . "$(dirname -- "$0")/src/cmake/setup.sh"
 
 presets=(default dev)
 
+# the sanitizers are libraries, which not every compiler comes with
+can_sanitize() {
+  echo end > "$setup/probe.f90"
+  # FC may carry flags of its own, as CMake allows
+  # shellcheck disable=SC2086
+  logged sanitize ${FC:-gfortran} -fsanitize=address,undefined "$setup/probe.f90" -o "$setup/probe" &&
+    logged sanitize "$setup/probe"
+}
+
 lock
 left_out=
-set_up_python beamwave_postproc,pytest '[test]' || left_out='no Python: the tests that need it were left out'
+without_sanitizers=
+set_up_python beamwave_postproc,pytest,f90nml '[test]' || left_out='no Python: the tests that need it were left out'
 for preset in "${presets[@]}"; do
   set_up "$preset"
 done
+if can_sanitize; then set_up sanitize --target fuzz_scene_reader; else without_sanitizers=yes; fi
 
 export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-2}
 cd "$root"
@@ -20,5 +31,10 @@ for preset in "${presets[@]}"; do
   say "testing the preset $preset"
   ctest --preset "$preset" --no-tests=error "$@" 9>&- || failed+=("$preset")
 done
+if [ -z "$without_sanitizers" ]; then
+  say 'testing the preset sanitize: the fuzz of the scene reader'
+  ctest --preset sanitize -L '^fuzz$' "$@" 9>&- || failed+=(sanitize)
+fi
+[ -z "$without_sanitizers" ] || say 'the compiler has no sanitizers: the fuzz with them was left out'
 [ -z "$left_out" ] || say "$left_out"
 [ ${#failed[@]} -eq 0 ] || die "tests failed in: $(joined "${failed[@]}")"

@@ -2,10 +2,10 @@ module bw_process
   !! How the process ends: its exit status, the signals that ask it to stop, and faults.
   !!
   !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
-  !! that runs at exit turns every ending that `leave` did not announce into `status_fault`.
+  !! that runs at exit turns every ending but `leave` into `status_fault`.
   use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funloc, c_funptr, c_int, c_intptr_t, &
     c_null_char, c_null_ptr, c_ptr
-  use bw_error, only: status_bad_file, status_fault
+  use bw_error, only: status_fault
   use bw_posix, only: standard_error, write_text
   implicit none (type, external)
   private
@@ -18,7 +18,6 @@ module bw_process
 
   character(*), parameter :: fault_message = 'beamwave: a fault in the program: please report it'//new_line('a')
 
-  logical :: orderly = .false.                   ! set by `leave`
   integer(c_int), volatile :: received = 0       ! the last signal that asked to stop
 
   abstract interface
@@ -47,11 +46,6 @@ module bw_process
       implicit none (type, external)
       type(c_funptr), value :: handler
     end function c_atexit
-    subroutine c_exit(status) bind(c, name='exit')
-      import :: c_int
-      implicit none (type, external)
-      integer(c_int), value :: status
-    end subroutine c_exit
     subroutine c_exit_now(status) bind(c, name='_exit')
       import :: c_int
       implicit none (type, external)
@@ -93,12 +87,10 @@ contains
   end function stop_signal
 
   subroutine leave(status)
-    !! End the process with this status. Where a file may have been refused nothing else runs: HDF5 would try at exit
-    !! to finish that file, and can crash over it.
+    !! End the process with this status, at once: all is written and closed, and what libraries do at exit can crash
+    !! (HDF5 over a file that was refused) or hang (OpenBLAS over threads whose memory was refused).
     integer, intent(in) :: status
-    if (status >= status_bad_file) call c_exit_now(int(status, c_int))
-    orderly = .true.
-    call c_exit(int(status, c_int))
+    call c_exit_now(int(status, c_int))
   end subroutine leave
 
   subroutine on_stop(number) bind(c)
@@ -118,7 +110,6 @@ contains
 
   subroutine on_exit() bind(c)
     logical :: ignored
-    if (orderly) return
     ignored = write_text(standard_error, fault_message)
     call c_exit_now(int(status_fault, c_int))
   end subroutine on_exit

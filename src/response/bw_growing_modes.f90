@@ -6,34 +6,73 @@ module bw_growing_modes
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: add_growing_mode, samples_until_overflow
+  public :: add_growing_mode, find_overflow
 
   real(dp), parameter :: log_half = log(0.5_dp)
   real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x taken as the square of e^(x/2)
 
 contains
 
-  pure integer function samples_until_overflow(beta_squared, q, q_dot, shapes, grid, limit, velocity_limit) result(samples)
-    !! How many samples of a growing mode are, at every point, no larger than given limits. The mode moves as
+  pure subroutine find_overflow(beta_squared, q, q_dot, shapes, grid, limit, velocity_limit, samples, failing)
+    !! How many samples of the sum of growing modes are, at every point, no larger than given limits. Each moves as
     !! Φ·½(q + q̇/|β|)e^(|β|t), and a part that decays.
-    type(dd), intent(in) :: beta_squared         !! β² ≤ 0
-    real(dp), intent(in) :: q, q_dot             !! modal displacement and velocity at t = 0
-    real(dp), intent(in) :: shapes(:)            !! Φ(ξ_p), (points)
+    type(dd), intent(in) :: beta_squared(:)      !! β² ≤ 0, (modes)
+    real(dp), intent(in) :: q(:), q_dot(:)       !! modal displacements and velocities at t = 0, (modes)
+    real(dp), intent(in) :: shapes(:, :)         !! Φ(ξ_p), (modes, points)
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: limit                !! logarithm of the largest displacement
     real(dp), intent(in), optional :: velocity_limit   !! the same for the velocity; absent: none is asked for
-    type(dd) :: rate
-    real(dp) :: amplitude, room
+    integer, intent(out) :: samples              !! all where none is larger
+    integer, intent(out) :: failing              !! the mode that is largest at the first sample beyond; 0: none
+    type(dd) :: root(size(q))
+    real(dp) :: rate(size(q)), start(size(q))    ! |β|; logarithm of the growing part of the velocity at t = 0
+    integer, allocatable :: grows(:)
+    integer :: k, above, middle
     samples = grid%samples
-    rate = sqrt(-beta_squared)
-    amplitude = maxval([0.0_dp, abs(shapes)])
-    if (rate%hi == 0.0_dp .or. amplitude == 0.0_dp .or. rate%hi*q + q_dot == 0.0_dp) return
-    amplitude = log_half + log(amplitude) + log(abs(rate%hi*q + q_dot))      ! of the velocity
-    room = limit - amplitude + log(rate%hi)
-    if (present(velocity_limit)) room = min(room, velocity_limit - amplitude)
-    room = min(room, largest_exponent)
-    if (room < rate%hi*grid%step%hi*(samples - 1)) samples = max(0, floor(room/(rate%hi*grid%step%hi))) + 1
-  end function samples_until_overflow
+    failing = 0
+    root = sqrt(-beta_squared)
+    start = abs(root%hi*q + q_dot)*maxval(abs(shapes), 2)
+    grows = pack([(k, k=1, size(q))], root%hi > 0.0_dp .and. start > 0.0_dp)
+    rate = root%hi
+    start(grows) = log_half + log(start(grows))
+    if (size(grows) == 0 .or. excess(samples) <= 0.0_dp) return
+    samples = 1                                  ! at t = 0 nothing has grown
+    above = grid%samples
+    do while (above - samples > 1)
+      middle = samples + (above - samples)/2
+      if (excess(middle) > 0.0_dp) then
+        above = middle
+      else
+        samples = middle
+      end if
+    end do
+    failing = grows(maxloc(start(grows) + rate(grows)*time(above), 1))
+
+  contains
+
+    pure real(dp) function time(sample)
+      integer, intent(in) :: sample              ! from 1
+      time = grid%step%hi*(sample - 1)
+    end function time
+
+    pure real(dp) function excess(sample)
+      !! By how much the logarithm of the sum's bound exceeds the limits.
+      integer, intent(in) :: sample
+      real(dp), dimension(size(grows)) :: exponent, level
+      exponent = rate(grows)*time(sample)
+      level = start(grows) + exponent
+      excess = max(maxval(exponent) - largest_exponent, log_of_sum(level - log(rate(grows))) - limit)
+      if (present(velocity_limit)) excess = max(excess, log_of_sum(level) - velocity_limit)
+    end function excess
+
+  end subroutine find_overflow
+
+  pure real(dp) function log_of_sum(logs)
+    !! log Σ exp(logs) where exp would overflow.
+    real(dp), intent(in) :: logs(:)
+    log_of_sum = maxval(logs)
+    log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
+  end function log_of_sum
 
   pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
     !! Adds one mode's motion to the first `samples` samples.
@@ -41,7 +80,7 @@ contains
     real(dp), intent(in) :: q, q_dot
     real(dp), intent(in) :: shapes(:)
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: samples               !! at most those of `samples_until_overflow`
+    integer, intent(in) :: samples               !! at most those of `find_overflow`
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
     type(dd) :: rate, time, x

@@ -6,7 +6,7 @@ module bw_response
   !! sums below receive as an absent argument.
   use bw_kinds, only: dp
   use bw_double_double, only: dd
-  use bw_growing_modes, only: add_growing_mode, samples_until_overflow
+  use bw_growing_modes, only: add_growing_mode, find_overflow
   use bw_missing, only: missing
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set
@@ -98,8 +98,8 @@ contains
   end subroutine add_stable
 
   pure subroutine add_growing(beta_squared, q, rate, shapes, grid, unit_time, response)
-    !! Modes at or beyond their critical speed, one by one, up to the first sample that overflows. Each has its share
-    !! of the range, so that their sum cannot leave it, nor a velocity in m/s.
+    !! Modes at or beyond their critical speed, up to the first sample at which their sum overflows, or a velocity
+    !! in m/s.
     type(dd), intent(in) :: beta_squared(:)
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
@@ -107,19 +107,16 @@ contains
     type(response_type), intent(inout) :: response
     integer, allocatable :: growing(:)
     real(dp), allocatable :: velocity_limit        ! absent: no velocity is asked for
-    real(dp) :: limit
-    integer :: i, k, finite
+    integer :: i, k, finite, failing
     growing = pack([(k, k=1, size(q))], beta_squared%hi <= 0.0_dp)
     if (size(growing) == 0) return
-    limit = log_huge - log(real(size(growing), dp))
-    if (allocated(response%velocity)) velocity_limit = limit + min(0.0_dp, log(unit_time))
-    do i = 1, size(growing)
-      k = growing(i)
-      finite = samples_until_overflow(beta_squared(k), q(k), rate(k), shapes(k, :), grid, limit, velocity_limit)
-      if (finite >= response%finite_samples) cycle
+    if (allocated(response%velocity)) velocity_limit = log_huge + min(0.0_dp, log(unit_time))
+    call find_overflow(beta_squared(growing), q(growing), rate(growing), shapes(growing, :), grid, log_huge, &
+                       velocity_limit, finite, failing)
+    if (finite < response%finite_samples) then
       response%finite_samples = finite
-      response%failing_mode = k
-    end do
+      response%failing_mode = growing(failing)
+    end if
     do i = 1, size(growing)
       k = growing(i)
       call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), grid, response%finite_samples, &

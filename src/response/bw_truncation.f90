@@ -7,6 +7,8 @@ module bw_truncation
   !! first and `safety` times the second. The sums run over windows of mode numbers that double in length, each sampled
   !! by runs of neighbouring modes, since the shapes at a point repeat every few modes.
   !!
+  !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
+  !!
   !! **Empirical**: `safety`, and the sampling; test_bw_truncation shows what they are worth.
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_set, numbered_modes
@@ -14,7 +16,7 @@ module bw_truncation
   use bw_frequency_equation, only: highest_mode
   implicit none (type, external)
   private
-  public :: truncation_error, tail_error
+  public :: truncation_error, tail_error, with_start
 
   real(dp), parameter :: safety = 2.5_dp          !! empirical
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
@@ -59,6 +61,17 @@ contains
     call add_tail(count, gamma, force, omega, points, longest, velocity, sums)
     error = largest(sums, samples)
   end function tail_error
+
+  elemental real(dp) function with_start(estimate, start, xi, jump) result(error)
+    !! The estimate for a velocity, and no less than what its first sample lacks: of infinitely many modes the beam is at
+    !! rest but for the tip.
+    real(dp), intent(in) :: estimate        !! of `truncation_error` or `tail_error`
+    real(dp), intent(in) :: start           !! the velocity at t = 0
+    real(dp), intent(in) :: xi              !! where, ξ
+    real(dp), intent(in) :: jump            !! of the tip's velocity, (1+e)V, in the same unit
+    real(dp), parameter :: margin = 1.25_dp ! empirical: near the tip the next samples still see some of that coherence
+    error = max(estimate, margin*abs(start - merge(jump, 0.0_dp, xi == 1.0_dp)))
+  end function with_start
 
   elemental real(dp) function largest(sums, samples) result(error)
     type(deviation_type), intent(in) :: sums

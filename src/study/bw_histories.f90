@@ -13,7 +13,7 @@ module bw_histories
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
-  use bw_truncation, only: tail_error, truncation_error
+  use bw_truncation, only: tail_error, truncation_error, with_start
   implicit none (type, external)
   private
   public :: respond
@@ -68,7 +68,9 @@ contains
     real(dp) :: speed
     speed = abs(result%approach_velocity)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi)
-    if (scene%response%velocity) result%response%velocity_error = errors(.true.)*speed
+    if (scene%response%velocity) result%response%velocity_error = &
+      with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
+                 result%approach_velocity*(1.0_dp + scene%impact%restitution))
   contains
     function errors(velocity) result(values)
       logical, intent(in) :: velocity

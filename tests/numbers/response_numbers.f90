@@ -69,7 +69,7 @@ contains
     call table%note(error)
     call table%begin('velocity there', 1.0e-12_dp, 'relative')
     call table%note(error_rate)
-    call table%begin('the last finite sample', 1.0_dp, 'samples')
+    call table%begin('the last finite sample there', 0.0_dp, 'samples too few or too many')
     call table%note(missed)
   end subroutine measure_overflow
 

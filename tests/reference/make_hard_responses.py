@@ -4,7 +4,7 @@ from fractions import Fraction
 from math import inf, nextafter
 from sys import float_info
 
-from mpmath import log, mpf, sqrt
+from mpmath import mpf, sqrt
 
 from beam import PaperBeam, Shape, cosine_like, modal_velocity, sine_like, use_digits
 from table import write_table
@@ -78,7 +78,7 @@ def overflows(motion):
     critical = float(motion.beam.critical_speed(GAMMA))
     for omega in (critical * 1.000001, critical * 1.001, 130.0, 170.0, 900.0, 5000.0):
         rate = sqrt(-min(motion.squares(omega)))
-        duration, samples = float(800 * log(10) / 2 / rate), 400
+        duration, samples = float(920 / rate), 4000
         last, last_with_velocity = last_finite(motion, omega, duration, samples)
         numbers = [samples // 4, samples // 2, last_with_velocity - 1, last_with_velocity, last]
         for row in motion.rows(omega, duration, samples, sorted(set(numbers))):
