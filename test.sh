@@ -29,7 +29,10 @@ cd "$root"
 failed=()
 for preset in "${presets[@]}"; do
   say "testing the preset $preset"
+  hard_cases=build/${preset#default}/tests/numbers/hard_cases.md  # what the test `numbers` measures
+  rm -f "$hard_cases"
   ctest --preset "$preset" --no-tests=error "$@" 9>&- || failed+=("$preset")
+  [ ! -f "$hard_cases" ] || cat "$hard_cases"
 done
 if [ -z "$without_sanitizers" ]; then
   say 'testing the preset sanitize: the fuzz of the scene reader'

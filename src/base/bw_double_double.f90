@@ -23,19 +23,19 @@ module bw_double_double
     module procedure :: dd_from_real, dd_from_quad
   end interface to_dd
   interface operator(+)
-    module procedure :: add_dd, add_real
+    module procedure :: add_dd, add_real, add_to_list
   end interface
   interface operator(-)
-    module procedure :: subtract_dd, negate_dd
+    module procedure :: subtract_dd, negate_dd, subtract_from_list
   end interface
   interface operator(*)
-    module procedure :: multiply_dd, multiply_real
+    module procedure :: multiply_dd, multiply_real, multiply_list, multiply_lists, multiply_list_by_real
   end interface
   interface operator(/)
     module procedure :: divide_dd
   end interface
   interface sqrt
-    module procedure :: sqrt_dd
+    module procedure :: sqrt_dd, sqrt_of_list
   end interface
 
 contains
@@ -167,13 +167,49 @@ contains
     type(dd), intent(in) :: a
     real(dp) :: root
     type(dd) :: rest
-    if (a%hi <= 0.0_dp) then
-      c = dd(0.0_dp, 0.0_dp)
-      return
-    end if
-    root = sqrt(a%hi)
+    root = sqrt(max(0.0_dp, a%hi))
     rest = subtract_dd(a, multiply_real(dd(root, 0.0_dp), root))
-    c = normal(root, 0.5_dp*(rest%hi + rest%lo)/root)
+    c = normal(root, merge(0.5_dp*(rest%hi + rest%lo)/merge(root, 1.0_dp, root > 0.0_dp), 0.0_dp, root > 0.0_dp))
   end function sqrt_dd
+
+  ! Lists: the same operations, chosen over the elemental ones for arrays of rank one. Called from another file an
+  ! elemental procedure is a call for every element; here the loop is compiled with what it calls, in vector registers.
+
+  pure function add_to_list(a, b) result(c)
+    type(dd), intent(in) :: a(:), b
+    type(dd) :: c(size(a))
+    c = add_dd(a, b)
+  end function add_to_list
+
+  pure function subtract_from_list(a, b) result(c)
+    type(dd), intent(in) :: a(:), b
+    type(dd) :: c(size(a))
+    c = subtract_dd(a, b)
+  end function subtract_from_list
+
+  pure function multiply_list(a, b) result(c)
+    type(dd), intent(in) :: a(:), b
+    type(dd) :: c(size(a))
+    c = multiply_dd(a, b)
+  end function multiply_list
+
+  pure function multiply_lists(a, b) result(c)
+    type(dd), intent(in) :: a(:), b(:)
+    type(dd) :: c(size(a))
+    c = multiply_dd(a, b)
+  end function multiply_lists
+
+  pure function multiply_list_by_real(a, b) result(c)
+    type(dd), intent(in) :: a(:)
+    real(dp), intent(in) :: b
+    type(dd) :: c(size(a))
+    c = multiply_real(a, b)
+  end function multiply_list_by_real
+
+  pure function sqrt_of_list(a) result(c)
+    type(dd), intent(in) :: a(:)
+    type(dd) :: c(size(a))
+    c = sqrt_dd(a)
+  end function sqrt_of_list
 
 end module bw_double_double

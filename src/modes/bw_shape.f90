@@ -4,8 +4,9 @@ module bw_shape
   !! \( \Phi(\xi) = \cos\alpha\xi - \cosh\alpha\xi - \sigma(\sin\alpha\xi - \sinh\alpha\xi) \) is evaluated as
   !! cos αξ − σ sin αξ − ½(1+σ)e^(−αξ) − ½(1−σ)e^α e^(−α(1−ξ)), near the root as a power series.
   !!
-  !! **Errors**: Φ(ξ) within 1e-14 absolutely, Φ(1), the modal mass and (1−σ)e^α within 1e-14 relatively,
-  !! k to 10⁶ and beyond, every γ ≥ 0. **Source**: Eqs 7, 9, 18, 20, 21.
+  !! **Errors**: Φ(ξ) within 1e-14 absolutely, Φ(1), the modal mass and (1−σ)e^α within 1e-14 relatively, k to 10⁶ and
+  !! beyond, every γ ≥ 0; where σ passes through 1 (for k = 1 at γ = 2.34) (1−σ)e^α is so absolutely only.
+  !! **Source**: Eqs 7, 9, 18, 20, 21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, two_product
   use bw_frequency_equation, only: is_light, root_type, root_value

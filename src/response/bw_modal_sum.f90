@@ -9,6 +9,7 @@ module bw_modal_sum
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_monitor, only: monitor_type
   use bw_time_grid, only: time_grid
+  use bw_turn, only: phase_angles
   implicit none (type, external)
   private
   public :: add_stable_modes
@@ -35,7 +36,7 @@ contains
     length = size(turn, 1)
     if (n == 0) return
     beta = sqrt(beta_squared)
-    cycles = beta*grid%step/(dd_pi*2.0_dp)
+    cycles = beta*(grid%step/(dd_pi*2.0_dp))
     call turns_in_block(beta%hi, cycles, turn, turn_rate)
     do first = 0, grid%samples - 1, length*chunk_blocks
       blocks = min(chunk_blocks, (grid%samples - first + length - 1)/length)
@@ -62,17 +63,17 @@ contains
     real(dp), intent(in) :: beta(:)
     type(dd), intent(in) :: cycles(:)
     real(dp), intent(out) :: turn(:, :), turn_rate(:, :)
-    real(dp) :: c, s
-    integer :: k, j, n
+    real(dp), dimension(size(beta)) :: angle, c, s
+    integer :: j, n
     n = size(beta)
-    do k = 1, n
-      do j = 1, size(turn, 1)
-        call turn_by(cycles(k), j - 1, c, s)
-        turn(j, k) = c
-        turn(j, n + k) = s/beta(k)
-        turn_rate(j, k) = -beta(k)*s
-        turn_rate(j, n + k) = c
-      end do
+    do j = 1, size(turn, 1)
+      angle = phase_angles(cycles, j - 1)
+      c = cos(angle)
+      s = sin(angle)
+      turn(j, :n) = c
+      turn(j, n + 1:) = s/beta
+      turn_rate(j, :n) = -beta*s
+      turn_rate(j, n + 1:) = c
     end do
   end subroutine turns_in_block
 
@@ -82,29 +83,16 @@ contains
     real(dp), intent(in) :: beta(:), q(:), q_dot(:)
     type(dd), intent(in) :: cycles(:)
     real(dp), intent(out) :: state(:, :), state_dot(:, :)
-    real(dp) :: c, s
-    integer :: k, b
+    real(dp), dimension(size(q)) :: angle, c, s
+    integer :: b
     do b = 1, size(start)
-      do k = 1, size(q)
-        call turn_by(cycles(k), start(b), c, s)
-        state(k, b) = q(k)*c + q_dot(k)*(s/beta(k))
-        state_dot(k, b) = q_dot(k)*c - beta(k)*q(k)*s
-      end do
+      angle = phase_angles(cycles, start(b))
+      c = cos(angle)
+      s = sin(angle)
+      state(:, b) = q*c + q_dot*(s/beta)
+      state_dot(:, b) = q_dot*c - beta*q*s
     end do
   end subroutine states_at_blocks
-
-  pure subroutine turn_by(cycles, sample, c, s)
-    !! cos and sin of 2π·cycles·sample, the phase reduced in double-double.
-    type(dd), intent(in) :: cycles        !! turns per sample
-    integer, intent(in) :: sample
-    real(dp), intent(out) :: c, s
-    type(dd) :: phase
-    real(dp) :: angle
-    phase = cycles*real(sample, dp)
-    angle = 2.0_dp*dd_pi%hi*((phase%hi - anint(phase%hi)) + phase%lo)
-    c = cos(angle)
-    s = sin(angle)
-  end subroutine turn_by
 
   pure subroutine add_product(left, right, first, history)
     real(dp), intent(in) :: left(:, :), right(:, :)

@@ -11,6 +11,8 @@ module bw_response
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
+  use bw_nonuniform_sum, only: transform_stable_modes
+  use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
@@ -18,6 +20,8 @@ module bw_response
 
   real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
     !! of the largest number, less what the roundings of a logarithm may amount to
+  real(dp), parameter :: sum_tolerance = 1.0e-13_dp
+    !! largest error of the sum of modes over the peak: below that of their number, whatever tolerance was asked for
 
   type, public :: response_type
     !! Histories in the rotating frame, SI units.
@@ -90,11 +94,20 @@ contains
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
+    type(sum_choice) :: choice
     integer, allocatable :: stable(:)
-    integer :: k
+    integer :: histories, k
     stable = pack([(k, k=1, size(q))], beta_squared%hi > 0.0_dp)
-    call add_stable_modes(beta_squared(stable), q(stable), rate(stable), shapes(stable, :), grid, monitor, &
-                          response%displacement, response%velocity)
+    histories = size(response%displacement, 2)
+    if (allocated(response%velocity)) histories = 2*histories
+    choice = chosen_sum(size(stable), grid%samples, histories, sum_tolerance)
+    if (choice%transform) then
+      call transform_stable_modes(beta_squared(stable), q(stable), rate(stable), shapes(stable, :), grid, choice%width, &
+                                  choice%half, monitor, response%displacement, response%velocity)
+    else
+      call add_stable_modes(beta_squared(stable), q(stable), rate(stable), shapes(stable, :), grid, monitor, &
+                            response%displacement, response%velocity)
+    end if
   end subroutine add_stable
 
   pure subroutine add_growing(beta_squared, q, rate, shapes, grid, unit_time, response)

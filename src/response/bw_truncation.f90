@@ -145,7 +145,7 @@ contains
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: longest
     logical, intent(in) :: velocity
-    real(dp), parameter :: furthest = 700.0_dp    ! beyond it the history overflows, and so may the estimate not
+    real(dp), parameter :: furthest = 600.0_dp    ! beyond it a history is near overflow; the estimate must not overflow itself
     type(dd) :: rate
     if (beta_squared%hi > 0.0_dp) then
       rate = sqrt(beta_squared)

@@ -43,6 +43,7 @@ contains
     call define_variables(file%open_file, file%rows, error)
     call put_coordinates(file%id, path, scene, layout, error)
     call put_inputs(file%id, path, scene, error)
+    call check(nf90_sync(file%id), path, error)      ! a killed run leaves all of this, or no file to go on with
     if (allocated(error)) call file%close()
   end subroutine create_result
 

@@ -2,8 +2,8 @@ module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
   use bw_scene_characters, only: shown
   use bw_scene_messages, only: message_list
-  use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, token, &
-                             word_token
+  use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, text_token, &
+                             token, word_token
   implicit none (type, external)
   private
   public :: parse
@@ -95,6 +95,7 @@ contains
     type(message_list), intent(inout) :: messages
     integer :: last
     if (starts_statement(tokens, i)) then
+      call check_separation(text, tokens, i, messages)
       last = last_of_statement(tokens, i + 1)
       associate (n => parsed%statements_found)
         n = n + 1
@@ -110,6 +111,18 @@ contains
     end if
     i = last + 1
   end subroutine take_statement
+
+  pure subroutine check_separation(text, tokens, i, messages)
+    !! A name stands apart from the text before it: Fortran refuses `plane='in'title=`, too.
+    character(*), intent(in) :: text
+    type(token), intent(in) :: tokens(:)
+    integer, intent(in) :: i
+    type(message_list), intent(inout) :: messages
+    if (i == 1 .or. .not. tokens(i)%glued) return
+    if (tokens(i - 1)%kind /= text_token) return
+    call messages%add(tokens(i)%line, 'text', 'no comma or blank between '//shown(span(text, tokens(i - 1)))// &
+                      ' and '//shown(span(text, tokens(i))))
+  end subroutine check_separation
 
   pure logical function starts_statement(tokens, i)
     !! Is this a name with its equals sign?

@@ -15,7 +15,7 @@ module fortran_reading
 
   type, public :: reading_type
     integer :: compared = 0      !! groups that both readers read
-    integer :: unread = 0        !! groups that only the reader of scenes reads
+    integer :: unread = 0        !! sweeps that Fortran cannot find, since another group stands before them in their line
   end type reading_type
 
   character, parameter :: nl = new_line('a'), carriage_return = achar(13)
@@ -87,14 +87,14 @@ contains
     if (g > 0) both%group = groups(g)
     if (g > 0) first = groups(g)%line
     call read_group(lines(max(1, first):), name, both)
-    if (first == 0 .and. (both%differing /= '' .or. size(openings(lines, name)) > 0)) then
-      fault = '&'//name//' is there, and was not read'
-    else if (first > 0 .and. both%stat == 0) then
-      reading%compared = reading%compared + 1
-      if (both%differing /= '') fault = name//'%'//both%differing//' is read otherwise by Fortran'
-    else if (first > 0) then
-      reading%unread = reading%unread + 1
+    if (first == 0) then
+      if (both%differing /= '' .or. size(openings(lines, name)) > 0) fault = '&'//name//' is there, and was not read'
+      return
     end if
+    reading%compared = reading%compared + 1
+    if (both%differing /= '') fault = name//'%'//both%differing//' is read otherwise by Fortran'
+    if (both%stat /= 0) fault = '&'//name//' is accepted, and Fortran refuses it'
+    if (index(lower(lines(first)), '&'//name) == 0) fault = '&'//name//' is not where it was read'
   end subroutine compare_group
 
   subroutine compare_sweeps(lines, sweeps, reading, fault)
@@ -104,15 +104,14 @@ contains
     type(reading_type), intent(inout) :: reading
     character(:), allocatable, intent(inout) :: fault
     integer, allocatable :: starts(:)
-    integer :: i, stat
+    integer :: i
     starts = openings(lines, 'sweep')
     if (size(starts) > size(sweeps)) fault = 'a sweep is lost'
     if (size(starts) < size(sweeps)) reading%unread = reading%unread + size(sweeps)
     if (size(starts) /= size(sweeps)) return
     do i = 1, size(sweeps)
-      call compare_sweep(lines(starts(i):), sweeps(i), stat, fault)
-      if (stat == 0) reading%compared = reading%compared + 1
-      if (stat /= 0) reading%unread = reading%unread + 1
+      call compare_sweep(lines(starts(i):), sweeps(i), fault)
+      reading%compared = reading%compared + 1
     end do
   end subroutine compare_sweeps
 
@@ -134,14 +133,13 @@ contains
     opens = lower(line(first:behind - 1)) == start .and. scan(line(behind:behind), ' /!'//achar(9)) == 1
   end function opens
 
-  subroutine compare_sweep(lines, held, stat, fault)
+  subroutine compare_sweep(lines, held, fault)
     character(*), intent(in) :: lines(:)
     type(sweep_par), intent(in) :: held
-    integer, intent(out) :: stat
     character(:), allocatable, intent(inout) :: fault
     character(longest_text) :: parameter, spacing
     real(dp) :: values(most_values), first, last
-    integer :: count, n
+    integer :: count, n, stat
     namelist /sweep/ parameter, values, first, last, count, spacing
     parameter = ''
     spacing = 'linear'                              ! the default
@@ -150,7 +148,7 @@ contains
     last = unset
     count = unset_whole
     read (lines, nml=sweep, iostat=stat)
-    if (stat /= 0) return
+    if (stat /= 0) fault = 'a sweep is accepted, and Fortran refuses it'
     n = size(held%values)
     if (lower(parameter) /= held%parameter) fault = 'sweep%parameter'
     if (held%spacing == '') then

@@ -29,7 +29,7 @@ program fuzz_scene_reader
   call try_undamaged(scenes)
   call try_damaged(scenes)
   write (output_unit, '(i0,a,i0,a,i0,a,f0.3,a)') accepted, ' accepted; of their groups ', reading%compared, &
-    ' compared with Fortran''s reading, ', reading%unread, ' it cannot read; slowest text: ', slowest, ' s'
+    ' compared with Fortran''s reading, ', reading%unread, ' not found by it; slowest text: ', slowest, ' s'
   if (10*reading%unread > reading%compared) call give_up('too few groups are compared for a judgement', '')
 
 contains

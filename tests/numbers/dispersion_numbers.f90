@@ -60,9 +60,9 @@ contains
       phase(i) = modes%phase_velocity(modes%count)*units%velocity
       group(i) = modes%group_velocity(modes%count)*units%velocity
     end do
-    call table%begin('phase velocity there', 1.0e-12_dp, 'relative')
+    call table%begin('phase velocity at those η', 1.0e-12_dp, 'relative')
     call table%note(real(abs(phase/column('wave_velocities.txt', 'phase_velocity') - 1), dp))
-    call table%begin('group velocity there', 1.0e-12_dp, 'relative')
+    call table%begin('group velocity at those η', 1.0e-12_dp, 'relative')
     call table%note(real(abs(group/column('wave_velocities.txt', 'group_velocity') - 1), dp))
   end subroutine measure_velocities
 

@@ -2,7 +2,7 @@ module orthogonality_numbers
   !! Orthogonality (Eq. 21) of two thousand modes, by quadrature of the shape routine.
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_modes, closed_form_set
-  use bw_text, only: shortest, text_of
+  use bw_text, only: text_of
   use gauss_legendre, only: panel_rule
   use number_table, only: table_type
   implicit none (type, external)
@@ -11,9 +11,10 @@ module orthogonality_numbers
 
   integer, parameter :: modes = 2000
   integer, parameter :: order = 64              !! nodes of a panel
-  integer, parameter :: panels = modes/20       !! two modes together turn 20 times in a panel: 64 nodes are exact to rounding
+  integer, parameter :: panels = modes/20       !! two modes together turn 20 times in a panel: exact to rounding
   integer, parameter :: batch = 10*order        !! nodes taken at a time: their shapes stay in the cache
-  real(dp), parameter :: mass_ratios(2) = [0.0_dp, 0.2_dp]
+  real(dp), parameter :: mass_ratios(3) = [0.0_dp, 0.2_dp, 1.0e6_dp]
+  character(*), parameter :: names(3) = [character(3) :: '0', '0.2', '1e6']
 
   interface
     subroutine dsyrk(uplo, trans, n, k, alpha, a, lda, beta, c, ldc)
@@ -36,7 +37,7 @@ contains
     integer :: g, k
     do g = 1, size(mass_ratios)
       call table%begin('orthogonality (Eq. 21) of '//text_of(modes)//' modes by quadrature, γ = '// &
-                       shortest(mass_ratios(g), 3), 1.0e-12_dp, 'absolute')
+                       trim(names(g)), 1.0e-12_dp, 'absolute')
       set = closed_form_modes(modes, mass_ratios(g))
       allocate (gram, source=beam_part(set))
       do k = 1, modes

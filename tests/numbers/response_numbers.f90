@@ -1,6 +1,7 @@
 module response_numbers
   !! Histories around the critical angular velocity, over long times, and to the end of the range of numbers.
   use bw_kinds, only: dp, qp
+  use bw_missing, only: is_missing
   use bw_response, only: response_type
   use number_table, only: table_type
   use paper_motion, only: catch_mass, catch_type, paper_beam
@@ -31,7 +32,7 @@ contains
     call all_errors(histories, 5, error, error_rate)
     call table%begin('displacement at ω = ω_c(1 ± 10⁻ᵏ), k = 3 … 15, and at ω_c, to 1 s', 1.0e-12_dp, 'part of the peak')
     call table%note(abs(error))
-    call table%begin('velocity there', 1.0e-12_dp, 'part of the peak')
+    call table%begin('velocity at those ω', 1.0e-12_dp, 'part of the peak')
     call table%note(abs(error_rate))
     call table%begin('step from each of these ω to the next', 1.0e-12_dp, 'part of the peak')
     stride = size(error)/size(histories%first)
@@ -44,7 +45,7 @@ contains
     call all_errors(history_table_of('long_responses.txt'), 46, error, error_rate)
     call table%begin('displacement to t = 1, 10³, 10⁶, 10⁹ s, βt to 10¹⁵', 1.0e-12_dp, 'part of the peak')
     call table%note(abs(error))
-    call table%begin('velocity there', 1.0e-12_dp, 'part of the peak')
+    call table%begin('velocity at those times', 1.0e-12_dp, 'part of the peak')
     call table%note(abs(error_rate))
   end subroutine measure_long_times
 
@@ -60,16 +61,18 @@ contains
     last = nint(column('overflows.txt', 'last'))
     do i = 1, size(histories%first)
       call follow(histories, i, 5, with_velocity=.false., response=response)
-      missed = [missed, 1.0_dp*abs(last(histories%first(i)) + 1 - response%finite_samples)]
+      missed = [missed, real(abs(last(histories%first(i)) + 1 - response%finite_samples) &
+                             + count(is_missing(response%displacement(:response%finite_samples, :))) &
+                             + count(.not. is_missing(response%displacement(response%finite_samples + 1:, :))), dp)]
       error = [error, relative(histories, i, histories%displacement, response%displacement, response%finite_samples)]
       call follow(histories, i, 5, with_velocity=.true., response=response)
       error_rate = [error_rate, relative(histories, i, histories%velocity, response%velocity, response%finite_samples)]
     end do
     call table%begin('displacement beyond ω_c until it overflows', 1.0e-12_dp, 'relative')
     call table%note(error)
-    call table%begin('velocity there', 1.0e-12_dp, 'relative')
+    call table%begin('velocity beyond ω_c until it overflows', 1.0e-12_dp, 'relative')
     call table%note(error_rate)
-    call table%begin('the last finite sample there', 0.0_dp, 'samples too few or too many')
+    call table%begin('the last finite sample beyond ω_c, then fill', 0.0_dp, 'samples wrongly filled or not')
     call table%note(missed)
   end subroutine measure_overflow
 

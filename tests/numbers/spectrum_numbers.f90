@@ -16,7 +16,7 @@ contains
     call table%begin('spectrum of 500 random records of 2 to 10 lines', 0.0_dp, &
                      'peaks whose bound is below the true error')
     call table%note_many(real(verdict%violations, dp), verdict%peaks)
-    call table%begin('lines closer than 1/T there', 0.05_dp, 'part of the pairs that are not named')
+    call table%begin('pairs of lines closer than 1/T in these records', 0.05_dp, 'part of the pairs that are not named')
     call table%note_many(1.0_dp - real(verdict%named, dp)/verdict%pairs, verdict%pairs)
   end subroutine measure_spectrum
 

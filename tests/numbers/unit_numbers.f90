@@ -19,7 +19,7 @@ contains
 
   subroutine measure_units(table)
     type(table_type), intent(inout) :: table
-    logical :: round(2) = [.true., .false.]
+    logical, parameter :: round(2) = [.true., .false.]
     integer :: section, speed, length, time, mass
     call table%begin('histories and measured waves, units of length, time and mass times 2^±200', 0.0_dp, &
                      'numbers whose bits differ')

@@ -9,7 +9,7 @@ module modal_motion
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: greatest_energy_norm, move
+  public :: move
 
 contains
 
@@ -36,11 +36,5 @@ contains
       call add_growing_mode(modes%beta_squared(k), q(k), q_dot(k), unit(k, :), grid, grid%samples, displacement, velocity)
     end do
   end subroutine move
-
-  elemental real(dp) function greatest_energy_norm(beta_squared, q, q_dot) result(norm)
-    !! q̇² + |β²|q²: what rounding errors of the energy q̇² + β²q² are measured by.
-    real(dp), intent(in) :: beta_squared, q, q_dot
-    norm = q_dot**2 + abs(beta_squared)*q**2
-  end function greatest_energy_norm
 
 end module modal_motion

@@ -18,7 +18,8 @@ def roots(count, mass_ratio):
     """α of the first modes: Eq. 19, Eq. 8 for mass ratio 0, divided by cosh α."""
 
     def frequency_equation(alpha):
-        return 1 / np.cosh(alpha) + np.cos(alpha) + alpha * mass_ratio * (np.cos(alpha) * np.tanh(alpha) - np.sin(alpha))
+        shear = alpha * mass_ratio * (np.cos(alpha) * np.tanh(alpha) - np.sin(alpha))
+        return 1 / np.cosh(alpha) + np.cos(alpha) + shear
 
     k = np.arange(1, count + 1)
     low = np.where(k == 1, 1e-3, (k - 0.75) * np.pi - 0.01)
@@ -39,7 +40,9 @@ def shapes(alpha, position):
 class CapturedBeam:
     """Beam and captured mass, SI; V = 1 m/s, e = 0."""
 
-    def __init__(self, mass_ratio, angular_velocity, before, after, diameter=0.037, youngs_modulus=2e11, density=7870.0):
+    def __init__(
+        self, mass_ratio, angular_velocity, before, after, diameter=0.037, youngs_modulus=2e11, density=7870.0
+    ):
         self.h = diameter / 4 * np.sqrt(youngs_modulus / density)
         self.mass_ratio = mass_ratio
         self.angular_velocity = angular_velocity

@@ -10,7 +10,7 @@ program ends_in_a_fault
   call get_command_argument(1, kind)
   select case (kind)
   case ('run-time-error'); call read_a_word_as_a_number()
-  case ('bad-allocation'); call allocate_without_asking(huge(1_i8)/16)
+  case ('bad-allocation'); call allocate_without_asking(2_i8**57)
   case ('segfault'); call write_to_address(8_c_intptr_t)
   case ('error-stop'); error stop 'stopped'
   case ('stop'); stop

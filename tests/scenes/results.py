@@ -38,7 +38,8 @@ def read(path):
         file.set_auto_mask(False)
         file.set_auto_scale(False)
         variables = {
-            name: Variable(item.dimensions, np.array(item[...]), attributes_of(item)) for name, item in file.variables.items()
+            name: Variable(item.dimensions, np.array(item[...]), attributes_of(item))
+            for name, item in file.variables.items()
         }
         sizes = {name: len(item) for name, item in file.dimensions.items()}
         return Result(attributes_of(file), sizes, variables)

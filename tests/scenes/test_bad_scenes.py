@@ -15,11 +15,13 @@ BAD = """\
   colour = 5, samples = 12 /
 """
 WRONG_IN_BAD = {
-    1: "beam%length",
-    3: "&rotatoin",
-    4: "impact%mass_ratio",
-    6: ["response%duration", "response%samples"],
-    7: ["response%colour", "response%samples"],
+    (1, "beam%length"),
+    (3, "&rotatoin"),
+    (4, "impact%mass_ratio"),
+    (6, "response%duration"),
+    (6, "response%samples"),
+    (7, "response%colour"),
+    (7, "response%samples"),
 }
 
 
@@ -27,8 +29,8 @@ def test_every_error_of_a_file_is_listed_where_it_stands(here):
     ended = here.beamwave("run", here.write("bad.nml", BAD))
     assert (ended.returncode, ended.stdout) == (2, "")
     listed = re.findall(r"^bad\.nml:(\d+): ([&%\w]+): .*accepted: ", ended.stderr, re.MULTILINE)
-    wrong = [(line, name) for line, names in WRONG_IN_BAD.items() for name in ([names] if isinstance(names, str) else names)]
-    assert set(wrong) <= {(int(line), name) for line, name in listed}
+    listed = {(int(line), name) for line, name in listed}
+    assert not WRONG_IN_BAD - listed
     assert here.left(".") == ["bad.nml"]
 
 
@@ -55,7 +57,9 @@ def test_a_group_that_is_not_built_is_refused(here, group):
 CONFLICTS = {
     "capture without impact": captured_beam(impact=None),
     "spectrum without response": captured_beam(spectrum={}),
-    "a rebound's history without counts": captured_beam(capture=None, modes=None, response={"duration": 0.1, "samples": 64}),
+    "a rebound's history without counts": captured_beam(
+        capture=None, modes=None, response={"duration": 0.1, "samples": 64}
+    ),
     "two masses": captured_beam(impact={"mass": 1.0}),
     "two counts for one set of modes": captured_beam(capture=None),
     "diameter beside area": captured_beam(beam={"area": 1e-3}),
@@ -81,7 +85,9 @@ SWEEPS = {
     "half a mode": [{"parameter": "modes%before", "values": [5, 5.5]}],
     "a group that is not there": [{"parameter": "response%duration", "values": [1.0, 2.0]}],
     "an unknown name": [{"parameter": "beam%colour", "values": [1.0, 2.0]}],
-    "values beside a range": [{"parameter": "impact%mass_ratio", "values": [0.1], "first": 0.1, "last": 1.0, "count": 3}],
+    "values beside a range": [
+        {"parameter": "impact%mass_ratio", "values": [0.1], "first": 0.1, "last": 1.0, "count": 3}
+    ],
 }
 
 

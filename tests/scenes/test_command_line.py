@@ -43,7 +43,8 @@ def test_help_names_every_command_and_status(here, word):
 
 def test_version_names_program_compiler_and_libraries(here):
     ended = here.beamwave("--version")
-    version = re.search(r"project\(beamwave VERSION ([0-9.]+)", (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8"))
+    project = (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8")
+    version = re.search(r"project\(beamwave VERSION ([0-9.]+)", project)
     assert (ended.returncode, ended.stderr) == (0, "")
     assert ended.stdout.startswith(f"beamwave {version[1]} (")
     for name in ["GCC", "NetCDF", "FFTW", "LAPACK"]:

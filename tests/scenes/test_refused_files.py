@@ -1,16 +1,17 @@
 """What the system refuses, files, memory or a full disk, ends with 3, a message, and no half-written result."""
 
 import os
-import re
 import resource
 import shlex
 import signal
 import subprocess
+from pathlib import Path
 
 import pytest
 import results
-from workplace import SECONDS, captured_beam, namelist
+from workplace import SECONDS, captured_beam
 
+FULL = Path("/dev/full")
 LARGE = captured_beam(response={"duration": 1.0, "samples": 200_000})  # 3.2 MB of histories
 SWEEP = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 20}
 ON_LARGE = 2_000_000  # bytes: room for the file's head, not for the histories
@@ -21,7 +22,7 @@ def assert_refused(ended, *named):
     """Status 3 and one message that names what was refused."""
     assert ended.returncode == 3, (ended.returncode, ended.stderr)
     for word in named:
-        assert word in ended.stderr
+        assert len([line for line in ended.stderr.splitlines() if word in line]) == 1
     for noise in ["HDF5-DIAG", "fault", "Backtrace", "SIG"]:
         assert noise not in ended.stderr
 
@@ -164,7 +165,7 @@ COMMANDS = [["--version"], ["--help"], ["describe"], ["check", "a.nml"], ["run",
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_a_report_that_cannot_be_written_is_said(here, words):
     here.scene("a", captured_beam())
-    with open("/dev/full", "w") as full:
+    with FULL.open("w") as full:
         ended = here.beamwave(*words, stdout=full)
     assert ended.returncode == 3
     assert "standard output cannot be written" in ended.stderr
@@ -172,13 +173,6 @@ def test_a_report_that_cannot_be_written_is_said(here, words):
 
 def test_quiet_needs_no_standard_output(here):
     here.scene("a", captured_beam())
-    with open("/dev/full", "w") as full:
+    with FULL.open("w") as full:
         assert here.beamwave("run", "a.nml", "--quiet", stdout=full).returncode == 0
     assert here.left() == ["a.nc"]
-
-
-def test_a_refused_file_is_named_with_its_reason_once(here):
-    here.scene("a", LARGE)
-    ended = here.beamwave("run", "a.nml", **with_files_up_to(ON_LARGE))
-    assert len(re.findall("a.partial", ended.stderr)) == 1
-    assert namelist(LARGE) == (here.directory / "a.nml").read_text(encoding="utf-8")

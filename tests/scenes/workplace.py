@@ -40,7 +40,7 @@ def value_text(value):
     if isinstance(value, bool):
         return ".true." if value else ".false."
     if isinstance(value, str):
-        return f"'{value}'"
+        return "'" + value.replace("'", "''") + "'"
     if isinstance(value, (list, tuple)):
         return ", ".join(value_text(item) for item in value)
     return repr(value)

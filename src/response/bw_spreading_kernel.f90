@@ -1,0 +1,134 @@
+module bw_spreading_kernel
+  !! The Kaiser–Bessel kernel that carries a point onto the `width` grid points around it,
+  !! \( \psi(x) = I_0(b\sqrt{1 - (2x/w)^2})/I_0(b) \) for |x| < w/2, x in spacings of the grid.
+  !!
+  !! It is evaluated by piecewise polynomials: a spacing is cut into `cells`, and in each cell the weights of all w
+  !! grid points are polynomials of the same place, which vector registers evaluate together. Its Fourier transform
+  !! has a closed form.
+  !!
+  !! **Errors**: of the polynomials below 1e-14 of the kernel's peak, widths to 20: rounding of the exponent b alone.
+  !! **Source**: Kaiser and Schafer (1980), doi:10.1109/TASSP.1980.1163349; for the use of it, Barnett, Magland and
+  !! af Klinteberg (2019), doi:10.1137/18M120885X.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: kernel_of, kernel_damping, transform_error
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter, public :: cells = 16       !! polynomials per spacing of the grid
+  integer, parameter, public :: degree = 7       !! of each
+  integer, parameter, public :: vector = 4       !! widths are multiples of it
+
+  type, public :: spreading_kernel
+    integer :: width = 0                         !! w, even
+    real(dp) :: sharpness = 0.0_dp               !! b
+    real(dp), allocatable :: table(:, :, :, :)
+      !! (vector, 0:degree, w/vector, cells): coefficients of the powers of the place in the cell, −1 … 1
+  end type spreading_kernel
+
+contains
+
+  pure type(spreading_kernel) function kernel_of(width, oversampling) result(kernel)
+    !! The kernel whose transform is smallest beyond the frequencies that alias onto those wanted.
+    integer, intent(in) :: width            !! w, even, 4 … 20
+    real(dp), intent(in) :: oversampling    !! grid points per sample wanted, > 1
+    real(dp), dimension(0:degree) :: node
+    real(dp) :: powers(0:degree, 0:degree), values(width, 0:degree)
+    integer :: cell, first, i, j
+    kernel%width = width
+    kernel%sharpness = pi*width*(1.0_dp - 0.5_dp/oversampling)
+    allocate (kernel%table(vector, 0:degree, width/vector, cells))
+    node = [(cos((j + 0.5_dp)*pi/(degree + 1)), j=0, degree)]
+    powers = power_coefficients(node)/peak(kernel)
+    do cell = 1, cells
+      do j = 0, degree
+        values(:, j) = [((cell - 0.5_dp + 0.5_dp*node(j))/cells + 0.5_dp*width - i, i=1, width)]
+      end do
+      values = reshape(unscaled(kernel, reshape(values, [size(values)])), shape(values))
+      do first = 1, width, vector
+        kernel%table(:, :, (first + vector - 1)/vector, cell) = matmul(values(first:first + vector - 1, :), powers)
+      end do
+    end do
+  end function kernel_of
+
+  pure function power_coefficients(node) result(matrix)
+    !! Row: value at a Chebyshev node; column: what it adds to the coefficient of a power in the interpolating
+    !! polynomial, \( \frac{1}{d+1}\sum_j (2 - \delta_{j0}) T_j(x_i) T_j(x) \).
+    real(dp), intent(in) :: node(0:)
+    real(dp) :: matrix(0:size(node) - 1, 0:size(node) - 1)
+    real(dp), dimension(0:size(node) - 1) :: last, now, next      ! Chebyshev polynomials, by their powers
+    real(dp) :: angle(0:size(node) - 1)
+    integer :: j, m
+    angle = acos(node)
+    last = 0.0_dp
+    now = 0.0_dp
+    now(0) = 1.0_dp
+    matrix = spread(now, 1, size(node))
+    do j = 1, size(node) - 1
+      next = merge(1.0_dp, 2.0_dp, j == 1)*cshift(now, -1) - last      ! the highest power is still zero
+      last = now
+      now = next
+      do m = 0, size(node) - 1
+        matrix(:, m) = matrix(:, m) + 2.0_dp*cos(j*angle)*now(m)
+      end do
+    end do
+    matrix = matrix/size(node)
+  end function power_coefficients
+
+  pure function unscaled(kernel, x) result(values)
+    !! I₀(b√(1 − (2x/w)²)), inside the kernel or, by less than rounding, outside.
+    type(spreading_kernel), intent(in) :: kernel
+    real(dp), intent(in) :: x(:)
+    real(dp) :: values(size(x))
+    values = bessel_series(0.25_dp*kernel%sharpness**2*max(0.0_dp, 1.0_dp - (2.0_dp*x/kernel%width)**2))
+  end function unscaled
+
+  pure real(dp) function peak(kernel)
+    !! I₀(b)
+    type(spreading_kernel), intent(in) :: kernel
+    peak = sum(unscaled(kernel, [0.0_dp]))
+  end function peak
+
+  pure function bessel_series(y) result(sum)
+    !! I₀(2√y) = Σ yᵐ/(m!)², all terms positive; y ≤ 1000.
+    real(dp), intent(in) :: y(:)
+    real(dp) :: sum(size(y))
+    integer, parameter :: last_term = 90    ! the one after it is below 1e-17 of the sum
+    integer :: m
+    sum = 1.0_dp
+    do m = last_term, 1, -1
+      sum = 1.0_dp + sum*y*(1.0_dp/real(m*m, dp))
+    end do
+  end function bessel_series
+
+  elemental real(dp) function transform_error(width, oversampling) result(error)
+    !! Largest error of a transform with this kernel over the peak of its samples: what frequencies beyond those
+    !! wanted alias onto them, and rounding, which grows as the kernel's transform falls from frequency 0 to the
+    !! highest one wanted. The two factors are measured, over sums of up to 20 000 modes.
+    integer, intent(in) :: width
+    real(dp), intent(in) :: oversampling    !! ≥ 1
+    real(dp) :: aliasing, s
+    s = pi*width*sqrt(1.0_dp - 1.0_dp/oversampling)
+    aliasing = s*exp(-s)
+    if (s < 1.0_dp) aliasing = 1.0_dp
+    error = 3.0_dp*aliasing + 6.0_dp*epsilon(s)*exp(pi*width*(1.0_dp - 0.5_dp/oversampling) - s)
+  end function transform_error
+
+  pure function kernel_damping(kernel, first, count, grid) result(transform)
+    !! The transform of the kernel, \( w\sinh(s)/(s I_0(b)) \), \( s = \sqrt{b^2 - (\pi w j/M)^2} \), at samples
+    !! j = first, first + 1, …; (count).
+    type(spreading_kernel), intent(in) :: kernel
+    integer, intent(in) :: first, count
+    integer, intent(in) :: grid                  !! M, points of the grid
+    real(dp) :: transform(count)
+    real(dp) :: s, unit
+    integer :: j
+    unit = pi*kernel%width/grid
+    do j = 1, count
+      s = sqrt(kernel%sharpness**2 - (unit*(first + j - 1))**2)
+      transform(j) = (1.0_dp - exp(-2.0_dp*s))*exp(s - kernel%sharpness)/s
+    end do
+    transform = transform*(0.5_dp*kernel%width*exp(kernel%sharpness)/peak(kernel))
+  end function kernel_damping
+
+end module bw_spreading_kernel

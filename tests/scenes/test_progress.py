@@ -1,0 +1,76 @@
+"""A run over a second shows a bar on a terminal, which vanishes, and plain lines in a log; `--quiet` shows neither."""
+
+import os
+import pty
+import re
+
+import pytest
+from workplace import captured_beam
+
+# small cases with much to sum, and so many that any build is under way when the time is up
+ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
+CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
+CLEAR = "\r\x1b[K"
+
+
+@pytest.fixture
+def on_terminal(here):
+    """Runs the program with standard error on a terminal; gives status and what the terminal got."""
+
+    def run(*words):
+        ours, theirs = pty.openpty()
+        running = here.start("run", "a.nml", *words, stderr=theirs)
+        os.close(theirs)
+        shown = b""
+        try:
+            while part := os.read(ours, 65536):
+                shown += part
+        except OSError:  # how Linux says that the other end is closed
+            pass
+        os.close(ours)
+        running.communicate(timeout=60)
+        return running.returncode, shown.decode()
+
+    return run
+
+
+def test_a_bar_shows_on_a_terminal_and_vanishes(here, on_terminal):
+    here.scene("a", ENDLESS, CASES)
+    status, shown = on_terminal("--max-seconds", "2")
+    assert status == 5
+    bars = re.findall(r"\r\[#*\.*\] a  (\d+) %  case (\d+) of 20000", shown)
+    assert bars
+    assert [int(case) for _, case in bars] == sorted(int(case) for _, case in bars)
+    _, _, after = shown.rpartition(CLEAR)
+    assert "cases saved" in after
+    assert "[" not in after.replace("\r\n", "")
+
+
+def test_a_short_run_shows_nothing(here, on_terminal):
+    here.scene("a", captured_beam())
+    assert on_terminal() == (0, "")
+
+
+def test_quiet_shows_warnings_alone_on_a_terminal(here, on_terminal):
+    here.scene("a", ENDLESS, CASES)
+    status, shown = on_terminal("--quiet", "--max-seconds", "2")
+    assert status == 5
+    assert re.fullmatch(r"a\.nml: warning: .* cases saved; the same command goes on from there\r\n", shown)
+
+
+def test_a_log_gets_plain_lines(here):
+    here.scene("a", ENDLESS, CASES)
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "6")
+    assert ended.returncode == 5
+    lines = [line for line in ended.stderr.splitlines() if " %" in line]
+    assert lines
+    for line in lines:
+        assert re.fullmatch(r"a  \d+ %  case \d+ of 20000(  \d+ (s|min|h) left)?", line)
+    assert not re.search(r"[\r\x1b]", ended.stderr)
+
+
+def test_quiet_leaves_only_warnings_and_errors(here):
+    here.scene("a", captured_beam(impact={"restitution": 0.5}))
+    ended = here.beamwave("run", "a.nml", "--quiet")
+    assert (ended.returncode, ended.stdout) == (0, "")
+    assert ended.stderr.startswith("a.nml: warning: added energy: restitution 0.5 with capture")

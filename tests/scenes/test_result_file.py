@@ -1,0 +1,244 @@
+"""A result file holds what is promised: names, units, sources, sizes, fill where nothing exists, nothing unasked."""
+
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import results
+from conftest import PROJECT
+from workplace import captured_beam
+
+MODAL = [
+    "alpha",
+    "wavenumber",
+    "angular_frequency",
+    "growth_rate",
+    "modal_mass",
+    "modal_velocity",
+    "phase_velocity",
+    "group_velocity",
+]
+EVENTS = ["event_time", "event_end", "event_kind", "event_impulse"]
+EVENTS += [f"{what}_{when}" for what in ["energy", "momentum"] for when in ["before", "after"]]
+MEASURED = [f"measured_{name}" for name in ["angular_frequency", "wavenumber", "phase_velocity", "group_velocity"]]
+DIMENSIONS = {
+    **{name: ("mode",) for name in MODAL},
+    **{f"{name}_before": ("mode_before",) for name in MODAL},
+    **{name: ("event",) for name in EVENTS},
+    **{name + end: ("peak",) for name in MEASURED for end in ["", "_error"]},
+    **dict.fromkeys(["impulse", "mass_velocity", "tip_velocity"], ()),
+    **dict.fromkeys(["critical_angular_velocity", "critical_angular_velocity_before"], ()),
+    **dict.fromkeys(["mode_count", "peak_count", "case_status"], ()),
+    "velocity_jump": ("profile",),
+    **dict.fromkeys(["displacement_error", "velocity_error"], ("point",)),
+    "displacement": ("point", "time"),
+    "velocity": ("point", "time"),
+    "amplitude": ("point", "frequency"),
+    "stage_seconds": ("stage",),
+}
+COORDINATES = {name: (name,) for name in ["mode", "mode_before", "peak", "event", "stage", "time", "frequency"]}
+COORDINATES |= {"point_position": ("point",), "profile_position": ("profile",)}
+INPUTS = {
+    "beam_length": 1.0,
+    "beam_diameter": 0.037,
+    "beam_density": 7870.0,
+    "beam_youngs_modulus": 2e11,
+    "rotation_angular_velocity": 50.0,
+    "impact_mass_ratio": 0.2,
+    "impact_approach_velocity": 1.0,
+    "impact_restitution": 0.0,
+    "impact_profile_points": 201,
+    "modes_before": 12,
+    "modes_after": 10,
+    "response_duration": 1.0,
+    "response_samples": 4096,
+    "spectrum_max_peaks": 20,
+}
+OF_THE_PAPER = [*MODAL, *(f"{name}_before" for name in MODAL), "velocity_jump", "displacement"]
+FULL = captured_beam(
+    scene={"title": "all of it"},
+    response={"duration": 1.0, "samples": 4096, "velocity": True},
+    spectrum={},
+)
+
+
+@pytest.fixture(scope="module")
+def place(shared):
+    """Results of every kind: one case, sweeps of one and two inputs, different numbers of modes."""
+    place = shared("results")
+    speeds = {"parameter": "rotation%angular_velocity", "values": [0.0, 50.0, 100.0, 150.0]}
+    ratios = {"parameter": "impact%mass_ratio", "values": [0.2, 1.0]}
+    counts = {"parameter": "modes%after", "values": [3, 7]}
+    place.scene("full", FULL)
+    place.scene("one", captured_beam(modes={"before": 6, "after": 6}), speeds)
+    place.scene("two", captured_beam(), ratios, speeds)
+    place.scene("counts", captured_beam(), counts)
+    place.scene("rebound", captured_beam(capture=None, modes={"before": 5, "after": 5}))
+    place.scene("plain", {"beam": captured_beam()["beam"]})
+    ended = place.beamwave("run", ".", "--quiet")
+    assert ended.returncode == 0, ended.stderr
+    return place
+
+
+@pytest.fixture(scope="module")
+def full(place):
+    return place.result("full")
+
+
+NAMES = ["full", "one", "two", "counts", "rebound", "plain"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_variable_has_units_and_a_name(place, name):
+    for variable, (_, _, attributes) in place.result(name).variables.items():
+        assert attributes["units"].strip(), variable
+        assert attributes["long_name"].strip(), variable
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_number_is_nan_or_infinite_and_no_coordinate_is_fill(place, name):
+    result = place.result(name)
+    coordinates = {*COORDINATES, "case", *INPUTS}
+    for variable, (_, values, attributes) in result.variables.items():
+        assert np.isfinite(values).all(), variable
+        assert ("_FillValue" in attributes) == (values.dtype == np.float64 and variable not in coordinates), variable
+        if variable in coordinates:
+            assert not results.is_fill(values).any(), variable
+            assert np.all(values != -2147483647), variable  # NetCDF's fill of integers
+
+
+def test_every_promised_variable_has_its_dimensions(full):
+    for name, dimensions in {**DIMENSIONS, **COORDINATES}.items():
+        assert full.variables[name].dimensions == dimensions, name
+    for name in OF_THE_PAPER:
+        assert re.search(r"(Eq\.|Eqs|Fig\.) \d", full.variables[name].attributes["references"]), name
+
+
+def test_no_variable_is_there_that_was_not_promised(full):
+    assert set(full.variables) == {*DIMENSIONS, *COORDINATES, *INPUTS}
+
+
+def test_fill_stands_only_where_nothing_exists(full):
+    for name in DIMENSIONS:
+        filled = results.is_fill(full[name])
+        if DIMENSIONS[name] == ("peak",):
+            assert not filled[: full["peak_count"]].any() or "group" in name
+            assert filled[full["peak_count"] :].all()
+        else:
+            assert not filled.any(), name
+
+
+def test_every_number_of_the_scene_is_a_variable(full):
+    for name, value in INPUTS.items():
+        assert full.variables[name].dimensions == ()
+        assert full[name] == value, name
+
+
+def test_the_attributes_say_what_made_the_file(full):
+    attributes = full.attributes
+    assert attributes["Conventions"] == "CF-1.11"
+    assert attributes["format_version"] == 1
+    assert attributes["title"] == "all of it"
+    assert attributes["effects"] == "rotation impact capture"
+    assert attributes["method"] == "closed form"
+    assert attributes["source"].startswith("beamwave ")
+    assert "beamwave run" in attributes["history"]
+    assert attributes["scene"].startswith("&scene")
+    for name in ["created", "notes", "compiler", "libraries"]:
+        assert attributes[name].strip(), name
+
+
+def test_flags_have_words(full):
+    for name, word in {"case_status": "done", "event_kind": "impact", "stage": "modes"}.items():
+        variable = full.variables[name]
+        numbers = np.atleast_1d(variable.attributes["flag_values"]).tolist()
+        words = variable.attributes["flag_meanings"].split()
+        assert len(numbers) == len(words)
+        assert words[numbers.index(np.atleast_1d(variable.values)[0])] == word
+
+
+def test_the_axes_are_exact(full):
+    samples = int(full["response_samples"])
+    np.testing.assert_array_equal(full["time"], np.arange(samples) / samples)  # powers of two: exact
+    np.testing.assert_array_equal(full["frequency"], np.arange(samples // 2 + 1))
+    np.testing.assert_array_equal(full["point_position"], [0.5, 1.0])
+    np.testing.assert_array_equal(full["profile_position"], np.arange(201) / 200)
+    for name in ["mode", "mode_before", "peak", "event", "stage"]:
+        np.testing.assert_array_equal(full[name], np.arange(1, full.sizes[name] + 1))
+
+
+def test_wave_quantities_agree_with_each_other(full):
+    beta, number = full["angular_frequency"], full["wavenumber"]
+    # a quotient and a product of correctly rounded numbers are two roundings from each other
+    np.testing.assert_allclose(full["phase_velocity"], beta / number, rtol=4e-16)
+    np.testing.assert_allclose(full["alpha"], number * full["beam_length"], rtol=4e-16)
+    np.testing.assert_array_equal(full["growth_rate"], 0.0)
+
+
+def test_velocity_is_the_slope_of_displacement(here):
+    here.scene("a", captured_beam(response={"duration": 1e-3, "samples": 2048, "velocity": True}))
+    result = here.run("a")
+    step = result["time"][1]
+    slope = (result["displacement"][:, 2:] - result["displacement"][:, :-2]) / (2 * step)
+    # central differences are off by (βh)²/6 ≈ 5e-5 of the fastest mode (10), which carries a small part of the velocity
+    np.testing.assert_allclose(slope, result["velocity"][:, 1:-1], atol=1e-4 * np.abs(result["velocity"]).max())
+
+
+def test_what_was_not_asked_for_is_not_in_the_file(place):
+    plain, rebound, one = (set(place.result(name).variables) for name in ["plain", "rebound", "one"])
+    of_an_impact = ["velocity_jump", "impulse", "mass_velocity", "tip_velocity", "modal_velocity", "profile_position"]
+    for name in [*EVENTS, *of_an_impact]:
+        assert name not in plain
+        assert name in rebound
+    for name in [*(f"{name}_before" for name in MODAL), "mode_before", "critical_angular_velocity_before"]:
+        assert name not in rebound
+        assert name in one
+    of_a_history = [
+        "displacement",
+        "velocity",
+        "amplitude",
+        "time",
+        "frequency",
+        "point_position",
+        "peak",
+        "peak_count",
+    ]
+    assert not {*of_a_history, *MEASURED} & one
+
+
+def test_a_history_without_velocity_or_spectrum_has_neither(here):
+    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 64}))
+    variables = set(here.run("a").variables)
+    assert "displacement" in variables
+    assert not {"velocity", "amplitude", "frequency", "peak", "peak_count", *MEASURED} & variables
+
+
+def test_waves_are_not_measured_without_both_points_and_the_notes_say_so(here):
+    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 64, "points": [0.25, 1.0]}, spectrum={}))
+    result = here.run("a")
+    assert "amplitude" in result.variables
+    assert not {"peak", "peak_count", *MEASURED} & set(result.variables)
+    assert "0.5 and 1.0" in result.attributes["notes"]
+
+
+def test_a_critical_speed_exists_only_for_rotation_in_plane(here):
+    here.scene("out", captured_beam(rotation={"plane": "out"}))
+    result = here.run("out")
+    assert results.is_fill(result["critical_angular_velocity"])
+    assert "out of plane changes nothing" in result.attributes["notes"]
+
+
+def test_the_documented_xarray_idioms_work_on_real_results(place, tmp_path):
+    idioms = [sys.executable, "-m", "pytest", "--quiet", "-k", "not readme", PROJECT / "postproc/tests/test_idioms.py"]
+    ended = subprocess.run(
+        [*idioms, "--results", place.directory / "output"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=120,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stdout
+    assert "skipped" not in ended.stdout

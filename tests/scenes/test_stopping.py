@@ -1,0 +1,124 @@
+"""A run that is stopped keeps its finished cases, and the same command ends with what an uninterrupted run gives."""
+
+import signal
+import time
+
+import pytest
+import results
+from workplace import SECONDS, captured_beam
+
+SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 300}
+LONG = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 8.0, "samples": 2048})
+STATUS = 4  # the fastest cases, which come first, overflow
+
+
+@pytest.fixture(scope="module")
+def uninterrupted(shared):
+    """The result, and how long it took: slow builds are stopped as far on as fast ones."""
+    place = shared("uninterrupted")
+    place.scene("a", LONG, SPEEDS)
+    began = time.perf_counter()
+    result = place.run("a", status=STATUS)
+    return result, time.perf_counter() - began
+
+
+def wait_for(path):
+    until = time.perf_counter() + SECONDS
+    while not path.exists():
+        assert time.perf_counter() < until, f"{path} does not come"
+        time.sleep(0.005)
+
+
+def send(here, number, seconds, *words):
+    """Run, send a signal so long after the work began, and wait for the end."""
+    running = here.start("run", "a.nml", *words)
+    wait_for(here.directory / "output/a.partial/result.nc")
+    time.sleep(seconds)
+    running.send_signal(number)
+    out, err = running.communicate(timeout=SECONDS)
+    return running.returncode, out, err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGUSR1])
+def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupted, number):
+    whole, seconds = uninterrupted
+    here.scene("a", LONG, SPEEDS)
+    status, _, err = send(here, number, seconds / 3)
+    assert status == 5, err
+    assert "of 300 cases saved; the same command goes on from there" in err
+    assert here.left() == ["a.partial", "a.partial/result.nc"]
+    resumed = here.beamwave("run", "a.nml")
+    assert resumed.returncode == STATUS
+    assert "taken over from an earlier run" in resumed.stdout
+    assert results.differences(here.result("a"), whole) == []
+    assert here.left() == ["a.nc"]
+
+
+def test_a_time_limit_stops_in_order_as_often_as_it_takes(here, uninterrupted):
+    whole, seconds = uninterrupted
+    here.scene("a", LONG, SPEEDS)
+    statuses = []
+    while not statuses or (statuses[-1] == 5 and len(statuses) < 50):
+        statuses.append(here.beamwave("run", "a.nml", "--quiet", "--max-seconds", f"{seconds / 3:.4f}").returncode)
+    assert len(statuses) > 1
+    assert statuses[-1] == STATUS
+    assert results.differences(here.result("a"), whole) == []
+
+
+def test_no_time_at_all_is_a_stop_before_the_first_scene(here):
+    here.scene("a", captured_beam())
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0")
+    assert ended.returncode == 5
+    assert "a.nml" in ended.stderr
+    assert here.run("a")["mode_count"] == 10
+
+
+def test_a_stop_leaves_the_scenes_that_follow_for_later(here, uninterrupted):
+    here.scene("a", LONG, SPEEDS)
+    here.scene("b", captured_beam())
+    status, _, err = send(here, signal.SIGTERM, uninterrupted[1] / 3, "b.nml")
+    assert status == 5
+    assert "b.nml" in err
+    assert "b.nc" not in here.left()
+
+
+def test_a_case_under_way_can_be_stopped(here):
+    here.scene(
+        "a", captured_beam(modes={"before": 400, "after": 400}, response={"duration": 1.0, "samples": 2_000_000})
+    )
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.03")  # no build sums these histories in that
+    assert ended.returncode == 5
+    assert "a.nml" in ended.stderr
+    assert "a.nc" not in here.left(".")
+
+
+@pytest.mark.parametrize("part", [0.1, 0.5])
+def test_what_a_killed_run_leaves_never_blocks(here, uninterrupted, part):
+    whole, seconds = uninterrupted
+    here.scene("a", LONG, SPEEDS)
+    assert send(here, signal.SIGKILL, part * seconds)[0] == -signal.SIGKILL
+    assert here.left() == ["a.partial", "a.partial/result.nc"]
+    assert results.differences(here.run("a", status=STATUS), whole) == []
+
+
+def leave_rubbish(path):
+    path.write_bytes(b"no NetCDF file" * 100)
+
+
+def leave_half_a_file(path):
+    path.write_bytes((path.parents[1] / "older.nc").read_bytes()[:5000])
+
+
+def leave_another_scene(path):
+    path.write_bytes((path.parents[1] / "older.nc").read_bytes())
+
+
+@pytest.mark.parametrize("leave", [leave_rubbish, leave_half_a_file, leave_another_scene])
+def test_unfinished_work_that_is_no_use_is_discarded(here, leave):
+    here.scene("older", captured_beam(impact={"mass_ratio": 0.7}))
+    here.scene("a", captured_beam())
+    here.run("older")
+    (here.directory / "output/a.partial").mkdir()
+    leave(here.directory / "output/a.partial/result.nc")
+    assert here.run("a")["impact_mass_ratio"] == 0.2
+    assert here.left() == ["a.nc", "older.nc"]
