@@ -155,8 +155,8 @@ contains
     case ('run', 'check')
       if (size(command%words) == 0) call fail(error, status_bad_input, &
         'beamwave '//command%name//': a scene is missing; accepted: files, or directories of *.nml')
-    case ('describe')
-      if (size(command%words) > 1) call fail(error, status_bad_input, 'beamwave describe: accepted: one group at most')
+    case default
+      if (size(command%words) > 1) call fail(error, status_bad_input, 'beamwave '//command%name//': accepted: one word at most')
     end select
   end subroutine check_words
 

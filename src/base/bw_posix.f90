@@ -11,12 +11,14 @@ module bw_posix
   integer(c_int), parameter :: f_ok = 0
   integer(c_int), parameter :: all_permissions = int(o'777', c_int)   ! less the caller's umask
 
+  integer, parameter :: spare = 16   ! more members than any library has
+
   type, bind(c) :: glob_type
     !! glob_t of <glob.h>: the members that POSIX names, and room for what a library adds.
     integer(c_size_t) :: path_count = 0
     type(c_ptr) :: paths = c_null_ptr
     integer(c_size_t) :: offset = 0
-    integer(c_size_t) :: room(16) = 0
+    integer(c_size_t) :: room(spare) = 0
   end type glob_type
 
   interface

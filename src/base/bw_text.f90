@@ -117,6 +117,7 @@ contains
       select case (mantissa(i:i))
       case ('-'); sign = '-'
       case ('0':'9'); digits = digits//mantissa(i:i)
+      case default                          ! the point
       end select
     end do
     if (exponent < 0) then

@@ -156,17 +156,19 @@ contains
     real(dp), intent(inout) :: history(0:, :)         !! (samples, points)
     integer, parameter :: block = 512                 ! tuned, as `batch`
     real(dp) :: factor(0:block - 1)
-    integer :: first, last, middle, p, upper
+    integer :: first, j, last, middle, p
     middle = size(history, 1)/2
     history(0, :) = history(0, :) + start
     do first = 0, middle, block
       last = min(first + block - 1, middle)
       factor(:last - first) = 0.5_dp/kernel_damping(kernel, first, last - first + 1, 2*half)
-      upper = min(last, size(history, 1) - 1 - middle)
       do p = 1, size(history, 2)
-        if (middle > 0) call add_product(samples(first:upper, p), factor, history(middle + first:middle + upper, p))
-        call add_product(samples(2*half - last:2*half - max(1, first), p), factor(last - first:0:-1), &
-                         history(middle - last:middle - max(1, first), p))
+        do j = max(first, 1 - middle), min(last, size(history, 1) - 1 - middle)
+          history(middle + j, p) = history(middle + j, p) + factor(j - first)*samples(j, p)
+        end do
+        do j = max(first, 1), min(last, middle - 1)
+          history(middle - j, p) = history(middle - j, p) + factor(j - first)*samples(2*half - j, p)
+        end do
       end do
     end do
   end subroutine add_samples

@@ -5,7 +5,7 @@ module bw_response
   !! event left the state that it starts from. Velocities that are not asked for are an unallocated array, which the
   !! sums below receive as an absent argument.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd
+  use bw_double_double, only: dd, dd_pi
   use bw_growing_modes, only: add_growing_mode, find_overflow
   use bw_missing, only: missing
   use bw_modal_sum, only: add_stable_modes
@@ -20,8 +20,8 @@ module bw_response
 
   real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
     !! of the largest number, less what the roundings of a logarithm may amount to
-  real(dp), parameter :: sum_tolerance = 1.0e-13_dp
-    !! largest error of the sum of modes over the peak: below that of their number, whatever tolerance was asked for
+  real(dp), parameter :: sum_tolerance = 2.0e-13_dp
+    !! of the sum of modes, over the peak: far below what their number leaves
 
   type, public :: response_type
     !! Histories in the rotating frame, SI units.
@@ -95,20 +95,33 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
-    integer, allocatable :: stable(:)
-    integer :: histories, k
-    stable = pack([(k, k=1, size(q))], beta_squared%hi > 0.0_dp)
+    logical :: turns(size(q))
+    integer :: histories
     histories = size(response%displacement, 2)
     if (allocated(response%velocity)) histories = 2*histories
-    choice = chosen_sum(size(stable), grid%samples, histories, sum_tolerance)
-    if (choice%transform) then
-      call transform_stable_modes(beta_squared(stable), q(stable), rate(stable), shapes(stable, :), grid, choice%width, &
-                                  choice%half, monitor, response%displacement, response%velocity)
-    else
-      call add_stable_modes(beta_squared(stable), q(stable), rate(stable), shapes(stable, :), grid, monitor, &
-                            response%displacement, response%velocity)
-    end if
+    turns = beta_squared%hi*(grid%samples*grid%step%hi)**2 > (2.0_dp*dd_pi%hi)**2    ! at least once in the record
+    choice = chosen_sum(count(turns), grid%samples, histories, sum_tolerance)
+    if (choice%transform) call by_transform(numbers_of(turns))
+    call by_products(numbers_of(beta_squared%hi > 0.0_dp .and. .not. (turns .and. choice%transform)))
+  contains
+    subroutine by_transform(k)
+      integer, intent(in) :: k(:)
+      call transform_stable_modes(beta_squared(k), q(k), rate(k), shapes(k, :), grid, choice%width, choice%half, &
+                                  monitor, response%displacement, response%velocity)
+    end subroutine by_transform
+    subroutine by_products(k)
+      integer, intent(in) :: k(:)
+      call add_stable_modes(beta_squared(k), q(k), rate(k), shapes(k, :), grid, monitor, response%displacement, &
+                            response%velocity)
+    end subroutine by_products
   end subroutine add_stable
+
+  pure function numbers_of(chosen) result(k)
+    logical, intent(in) :: chosen(:)
+    integer, allocatable :: k(:)
+    integer :: i
+    k = pack([(i, i=1, size(chosen))], chosen)
+  end function numbers_of
 
   pure subroutine add_growing(beta_squared, q, rate, shapes, grid, unit_time, response)
     !! Modes at or beyond their critical speed, up to the first sample at which their sum overflows, or a velocity
@@ -121,7 +134,7 @@ contains
     integer, allocatable :: growing(:)
     real(dp), allocatable :: velocity_limit        ! absent: no velocity is asked for
     integer :: i, k, finite, failing
-    growing = pack([(k, k=1, size(q))], beta_squared%hi <= 0.0_dp)
+    growing = numbers_of(beta_squared%hi <= 0.0_dp)
     if (size(growing) == 0) return
     if (allocated(response%velocity)) velocity_limit = log_huge + min(0.0_dp, log(unit_time))
     call find_overflow(beta_squared(growing), q(growing), rate(growing), shapes(growing, :), grid, log_huge, &

@@ -99,8 +99,9 @@ contains
           ' of it')
         call lines%append_line('')
       end do
-      if (size(response%displacement, 2) > shown_points) &
+      if (size(response%displacement, 2) > shown_points) then
         call lines%append_line('  ...  '//text_of(size(response%displacement, 2))//' points in all')
+      end if
     end associate
   end subroutine report_histories
 

@@ -22,7 +22,7 @@ module bw_result_definition
     character(:), allocatable :: swept            !! variables of swept inputs, by spaces
   end type open_file
 
-  character(*), parameter :: dimension_names(9) = &
+  character(*), parameter :: dimension_names(*) = &
     [character(12) :: 'case', 'mode', 'mode_before', 'profile', 'event', 'point', 'time', 'frequency', 'peak']
 
 contains
@@ -46,8 +46,9 @@ contains
     do i = 1, size(rows)
       associate (row => rows(i))
         call define(file, trim(row%name), trim(row%dimensions), nf90_double, trim(row%units), row%long_name, variable, error)
-        if (row%references /= '') &
+        if (row%references /= '') then
           call check(nf90_put_att(file%id, variable, 'references', trim(row%references)), file%path, error)
+        end if
       end associate
     end do
     call define_histories(file, error)
@@ -67,9 +68,10 @@ contains
     call check(nf90_put_att(file%id, variable, 'references', 'Eqs 4, 13 and 29'), file%path, error)
     if (file%layout%velocity) call define(file, 'velocity', 'point time', nf90_double, 'm s-1', &
                                           'transverse velocity in the rotating frame', variable, error)
-    if (has_dimension(file%layout, 'frequency')) &
+    if (has_dimension(file%layout, 'frequency')) then
       call define(file, 'amplitude', 'point frequency', nf90_double, 'm', &
                   'one-sided amplitude spectrum of the displacement', variable, error)
+    end if
   end subroutine define_histories
 
   subroutine define_numbers(file, error)
@@ -78,8 +80,9 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     integer :: variable
     call define(file, 'mode_count', '', nf90_int, '1', 'number of modes', variable, error)
-    if (has_dimension(file%layout, 'peak')) &
+    if (has_dimension(file%layout, 'peak')) then
       call define(file, 'peak_count', '', nf90_int, '1', 'number of measured peaks', variable, error)
+    end if
     call define(file, 'case_status', '', nf90_int, '1', 'how the case ended', variable, error)
     call put_flags(file, variable, case_words, 0, error)
     if (.not. has_dimension(file%layout, 'event')) return

@@ -85,8 +85,9 @@ contains
     end do
     if (allocated(result%response)) call put_histories(self, index, result, error)
     if (allocated(result%events)) call put_integers(self, index, 'event_kind', result%events%kind, .true., error)
-    if (has_dimension(self%layout, 'peak')) &
+    if (has_dimension(self%layout, 'peak')) then
       call put_integers(self, index, 'peak_count', [result%measured%peak_count], .false., error)
+    end if
     call put_integers(self, index, 'mode_count', [result%mode_count], .false., error)
     call put_integers(self, index, 'case_status', [result%status], .false., error)
   end subroutine put_case

@@ -209,8 +209,9 @@ contains
       new_line('a')
     call state%file%finish(trimmed(outcome%warnings), state%watch%seconds, error)
     if (.not. allocated(error)) then
-      if (.not. rename_file(partial//'/result.nc', outcome%file)) &
+      if (.not. rename_file(partial//'/result.nc', outcome%file)) then
         call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there')
+      end if
     end if
     call discard(partial)
     if (allocated(error)) return
