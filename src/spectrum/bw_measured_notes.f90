@@ -24,25 +24,24 @@ contains
     real(dp), intent(in) :: duration           !! s
     type(string), allocatable :: notes(:)
     logical :: stray(size(peaks))
-    integer :: i
     allocate (notes(0))
-    if (any(folded > 0)) call note(notes, 'folded back from above half the sampling rate ('// &
-      & shortest(samples/(2*duration), 6)//' Hz) and left out: modes '//list([(text(folded(i)), i=1, size(folded))]))
+    if (any(folded > 0)) call append(notes, 'folded back from above half the sampling rate ('// &
+      & shortest(samples/(2*duration), 6)//' Hz) and left out: modes '//ranges(folded))
     stray = curve%support > 0 .and. modes%number == 0 .and. folded == 0 .and. peaks%members == 1 &
       & .and. peaks%located .and. .not. peaks%at_edge
-    if (uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call note(notes, &
+    if (uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call append(notes, &
       & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing, and any line may be folded')
-    if (.not. all(peaks%located)) call note(notes, 'lines that could not be told apart, left out: '// &
+    if (.not. all(peaks%located)) call append(notes, 'lines that could not be told apart, left out: '// &
       & frequencies(.not. peaks%located))
-    if (any(stray)) call note(notes, 'lines that fit no mode, left out: '//frequencies(stray))
-    if (any(peaks%members > 1 .and. peaks%located)) call note(notes, &
+    if (any(stray)) call append(notes, 'lines that fit no mode, left out: '//frequencies(stray))
+    if (any(peaks%members > 1 .and. peaks%located)) call append(notes, &
       & 'lines closer than 1/duration, each group taken as one: '//frequencies(peaks%members > 1 .and. peaks%located))
-    if (any(peaks%at_edge .and. peaks%located)) call note(notes, &
+    if (any(peaks%at_edge .and. peaks%located)) call append(notes, &
       & 'lines at 0 or at half the sampling rate, known to 1/duration only: '// &
       & frequencies(peaks%at_edge .and. peaks%located))
-    if (any(abs(peaks%growth) > worth_a_note)) call note(notes, &
+    if (any(abs(peaks%growth) > worth_a_note)) call append(notes, &
       & 'lines that grow or decay: '//frequencies(abs(peaks%growth) > worth_a_note))
-    if (size(listed) < count(.not. stray .and. folded == 0 .and. peaks%located)) call note(notes, &
+    if (size(listed) < count(.not. stray .and. folded == 0 .and. peaks%located)) call append(notes, &
       & 'only the '//text_of(size(listed))//' strongest peaks are listed')
 
   contains
@@ -62,12 +61,25 @@ contains
 
   end function measured_notes
 
-  pure type(string) function text(number)
-    !! The number, nothing for 0.
-    integer, intent(in) :: number
-    text%text = ''
-    if (number > 0) text%text = text_of(number)
-  end function text
+  pure function ranges(numbers) result(words)
+    !! The positive numbers in ascending order, `22 to 25, 40`.
+    integer, intent(in) :: numbers(:)
+    character(:), allocatable :: words
+    integer :: first, last
+    words = ''
+    last = 0
+    do
+      first = minval(numbers, mask=numbers > last)
+      if (first == huge(first)) exit
+      last = first
+      do while (any(numbers == last + 1))
+        last = last + 1
+      end do
+      if (len(words) > 0) words = words//', '
+      words = words//text_of(first)
+      if (last > first) words = words//' to '//text_of(last)
+    end do
+  end function ranges
 
   pure function list(items) result(words)
     !! The items that are not empty, with commas.
@@ -81,11 +93,5 @@ contains
       words = words//items(i)%text
     end do
   end function list
-
-  pure subroutine note(notes, words)
-    type(string), allocatable, intent(inout) :: notes(:)
-    character(*), intent(in) :: words
-    call append(notes, words)
-  end subroutine note
 
 end module bw_measured_notes
