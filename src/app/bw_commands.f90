@@ -4,6 +4,8 @@ module bw_commands
   use bw_console, only: print_error, print_report, print_warning
   use bw_error, only: error_type, status_done, status_stopped
   use bw_kinds, only: dp
+  use bw_modes_par, only: by_tolerance
+  use bw_one_case, only: plan_case
   use bw_posix, only: is_terminal, standard_error, standard_output
   use bw_result_layout, only: result_layout, layout_of
   use bw_run_scene, only: outcome_type, run_scene
@@ -13,7 +15,7 @@ module bw_commands
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: terminal_progress, terminal_progress_to
-  use bw_text, only: string
+  use bw_text, only: string, text_of
   implicit none (type, external)
   private
   public :: run_command, check_command, describe_command
@@ -90,18 +92,32 @@ contains
     type(scene_type), allocatable :: scenes(:)
     type(result_layout) :: layout
     type(error_type), allocatable :: error
+    character(:), allocatable :: planned
     integer :: i, count
     call read_and_list(command, scenes, count, status)
     do i = 1, count
-      call layout_of(scenes(i), layout, error)
+      layout = layout_of(scenes(i))
+      call plan_tolerance(scenes(i), planned, error)
       if (allocated(error)) then
         call print_error(error)
         status = max(status, error%status)
       else if (.not. command%quiet) then
-        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//cost_summary(layout))
+        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//planned//cost_summary(layout))
       end if
     end do
   end function check_command
+
+  subroutine plan_tolerance(scene, text, error)
+    !! How many modes a tolerance takes, where there is one case to ask for.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable, intent(out) :: text
+    type(error_type), allocatable, intent(out) :: error
+    integer :: count
+    text = ''
+    if (.not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
+    call plan_case(scene, count, error)
+    text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')
+  end subroutine plan_tolerance
 
   subroutine read_and_list(command, scenes, count, status)
     !! Read all scenes and print what is wrong with the bad ones.

@@ -20,6 +20,7 @@ contains
     integer, intent(out) :: status                              !! the highest of the bad ones', or `status_done`
     type(string), allocatable :: paths(:)
     type(error_type), allocatable :: error
+    logical :: clash
     integer :: i
     allocate (messages(0))
     count = 0
@@ -27,8 +28,11 @@ contains
     call expand(words, paths, messages)
     if (size(messages) > 0) status = status_bad_file
     allocate (scenes(size(paths)))
-    call find_clashes(paths, messages, status)
-    if (status == status_bad_input) return
+    call find_clashes(paths, messages, clash)
+    if (clash) then
+      status = max(status, status_bad_input)
+      return
+    end if
     do i = 1, size(paths)
       call read_scene(paths(i)%text, scenes(count + 1), error)
       if (allocated(error)) then
@@ -68,20 +72,21 @@ contains
     if (len(path) > 1 .and. path(len(path):) == '/') text = path(:len(path) - 1)
   end function without_slash
 
-  subroutine find_clashes(paths, messages, status)
+  subroutine find_clashes(paths, messages, clash)
     !! Scenes of one stem would write the same result.
     type(string), intent(in) :: paths(:)
     type(string), allocatable, intent(inout) :: messages(:)
-    integer, intent(inout) :: status
+    logical, intent(out) :: clash
     type(string) :: stems(size(paths))
     integer :: i, j
+    clash = .false.
     do i = 1, size(paths)
       stems(i)%text = stem(paths(i)%text)
       do j = 1, i - 1
         if (stems(i)%text /= stems(j)%text) cycle
         call append(messages, paths(i)%text//': has the same name as '//paths(j)%text// &
           ', and both would write '//stems(i)%text//'.nc; accepted: different names, or separate runs')
-        status = status_bad_input
+        clash = .true.
         exit
       end do
     end do

@@ -5,7 +5,8 @@ module bw_posix
   use bw_text, only: string
   implicit none (type, external)
   private
-  public :: make_directory, rename_file, remove_file, remove_directory, is_terminal, file_exists, is_directory, files_in, write_text
+  public :: make_directory, rename_file, remove_file, remove_directory, is_terminal, file_exists, is_directory, files_in
+  public :: write_text, lock_file, unlock_file
 
   integer(c_int), parameter, public :: standard_output = 1, standard_error = 2
   integer(c_int), parameter :: f_ok = 0
@@ -47,6 +48,22 @@ module bw_posix
       character(c_char), intent(in) :: bytes(*)
       integer(c_size_t), value :: count
     end function c_write
+    integer(c_int) function c_creat(path, mode) bind(c, name='creat')
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+      integer(c_int), value :: mode
+    end function c_creat
+    integer(c_int) function c_flock(descriptor, operation) bind(c, name='flock')
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor, operation
+    end function c_flock
+    integer(c_int) function c_close(descriptor) bind(c, name='close')
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+    end function c_close
     integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
       import :: c_char, c_int
       implicit none (type, external)
@@ -97,6 +114,29 @@ contains
       first = first + int(count)
     end do
   end function write_text
+
+  subroutine lock_file(path, descriptor, held)
+    !! Take a lock that ends with the process, however it ends.
+    character(*), intent(in) :: path
+    integer, intent(out) :: descriptor          !! for `unlock_file`; -1 where there is no lock
+    logical, intent(out) :: held                !! another process holds it
+    integer(c_int), parameter :: exclusive_at_once = 6        ! LOCK_EX + LOCK_NB
+    integer(c_int), parameter :: for_the_owner = int(o'644', c_int)
+    integer(c_int) :: ignored
+    held = .false.
+    descriptor = c_creat(path//c_null_char, for_the_owner)
+    if (descriptor < 0) return
+    held = c_flock(int(descriptor, c_int), exclusive_at_once) /= 0
+    if (.not. held) return
+    ignored = c_close(int(descriptor, c_int))
+    descriptor = -1
+  end subroutine lock_file
+
+  subroutine unlock_file(descriptor)
+    integer, intent(in) :: descriptor           !! of `lock_file`
+    integer(c_int) :: ignored
+    if (descriptor >= 0) ignored = c_close(int(descriptor, c_int))
+  end subroutine unlock_file
 
   logical function make_directory(path) result(there)
     !! Make a directory and its parents; true if it is there afterwards.

@@ -12,8 +12,9 @@ module bw_case_result
   private
   public :: add_note
 
-  integer, parameter, public :: case_done = 0, case_diverged = 1
-  character(*), parameter, public :: case_words(0:1) = [character(8) :: 'done', 'diverged']   !! by number
+  integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2
+  character(*), parameter, public :: case_words(0:2) = &
+    [character(13) :: 'done', 'diverged', 'not_converged']   !! by number
 
   type, public :: case_result
     !! An unallocated component was not asked for.

@@ -20,7 +20,7 @@ module bw_result_file
     type(variable_row), allocatable, private :: rows(:)    !! the table's rows that this result holds
   contains
     procedure :: put_case
-    procedure :: finished_cases
+    procedure :: case_states
     procedure :: save
     procedure :: finish
     procedure :: close => close_file
@@ -158,18 +158,16 @@ contains
     if (.not. has_dimension(self%layout, 'case')) start(1) = 1
   end subroutine place
 
-  subroutine finished_cases(self, finished, error)
-    !! Which cases the file already holds.
+  subroutine case_states(self, status, error)
+    !! `case_status` of every case; `unwritten` where the file does not hold it yet.
     class(result_file), intent(in) :: self
-    logical, allocatable, intent(out) :: finished(:)    !! (cases), at least (1)
+    integer(i4), allocatable, intent(out) :: status(:)    !! (cases), at least (1)
     type(error_type), allocatable, intent(out) :: error
-    integer(i4) :: status(max(1, self%layout%cases))
     integer :: variable
+    allocate (status(max(1, self%layout%cases)), source=unwritten)
     call check(nf90_inq_varid(self%id, 'case_status', variable), self%path, error)
-    status = unwritten
     if (.not. allocated(error)) call check(nf90_get_var(self%id, variable, status), self%path, error)
-    finished = status /= unwritten
-  end subroutine finished_cases
+  end subroutine case_states
 
   subroutine save(self, error)
     !! Bring what was put so far to the disk.

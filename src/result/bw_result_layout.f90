@@ -1,9 +1,9 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
-  use bw_kinds, only: dp, i8
-  use bw_error, only: error_type
+  use bw_kinds, only: dp
   use bw_scene, only: scene_type
-  use bw_scene_cases, only: case_count, case_scene
+  use bw_scene_cases, only: case_count
+  use bw_scene_resolved, only: numeric_input, numeric_inputs
   implicit none (type, external)
   private
   public :: layout_of, has_dimension, dimension_length
@@ -27,13 +27,10 @@ module bw_result_layout
 
 contains
 
-  subroutine layout_of(scene, layout, error)
+  pure type(result_layout) function layout_of(scene) result(layout)
     type(scene_type), intent(in) :: scene
-    type(result_layout), intent(out) :: layout
-    type(error_type), allocatable, intent(out) :: error
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
-    call count_modes(scene, layout, error)
-    if (allocated(error)) return
+    call count_modes(scene, layout)
     if (allocated(scene%impact)) then
       layout%profile = scene%impact%profile_points
       layout%events = 1
@@ -49,34 +46,33 @@ contains
     if (.not. allocated(scene%spectrum)) return
     layout%frequencies = layout%samples/2 + 1
     if (layout%middle > 0 .and. layout%tip > 0) layout%peaks = scene%spectrum%max_peaks
-  end subroutine layout_of
+  end function layout_of
 
-  subroutine count_modes(scene, layout, error)
+  pure subroutine count_modes(scene, layout)
     !! The largest counts of any case; cases differ only if a count is swept.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(inout) :: layout
-    type(error_type), allocatable, intent(out) :: error
-    type(scene_type) :: one
-    integer(i8) :: i, last
-    logical :: swept
-    integer :: s
-    swept = .false.
-    do s = 1, size(scene%sweeps)
-      swept = swept .or. index(scene%sweeps(s)%parameter, 'modes%') == 1
-    end do
-    last = 1
-    if (swept) last = case_count(scene)
-    do i = 1, last
-      call case_scene(scene, i, one, error)
-      if (allocated(error)) return
-      if (allocated(scene%capture)) then
-        layout%modes = max(layout%modes, one%modes%after)
-        layout%modes_before = max(layout%modes_before, one%modes%before)
-      else
-        layout%modes = max(layout%modes, one%modes%before)
-      end if
-    end do
+    integer :: before, after
+    before = largest(scene, 'before', scene%modes%before)
+    after = largest(scene, 'after', scene%modes%after)
+    layout%modes = merge(after, before, allocated(scene%capture))
+    layout%modes_before = merge(before, 0, allocated(scene%capture))
   end subroutine count_modes
+
+  pure integer function largest(scene, name, count)
+    !! The largest value of a count, which may be swept, or follow another that is.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: name            !! in &modes
+    integer, intent(in) :: count                !! in the first case
+    type(numeric_input), allocatable :: inputs(:)
+    integer :: i
+    largest = count
+    inputs = numeric_inputs(scene)
+    do i = 1, size(inputs)
+      if (inputs(i)%group /= 'modes' .or. inputs(i)%name /= name .or. inputs(i)%sweep == 0) cycle
+      largest = nint(maxval(scene%sweeps(inputs(i)%sweep)%values))
+    end do
+  end function largest
 
   pure integer function dimension_length(layout, name) result(length)
     !! Length of a dimension by its name in the file; 0 where nothing has it.

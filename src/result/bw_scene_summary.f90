@@ -50,7 +50,7 @@ contains
     character(:), allocatable :: text
     text = ''
     if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
-      scene%rotation%angular_velocity, ' rad/s')//' '//scene%rotation%plane//' plane'
+      scene%rotation%angular_velocity, ' rad/s')//trim(merge(' in plane    ', ' out of plane', scene%rotation%plane == 'in'))
     if (allocated(scene%impact)) then
       text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
         number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity, ' m/s')//', restitution '// &
@@ -77,8 +77,8 @@ contains
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     if (by_tolerance(scene%modes)) then
-      text = 'as many modes as an error of '//number_or_swept(scene, 'modes%tolerance', scene%modes%tolerance, '')// &
-        ' of the peak takes'
+      text = 'as many modes as the tolerance takes ('//number_or_swept(scene, 'modes%tolerance', &
+        scene%modes%tolerance, '')//')'
     else if (allocated(scene%capture)) then
       text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'
     else

@@ -3,14 +3,16 @@ module bw_scene_scales
   !! overflows for a reason that was visible in the scene. They are formed in extended precision.
   use bw_beam_par, only: beam_mass
   use bw_input_values, only: position_of
-  use bw_kinds, only: qp
+  use bw_kinds, only: dp, qp
   use bw_representable, only: check_product
   use bw_scene, only: scene_type
   use bw_scene_messages, only: message_list
+  use bw_text, only: shortest
   implicit none (type, external)
   private
   public :: check_scales
 
+  real(qp), parameter :: longest_phase = 1e18_qp   !! rad: what 32 digits leave of it is right to 1e-13
   real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 
 contains
@@ -44,6 +46,10 @@ contains
     duration = scene%response%duration
     call check(scene, 'response', duration/scene%response%samples, 'the time between samples', messages)
     call check(scene, 'response', at_least_1(highest*duration), 'the phase of the highest mode at the end', messages)
+    if (highest*duration > longest_phase) call messages%add( &
+      scene%groups(position_of(scene%groups, 'response'))%line_of('duration'), 'response%duration', &
+      'is so long that the phase of the highest mode is lost; accepted: up to '// &
+      shortest(real(longest_phase/highest, dp), 2)//' s')
     if (allocated(scene%rotation)) then
       call check(scene, 'response', at_least_1(abs(scene%rotation%angular_velocity)*duration), 'the angle turned', &
                  messages)

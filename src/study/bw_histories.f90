@@ -1,50 +1,56 @@
 module bw_histories
   !! The histories of a case: from the modes that a scene counts, or from as many as its tolerance takes.
   use bw_kinds, only: dp
-  use bw_case_result, only: case_result, add_note, case_diverged
+  use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
   use bw_closed_form, only: closed_form_set, numbered_modes
   use bw_continuum, only: continuum_velocity
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_bad_input
   use bw_mode_choice, only: modes_for, most_modes
   use bw_modes_par, only: by_tolerance, shown_modes
-  use bw_monitor, only: monitor_type, part_monitor
+  use bw_input_values, only: position_of
+  use bw_monitor, only: monitor_type, part_monitor, silent_monitor
   use bw_response, only: response_type, add_motion, finish_histories, free_motion, start_histories
+  use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation, only: tail_error, truncation_error, with_start
   implicit none (type, external)
   private
-  public :: respond
+  public :: respond, plan_count
 
   integer, parameter :: first_modes = 64     !! enough to know the peak of the motion
+  integer, parameter :: previewed = 1000     !! samples that show the peak well enough to plan with
   integer, parameter :: batch = 65536        !! modes held at a time
+  real(dp), parameter :: rounding = 8.0_dp*epsilon(1.0_dp)   !! of the sums, as a part of their largest value
 
 contains
 
-  subroutine respond(scene, omega, loaded, monitor, result, error)
+  subroutine respond(scene, omega, loaded, monitor, result, whole)
     !! Histories from the state after the last event at t = 0, and how far they may be from those of infinitely many modes.
     type(scene_type), intent(in) :: scene
     type(dd), intent(in), optional :: omega                  !! in-plane angular velocity in h/l²; absent: none
     type(closed_form_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
-    type(error_type), allocatable, intent(out) :: error
+    logical, intent(out) :: whole                            !! false where the monitor asked to stop before the end
     type(time_grid) :: grid
+    whole = .true.
     if (.not. allocated(scene%response)) return
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     allocate (result%response)
     if (by_tolerance(scene%modes)) then
-      call sum_to_tolerance(scene, omega, grid, monitor, result, error)
-      if (allocated(error)) return
+      call sum_to_tolerance(scene, omega, grid, monitor, result)
     else
       call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
                        result%units%time%hi, scene%response%velocity, monitor, result%response)
     end if
+    whole = .not. monitor%stop_requested()
+    if (.not. whole) return
     if (result%response%failing_mode > 0) then
       call note_overflow(scene, result)
-    else if (present(loaded)) then
+    else if (present(loaded) .and. result%status == case_done) then
       call estimate_errors(scene, omega, loaded, grid, result)
     end if
   end subroutine respond
@@ -67,7 +73,8 @@ contains
     type(case_result), intent(inout) :: result
     real(dp) :: speed
     speed = abs(result%approach_velocity)
-    result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi)
+    result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
+      + rounding*maxval(abs(result%response%displacement), dim=1)
     if (scene%response%velocity) result%response%velocity_error = &
       with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
                  result%approach_velocity*(1.0_dp + scene%impact%restitution))
@@ -90,33 +97,40 @@ contains
     end function errors
   end subroutine estimate_errors
 
-  subroutine sum_to_tolerance(scene, omega, grid, monitor, result, error)
-    !! The continuum's modes, the first of them to learn the peak, then as many as the tolerance takes.
+  subroutine sum_to_tolerance(scene, omega, grid, monitor, result)
+    !! The continuum's modes, the first of them to learn the peak, then as many as the tolerance takes. Where 10⁷ do not
+    !! reach it the histories are fill.
     type(scene_type), intent(in) :: scene
     type(dd), intent(in), optional :: omega
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
-    type(error_type), allocatable, intent(out) :: error
+    real(dp) :: reached
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
     call add_continuum(scene, omega, 1, first_modes, grid, monitor, result)
-    call choose_count(scene, omega, grid, result, error)
-    if (allocated(error)) return
-    call add_continuum(scene, omega, first_modes + 1, result%mode_count, grid, monitor, result)
+    call choose_count(scene, omega, grid, result, reached)
+    if (reached > scene%modes%tolerance) then
+      result%status = case_not_converged
+      result%response%finite_samples = 0
+      call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, reached)//'; the histories are fill')
+    else
+      call add_continuum(scene, omega, first_modes + 1, result%mode_count, grid, monitor, result)
+    end if
     call finish_histories(result%units%time%hi, result%response)
   end subroutine sum_to_tolerance
 
-  subroutine choose_count(scene, omega, grid, result, error)
+  subroutine choose_count(scene, omega, grid, result, reached)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
     type(dd), intent(in), optional :: omega
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
-    type(error_type), allocatable, intent(out) :: error
-    real(dp) :: peak, force, longest, reached, scale
+    real(dp), intent(out) :: reached            !! the estimated error over the peak
+    real(dp) :: peak, force, longest, scale
     longest = grid%samples*grid%step%hi
     scale = abs(result%approach_velocity)*result%units%time%hi
     result%mode_count = first_modes
+    reached = 0.0_dp
     peak = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
     if (peak == 0.0_dp) return
     peak = peak/scale
@@ -127,16 +141,41 @@ contains
       call modes_for(scene%modes%tolerance*peak, first_modes, gamma, force, omega, points, longest, grid%samples, &
                      result%mode_count, reached)
     end associate
-    if (reached > scene%modes%tolerance*peak) call refuse(scene, reached/peak, error)
+    reached = reached/peak
   end subroutine choose_count
 
-  subroutine refuse(scene, reached, error)
-    type(scene_type), intent(in) :: scene
+  pure function out_of_reach(tolerance, reached) result(text)
+    real(dp), intent(in) :: tolerance
     real(dp), intent(in) :: reached             !! relative error of `most_modes` modes
+    character(:), allocatable :: text
+    text = shortest(tolerance, 6)//' cannot be reached with '//text_of(most_modes)//' modes; accepted: '// &
+      shortest(1.05_dp*reached, 2)//' or more'
+  end function out_of_reach
+
+  subroutine plan_count(scene, result, error)
+    !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
+    !! **Errors**: `status_bad_input` where no more than 10⁷ modes would do.
+    type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
+    type(case_result), intent(inout) :: result  !! its modes are known
     type(error_type), allocatable, intent(out) :: error
-    call fail(error, status_bad_input, scene%file//': modes%tolerance: '//shortest(scene%modes%tolerance, 6)// &
-              ' cannot be reached with '//text_of(most_modes)//' modes; accepted: '//shortest(1.05_dp*reached, 2)//' or more')
-  end subroutine refuse
+    type(dd), allocatable :: omega
+    type(silent_monitor) :: monitor
+    type(time_grid) :: grid
+    real(dp) :: reached
+    integer :: line
+    if (allocated(scene%rotation)) then
+      if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, result%units)
+    end if
+    grid = time_grid_of(scene%response%duration, min(previewed, scene%response%samples), result%units%time)
+    allocate (result%response)
+    call start_histories(grid, size(scene%response%points), .false., result%response)
+    call add_continuum(scene, omega, 1, first_modes, grid, monitor, result)
+    call choose_count(scene, omega, grid, result, reached)
+    if (reached <= scene%modes%tolerance) return
+    line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
+    call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
+              out_of_reach(scene%modes%tolerance, reached))
+  end subroutine plan_count
 
   subroutine add_continuum(scene, omega, first, last, grid, monitor, result)
     !! Modes `first` … `last`, a batch at a time.

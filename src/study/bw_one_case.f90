@@ -4,13 +4,13 @@ module bw_one_case
   use bw_amplitude_spectrum, only: amplitude_spectrum
   use bw_beam_units, only: units_of
   use bw_capture, only: capture_type, capture_mass
-  use bw_case_result, only: case_result, add_note, case_diverged
+  use bw_case_result, only: case_result, add_note, case_done
   use bw_closed_form, only: closed_form_set, closed_form_modes
   use bw_continuum, only: continuum_capture, continuum_impact, continuum_velocity
   use bw_double_double, only: dd
   use bw_error, only: error_type
   use bw_event, only: event_type
-  use bw_histories, only: respond
+  use bw_histories, only: plan_count, respond
   use bw_impact, only: strike
   use bw_modes_par, only: by_tolerance
   use bw_measured, only: measure_waves
@@ -22,19 +22,18 @@ module bw_one_case
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: run_case
+  public :: run_case, plan_case
 
 contains
 
-  subroutine run_case(scene, layout, watch, monitor, result, error)
-    !! The way the data goes. After a stop that the monitor asked for the result is not complete.
-    !! **Errors**: `status_bad_input` where the tolerance cannot be reached.
+  subroutine run_case(scene, layout, watch, monitor, result, whole)
+    !! The way the data goes.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
-    type(error_type), allocatable, intent(out) :: error
+    logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was summed
     type(closed_form_set), allocatable :: free, loaded
     type(dd), allocatable :: omega
     call watch%start()
@@ -46,12 +45,28 @@ contains
     call watch%lap(stage_modes)
     call apply_events(scene, free, loaded, result)
     call watch%lap(stage_events)
-    call respond(scene, omega, loaded, monitor, result, error)
-    if (allocated(error)) return
+    call respond(scene, omega, loaded, monitor, result, whole)
+    if (.not. whole) return
     call watch%lap(stage_response)
     call take_spectrum(scene, layout, result)
     call watch%lap(stage_spectrum)
   end subroutine run_case
+
+  subroutine plan_case(scene, count, error)
+    !! How many modes a scene with a tolerance will sum.
+    !! **Errors**: `status_bad_input` where the tolerance is out of reach.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    integer, intent(out) :: count
+    type(error_type), allocatable, intent(out) :: error
+    type(case_result) :: result
+    type(closed_form_set), allocatable :: free, loaded
+    type(dd), allocatable :: omega
+    result%units = units_of(scene%beam)
+    call find_modes(scene, result, omega, free, loaded)
+    result%approach_velocity = scene%impact%approach_velocity
+    call plan_count(scene, result, error)
+    count = result%mode_count
+  end subroutine plan_case
 
   subroutine find_modes(scene, result, omega, free, loaded)
     !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force. Where a
@@ -144,7 +159,7 @@ contains
     real(dp) :: approach
     capture = result%events(2)
     approach = result%events(1)%energy_before
-    if (approach == 0.0_dp) return
+    if (approach == 0.0_dp .or. result%approach_velocity == 0.0_dp) return
     call add_note(result, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
       ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
       shortest((capture%momentum_after - capture%momentum_before)/result%events(1)%momentum_before, 4)// &
@@ -161,8 +176,8 @@ contains
     integer :: p
     if (.not. allocated(scene%spectrum)) return
     associate (histories => result%response%displacement)
-      if (result%status == case_diverged) then
-        call add_note(result, 'no spectrum of histories that overflow')
+      if (result%status /= case_done) then
+        call add_note(result, 'no spectrum: the histories are not finished')
       else
         allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
         do p = 1, size(histories, 2)

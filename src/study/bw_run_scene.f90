@@ -1,11 +1,15 @@
 module bw_run_scene
   !! A scene from its first case to its finished file: what is there already, what is left to do, and the report.
-  use bw_kinds, only: i1, i8
+  use bw_kept_notes, only: keep_notes, take_kept_notes
+  use bw_kinds, only: dp, i1, i4, i8
+  use bw_netcdf, only: unwritten
   use bw_case_result, only: case_result, case_done
   use bw_error, only: error_type, fail, status_bad_file, status_done, status_not_trusted, status_stopped
   use bw_notes, only: notes_type
-  use bw_one_case, only: run_case
-  use bw_posix, only: file_exists, make_directory, remove_directory, remove_file, rename_file
+  use bw_modes_par, only: by_tolerance
+  use bw_one_case, only: plan_case, run_case
+  use bw_posix, only: file_exists, is_directory, lock_file, make_directory, remove_directory, remove_file, rename_file, &
+    unlock_file
   use bw_progress, only: progress_type
   use bw_report, only: case_heading, case_line, case_report, notes_report, stage_report
   use bw_result_file, only: result_file, create_result, reopen_result
@@ -14,7 +18,7 @@ module bw_run_scene
   use bw_scene, only: scene_type
   use bw_scene_summary, only: bytes_text, scene_heading, scene_summary, working_bytes
   use bw_scene_cases, only: case_positions, case_scene
-  use bw_stopwatch, only: stopwatch, stage_write
+  use bw_stopwatch, only: stopwatch, stage_write, wall_seconds
   use bw_text, only: text_of
   use bw_text_builder, only: text_builder
   implicit none (type, external)
@@ -22,7 +26,8 @@ module bw_run_scene
   public :: run_scene
 
   integer, parameter :: shown_cases = 20      !! rows of a sweep in the report
-  integer(i8), parameter :: save_every = 1000 !! cases between two saves to disk
+  real(dp), parameter :: save_every = 5.0_dp  !! s between two saves to the disk
+  character(*), parameter :: result_name = '/result.nc', notes_name = '/notes', lock_name = '/lock'
 
   type, public :: outcome_type
     !! How a scene ended.
@@ -40,9 +45,11 @@ module bw_run_scene
     type(stopwatch) :: watch
     type(text_builder) :: report
     type(notes_type) :: notes
+    character(:), allocatable :: partial      !! directory of the unfinished work
+    integer :: lock = -1                      !! on that directory
     integer(i8) :: taken_over = 0             !! cases that an earlier run had finished
     integer :: shown = 0
-    integer(i8) :: not_trusted = 0
+    real(dp) :: saved = 0.0_dp                !! when the file was last brought to the disk, s
   end type run_state
 
 contains
@@ -57,25 +64,34 @@ contains
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(run_state) :: state
-    character(:), allocatable :: partial
-    partial = directory//'/'//scene%name//'.partial'
+    state%partial = directory//'/'//scene%name//'.partial'
     outcome%file = directory//'/'//scene%name//'.nc'
     call look_at_existing(scene, outcome, overwrite, error)
     if (allocated(error) .or. outcome%was_there) return
-    call layout_of(scene, state%layout, error)
+    state%layout = layout_of(scene)
+    call refuse_out_of_reach(scene, error)
     if (.not. allocated(error)) call ask_for_memory(scene, state%layout, error)
-    if (allocated(error)) return
-    call open_partial(scene, partial, state, error)
+    if (.not. allocated(error)) call open_partial(scene, state, error)
     if (allocated(error)) return
     call run_cases(scene, progress, state, outcome, error)
     if (allocated(error)) then
-      call abandon(state, partial)
+      call abandon(state)
     else if (outcome%status == status_stopped) then
       call leave_for_later(state, outcome, error)
     else
-      call complete(scene, partial, state, outcome, error)
+      call complete(scene, state, outcome, error)
     end if
+    call unlock_file(state%lock)
   end subroutine run_scene
+
+  subroutine refuse_out_of_reach(scene, error)
+    !! A single case whose tolerance is out of reach is refused before anything is written; in a sweep such a case is
+    !! recorded and the others go on.
+    type(scene_type), intent(in) :: scene
+    type(error_type), allocatable, intent(out) :: error
+    integer :: ignored
+    if (by_tolerance(scene%modes) .and. size(scene%sweeps) == 0) call plan_case(scene, ignored, error)
+  end subroutine refuse_out_of_reach
 
   subroutine ask_for_memory(scene, layout, error)
     !! Memory that is refused is refused before any work is done.
@@ -95,23 +111,30 @@ contains
     type(outcome_type), intent(inout) :: outcome
     logical, intent(in) :: overwrite
     type(error_type), allocatable, intent(out) :: error
-    if (.not. file_exists(outcome%file)) return
+    if (is_directory(outcome%file)) call fail(error, status_bad_file, outcome%file//': is a directory')
+    if (allocated(error) .or. .not. file_exists(outcome%file)) return
     outcome%was_there = holds_scene(outcome%file, scene)
     if (outcome%was_there .or. overwrite) return
     call fail(error, status_bad_file, outcome%file//': is there already, of another scene or version; '// &
               '--overwrite replaces it')
   end subroutine look_at_existing
 
-  subroutine open_partial(scene, partial, state, error)
-    !! Go on with unfinished work of the same scene and version; anything else that lies there is discarded.
+  subroutine open_partial(scene, state, error)
+    !! Go on with unfinished work of the same scene and version; anything else that lies there is discarded, unless
+    !! another run is at work on it.
     type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: partial
     type(run_state), intent(inout) :: state
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: path
-    path = partial//'/result.nc'
-    if (.not. make_directory(partial)) then
-      call fail(error, status_bad_file, partial//': the directory cannot be made')
+    logical :: held
+    path = state%partial//result_name
+    if (.not. make_directory(state%partial)) then
+      call fail(error, status_bad_file, state%partial//': the directory cannot be made')
+      return
+    end if
+    call lock_file(state%partial//lock_name, state%lock, held)
+    if (held) then
+      call fail(error, status_bad_file, state%partial//': another run is at work on this scene')
       return
     end if
     if (file_exists(path)) then
@@ -122,8 +145,9 @@ contains
       end if
       call remove_file(path)
     end if
+    call remove_file(state%partial//notes_name)
     call create_result(path, scene, state%layout, state%file, error)
-    if (allocated(error)) call discard(partial)
+    if (allocated(error)) call discard(state)
   end subroutine open_partial
 
   subroutine run_cases(scene, progress, state, outcome, error)
@@ -135,26 +159,29 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
     type(scene_type) :: one
-    logical, allocatable :: finished(:)
+    integer(i4), allocatable :: status(:)
+    logical :: whole
     integer(i8) :: i
-    call state%file%finished_cases(finished, error)
+    call state%file%case_states(status, error)
     if (allocated(error)) return
-    state%taken_over = count(finished)
-    call progress%begin(scene%name, size(finished, kind=i8), state%taken_over)
-    do i = 1, size(finished, kind=i8)
-      if (finished(i)) cycle
-      call case_scene(scene, i, one, error)
-      if (allocated(error)) return
-      if (.not. progress%stop_requested()) call run_case(one, state%layout, state%watch, progress, result, error)
-      if (allocated(error)) return
-      if (progress%stop_requested()) then
+    state%taken_over = count(status /= unwritten)
+    if (state%taken_over > 0) call take_kept_notes(state%partial//notes_name, status /= unwritten, state%notes)
+    call progress%begin(scene%name, size(status, kind=i8), state%taken_over)
+    state%saved = wall_seconds()
+    do i = 1, size(status, kind=i8)
+      if (status(i) /= unwritten) cycle
+      whole = .not. progress%stop_requested()
+      if (whole) then
+        call case_scene(scene, i, one, error)
+        if (allocated(error)) return
+        call run_case(one, state%layout, state%watch, progress, result, whole)
+      end if
+      if (.not. whole) then
         outcome%status = status_stopped
         exit
       end if
-      call state%file%put_case(i, result, error)
-      if (mod(i, save_every) == 0 .and. .not. allocated(error)) call state%file%save(error)
+      call save_case(i, result, state, error)
       if (allocated(error)) return
-      call state%watch%lap(stage_write)
       call take_account(scene, i, result, state)
       call progress%case_done()
     end do
@@ -162,13 +189,28 @@ contains
     outcome%report = state%report%text()
   end subroutine run_cases
 
+  subroutine save_case(i, result, state, error)
+    !! Put a case into the file, and every few seconds bring the file to the disk.
+    integer(i8), intent(in) :: i
+    type(case_result), intent(in) :: result
+    type(run_state), intent(inout) :: state
+    type(error_type), allocatable, intent(out) :: error
+    if (state%layout%cases > 0) call keep_notes(state%partial//notes_name, i, result%notes)
+    call state%file%put_case(i, result, error)
+    if (allocated(error)) return
+    if (wall_seconds() - state%saved > save_every) then
+      call state%file%save(error)
+      state%saved = wall_seconds()
+    end if
+    call state%watch%lap(stage_write)
+  end subroutine save_case
+
   subroutine take_account(scene, i, result, state)
     !! What the report and the notes say of a case.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: i
     type(case_result), intent(in) :: result
     type(run_state), intent(inout) :: state
-    if (result%status /= case_done) state%not_trusted = state%not_trusted + 1
     call state%notes%add(i, result%notes)
     if (state%layout%cases == 0) then
       call state%report%append(case_report(result))
@@ -194,27 +236,31 @@ contains
     end do
   end function case_text
 
-  subroutine complete(scene, partial, state, outcome, error)
+  subroutine complete(scene, state, outcome, error)
     !! Close the file and give it its final name.
     type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: partial
     type(run_state), intent(inout) :: state
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(text_builder) :: report
-    if (state%not_trusted > 0) outcome%status = status_not_trusted
+    integer(i4), allocatable :: status(:)
+    integer :: not_trusted
+    call state%file%case_states(status, error)
+    if (allocated(error)) return
+    not_trusted = count(status /= case_done)
+    if (not_trusted > 0) outcome%status = status_not_trusted
     outcome%warnings = state%notes%lines(state%layout%cases)
-    if (state%not_trusted > 0 .and. state%layout%cases > 0) outcome%warnings = outcome%warnings// &
-      text_of(state%not_trusted)//' of '//text_of(state%layout%cases)//' cases hold numbers that cannot be trusted'// &
+    if (not_trusted > 0 .and. state%layout%cases > 0) outcome%warnings = outcome%warnings// &
+      text_of(not_trusted)//' of '//text_of(state%layout%cases)//' cases hold numbers that cannot be trusted'// &
       new_line('a')
     call state%file%finish(trimmed(outcome%warnings), state%watch%seconds, error)
-    if (.not. allocated(error)) then
-      if (.not. rename_file(partial//'/result.nc', outcome%file)) then
-        call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there')
-      end if
-    end if
-    call discard(partial)
     if (allocated(error)) return
+    if (.not. rename_file(state%partial//result_name, outcome%file)) then
+      call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there; it is '// &
+                state%partial//result_name)
+      return
+    end if
+    call discard(state)
     call report%append(scene_heading(scene))
     call report%append(scene_summary(scene, state%layout))
     call report%append(outcome%report)
@@ -241,27 +287,30 @@ contains
     type(run_state), intent(inout) :: state
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
-    logical, allocatable :: finished(:)
-    call state%file%finished_cases(finished, error)
+    integer(i4), allocatable :: status(:)
+    call state%file%case_states(status, error)
     if (allocated(error)) return
     call state%file%close()
-    outcome%warnings = outcome%file//': stopped with '//text_of(count(finished))//' of '//text_of(size(finished))// &
+    outcome%warnings = outcome%file//': stopped with '//text_of(count(status /= unwritten))//' of '// &
+      text_of(size(status))// &
       ' cases saved; the same command goes on from there'//new_line('a')
     outcome%report = ''
   end subroutine leave_for_later
 
-  subroutine abandon(state, partial)
+  subroutine abandon(state)
     !! After an error: a single case leaves nothing, a sweep keeps the cases it has.
     type(run_state), intent(inout) :: state
-    character(*), intent(in) :: partial
     call state%file%close()
-    if (state%layout%cases == 0) call discard(partial)
+    if (state%layout%cases == 0) call discard(state)
   end subroutine abandon
 
-  subroutine discard(partial)
-    character(*), intent(in) :: partial
-    call remove_file(partial//'/result.nc')
-    call remove_directory(partial)
+  subroutine discard(state)
+    !! Take the unfinished work away.
+    type(run_state), intent(in) :: state
+    call remove_file(state%partial//result_name)
+    call remove_file(state%partial//notes_name)
+    call remove_file(state%partial//lock_name)
+    call remove_directory(state%partial)
   end subroutine discard
 
 end module bw_run_scene

@@ -1,5 +1,7 @@
-"""Damaged scenes through the whole program: `beamwave check` takes each, or refuses it with messages that name a place,
-and leaves nothing behind. What it takes means the same to f90nml.
+"""Damaged scenes through the whole program.
+
+`beamwave check` takes each, or refuses it with messages that name a place, and leaves nothing behind. What it
+takes means the same to f90nml.
 
 check_through_program.py BEAMWAVE FUZZ_SCENE_READER COUNT SCENE …     BEAMWAVE_SEED sets the seed
 """

@@ -15,7 +15,7 @@ module fortran_reading
 
   type, public :: reading_type
     integer :: compared = 0      !! groups that both readers read
-    integer :: unread = 0        !! sweeps that Fortran cannot find, since another group stands before them in their line
+    integer :: unread = 0        !! sweeps that Fortran cannot find, another group standing before them in a line
   end type reading_type
 
   character, parameter :: nl = new_line('a'), carriage_return = achar(13)

@@ -1,8 +1,8 @@
 program fuzz_scene_reader
   !! fuzz_scene_reader COUNT SCENE … [--write DIRECTORY]
   !!
-  !! Damages scenes at random and lets the reader of scenes loose on them, COUNT texts in one process; ends with 1 at the
-  !! first fault and shows the text. BEAMWAVE_SEED sets the seed. With --write each text is written as
+  !! Damages scenes at random and lets the reader of scenes loose on them, COUNT texts in one process; ends with 1 at
+  !! the first fault and shows the text. BEAMWAVE_SEED sets the seed. With --write each text is written as
   !! DIRECTORY/NNNNN.nml, and the resolved scene of one that is accepted as DIRECTORY/NNNNN.resolved.
   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use bw_kinds, only: dp
@@ -64,7 +64,8 @@ contains
     integer :: i, unit, bytes, stat
     allocate (scenes(size(paths)))
     do i = 1, size(paths)
-      open (newunit=unit, file=paths(i)%text, access='stream', form='unformatted', action='read', status='old', iostat=stat)
+      open (newunit=unit, file=paths(i)%text, access='stream', form='unformatted', action='read', status='old', &
+            iostat=stat)
       if (stat /= 0) call give_up('cannot be read: '//paths(i)%text, '')
       inquire (unit, size=bytes)
       allocate (character(bytes) :: scenes(i)%text)

@@ -2,7 +2,6 @@ module random_cases
   !! Random scenes, run one after the other; the seed is printed once for each test.
   use, intrinsic :: iso_fortran_env, only: output_unit
   use bw_case_result, only: case_result
-  use bw_error, only: error_type
   use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
   use bw_one_case, only: run_case
@@ -32,13 +31,13 @@ contains
     real(dp), intent(in), optional :: velocity_factor
     type(scene_type) :: one
     type(result_layout) :: layout
-    type(error_type), allocatable :: error
     type(stopwatch) :: watch
     type(silent_monitor) :: monitor
+    logical :: whole
     one = scene
     if (present(velocity_factor)) one%impact%approach_velocity = velocity_factor*one%impact%approach_velocity
-    call layout_of(one, layout, error)
-    call run_case(one, layout, watch, monitor, outcome, error)
+    layout = layout_of(one)
+    call run_case(one, layout, watch, monitor, outcome, whole)
   end subroutine run_scene
 
 end module random_cases

@@ -1,6 +1,6 @@
 module random_scenes
-  !! Scenes drawn at random over the whole range of the model: light to heavy masses, standing to well above the critical
-  !! speed, a fraction of a period to thousands of them.
+  !! Scenes drawn at random over the whole range of the model: light to heavy masses, standing to well above the
+  !! critical speed, a fraction of a period to thousands of them.
   use bw_closed_form, only: closed_form_modes, closed_form_set
   use bw_error, only: error_type
   use bw_kinds, only: dp
