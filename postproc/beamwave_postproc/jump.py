@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 
 from .curves import curves_of, heading
 from .labels import axis_label
+from .legend import add_legend
 from .result import require, require_numbers
-from .style import add_legend, new_figure, sparse_markers, styled
+from .style import markers_to_end, new_figure, styled
 
 SHARED_INPUTS = ("modes_before", "impact_mass_ratio", "impact_mass", "impact_restitution")
 
@@ -28,7 +29,8 @@ def velocity_jump(ds: xr.Dataset) -> Figure:
             position,
             curve.data["velocity_jump"].values,
             label=curve.label or None,
-            markevery=sparse_markers(curve.index, position.size),
+            markevery=markers_to_end(curve.index, position.size),
+            clip_on=False,  # the markers at the tip are whole
             **curve.style,
         )
     axes.set_xlim(position.min(), position.max())

@@ -53,11 +53,11 @@ def unit_text(units: str) -> str:
     return re.sub(r"([A-Za-zµ]+)(-?\d+)", r"\1$^{\2}$", units)
 
 
-def axis_label(variable: xr.DataArray, prefix: str = "", note: str = "") -> str:
-    """Quantity, `note`, and unit (with an SI `prefix`) of a variable, for an axis."""
+def axis_label(variable: xr.DataArray, prefix: str = "") -> str:
+    """Quantity and unit (with an SI `prefix`) of a variable, for an axis."""
     words = QUANTITIES.get(str(variable.name), str(variable.attrs.get("long_name", variable.name)))
     units = unit_text(prefix + units_of(variable))
-    return words + note + (f" ({units})" if units else "")
+    return words + (f" ({units})" if units else "")
 
 
 def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
@@ -70,6 +70,14 @@ def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
         if largest * factor >= 0.5:
             return prefix, factor
     return PREFIXES[0]
+
+
+def rough(value: float) -> str:
+    """Return a positive number to one digit, as a power of ten unless plain."""
+    digit, power = f"{value:.0e}".split("e")
+    if -2 <= int(power) <= 1:
+        return f"{float(f'{value:.0e}'):g}"
+    return rf"${digit}\times10^{{{int(power)}}}$"
 
 
 def input_label(variable: xr.DataArray) -> str:

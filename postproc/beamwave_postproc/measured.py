@@ -12,8 +12,9 @@ from matplotlib.ticker import MaxNLocator
 
 from .curves import Curve, curves_of, heading
 from .labels import axis_label
+from .legend import add_legend
 from .result import NothingToDraw, require
-from .style import GREY, add_legend, logarithmic, new_figure, styled
+from .style import GREY, logarithmic, new_figure, styled
 
 QUANTITIES = ("angular_frequency", "wavenumber", "phase_velocity", "group_velocity")
 SHARED_INPUTS = ("rotation_angular_velocity", "impact_mass_ratio", "impact_mass")

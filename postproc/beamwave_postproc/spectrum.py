@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from .curves import Curve, curves_of, heading
 from .labels import axis_label
-from .points import chosen_points
+from .legend import add_legend
+from .points import chosen_points, panels_for, point_label, thinned
 from .result import NothingToDraw, require, require_numbers
-from .style import add_legend, logarithmic, new_figure, styled
+from .style import logarithmic, styled
 
 SHARED_INPUTS = ("rotation_angular_velocity", "impact_mass_ratio", "impact_mass")
 DEPTH = 1e-9  # what lies further below the highest line is rounding, and not shown
@@ -25,22 +26,22 @@ def spectrum(ds: xr.Dataset) -> Figure:
         raise NothingToDraw("the spectrum has fewer than two frequencies above 0")
     points = chosen_points(ds)
     curves = curves_of(ds)
-    fig = new_figure(len(points), row_height=4.2 if len(points) == 1 else 2.8)
+    fig = panels_for(points)
     for axes, point in zip(fig.axes, points):
         _draw_point(axes, ds, curves, point)
     fig.axes[-1].set_xlabel(axis_label(ds["frequency"]))
-    _describe(fig.axes[0], ds, curves)
+    _describe(fig.axes[0], ds, curves, thinned(ds, points))
     return fig
 
 
-def _describe(axes: Axes, ds: xr.Dataset, curves: list[Curve]) -> None:
-    """Legend above the first panel: the cases by line and marker, and what a marker is."""
+def _describe(axes: Axes, ds: xr.Dataset, curves: list[Curve], note: str) -> None:
+    """Legend above the first panel: the cases by line and marker, what a marker is, and a `note`."""
     peaks = "measured_angular_frequency" in ds
     for curve in curves:
         if curve.label:
             axes.plot([], [], label=curve.label, **(curve.style if peaks else {**curve.style, "marker": ""}))
-    shared = heading(ds, *SHARED_INPUTS)
-    add_legend(axes, "; ".join(filter(None, (shared, "markers: measured peaks" if peaks else ""))), above=True)
+    words = (heading(ds, *SHARED_INPUTS), note, "markers: measured peaks" if peaks else "")
+    add_legend(axes, "; ".join(filter(None, words)), above=True)
 
 
 def _draw_point(axes: Axes, ds: xr.Dataset, curves: list[Curve], point: int) -> None:
@@ -55,8 +56,7 @@ def _draw_point(axes: Axes, ds: xr.Dataset, curves: list[Curve], point: int) -> 
     for curve, row in zip(curves, values):
         axes.plot(frequency[shown], row[shown], **{**curve.style, "marker": ""})
         _mark_peaks(axes, curve, frequency, row)
-    xi = float(ds["point_position"][point])
-    axes.set_ylabel(axis_label(ds["amplitude"], note=rf" at $\xi = {xi:g}$"))
+    axes.set_ylabel(point_label(ds, "amplitude", point))
 
 
 def _mark_peaks(axes: Axes, curve: Curve, frequency: np.ndarray, row: np.ndarray) -> None:

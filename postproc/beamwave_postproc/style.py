@@ -27,8 +27,6 @@ MAX_CURVES = len(COLOURS)
 GREY = "0.45"
 FEW_DECADES = 1e3  # a ratio of limits below this is labelled between the decades too
 PLAIN = (1e-3, 1e4)  # numbers that are written out, without powers of ten
-CROWDED = 5  # more legend entries than this are set small
-LEGEND_WIDTH = 90  # characters of legend text (as typed, mathematics included) that fit above a figure
 
 RC: dict[Any, Any] = {
     "axes.grid": True,
@@ -82,6 +80,12 @@ def sparse_markers(index: int, samples: int, count: int = 12) -> tuple[int, int]
     return (index * step // 4) % step, step
 
 
+def markers_to_end(index: int, samples: int) -> list[int]:
+    """`markevery` of curve `index`: as `sparse_markers`, and one at the end, clear of the one before."""
+    start, step = sparse_markers(index, samples)
+    return [*range(start, samples - 1 - step // 2, step), samples - 1]
+
+
 def logarithmic(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
     """Make one axis logarithmic from `low` to `high`: labelled by decades, and between where they are few."""
     axes.set(**{f"{which}scale": "log", f"{which}lim": (low, high)})
@@ -90,16 +94,3 @@ def logarithmic(axes: Axes, which: Literal["x", "y"], low: float, high: float) -
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
-
-
-def add_legend(axes: Axes, title: str = "", *, above: bool = False) -> None:
-    """Legend of what is labelled on `axes`, `above` it where curves fill it; the title alone where nothing is."""
-    handles, labels = axes.get_legend_handles_labels()
-    if not above:
-        if handles:
-            axes.legend(title=title or None, fontsize="small" if len(handles) > CROWDED else None)
-    elif handles:
-        columns = max(1, min(len(handles), LEGEND_WIDTH // max(len(label) for label in labels)))
-        axes.legend(title=title or None, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns, frameon=False)
-    elif title:
-        axes.set_title(title, fontsize="medium")

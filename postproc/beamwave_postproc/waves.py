@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from .curves import Curve, curves_of, heading
 from .labels import axis_label
+from .legend import add_legend
 from .relation import Relation, relation_of
 from .result import NothingToDraw, require
-from .style import add_legend, logarithmic, new_figure, styled
+from .style import logarithmic, new_figure, styled
 
 SHARED_INPUTS = ("rotation_angular_velocity", "impact_mass_ratio", "impact_mass")
 

@@ -23,13 +23,14 @@ module bw_double_double
     module procedure :: dd_from_real, dd_from_quad
   end interface to_dd
   interface operator(+)
-    module procedure :: add_dd, add_real, add_to_list
+    module procedure :: add_dd, add_real, add_to_list, add_reals_to_list
   end interface
   interface operator(-)
     module procedure :: subtract_dd, negate_dd, subtract_from_list
   end interface
   interface operator(*)
-    module procedure :: multiply_dd, multiply_real, multiply_list, multiply_lists, multiply_list_by_real
+    module procedure :: multiply_dd, multiply_real, multiply_list, multiply_lists, multiply_list_by_real, &
+      multiply_by_reals
   end interface
   interface operator(/)
     module procedure :: divide_dd
@@ -181,6 +182,13 @@ contains
     c = add_dd(a, b)
   end function add_to_list
 
+  pure function add_reals_to_list(a, b) result(c)
+    type(dd), intent(in) :: a(:)
+    real(dp), intent(in) :: b(:)
+    type(dd) :: c(size(a))
+    c = add_real(a, b)
+  end function add_reals_to_list
+
   pure function subtract_from_list(a, b) result(c)
     type(dd), intent(in) :: a(:), b
     type(dd) :: c(size(a))
@@ -205,6 +213,13 @@ contains
     type(dd) :: c(size(a))
     c = multiply_real(a, b)
   end function multiply_list_by_real
+
+  pure function multiply_by_reals(a, b) result(c)
+    type(dd), intent(in) :: a
+    real(dp), intent(in) :: b(:)
+    type(dd) :: c(size(b))
+    c = multiply_real(a, b)
+  end function multiply_by_reals
 
   pure function sqrt_of_list(a) result(c)
     type(dd), intent(in) :: a(:)

@@ -2,10 +2,10 @@ module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
-  use bw_frequency_equation, only: root_type, root_value, solve_root
+  use bw_frequency_equation, only: root_type, root_values, solve_roots
   use bw_mode_set, only: mode_set
   use bw_refined_root, only: refined_root
-  use bw_shape, only: shape_type, shape_of, shape_value
+  use bw_shape, only: shape_type, shapes_of, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
@@ -20,6 +20,7 @@ module bw_closed_form
 
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
+  integer, parameter :: chunk = 256                  !! tuned: modes whose arrays stay in the fastest cache
 
 contains
 
@@ -30,7 +31,7 @@ contains
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
     integer :: k
-    modes = numbered_modes([(k, k=1, count)], gamma, omega, longest)
+    call set_modes([(k, k=1, count)], gamma, omega, longest, modes)
   end function closed_form_modes
 
   pure type(closed_form_set) function numbered_modes(number, gamma, omega, longest) result(modes)
@@ -41,25 +42,54 @@ contains
       !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
-    type(dd), allocatable :: alpha(:), square(:)
-    modes%count = size(number)
-    modes%gamma = gamma
-    modes%shape = shape_of(solve_root(number, gamma))
-    modes%alpha = modes%shape%alpha
-    modes%tip = modes%shape%tip
-    modes%modal_mass = modes%shape%modal_mass
-    alpha = root_value(modes%shape%root)
-    call refine_roots(modes%shape%root, alpha, omega, longest)
-    square = alpha*alpha
-    if (present(omega)) then
-      modes%beta_squared = (square - omega)*(square + omega)   ! α⁴ − ω² without cancellation, Eq. 2
-    else
-      modes%beta_squared = square*square                       ! Eq. 3
-    end if
-    modes%critical_speed = square(1)                           ! ω = hP₁², for the lowest of them
-    modes%phase_velocity = phase_velocity(modes%alpha, modes%beta_squared)
-    modes%group_velocity = group_velocity(modes%alpha, modes%beta_squared)
+    call set_modes(number, gamma, omega, longest, modes)
   end function numbered_modes
+
+  pure subroutine set_modes(number, gamma, omega, longest, modes)
+    !! `numbered_modes`, in place: the result of a function is copied.
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: gamma
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    type(closed_form_set), intent(out) :: modes
+    integer :: first, n
+    n = size(number)
+    modes%count = n
+    modes%gamma = gamma
+    allocate (modes%shape(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
+    allocate (modes%phase_velocity(n), modes%group_velocity(n))
+    do first = 1, n, chunk
+      call set_some(number, first, min(first + chunk - 1, n), omega, longest, modes)
+    end do
+  end subroutine set_modes
+
+  pure subroutine set_some(number, first, last, omega, longest, modes)
+    !! Modes `first` … `last` of the set.
+    integer, intent(in) :: number(:), first, last
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    type(closed_form_set), intent(inout) :: modes
+    type(root_type) :: root(last - first + 1)
+    type(dd), dimension(last - first + 1) :: alpha, square
+    root = solve_roots(number(first:last), modes%gamma)
+    associate (shape => modes%shape(first:last), beta_squared => modes%beta_squared(first:last))
+      shape = shapes_of(root)
+      modes%alpha(first:last) = shape%alpha
+      modes%tip(first:last) = shape%tip
+      modes%modal_mass(first:last) = shape%modal_mass
+      alpha = root_values(root)
+      call refine_roots(root, alpha, omega, longest)
+      square = alpha*alpha
+      if (present(omega)) then
+        beta_squared = (square - omega)*(square + omega)   ! α⁴ − ω² without cancellation, Eq. 2
+      else
+        beta_squared = square*square                       ! Eq. 3
+      end if
+      if (first == 1) modes%critical_speed = square(1)     ! ω = hP₁², for the lowest of them
+      modes%phase_velocity(first:last) = phase_velocity(shape%alpha, beta_squared)
+      modes%group_velocity(first:last) = group_velocity(shape%alpha, beta_squared)
+    end associate
+  end subroutine set_some
 
   pure subroutine refine_roots(root, alpha, omega, longest)
     !! Solve again in extended precision what binary64 cannot carry: a mode near its critical speed, where
@@ -89,9 +119,12 @@ contains
     class(closed_form_set), intent(in) :: self
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(self%count, size(xi))
-    integer :: p
-    do p = 1, size(xi)
-      values(:, p) = shape_value(self%shape, xi(p))
+    integer :: first, last, p
+    do first = 1, self%count, chunk
+      last = min(first + chunk - 1, self%count)
+      do p = 1, size(xi)
+        values(first:last, p) = shape_values(self%shape(first:last), xi(p))
+      end do
     end do
   end function closed_form_shapes
 

@@ -9,14 +9,15 @@ module bw_shape
   !! **Source**: Eqs 7, 9, 18, 20, 21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, two_product
-  use bw_frequency_equation, only: is_light, root_type, root_value
+  use bw_frequency_equation, only: is_light, root_type, root_values
   use bw_small_series, only: alternating_series, growing_series
   implicit none (type, external)
   private
-  public :: shape_of, shape_value
+  public :: shape_of, shapes_of, shape_value, shape_values
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form has lost a digit
+  real(dp), parameter :: longest_decay = 300.0_dp  !! e^(−300) is nothing beside 1, and its square does not underflow
 
   type, public :: shape_type
     !! One mode shape, its tip and its mass, without dimensions.
@@ -35,16 +36,21 @@ contains
   elemental type(shape_type) function shape_of(root) result(shape)
     !! The shape that belongs to a root of the frequency equation.
     type(root_type), intent(in) :: root
-    type(dd) :: alpha
-    alpha = root_value(root)
-    shape%root = root
-    shape%alpha = alpha%hi
-    if (root%k == 1) then
-      call set_first(shape)
-    else
-      call set_higher(shape)
-    end if
+    type(shape_type) :: list(1)
+    list = shapes_of([root])
+    shape = list(1)
   end function shape_of
+
+  pure function shapes_of(root) result(shape)
+    !! `shape_of` of a list, in vector registers.
+    type(root_type), intent(in) :: root(:)
+    type(shape_type) :: shape(size(root))
+    integer :: k
+    call set_higher(root, shape)
+    do k = 1, size(root)
+      if (root(k)%k == 1) call set_first(shape(k))
+    end do
+  end function shapes_of
 
   pure subroutine set_first(shape)
     !! Mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
@@ -58,74 +64,117 @@ contains
     shape%tip = -8.0_dp*a**3*alternating_series(3, x)/denominator
     shape%tip_force = a*(shape%root%gamma*shape%tip)
     shape%tip_slope = -4.0_dp*a**3*alternating_series(2, x)/denominator
-    shape%modal_mass = mass_of(shape, 2.0_dp*a**2*alternating_series(2, x)/denominator)
+    shape%modal_mass = mass_of(a, shape%tip, shape%tip_force, 2.0_dp*a**2*alternating_series(2, x)/denominator)
   end subroutine set_first
 
-  pure subroutine set_higher(shape)
+  pure subroutine set_higher(root, shape)
     !! Modes from the second on, with everything scaled by e^(−α).
-    type(shape_type), intent(inout) :: shape
-    real(dp) :: sine, cosine, difference, decay, sech, th, denominator
-    type(dd) :: alpha
-    call end_angle(shape%root, sine, cosine, difference)
-    alpha = root_value(shape%root)
-    decay = exp(-alpha%hi)*(1.0_dp - alpha%lo)         ! what rounding α took is up to α units in the last place here
+    type(root_type), intent(in) :: root(:)
+    type(shape_type), intent(inout) :: shape(:)
+    real(dp), dimension(size(root)) :: sine, cosine, difference, decay, sech, th, denominator, tip, force, gamma
+    type(dd) :: alpha(size(root))
+    logical :: light(size(root))
+    light = is_light(root)
+    call end_angles(root%k, light, root%rest, sine, cosine, difference)
+    alpha = root_values(root)
+    gamma = root%gamma
+    decay = exp(-min(alpha%hi, longest_decay))*(1.0_dp - alpha%lo)   ! up to α units in the last place were rounded off
     sech = 2.0_dp*decay/(1.0_dp + decay**2)
     th = (1.0_dp - decay**2)/(1.0_dp + decay**2)
     denominator = sine*sech + th                       ! (sin α + sinh α)/cosh α
+    where (light)
+      tip = 2.0_dp*(cosine*th - sine)/denominator
+      force = alpha%hi*gamma*tip
+    elsewhere                                          ! the direct form would cancel
+      force = -2.0_dp*(sech + cosine)/denominator
+      tip = force/alpha%hi/gamma
+    end where
+    shape%root = root
+    shape%alpha = alpha%hi
     shape%grow = (difference - decay)/(decay*sine + 0.5_dp*(1.0_dp - decay**2))
     shape%sigma = 1.0_dp - shape%grow*decay
-    if (is_light(shape%root)) then
-      shape%tip = 2.0_dp*(cosine*th - sine)/denominator
-      shape%tip_force = shape%alpha*shape%root%gamma*shape%tip
-    else                                               ! the direct form would cancel
-      shape%tip_force = -2.0_dp*(sech + cosine)/denominator
-      shape%tip = shape%tip_force/shape%alpha/shape%root%gamma
-    end if
-    shape%tip_slope = -2.0_dp*shape%alpha*sine*th/denominator
-    shape%modal_mass = mass_of(shape, sine*th/denominator)
+    shape%tip = tip
+    shape%tip_force = force
+    shape%tip_slope = -2.0_dp*alpha%hi*sine*th/denominator
+    shape%modal_mass = mass_of(alpha%hi, tip, force, sine*th/denominator)
   end subroutine set_higher
 
-  pure real(dp) function mass_of(shape, end_ratio) result(mass)
+  elemental real(dp) function mass_of(alpha, tip, tip_force, end_ratio) result(mass)
     !! M/m_i = ¼(1+γ)Φ(1)² + 2(1 + cos α cosh α) sin α sinh α/(sin α + sinh α)², by the frequency equation
     !! ¼Φ(1)(Φ(1) + N/α) − N·(sin α sinh α/(sin α + sinh α)) with N = αγΦ(1): two terms ≥ 0.
-    type(shape_type), intent(in) :: shape
+    real(dp), intent(in) :: alpha, tip, tip_force
     real(dp), intent(in) :: end_ratio    !! sin α sinh α/(sin α + sinh α)
-    mass = 0.25_dp*shape%tip*(shape%tip + shape%tip_force/shape%alpha) - shape%tip_force*end_ratio
+    mass = 0.25_dp*tip*(tip + tip_force/alpha) - tip_force*end_ratio
   end function mass_of
 
-  pure subroutine end_angle(root, sine, cosine, difference)
+  pure subroutine end_angles(k, light, rest, sine, cosine, difference)
     !! sin α, cos α and sin α − cos α from the remainder alone, k ≥ 2.
-    type(root_type), intent(in) :: root
-    real(dp), intent(out) :: sine, cosine, difference
-    real(dp) :: sign
-    sign = merge(-1.0_dp, 1.0_dp, mod(root%k, 2) == 0)       ! −(−1)^k
-    if (is_light(root)) then
-      sine = sign*cos(root%rest)
-      cosine = -sign*sin(root%rest)
-      difference = sine - cosine
-    else
-      sine = sign*sqrt(0.5_dp)*(cos(root%rest) + sin(root%rest))
-      cosine = sign*sqrt(0.5_dp)*(cos(root%rest) - sin(root%rest))
-      difference = sign*sqrt(2.0_dp)*sin(root%rest)
-    end if
-  end subroutine end_angle
+    integer, intent(in) :: k(:)
+    logical, intent(in) :: light(:)
+    real(dp), intent(in) :: rest(:)
+    real(dp), intent(out) :: sine(:), cosine(:), difference(:)
+    real(dp), dimension(size(k)) :: sign, c, s
+    sign = merge(-1.0_dp, 1.0_dp, mod(k, 2) == 0)       ! −(−1)^k
+    c = sign*cos(rest)
+    s = sign*sin(rest)
+    where (light)
+      sine = c
+      cosine = -s
+      difference = c + s
+    elsewhere
+      sine = sqrt(0.5_dp)*(c + s)
+      cosine = sqrt(0.5_dp)*(c - s)
+      difference = sqrt(2.0_dp)*s
+    end where
+  end subroutine end_angles
 
   elemental real(dp) function shape_value(shape, xi) result(value)
     !! Φ(ξ): exactly 0 at the root, exactly `tip` at the tip.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
-    real(dp) :: z, angle
-    z = shape%alpha*xi
-    if (xi == 1.0_dp) then
-      value = shape%tip
-    else if (z < series_below .or. shape%root%k == 1) then
-      value = 2.0_dp*z**2*(shape%sigma*z*growing_series(3, z**4) - growing_series(2, z**4))
-    else
-      angle = angle_at(shape%root, xi)
-      value = cos(angle) - shape%sigma*sin(angle) - 0.5_dp*(1.0_dp + shape%sigma)*exp(-z) &
-        - 0.5_dp*shape%grow*exp(-shape%alpha*(1.0_dp - xi))
-    end if
+    real(dp) :: list(1)
+    list = shape_values([shape], xi)
+    value = list(1)
   end function shape_value
+
+  pure function shape_values(shape, xi) result(values)
+    !! `shape_value` of a list, in vector registers.
+    type(shape_type), intent(in) :: shape(:)
+    real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
+    real(dp) :: values(size(shape))
+    integer :: k
+    if (xi == 1.0_dp) then
+      values = shape%tip
+      return
+    end if
+    call evaluate(shape, xi, values)
+    do k = 1, size(shape)
+      if (shape(k)%alpha*xi < series_below .or. shape(k)%root%k == 1) values(k) = series_value(shape(k), xi)
+    end do
+  end function shape_values
+
+  pure subroutine evaluate(shape, xi, values)
+    !! The closed form, for αξ not small.
+    type(shape_type), intent(in) :: shape(:)
+    real(dp), intent(in) :: xi
+    real(dp), intent(out) :: values(:)
+    real(dp), dimension(size(shape)) :: angle, c, s, rising, falling
+    angle = angle_at(shape%root, xi)
+    c = cos(angle)
+    s = sin(angle)
+    falling = exp(-min(shape%alpha*xi, longest_decay))
+    rising = exp(-min(shape%alpha*(1.0_dp - xi), longest_decay))
+    values = c - shape%sigma*s - 0.5_dp*(1.0_dp + shape%sigma)*falling - 0.5_dp*shape%grow*rising
+  end subroutine evaluate
+
+  elemental real(dp) function series_value(shape, xi) result(value)
+    !! The power series, for αξ ≲ 2.
+    type(shape_type), intent(in) :: shape
+    real(dp), intent(in) :: xi
+    real(dp) :: z
+    z = shape%alpha*xi
+    value = 2.0_dp*z**2*(shape%sigma*z*growing_series(3, z**4) - growing_series(2, z**4))
+  end function series_value
 
   elemental real(dp) function angle_at(root, xi) result(angle)
     !! αξ modulo 2π: the whole eighths of a turn are multiplied and reduced exactly.
@@ -133,7 +182,7 @@ contains
     real(dp), intent(in) :: xi
     real(dp) :: eighths, rest
     call two_product(real(root%eighths, dp), xi, eighths, rest)
-    eighths = eighths - 8.0_dp*anint(0.125_dp*eighths)
+    eighths = eighths - 8.0_dp*aint(0.125_dp*eighths)
     angle = 0.25_dp*pi*(eighths + rest) + root%rest*xi
   end function angle_at
 

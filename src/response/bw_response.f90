@@ -88,7 +88,8 @@ contains
   end subroutine finish_histories
 
   subroutine add_stable(beta_squared, q, rate, shapes, grid, monitor, response)
-    !! Modes below their critical speed, all together.
+    !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
+    !! products, whose error follows its motion and not its amplitude.
     type(dd), intent(in) :: beta_squared(:)
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
@@ -99,21 +100,30 @@ contains
     integer :: histories
     histories = size(response%displacement, 2)
     if (allocated(response%velocity)) histories = 2*histories
-    turns = beta_squared%hi*(grid%samples*grid%step%hi)**2 > (2.0_dp*dd_pi%hi)**2    ! at least once in the record
+    turns = sqrt(max(0.0_dp, beta_squared%hi))*(grid%samples*grid%step%hi) > 2.0_dp*dd_pi%hi   ! once in the record
     choice = chosen_sum(count(turns), grid%samples, histories, sum_tolerance)
-    if (choice%transform) call by_transform(numbers_of(turns))
-    call by_products(numbers_of(beta_squared%hi > 0.0_dp .and. .not. (turns .and. choice%transform)))
+    if (.not. choice%transform) then
+      call by_products(numbers_of(beta_squared%hi > 0.0_dp))
+    else if (all(turns)) then
+      call by_transform(beta_squared, q, rate, shapes)      ! as below, without copies
+    else
+      associate (k => numbers_of(turns))
+        call by_transform(beta_squared(k), q(k), rate(k), shapes(k, :))
+      end associate
+      call by_products(numbers_of(beta_squared%hi > 0.0_dp .and. .not. turns))
+    end if
   contains
-    subroutine by_transform(k)
-      integer, intent(in) :: k(:)
-      call transform_stable_modes(beta_squared(k), q(k), rate(k), shapes(k, :), grid, choice%width, choice%half, &
-                                  monitor, response%displacement, response%velocity)
-    end subroutine by_transform
     subroutine by_products(k)
       integer, intent(in) :: k(:)
       call add_stable_modes(beta_squared(k), q(k), rate(k), shapes(k, :), grid, monitor, response%displacement, &
                             response%velocity)
     end subroutine by_products
+    subroutine by_transform(beta_squared, q, rate, shapes)
+      type(dd), intent(in) :: beta_squared(:)
+      real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
+      call transform_stable_modes(beta_squared, q, rate, shapes, grid, choice%width, choice%half, monitor, &
+                                  response%displacement, response%velocity)
+    end subroutine by_transform
   end subroutine add_stable
 
   pure function numbers_of(chosen) result(k)

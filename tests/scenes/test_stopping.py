@@ -55,7 +55,7 @@ def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupte
     status, _, err = send(here, number, seconds / 4)
     assert status == 5, err
     assert "of 300 cases saved; the same command goes on from there" in err
-    assert here.left() == ["a.partial", "a.partial/result.nc"]
+    assert "a.partial/result.nc" in here.left() and "a.nc" not in here.left()
     resumed = here.beamwave("run", "a.nml")
     assert resumed.returncode == STATUS
     assert "taken over from an earlier run" in resumed.stdout
@@ -106,7 +106,7 @@ def test_what_a_killed_run_leaves_never_blocks(here, uninterrupted, part):
     whole, seconds = uninterrupted
     here.scene("a", LONG, SPEEDS)
     assert send(here, signal.SIGKILL, part * seconds)[0] == -signal.SIGKILL
-    assert here.left() == ["a.partial", "a.partial/result.nc"]
+    assert "a.partial/result.nc" in here.left() and "a.nc" not in here.left()
     assert results.differences(here.run("a", status=STATUS), whole) == []
 
 

@@ -1,0 +1,44 @@
+"""Histories that grow without bound, drawn so that what stays bounded is seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import SymmetricalLogLocator
+
+GROWN = 7.0  # growth rate × duration beyond which a linear axis shows nothing of the start: a thousandfold
+START = 50  # a growing history has this part of its samples, at its start, on the linear part of the axis
+LINEAR_SHARE = 4.0  # decades of the axis to one of its linear part, on either side of 0
+LABELS = 6  # decades that are labelled on either side of 0
+
+
+def grows(case: xr.Dataset) -> bool:
+    """Whether a mode of `case` is unstable and has the time to grow out of any linear axis."""
+    if "growth_rate" not in case:
+        return False
+    rates = case["growth_rate"].values
+    duration = float(case["time"][-1] - case["time"][0])
+    return bool(np.any(np.nan_to_num(rates) * duration > GROWN))
+
+
+def samples_held(case: xr.Dataset, name: str) -> int:
+    """Return the number of samples up to the last that is not fill, at any point: what overflows is fill."""
+    held = np.isfinite(case[name].values).any(axis=0)
+    return int(np.flatnonzero(held)[-1]) + 1 if held.any() else 0
+
+
+def scale_for_growth(axes: Axes, rows: np.ndarray, growing: list[bool]) -> None:
+    """Symmetric logarithmic y axis for `rows` (curve, time): linear where the bounded ones are, or the start."""
+    sizes = np.abs(rows[:, : max(int(np.isfinite(rows).any(axis=0).sum()), 1)])
+    bounded = sizes[~np.array(growing)]
+    start = bounded if bounded.size else sizes[:, : max(sizes.shape[1] // START, 2)]
+    linear = np.nanmax(start, initial=0.0) or np.nanmin(sizes[sizes > 0.0], initial=np.inf)
+    highest = np.nanmax(sizes)
+    if not 0.0 < linear < highest:
+        return
+    decades = np.log10(highest) - np.log10(linear)
+    axes.set_yscale("symlog", linthresh=linear, linscale=max(decades / LINEAR_SHARE, 1.0))
+    locator = SymmetricalLogLocator(axes.yaxis.get_transform())
+    locator.set_params(numticks=LABELS)
+    axes.yaxis.set_major_locator(locator)
