@@ -28,7 +28,7 @@ def curves_of(ds: xr.Dataset, limit: int = MAX_CURVES) -> list[Curve]:
     if "case" not in ds.dims:
         return [Curve(0, ds, "", curve_style(0))]
     shown = _shown(ds, limit)
-    names = _differing(shown)
+    names = _differing(ds, shown)
     cases = [shown.isel(case=case) for case in range(shown.sizes["case"])]
     return [
         Curve(i, case, ", ".join(value_text(case[name]) for name in names), curve_style(i))
@@ -42,9 +42,9 @@ def _shown(ds: xr.Dataset, limit: int = MAX_CURVES) -> xr.Dataset:
     return ds.isel(case=np.unique(np.linspace(0, count - 1, min(count, limit)).round().astype(int)))
 
 
-def _differing(shown: xr.Dataset) -> list[str]:
-    """Swept inputs that tell the cases in `shown` apart; all of them where none does."""
-    names = swept_inputs(shown)
+def _differing(ds: xr.Dataset, shown: xr.Dataset) -> list[str]:
+    """Inputs swept in `ds` that tell the cases in `shown` apart; all of them where none does."""
+    names = swept_inputs(ds)
     return [name for name in names if np.unique(shown[name].values).size > 1] or names
 
 
@@ -54,8 +54,8 @@ def heading(ds: xr.Dataset, *inputs: str) -> str:
     count = ds.sizes.get("case", 1)
     if "case" in ds.dims:
         shown = _shown(ds)
-        told = _differing(shown)
-        shared += [value_text(shown[name][0]) for name in swept_inputs(shown) if name not in told]
+        told = _differing(ds, shown)
+        shared += [value_text(shown[name][0]) for name in swept_inputs(ds) if name not in told]
     if count > MAX_CURVES:
         shared.append(f"{MAX_CURVES} of {count} cases")
     return ", ".join(shared)

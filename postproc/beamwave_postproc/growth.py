@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.ticker import SymmetricalLogLocator
+from matplotlib.ticker import NullLocator
 
 GROWN = 7.0  # growth rate × duration beyond which a linear axis shows nothing of the start: a thousandfold
 START = 50  # a growing history has this part of its samples, at its start, on the linear part of the axis
 LINEAR_SHARE = 4.0  # decades of the axis to one of its linear part, on either side of 0
+MARGIN = 0.03  # of the decades, kept free beyond the largest number
+LARGEST = 307.9  # common logarithm of the end of an axis at the latest: the next decades are infinite
 LABELS = 6  # decades that are labelled on either side of 0
 
 
@@ -38,7 +40,27 @@ def scale_for_growth(axes: Axes, rows: np.ndarray, growing: list[bool]) -> None:
     if not 0.0 < linear < highest:
         return
     decades = np.log10(highest) - np.log10(linear)
+    axes.set_ylim(-_end(-np.nanmin(rows), linear), _end(np.nanmax(rows), linear))
     axes.set_yscale("symlog", linthresh=linear, linscale=max(decades / LINEAR_SHARE, 1.0))
-    locator = SymmetricalLogLocator(axes.yaxis.get_transform())
-    locator.set_params(numticks=LABELS)
-    axes.yaxis.set_major_locator(locator)
+    _label_decades(axes, linear, decades)
+
+
+def _end(largest: float, linear: float) -> float:
+    """End of one side of the axis, a little beyond its `largest` number, or where the linear part ends."""
+    if largest <= linear:
+        return linear
+    beyond = np.log10(largest) + MARGIN * (np.log10(largest) - np.log10(linear))
+    return float(10.0 ** min(beyond, LARGEST))
+
+
+def _label_decades(axes: Axes, linear: float, decades: float) -> None:
+    """Ticks at 0 and at a few powers of ten beyond the linear part, on both sides where the axis has them."""
+    step = max(int(np.ceil(decades / LABELS)), 1)
+    bottom, top = axes.get_ylim()
+    ticks = {0.0: "0"}
+    for power in range(int(np.ceil(np.log10(linear))), int(np.log10(max(top, -bottom))) + 1, step):
+        size = 10.0**power
+        ticks.update({size: f"$10^{{{power}}}$"} if size < top else {})
+        ticks.update({-size: f"$-10^{{{power}}}$"} if size < -bottom else {})
+    axes.set_yticks(list(ticks), list(ticks.values()))
+    axes.yaxis.set_minor_locator(NullLocator())

@@ -37,21 +37,22 @@ def _history(ds: xr.Dataset, name: str, position: float | None) -> Figure:
     points = chosen_points(ds, position)
     curves = curves_of(ds)
     fig = panels_for(points)
-    for axes, point in zip(fig.axes, points):
-        _draw_point(axes, ds, curves, name, point)
+    rows = [_draw_point(axes, ds, curves, name, point) for axes, point in zip(fig.axes, points)]
     prefix, factor = si_prefix(ds["time"].values, units_of(ds["time"]))
     held = max(samples_held(curve.data, name) for curve in curves)
     _limit_time(fig.axes[-1], ds["time"].values[:held] * factor)
     for axes in fig.axes:
         mark_events(axes, [curve.data for curve in curves], factor, words=axes is fig.axes[0])
+    for axes, values in zip(fig.axes, rows):
+        _scale_values(axes, values, [grows(curve.data) for curve in curves])
     fig.axes[-1].set_xlabel(axis_label(ds["time"], prefix))
     notes = (heading(ds, *SHARED_INPUTS), thinned(ds, points), _growth_note(curves, name), _error(curves, name, points))
     add_legend(fig.axes[0], "; ".join(filter(None, notes)), above=True)
     return fig
 
 
-def _draw_point(axes: Axes, ds: xr.Dataset, curves: list[Curve], name: str, point: int) -> None:
-    """Histories of all `curves` at one point, in the SI prefix that fits them."""
+def _draw_point(axes: Axes, ds: xr.Dataset, curves: list[Curve], name: str, point: int) -> np.ndarray:
+    """Histories of all `curves` at one point, in the SI prefix that fits them: drawn, and returned (curve, time)."""
     values = np.array([curve.data[name].isel(point=point).values for curve in curves])
     require_numbers(values, name)
     time = ds["time"].values * si_prefix(ds["time"].values, units_of(ds["time"]))[1]
@@ -65,16 +66,21 @@ def _draw_point(axes: Axes, ds: xr.Dataset, curves: list[Curve], name: str, poin
             **(curve.style if len(curves) > 1 else ALONE),
         )
     axes.margins(y=0.1)
-    growing = [grows(curve.data) for curve in curves]
+    axes.set_autoscaley_on(not any(grows(curve.data) for curve in curves))  # matplotlib's margin would overflow
+    axes.set_ylabel(point_label(ds, name, point, prefix))
+    return values * scale
+
+
+def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:
+    """Choose the y axis for what is drawn: it may grow without bound, or be at rest; else it is matplotlib's."""
     if not np.nan_to_num(values).any():
         _say_zero(axes)
     elif any(growing):
-        scale_for_growth(axes, values * scale, growing)
-    axes.set_ylabel(point_label(ds, name, point, prefix))
+        scale_for_growth(axes, values, growing)
 
 
 def _say_zero(axes: Axes) -> None:
-    """Put 0 alone on the axis of a point that does not move: any other number would be invented."""
+    """Put 0 alone on the axis of a point at rest: any other number would be invented."""
     axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
     axes.annotate("zero", (0.5, 0.5), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points", ha="center")
 
@@ -91,7 +97,7 @@ def _growth_note(curves: list[Curve], name: str) -> str:
     if not growing:
         return ""
     short = [case for case in growing if samples_held(case, name) < case.sizes["time"]]
-    words = "unstable, drawn on a symmetric logarithmic scale"
+    words = "unstable: symmetric logarithmic scale"
     if not short:
         return words
     first = min(samples_held(case, name) for case in short)

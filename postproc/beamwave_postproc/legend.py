@@ -13,6 +13,7 @@ LONG = 30  # characters: a longer entry would hide the curves
 TITLE_WIDTH = 72  # characters of a title in one line
 BROKEN_AT = (100, 80, 60, 45, 30)  # characters in a line of an entry that is broken, tried in turn
 SIDES = 0.2  # inches kept free beside a legend
+PAD = 0.05  # inches between legend and axes
 GIVEN_HEIGHT = 0.5  # inches of legend that a figure has room for as it is
 
 
@@ -64,6 +65,6 @@ def _fitting(fig: Figure, handles: list, labels: list[str], title: str) -> Legen
 
 def _make_room(fig: Figure, legend: Legend) -> None:
     """Heighten `fig` for the legend at its top, and keep the axes below that."""
-    height = legend.get_window_extent().height / fig.dpi
+    height = legend.get_window_extent().height / fig.dpi + PAD
     fig.set_figheight(fig.get_figheight() + max(0.0, height - GIVEN_HEIGHT))
     fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - height / fig.get_figheight()))

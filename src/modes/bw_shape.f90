@@ -17,7 +17,7 @@ module bw_shape
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form has lost a digit
-  real(dp), parameter :: longest_decay = 300.0_dp  !! e^(−300) is nothing beside 1, and its square does not underflow
+  real(dp), parameter :: longest_decay = 400.0_dp  !! e^(−400) is nothing beside 1, and its square underflows
 
   type, public :: shape_type
     !! One mode shape, its tip and its mass, without dimensions.
@@ -43,26 +43,30 @@ contains
 
   pure function shapes_of(root) result(shape)
     !! `shape_of` of a list, in vector registers.
-    type(root_type), intent(in) :: root(:)
+    type(root_type), intent(in) :: root(:)     !! ascending
     type(shape_type) :: shape(size(root))
-    integer :: k
-    call set_higher(root, shape)
-    do k = 1, size(root)
-      if (root(k)%k == 1) call set_first(shape(k))
+    integer :: first, k
+    first = count(root%k == 1)
+    do k = 1, first
+      call set_first(root(k), shape(k))
     end do
+    call set_higher(root(first + 1:), shape(first + 1:))
   end function shapes_of
 
-  pure subroutine set_first(shape)
+  pure subroutine set_first(root, shape)
     !! Mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
-    type(shape_type), intent(inout) :: shape
+    type(root_type), intent(in) :: root
+    type(shape_type), intent(out) :: shape
     real(dp) :: a, x, denominator
-    a = shape%alpha
+    a = root%rest
+    shape%root = root
+    shape%alpha = a
     x = a**4
     denominator = sin(a) + sinh(a)
     shape%sigma = (cos(a) + cosh(a))/denominator
     shape%grow = (sin(a) - cos(a) - exp(-a))/denominator*exp(a)
     shape%tip = -8.0_dp*a**3*alternating_series(3, x)/denominator
-    shape%tip_force = a*(shape%root%gamma*shape%tip)
+    shape%tip_force = a*(root%gamma*shape%tip)
     shape%tip_slope = -4.0_dp*a**3*alternating_series(2, x)/denominator
     shape%modal_mass = mass_of(a, shape%tip, shape%tip_force, 2.0_dp*a**2*alternating_series(2, x)/denominator)
   end subroutine set_first
@@ -70,7 +74,7 @@ contains
   pure subroutine set_higher(root, shape)
     !! Modes from the second on, with everything scaled by e^(−α).
     type(root_type), intent(in) :: root(:)
-    type(shape_type), intent(inout) :: shape(:)
+    type(shape_type), intent(out) :: shape(:)
     real(dp), dimension(size(root)) :: sine, cosine, difference, decay, sech, th, denominator, tip, force, gamma
     type(dd) :: alpha(size(root))
     logical :: light(size(root))
@@ -78,7 +82,8 @@ contains
     call end_angles(root%k, light, root%rest, sine, cosine, difference)
     alpha = root_values(root)
     gamma = root%gamma
-    decay = exp(-min(alpha%hi, longest_decay))*(1.0_dp - alpha%lo)   ! up to α units in the last place were rounded off
+    decay = exp(-min(0.5_dp*alpha%hi, longest_decay))**2      ! may underflow: the exponential itself would do so slowly
+    decay = decay*(1.0_dp - alpha%lo)          ! what rounding α took is up to α units in the last place here
     sech = 2.0_dp*decay/(1.0_dp + decay**2)
     th = (1.0_dp - decay**2)/(1.0_dp + decay**2)
     denominator = sine*sech + th                       ! (sin α + sinh α)/cosh α

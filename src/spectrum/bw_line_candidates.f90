@@ -12,6 +12,7 @@ module bw_line_candidates
   integer, parameter :: least_beside = 5       !! bins beside a group that help to find its poles
   integer, parameter :: most_beside = 40
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image
+  real(dp), parameter :: grows = 1.0e-3_dp     !! over the record; slower motion at 0 is a drift, which is a line's too
   real(dp), parameter :: most_growth = 300     !! over the record
 
 contains
@@ -74,7 +75,8 @@ contains
   end function group_pencil
 
   function pole_lines(pencil, rank, bins) result(lines)
-    !! Lines at the poles that lie among the group's bins; mirror images at negative frequency are left out.
+    !! Lines at the poles that lie among the group's bins; mirror images at negative frequency are left out. A pole at
+    !! 0 that grows is a real exponential: put there exactly, it stays, having no phase and no slope by its offset.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank, bins(2)
     type(line_type), allocatable :: lines(:)
@@ -82,6 +84,7 @@ contains
     integer :: i
     allocate (lines(0))
     call find_poles(pencil, rank, position, growth)
+    where (abs(position) < at_edge .and. abs(growth) > grows) position = 0
     do i = 1, size(position)
       if (position(i) < max(bins(1) - 1.0_dp, -at_edge) .or. position(i) > bins(2) + 1) cycle
       if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > most_growth) cycle

@@ -9,7 +9,7 @@ module bw_line_group
   use bw_line_residual, only: residual_type
   implicit none (type, external)
   private
-  public :: band_of, numbers_in, group_noise, refit_group
+  public :: band_of, group_image_of, group_noise, numbers_in, refit_group
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
   integer, parameter :: extra_lines = 2        !! tried beyond one more
@@ -18,6 +18,8 @@ module bw_line_group
   real(dp), parameter :: fullest = 0.7_dp      !! unknowns for each number in a group's bins
   real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
+  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's largest value
+  integer, parameter :: steady_all = 1, growing_at_zero = 2, growing_all = 3  !! passes of a fit
 
   real(dp), parameter, public :: correlated = 2.3_dp  !! neighbouring bins of the window share their noise
 
@@ -133,7 +135,8 @@ contains
   end subroutine grow
 
   subroutine try(residual, start, leakage, trial, lines, done)
-    !! Fit `trial` as steady lines, then with growth; keep what was worth it.
+    !! Fit `trial` as steady lines, then with growth at 0 (a mode above its critical speed moves as e^(gt) and e^(−gt)
+    !! while all others are steady), then with growth everywhere; keep what was worth it.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     real(dp), intent(in) :: leakage
@@ -145,14 +148,16 @@ contains
     integer :: bins(2), pass
     done = .false.
     allocate (fitted, source=trial)
-    do pass = 1, 2
+    do pass = steady_all, growing_all
       fitted = trial
-      fitted%steady = pass == 1
-      if (pass == 1) fitted%growth = 0
+      fitted%steady = pass == steady_all .or. (pass == growing_at_zero .and. line_position(trial) > 0)
+      if (pass == growing_at_zero .and. count(.not. fitted%steady) == 0) cycle
+      where (fitted%steady) fitted%growth = 0
       bins = band_of(group_type(fitted, start%peaks), residual%count)
       if (sum(unknowns(fitted)) > fullest*numbers_in(bins)) return
       goal = goal_of(residual, fitted, leakage, bins)
       call fit_lines(fitted, residual%count, bins(1), group_image(residual, start%lines, bins), goal, trial_left)
+      if (cancel(fitted)) cycle
       goal = goal_of(residual, fitted, leakage, bins)
       left = norm2(abs(group_image(residual, start%lines, bins) - group_image_of(lines, residual%count, bins)))
       done = trial_left <= min(goal, worth*left)
@@ -162,5 +167,12 @@ contains
       if (done) return
     end do
   end subroutine try
+
+  pure logical function cancel(lines)
+    !! Whether lines are so much larger than the record, which is below 1, that only their difference is in it: a
+    !! polynomial that fits anything slow, and leaves its rounding everywhere.
+    type(line_type), intent(in) :: lines(:)
+    cancel = any(abs([lines%amplitude(1), lines%amplitude(2)]) > most_cancelled)
+  end function cancel
 
 end module bw_line_group

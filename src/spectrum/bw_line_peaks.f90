@@ -7,7 +7,7 @@ module bw_line_peaks
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_type, main_lobe
   use bw_line_errors, only: line_errors
-  use bw_line_group, only: band_of, correlated, group_noise, group_type, numbers_in
+  use bw_line_group, only: band_of, correlated, group_image_of, group_noise, group_type, numbers_in
   use bw_line_image, only: unknowns
   use bw_line_residual, only: residual_type
   use bw_line_search, only: line_groups
@@ -20,6 +20,7 @@ module bw_line_peaks
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
   real(dp), parameter :: resolution = 1        !! bins; closer lines are one
   real(dp), parameter :: unlocated = 2         !! bins; a peak with a larger error is none
+  real(dp), parameter :: clear = 10            !! times the residual or the rounding: no fit makes such a line of it
 
   type, public :: peak_type
     !! One peak; positions in periods in the record.
@@ -29,9 +30,10 @@ module bw_line_peaks
     real(dp) :: ratio = 0                      !! signed, midpoint to tip
     real(dp) :: ratio_error = 0
     real(dp) :: strength = 0                   !! largest amplitude, both histories together
-    integer :: members = 1                     !! lines that are one within the resolution
+    integer :: members = 1                     !! lines that are one within the resolution; e^(gt) and e^(−gt) are one
     logical :: at_edge = .false.               !! one with its own mirror image at 0 or the Nyquist frequency
     logical :: located = .true.                !! .false.: something is there, but the fit does not say where
+    logical :: stands_out = .true.             !! .false.: the residual, or rounding of the strongest line, explains it
   end type peak_type
 
 contains
@@ -42,13 +44,17 @@ contains
     type(peak_type), allocatable :: peaks(:)
     type(group_type), allocatable :: group(:)
     logical :: explained
+    real(dp) :: rounding
     integer :: i
     allocate (peaks(0))
+    rounding = 0
+    if (size(lines) > 0) rounding = epsilon(1.0_dp)*maxval(abs([lines%amplitude(1), lines%amplitude(2)]))
     allocate (group, source=line_groups(lines, [integer ::]))
     do i = 1, size(group)
       call bound_errors(group(i), residual, explained)
-      peaks = [peaks, merged(group(i)%lines, residual%count, explained)]
+      peaks = [peaks, merged(group(i), residual, explained)]
     end do
+    peaks%stands_out = peaks%stands_out .and. peaks%strength > clear*rounding
   end function peaks_of
 
   subroutine bound_errors(group, residual, explained)
@@ -88,28 +94,48 @@ contains
     line%amplitude%im = 0
   end subroutine settle
 
+  elemental logical function is_real(line)
+    !! A real exponential: one of the two that a mode above its critical speed moves as.
+    type(line_type), intent(in) :: line
+    is_real = .not. line%steady .and. .not. line_position(line) > 0
+  end function is_real
+
   elemental real(dp) function line_strength(line)
     type(line_type), intent(in) :: line
     line_strength = max(sqrt(abs(line%amplitude(1))**2 + abs(line%amplitude(2))**2), sqrt(tiny(1.0_dp)))
   end function line_strength
 
-  function merged(lines, count, explained) result(peaks)
+  function merged(group, residual, explained) result(peaks)
     !! Lines that lie within the resolution of the one before become one peak, their mirror images included.
-    type(line_type), intent(in) :: lines(:)
-    integer, intent(in) :: count
+    type(group_type), intent(in) :: group
+    type(residual_type), intent(in) :: residual
     logical, intent(in) :: explained
     type(peak_type), allocatable :: peaks(:)
+    type(peak_type) :: peak
     integer :: i, first
     allocate (peaks(0))
     first = 1
-    do i = 1, size(lines)
-      if (i < size(lines)) then
-        if (line_position(lines(i + 1)) - line_position(lines(i)) < resolution) cycle
-      end if
-      peaks = [peaks, one_peak(lines(first:i), count, explained)]
-      first = i + 1
-    end do
+    associate (lines => group%lines)
+      do i = 1, size(lines)
+        if (i < size(lines)) then
+          if (line_position(lines(i + 1)) - line_position(lines(i)) < resolution) cycle
+        end if
+        peak = one_peak(lines(first:i), residual%count, explained)
+        if (peak%members > 1) peak%stands_out = exceed(lines(first:i), residual, band_of(group, residual%count))
+        peaks = [peaks, peak]
+        first = i + 1
+      end do
+    end associate
   end function merged
+
+  logical function exceed(lines, residual, bins)
+    !! Whether the lines together, which may all but cancel, put clearly more into a bin than is left in any.
+    type(line_type), intent(in) :: lines(:)
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: bins(2)
+    exceed = maxval(abs(group_image_of(lines, residual%count, bins))) > &
+      & clear*maxval(abs(residual%windowed(bins(1):bins(2), :)))
+  end function exceed
 
   function one_peak(lines, count, explained) result(peak)
     !! The peak of lines that cannot be told apart.
@@ -125,13 +151,14 @@ contains
     if (explained .and. (size(lines) > 1 .or. peak%at_edge)) error = min(error, resolution)  ! one may roam, all may not
     peak%position = sum(weight*position)/sum(weight)
     if (size(lines) == 1) peak%position = position(1)
+    peak%position = max(0.0_dp, peak%position)   ! rounding puts lines below 0
     peak%position_error = maxval(abs(position - peak%position) + error)
     peak%growth = lines(maxloc(weight, dim=1))%growth
     peak%strength = sqrt(maxval(weight))
-    peak%members = size(lines)
+    peak%members = size(lines) - max(0, sum(merge(1, 0, is_real(lines))) - 1)
     peak%ratio = lines(1)%ratio
     peak%ratio_error = lines(1)%ratio_error
-    peak%located = peak%members > 1 .or. peak%position_error <= unlocated
+    peak%located = size(lines) > 1 .or. peak%position_error <= unlocated
     if (peak%at_edge) peak%located = explained
     if (size(lines) == 1) peak%located = peak%located .and. line_strength(lines(1)) > lines(1)%strength_error
     if (peak%members > 1 .or. peak%at_edge) then

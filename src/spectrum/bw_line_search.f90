@@ -14,6 +14,12 @@ module bw_line_search
   real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
   integer, parameter :: beside = 3             !! bins; within the main lobe
 
+  type :: closed_type
+    !! A peak where a further line has failed to help.
+    integer :: bin = 0
+    integer :: neighbours = 0                  !! lines near it then: a new one takes its leakage away
+  end type closed_type
+
 contains
 
   subroutine find_lines(record, lines, residual)
@@ -21,14 +27,15 @@ contains
     real(dp), intent(in) :: record(0:, :)      !! tip and midpoint, (N, points), not zero everywhere
     type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
-    integer, allocatable :: peak(:), closed(:)
+    integer, allocatable :: peak(:)
+    type(closed_type), allocatable :: closed(:)
     real(dp) :: size_now, size_before
     integer :: round
     allocate (lines(0), peak(0), closed(0))
     residual = residual_of(record, lines)
     size_before = huge(1.0_dp)
     do round = 1, max_rounds
-      peak = open_peaks(visible_peaks(residual), closed)
+      peak = open_peaks(visible_peaks(residual), lines, closed)
       if (round == 1 .and. size(peak) == 0) peak = [maxloc(strength(residual), dim=1) - 1]  ! lines in every bin
       size_now = maxval(abs(residual%windowed))
       if (size(peak) == 0 .and. size_now > 0.5_dp*size_before) exit
@@ -39,29 +46,41 @@ contains
     end do
   end subroutine find_lines
 
-  pure function open_peaks(peak, closed) result(open)
-    !! The peaks that are not where a further line has already failed to help.
-    integer, intent(in) :: peak(:), closed(:)
+  pure function open_peaks(peak, lines, closed) result(open)
+    !! The peaks that are not where a further line has already failed to help, among the same neighbours.
+    integer, intent(in) :: peak(:)
+    type(line_type), intent(in) :: lines(:)
+    type(closed_type), intent(in) :: closed(:)
     integer, allocatable :: open(:)
+    logical :: holds(size(closed))
     integer :: i
-    allocate (open, source=pack(peak, [(all(abs(closed - peak(i)) > beside), i=1, size(peak))]))
+    holds = closed%neighbours == [(neighbours(closed(i)%bin, lines), i=1, size(closed))]
+    allocate (open, source=pack(peak, [(all(abs(closed%bin - peak(i)) > beside .or. .not. holds), i=1, size(peak))]))
   end function open_peaks
+
+  pure integer function neighbours(bin, lines)
+    !! Lines that share bins with a group there.
+    integer, intent(in) :: bin
+    type(line_type), intent(in) :: lines(:)
+    neighbours = count(abs(line_position(lines) - bin) < 2*apart)
+  end function neighbours
 
   subroutine fit_groups(residual, peak, lines, closed)
     !! Fit each group of lines and new peaks; peaks that made no line are closed.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peak(:)
     type(line_type), allocatable, intent(inout) :: lines(:)
-    integer, allocatable, intent(inout) :: closed(:)
+    type(closed_type), allocatable, intent(inout) :: closed(:)
     type(line_type), allocatable :: fitted(:)
     type(group_type), allocatable :: group(:)
-    integer :: i, lines_before
+    integer :: i, j, lines_before
     allocate (group, source=line_groups(lines, peak))
     allocate (fitted(0))
     do i = 1, size(group)
       lines_before = size(group(i)%lines)
       call refit_group(residual, group(i), leakage(residual, group(i), peak))
-      if (size(group(i)%lines) <= lines_before) closed = [closed, group(i)%peaks]
+      if (size(group(i)%lines) <= lines_before) closed = &
+        & [closed, (closed_type(group(i)%peaks(j), neighbours(group(i)%peaks(j), lines)), j=1, size(group(i)%peaks))]
       fitted = [fitted, group(i)%lines]
     end do
     lines = fitted

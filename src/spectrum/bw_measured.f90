@@ -49,7 +49,7 @@ contains
     type(curve_type) :: curve
     integer, allocatable :: listed(:), folded(:)
     real(dp) :: record(size(tip), 2)
-    integer :: i
+    integer :: i, faint
     allocate (peaks(0))
     if (is_usable(tip, midpoint)) then
       record = reshape([tip, midpoint], shape(record))
@@ -57,6 +57,8 @@ contains
       call find_lines(record, lines, residual)
       peaks = peaks_of(lines, residual)
     end if
+    faint = count(.not. peaks%stands_out)
+    peaks = pack(peaks, peaks%stands_out)
     allocate (modes(size(peaks)))
     if (uniform) call number_modes(peaks, size(tip), modes, curve)
     allocate (listed, source=listed_peaks(peaks, modes, curve, max_peaks))
@@ -65,7 +67,7 @@ contains
       if (curve%support > 0 .and. modes(i)%number == 0) folded(i) = folded_mode(peaks(i), curve, size(tip))
     end do
     call fill(measured, peaks(listed), modes(listed), curve, duration, length)
-    measured%notes = measured_notes(peaks, modes, curve, uniform, listed, folded, size(tip), duration)
+    measured%notes = measured_notes(peaks, modes, curve, uniform, listed, folded, faint, size(tip), duration)
   end subroutine measure_waves
 
   pure logical function is_usable(tip, midpoint)

@@ -8,11 +8,12 @@ module bw_measured_notes
   private
   public :: measured_notes
 
+  integer, parameter :: most_listed = 10           !! frequencies in a note
   real(dp), parameter :: worth_a_note = 1.0e-6_dp  !! growth over the record
 
 contains
 
-  pure function measured_notes(peaks, modes, curve, uniform, listed, folded, samples, duration) result(notes)
+  pure function measured_notes(peaks, modes, curve, uniform, listed, folded, faint, samples, duration) result(notes)
     !! One note for each kind of thing found.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
@@ -20,6 +21,7 @@ contains
     logical, intent(in) :: uniform             !! modes were looked for
     integer, intent(in) :: listed(:)           !! peaks in the result
     integer, intent(in) :: folded(:)           !! modes that peaks are folded images of, 0: none
+    integer, intent(in) :: faint               !! groups left out because the residual or rounding explains them
     integer, intent(in) :: samples
     real(dp), intent(in) :: duration           !! s
     type(string), allocatable :: notes(:)
@@ -33,6 +35,8 @@ contains
       & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing, and any line may be folded')
     if (.not. all(peaks%located)) call append(notes, 'lines that could not be told apart, left out: '// &
       & frequencies(.not. peaks%located))
+    if (faint > 0) call append(notes, 'groups of lines that do not stand out of what the fit leaves, left out: '// &
+      & text_of(faint))
     if (any(stray)) call append(notes, 'lines that fit no mode, left out: '//frequencies(stray))
     if (any(peaks%members > 1 .and. peaks%located)) call append(notes, &
       & 'lines closer than 1/duration, each group taken as one: '//frequencies(peaks%members > 1 .and. peaks%located))
@@ -47,16 +51,18 @@ contains
   contains
 
     pure function frequencies(chosen) result(words)
-      !! `12.5, 80 Hz` of the chosen peaks.
+      !! `12.5, 80 Hz` of the chosen peaks, `and 7 more` after the first ten.
       logical, intent(in) :: chosen(:)
       character(:), allocatable :: words
-      type(string) :: frequency(size(chosen))
+      type(string), allocatable :: frequency(:)
       integer :: j
+      allocate (frequency(0))
       do j = 1, size(chosen)
-        frequency(j)%text = ''
-        if (chosen(j)) frequency(j)%text = shortest(peaks(j)%position/duration, 6)
+        if (chosen(j) .and. size(frequency) < most_listed) &
+          & call append(frequency, shortest(peaks(j)%position/duration, 6))
       end do
       words = list(frequency)//' Hz'
+      if (count(chosen) > size(frequency)) words = words//' and '//text_of(count(chosen) - size(frequency))//' more'
     end function frequencies
 
   end function measured_notes
@@ -82,14 +88,13 @@ contains
   end function ranges
 
   pure function list(items) result(words)
-    !! The items that are not empty, with commas.
+    !! The items, with commas.
     type(string), intent(in) :: items(:)
     character(:), allocatable :: words
     integer :: i
     words = ''
     do i = 1, size(items)
-      if (len(items(i)%text) == 0) cycle
-      if (len(words) > 0) words = words//', '
+      if (i > 1) words = words//', '
       words = words//items(i)%text
     end do
   end function list

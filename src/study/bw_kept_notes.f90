@@ -35,18 +35,18 @@ contains
     character(*), intent(in) :: path
     logical, intent(in) :: finished(:)     !! (cases)
     type(notes_type), intent(inout) :: notes
-    character(:), allocatable :: line
     integer(i8), allocatable :: indices(:)
     type(string), allocatable :: lines(:)
+    type(string) :: note(1)
     integer :: n
     call read_lines(path, lines, indices)
     call remove_file(path)
     do n = 1, size(lines)
       if (indices(n) < 1 .or. indices(n) > size(finished, kind=i8)) cycle
       if (.not. finished(indices(n))) cycle
-      line = lines(n)%text(scan(lines(n)%text, ' ') + 1:)
-      call notes%add(indices(n), [string(line)])
-      call keep_notes(path, indices(n), [string(line)])
+      note(1)%text = lines(n)%text(scan(lines(n)%text, ' ') + 1:)
+      call notes%add(indices(n), note)
+      call keep_notes(path, indices(n), note)
     end do
   end subroutine take_kept_notes
 
@@ -66,7 +66,7 @@ contains
       if (stat /= 0) exit
       read (line, *, iostat=number) index
       if (number /= 0) cycle
-      call append(lines, trim(line))
+      call append(lines, line(:len_trim(line)))
       indices = [indices, index]
     end do
     close (unit, iostat=stat)

@@ -112,7 +112,8 @@ contains
     logical, intent(in) :: overwrite
     type(error_type), allocatable, intent(out) :: error
     if (is_directory(outcome%file)) call fail(error, status_bad_file, outcome%file//': is a directory')
-    if (allocated(error) .or. .not. file_exists(outcome%file)) return
+    if (allocated(error)) return
+    if (.not. file_exists(outcome%file)) return
     outcome%was_there = holds_scene(outcome%file, scene)
     if (outcome%was_there .or. overwrite) return
     call fail(error, status_bad_file, outcome%file//': is there already, of another scene or version; '// &
