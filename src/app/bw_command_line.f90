@@ -177,7 +177,7 @@ contains
       '  beamwave check PATH ...       read and validate; say what would be simulated, how, and what it would take'//nl// &
       '  beamwave describe [GROUP]     every input name: type, unit, range, default, meaning'//nl// &
       '  beamwave --help | --version'//nl//nl// &
-      '  run takes'//nl// &
+      '  check takes --quiet; run takes'//nl// &
       '    --output DIR       where results go (output)'//nl// &
       '    --overwrite        replace results of other scenes or versions'//nl// &
       '    --quiet            print warnings and errors only'//nl// &

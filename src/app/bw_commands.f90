@@ -138,7 +138,10 @@ contains
     character(:), allocatable :: group, text
     type(error_type), allocatable :: error
     group = ''
-    if (size(command%words) == 1) group = command%words(1)%text
+    if (size(command%words) == 1) then
+      group = command%words(1)%text
+      if (index(group, '%') > 1) group = group(:index(group, '%') - 1)      ! group%name as in messages
+    end if
     text = describe_text(group, error)
     status = status_done
     if (allocated(error)) then

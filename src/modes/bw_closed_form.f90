@@ -2,9 +2,10 @@ module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
-  use bw_frequency_equation, only: root_type, root_values, solve_roots
+  use bw_frequency_equation, only: root_type
   use bw_mode_set, only: mode_set
   use bw_refined_root, only: refined_root
+  use bw_root_list, only: root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)

@@ -17,12 +17,11 @@ module bw_frequency_equation
   use bw_small_series, only: alternating_series
   implicit none (type, external)
   private
-  public :: solve_root, solve_roots, root_value, root_values, first_slope, light_equation, heavy_equation, is_light
+  public :: solve_root, root_value, first_slope, light_equation, heavy_equation, is_light
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: highest_mode = 100000000  !! the eighths of a turn of its root still fit an integer
   integer, parameter :: newton_steps = 30                 !! never needed: 3 to 5 are
-  integer, parameter :: far_steps = 2
 
   type, public :: root_type
     !! α_k = eighths·π/4 + rest
@@ -57,76 +56,11 @@ contains
     root_value = dd_pi*(0.25_dp*root%eighths) + root%rest
   end function root_value
 
-  pure function root_values(root) result(alpha)
-    !! `root_value` of a list, in vector registers.
-    type(root_type), intent(in) :: root(:)
-    type(dd) :: alpha(size(root))
-    alpha = dd_pi*(0.25_dp*root%eighths) + root%rest
-  end function root_values
-
   elemental logical function is_light(root)
     !! γα ≲ 1: the root, k ≥ 2, is anchored at (k − ½)π.
     type(root_type), intent(in) :: root
     is_light = mod(root%eighths, 4) == 2
   end function is_light
-
-  ! Many roots
-
-  pure function solve_roots(k, gamma) result(root)
-    !! `solve_root` of a list, in vector registers where the exponentials are below rounding.
-    integer, intent(in) :: k(:)      !! 1 … `highest_mode`, ascending
-    real(dp), intent(in) :: gamma
-    type(root_type) :: root(size(k))
-    integer :: near
-    near = count(k < first_far_mode(gamma))
-    root(:near) = solve_root(k(:near), gamma)
-    call solve_far_roots(k(near + 1:), gamma, root(near + 1:))
-  end function solve_roots
-
-  pure integer function first_far_mode(gamma) result(k)
-    !! From this mode on sech α and 1 − tanh α are below rounding of what they are added to: γα, where it is below 1,
-    !! and 1/(γα), where that is.
-    real(dp), intent(in) :: gamma
-    real(dp), parameter :: margin = log(16.0_dp/epsilon(1.0_dp))
-    real(dp) :: alpha, logarithm
-    do k = 2, 300      ! at 240 all there is to lose has underflowed
-      alpha = (k - 0.75_dp)*pi
-      logarithm = log(max(gamma, tiny(gamma))) + log(alpha)
-      if (alpha > margin - min(0.0_dp, logarithm) .and. 2.0_dp*alpha > margin + max(0.0_dp, logarithm)) return
-    end do
-  end function first_far_mode
-
-  pure subroutine solve_far_roots(k, gamma, root)
-    !! a sin δ + b cos δ = 0 with a = 1 + γα, b = γα at the anchor of a light mass, and a = 2 + u, b = −u, u = 1/(γα),
-    !! at that of a heavy one: the equations below without their exponentials. The derivative of sine and cosine is
-    !! as good as the function's own, so Newton's error falls from 3e-3 to 1e-7 and below rounding.
-    integer, intent(in) :: k(:)
-    real(dp), intent(in) :: gamma
-    type(root_type), intent(out) :: root(:)
-    real(dp), dimension(size(k)) :: anchor, delta, alpha, a, b, change, c, s
-    logical :: light(size(k))
-    integer :: i
-    light = gamma <= 1.0_dp/((k - 0.75_dp)*pi)
-    anchor = (k - merge(0.5_dp, 0.75_dp, light))*pi
-    delta = 0.0_dp
-    do i = 0, far_steps
-      alpha = anchor + delta
-      b = merge(alpha*min(gamma, 1.0_dp), -1.0_dp/alpha/max(gamma, tiny(gamma)), light)
-      a = merge(1.0_dp, 2.0_dp, light) + abs(b)
-      if (i == 0) then
-        delta = -b/(a + 0.32_dp*b**2/a)        ! arc tangent of up to ½, and α: to 3e-3
-        cycle
-      end if
-      change = b/alpha                         ! da/dα, and db/dα but for the sign
-      c = cos(delta)
-      s = sin(delta)
-      delta = delta - (a*s + b*c)/(a*c - b*s + change*s + merge(change, -change, light)*c)
-    end do
-    root%k = k
-    root%eighths = merge(4*k - 2, 4*k - 3, light)
-    root%rest = delta
-    root%gamma = gamma
-  end subroutine solve_far_roots
 
   ! The first root
 

@@ -9,7 +9,8 @@ module bw_shape
   !! **Source**: Eqs 7, 9, 18, 20, 21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, two_product
-  use bw_frequency_equation, only: is_light, root_type, root_values
+  use bw_frequency_equation, only: is_light, root_type
+  use bw_root_list, only: root_values
   use bw_small_series, only: alternating_series, growing_series
   implicit none (type, external)
   private

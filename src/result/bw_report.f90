@@ -4,7 +4,7 @@ module bw_report
   use bw_kinds, only: dp
   use bw_case_result, only: case_result
   use bw_event, only: event_words
-  use bw_missing, only: is_missing
+  use bw_missing, only: is_missing, missing
   use bw_result_values, only: named_value
   use bw_stopwatch, only: stage_words
   use bw_text, only: shortest, text_of
@@ -125,8 +125,8 @@ contains
   function case_heading() result(text)
     !! Heads the rows of `case_line`.
     character(:), allocatable :: text
-    text = '    case   mode 1: frequency  phase velocity  group velocity   swept'//new_line('a')// &
-           '                       rad/s             m/s             m/s'//new_line('a')
+    text = '    case   modes  mode 1: frequency  phase velocity  group velocity    displacement   swept'//new_line('a')// &
+           '                              rad/s             m/s             m/s   m, largest'//new_line('a')
   end function case_heading
 
   function case_line(case_number, swept, result) result(text)
@@ -135,17 +135,23 @@ contains
     character(*), intent(in) :: swept             !! 'name = value, …'
     type(case_result), intent(in) :: result
     character(:), allocatable :: text
-    real(dp) :: first(3)
-    real(dp), allocatable :: values(:)
-    values = named_value(result, 'angular_frequency')
-    first(1) = values(1)
-    values = named_value(result, 'phase_velocity')
-    first(2) = values(1)
-    values = named_value(result, 'group_velocity')
-    first(3) = values(1)
-    text = right(text_of(case_number), 8)//right(fixed(first(1)), 20)//right(fixed(first(2)), 16)// &
-      right(fixed(first(3)), 16)//'   '//swept//new_line('a')
+    real(dp) :: largest
+    largest = missing
+    if (allocated(result%response)) then
+      if (result%response%finite_samples > 0) &
+        largest = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
+    end if
+    text = right(text_of(case_number), 8)//right(text_of(result%mode_count), 8)// &
+      right(fixed(first_of(named_value(result, 'angular_frequency'))), 19)// &
+      right(fixed(first_of(named_value(result, 'phase_velocity'))), 16)// &
+      right(fixed(first_of(named_value(result, 'group_velocity'))), 16)//right(fixed(largest), 16)//'   '//swept// &
+      new_line('a')
   end function case_line
+
+  pure real(dp) function first_of(values)
+    real(dp), intent(in) :: values(:)
+    first_of = values(1)
+  end function first_of
 
   pure function notes_report(notes) result(text)
     !! The notes as they stand in the file, one to a line, indented and marked.
