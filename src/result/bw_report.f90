@@ -200,7 +200,7 @@ contains
     if (value == 0.0_dp) then
       text = '0'
     else if (abs(value) >= 1.0e-3_dp .and. abs(value) < 1.0e6_dp) then
-      write (buffer, '(f20.'//text_of(max(0, 6 - max(0, floor(log10(abs(value))))))//')') value
+      write (buffer, '(f20.'//text_of(max(0, 6 - floor(log10(abs(value)))))//')') value
       text = trim(adjustl(buffer))
     else
       write (buffer, '(es20.4e3)') value
