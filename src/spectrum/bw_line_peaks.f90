@@ -20,7 +20,7 @@ module bw_line_peaks
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
   real(dp), parameter :: resolution = 1        !! bins; closer lines are one
   real(dp), parameter :: unlocated = 2         !! bins; a peak with a larger error is none
-  real(dp), parameter :: clear = 10            !! times the residual or the rounding: no fit makes such a line of it
+  real(dp), parameter :: clear = 10            !! times the residual: no fit makes such a line of it
 
   type, public :: peak_type
     !! One peak; positions in periods in the record.
@@ -33,7 +33,7 @@ module bw_line_peaks
     integer :: members = 1                     !! lines that are one within the resolution; e^(gt) and e^(−gt) are one
     logical :: at_edge = .false.               !! one with its own mirror image at 0 or the Nyquist frequency
     logical :: located = .true.                !! .false.: something is there, but the fit does not say where
-    logical :: stands_out = .true.             !! .false.: the residual, or rounding of the strongest line, explains it
+    logical :: stands_out = .true.             !! .false.: what the fit leaves explains it
   end type peak_type
 
 contains
@@ -44,17 +44,13 @@ contains
     type(peak_type), allocatable :: peaks(:)
     type(group_type), allocatable :: group(:)
     logical :: explained
-    real(dp) :: rounding
     integer :: i
     allocate (peaks(0))
-    rounding = 0
-    if (size(lines) > 0) rounding = epsilon(1.0_dp)*maxval(abs([lines%amplitude(1), lines%amplitude(2)]))
     allocate (group, source=line_groups(lines, [integer ::]))
     do i = 1, size(group)
       call bound_errors(group(i), residual, explained)
       peaks = [peaks, merged(group(i), residual, explained)]
     end do
-    peaks%stands_out = peaks%stands_out .and. peaks%strength > clear*rounding
   end function peaks_of
 
   subroutine bound_errors(group, residual, explained)

@@ -2,7 +2,7 @@ module bw_line_search
   !! All lines of two histories: peaks are taken up the strongest first, lines that share bins are fitted together, and
   !! what is left of the record is searched again until nothing stands out.
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_type, sidelobe
+  use bw_line, only: line_position, line_row, line_type, sidelobe
   use bw_line_group, only: band_of, refit_group, group_type
   use bw_line_residual, only: residual_of, residual_type, strength, visible_peaks
   implicit none (type, external)
@@ -12,6 +12,7 @@ module bw_line_search
   integer, parameter :: max_rounds = 16
   integer, parameter :: most_lines = 200
   real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
+  real(dp), parameter :: faintest = 1.0e-12_dp !! of the strongest line; less is made of rounding
   integer, parameter :: beside = 3             !! bins; within the main lobe
 
   type :: closed_type
@@ -44,7 +45,32 @@ contains
       call fit_groups(residual, peak, lines, closed)
       residual = residual_of(record, lines)
     end do
+    call drop_rounding(record, lines, residual)
   end subroutine find_lines
+
+  subroutine drop_rounding(record, lines, residual)
+    !! Leave out the lines that are rounding of the strongest one, and let those beside them take their places back.
+    real(dp), intent(in) :: record(0:, :)
+    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(residual_type), intent(inout) :: residual
+    type(closed_type), allocatable :: closed(:)
+    real(dp) :: seen(size(lines))
+    allocate (closed(0))
+    seen = line_image(lines, residual%count)
+    if (all(seen > faintest*maxval(seen))) return
+    lines = pack(lines, seen > faintest*maxval(seen))
+    residual = residual_of(record, lines)
+    call fit_groups(residual, [integer ::], lines, closed)
+    residual = residual_of(record, lines)
+  end subroutine drop_rounding
+
+  elemental real(dp) function line_image(line, count)
+    !! The largest bin that a line alone makes: less than its amplitude where it is reached at an end of the record.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count               !! samples
+    line_image = sqrt(abs(line%amplitude(1))**2 + abs(line%amplitude(2))**2) &
+      & *abs(sum(line_row(line, count, line%bin, line%bin, 0.0_dp, .true.)))
+  end function line_image
 
   pure function open_peaks(peak, lines, closed) result(open)
     !! The peaks that are not where a further line has already failed to help, among the same neighbours.
