@@ -20,7 +20,7 @@ module bw_response
 
   real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
     !! of the largest number, less what the roundings of a logarithm may amount to
-  real(dp), parameter :: sum_tolerance = 2.0e-13_dp
+  real(dp), parameter, public :: sum_tolerance = 2.0e-13_dp
     !! of the sum of modes, over the peak: far below what their number leaves
 
   type, public :: response_type

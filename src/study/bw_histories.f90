@@ -10,9 +10,10 @@ module bw_histories
   use bw_modes_par, only: by_tolerance, shown_modes
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
-  use bw_response, only: response_type, add_motion, finish_histories, free_motion, start_histories
+  use bw_response, only: add_motion, finish_histories, free_motion, start_histories, sum_tolerance
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
+  use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation, only: tail_error, truncation_error, with_start
@@ -74,7 +75,7 @@ contains
     real(dp) :: speed
     speed = abs(result%approach_velocity)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
-      + rounding*maxval(abs(result%response%displacement), dim=1)
+      + sum_error(scene, grid, result)*maxval(abs(result%response%displacement))
     if (scene%response%velocity) result%response%velocity_error = &
       with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
                  result%approach_velocity*(1.0_dp + scene%impact%restitution))
@@ -96,6 +97,18 @@ contains
       end associate
     end function errors
   end subroutine estimate_errors
+
+  pure real(dp) function sum_error(scene, grid, result)
+    !! Of the sum itself, as a part of the largest value at any point.
+    type(scene_type), intent(in) :: scene
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    type(sum_choice) :: choice
+    integer :: histories
+    histories = size(scene%response%points)*merge(2, 1, scene%response%velocity)
+    choice = chosen_sum(result%mode_count, grid%samples, histories, sum_tolerance)
+    sum_error = merge(sum_tolerance, rounding, choice%transform)
+  end function sum_error
 
   subroutine sum_to_tolerance(scene, omega, grid, monitor, result)
     !! The continuum's modes, the first of them to learn the peak, then as many as the tolerance takes. Where 10⁷ do not
