@@ -86,6 +86,7 @@ inside() {
   mapfile -t environment < <(package_environment)
   unshare --mount --pid --fork --kill-child bash -c '
     mount -t proc proc "$0/proc" && mount -t tmpfs tmpfs "$0/dev/shm" &&
+    mkdir -p "$0/dev/pts" && mount -t devpts -o ptmxmode=666 devpts "$0/dev/pts" &&
     exec chroot "$0" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"' \
     "$root" "${environment[@]}" /bin/sh -c 'cd "$0" && exec "$@"' "$place" "$@" < /dev/null
 }
