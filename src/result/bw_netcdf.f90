@@ -1,6 +1,6 @@
 module bw_netcdf
   !! NetCDF calls with errors as values, and variables defined the way every result file wants them.
-  use bw_kinds, only: dp, i4
+  use bw_kinds, only: i4
   use bw_error, only: error_type, fail, status_bad_file
   use bw_missing, only: missing
   use netcdf, only: nf90_clobber, nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_get_att, nf90_global, &

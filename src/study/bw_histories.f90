@@ -7,7 +7,7 @@ module bw_histories
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_bad_input
   use bw_mode_choice, only: modes_for, most_modes
-  use bw_modes_par, only: by_tolerance, shown_modes
+  use bw_modes_par, only: by_tolerance
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
   use bw_response, only: add_motion, finish_histories, free_motion, start_histories, sum_tolerance
