@@ -1,11 +1,10 @@
 module bw_capture
   !! The mass stays at the tip: the velocities carry over into the modes of beam and mass (Eqs 22–26).
   use bw_kinds, only: dp
-  use bw_closed_form, only: closed_form_set
   use bw_double_double, only: accurate_sum
   use bw_event, only: event_type, capture_event
   use bw_impact, only: impact_type
-  use bw_overlap, only: overlap_of_beam, overlap_with_mass
+  use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
   public :: capture_mass
@@ -21,22 +20,22 @@ contains
   pure type(capture_type) function capture_mass(before, impact, after) result(capture)
     !! Eq. 26. With restitution e > 0 Eqs 22–26 give the mass the tip's velocity: the capture then adds the
     !! momentum m_j e V, and energy.
-    type(closed_form_set), intent(in) :: before  !! modes of the beam alone
+    class(mode_set), intent(in) :: before  !! modes of the beam alone
     type(impact_type), intent(in) :: impact      !! the state just after the impact
-    type(closed_form_set), intent(in) :: after   !! modes of beam and mass
+    class(mode_set), intent(in) :: after   !! modes of beam and mass
     real(dp), allocatable :: momentum(:)
-    momentum = overlap_with_mass(after, before, impact%modal_velocity)
+    momentum = after%overlap_with_mass(before, impact%modal_velocity)
     capture%modal_velocity = momentum/after%modal_mass
     capture%event = balance(before, impact, after, capture%modal_velocity)
   end function capture_mass
 
   pure type(event_type) function balance(before, impact, after, velocity) result(event)
     !! Kinetic energy, and the generalised momentum of the first mode after, ∫Φ̄_1v dξ + γΦ̄_1(1)v_j over Φ̄_1(1).
-    type(closed_form_set), intent(in) :: before, after
+    class(mode_set), intent(in) :: before, after
     type(impact_type), intent(in) :: impact
     real(dp), intent(in) :: velocity(:)
     real(dp) :: beam(after%count)
-    beam = overlap_of_beam(after, before, impact%modal_velocity)
+    beam = after%overlap_of_beam(before, impact%modal_velocity)
     event%kind = capture_event
     event%energy_before = impact%event%energy_after
     event%energy_after = 0.5_dp*accurate_sum(after%modal_mass*velocity**2)

@@ -2,22 +2,30 @@ module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
-  use bw_frequency_equation, only: root_type
-  use bw_mode_set, only: mode_set
+  use bw_frequency_equation, only: highest_mode, root_type
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: refined_root
   use bw_root_list, only: root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
-  public :: closed_form_modes, is_coarse, numbered_modes
+  public :: closed_form_modes, is_coarse, source_in_closed_form
 
   type, extends(mode_set), public :: closed_form_set
-    real(dp) :: gamma = 0.0_dp                     !! mass ratio γ
     type(shape_type), allocatable :: shape(:)      !! (n)
   contains
     procedure :: shapes => closed_form_shapes
+    procedure :: overlap_with_mass
+    procedure :: overlap_of_beam
   end type closed_form_set
+
+  type, extends(mode_source), public :: closed_form_source
+    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; absent: none
+  contains
+    procedure :: find => find_in_closed_form
+  end type closed_form_source
 
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
@@ -35,7 +43,7 @@ contains
     call set_modes([(k, k=1, count)], gamma, omega, longest, modes)
   end function closed_form_modes
 
-  pure type(closed_form_set) function numbered_modes(number, gamma, omega, longest) result(modes)
+  pure subroutine set_modes(number, gamma, omega, longest, modes)
     !! Modes of any numbers, in their order.
     integer, intent(in) :: number(:)       !! k ≥ 1, ascending
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
@@ -43,15 +51,6 @@ contains
       !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
-    call set_modes(number, gamma, omega, longest, modes)
-  end function numbered_modes
-
-  pure subroutine set_modes(number, gamma, omega, longest, modes)
-    !! `numbered_modes`, in place: the result of a function is copied.
-    integer, intent(in) :: number(:)
-    real(dp), intent(in) :: gamma
-    type(dd), intent(in), optional :: omega
-    real(dp), intent(in), optional :: longest
     type(closed_form_set), intent(out) :: modes
     integer :: first, n
     n = size(number)
@@ -128,5 +127,50 @@ contains
       end do
     end do
   end function closed_form_shapes
+
+  pure function overlap_with_mass(self, from, amplitude) result(sums)
+    class(closed_form_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(self%count)
+    select type (from)
+    class is (closed_form_set)
+      sums = overlap_with_tip_mass(self%shape, from%shape, amplitude)
+    class default
+      error stop 'bw_closed_form: modes found in different ways have no overlap'
+    end select
+  end function overlap_with_mass
+
+  pure function overlap_of_beam(self, from, amplitude) result(sums)
+    class(closed_form_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(self%count)
+    select type (from)
+    class is (closed_form_set)
+      sums = overlap_without_mass(self%shape, from%shape, amplitude)
+    class default
+      error stop 'bw_closed_form: modes found in different ways have no overlap'
+    end select
+  end function overlap_of_beam
+
+  pure type(closed_form_source) function source_in_closed_form(gamma, omega) result(source)
+    real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: none acts on the modes
+    source%gamma = gamma
+    source%highest = highest_mode
+    if (present(omega)) source%omega = omega
+  end function source_in_closed_form
+
+  subroutine find_in_closed_form(self, number, modes, longest)
+    class(closed_form_source), intent(in) :: self
+    integer, intent(in) :: number(:)
+    class(mode_set), allocatable, intent(out) :: modes
+    real(dp), intent(in), optional :: longest
+    type(closed_form_set), allocatable :: found
+    allocate (found)
+    call set_modes(number, self%gamma, self%omega, longest, found)
+    call move_alloc(found, modes)
+  end subroutine find_in_closed_form
 
 end module bw_closed_form

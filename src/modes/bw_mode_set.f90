@@ -1,5 +1,6 @@
 module bw_mode_set
-  !! A set of modes, whichever way they were found: what events, response and results ask of them.
+  !! A set of modes, whichever way they were found: what events, response and results ask of them. A `mode_source` finds
+  !! such sets by the numbers of their modes.
   !!
   !! Everything is without dimensions: lengths in l, times in l²/h, masses in the beam's mass m_i.
   use bw_kinds, only: dp
@@ -9,6 +10,7 @@ module bw_mode_set
 
   type, abstract, public :: mode_set
     integer :: count = 0                          !! number of modes n
+    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: tip(:)               !! Φ_k(1), (n)
@@ -18,7 +20,17 @@ module bw_mode_set
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
   contains
     procedure(shapes_interface), deferred :: shapes
+    procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
+    procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone
   end type mode_set
+
+  type, abstract, public :: mode_source
+    !! Modes of any number, of one beam with what its tip carries.
+    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ
+    integer :: highest = 0                        !! the highest mode number that can be found
+  contains
+    procedure(find_interface), deferred :: find
+  end type mode_source
 
   abstract interface
     pure function shapes_interface(self, xi) result(values)
@@ -29,6 +41,28 @@ module bw_mode_set
       real(dp), intent(in) :: xi(:)               !! 0 ≤ ξ ≤ 1, (points)
       real(dp) :: values(self%count, size(xi))    !! (modes, points)
     end function shapes_interface
+
+    pure function overlap_interface(self, from, amplitude) result(sums)
+      !! What these modes see of a motion Σ_i a_iφ_i written in others: the sums over i of the weighted integrals of
+      !! Φ_kφ_i, times a_i. Divided by the modal masses they are the motion's projection on these modes.
+      !! **Limits**: both sets were found in the same way, for the same beam.
+      import :: mode_set, dp
+      implicit none (type, external)
+      class(mode_set), intent(in) :: self
+      class(mode_set), intent(in) :: from         !! modes φ_i
+      real(dp), intent(in) :: amplitude(:)        !! a_i, (from%count)
+      real(dp) :: sums(self%count)
+    end function overlap_interface
+
+    subroutine find_interface(self, number, modes, longest)
+      import :: mode_set, mode_source, dp
+      implicit none (type, external)
+      class(mode_source), intent(in) :: self
+      integer, intent(in) :: number(:)            !! 1 ≤ k ≤ `highest`, ascending
+      class(mode_set), allocatable, intent(out) :: modes
+      real(dp), intent(in), optional :: longest
+        !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
+    end subroutine find_interface
   end interface
 
 end module bw_mode_set

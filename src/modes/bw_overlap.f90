@@ -1,68 +1,94 @@
 module bw_overlap
-  !! What one set of modes sees of a motion written in another: the sums of Eqs 23 and 26 without quadrature.
+  !! What one set of modes in closed form sees of a motion written in another: the sums of Eqs 23 and 26 without
+  !! quadrature.
   !!
   !! The two-shape identity of v'''' = α⁴v gives, for a loaded shape Φ̄_k and a free one φ_i,
   !! ∫Φ̄_kφ_i dξ = Φ̄_k'''(1)φ_i(1)/(ᾱ_k⁴ − α_i⁴), Φ̄_k'''(1) = −γᾱ_k⁴Φ̄_k(1); with the mass's own term γΦ̄_k(1)φ_i(1)
   !! the sum is γΦ̄_k(1)φ_i(1) α_i⁴/(α_i⁴ − ᾱ_k⁴).
   use bw_kinds, only: dp
-  use bw_closed_form, only: closed_form_set
   use bw_double_double, only: accurate_sum
   use bw_root_difference, only: fourth_power_difference
+  use bw_shape, only: shape_type
   implicit none (type, external)
   private
-  public :: overlap_of_beam, overlap_with_mass
+  public :: overlap_with_tip_mass, overlap_without_mass
 
   real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
 
-  pure function overlap_with_mass(loaded, free, amplitude) result(sums)
+  pure function overlap_with_tip_mass(loaded, free, amplitude) result(sums)
     !! Σ_i (∫Φ̄_kφ_i dξ + γΦ̄_k(1)φ_i(1)) a_i: Eq. 26 times M̄_k.
     !! **Errors**: within 1e-13 of the sum of the terms' magnitudes.
-    type(closed_form_set), intent(in) :: loaded   !! modes Φ̄_k with the mass
-    type(closed_form_set), intent(in) :: free     !! modes φ_i without it, γ = 0
-    real(dp), intent(in) :: amplitude(:)          !! a_i, (free%count)
-    real(dp) :: sums(loaded%count)
+    type(shape_type), intent(in) :: loaded(:)     !! modes Φ̄_k with the mass, from the first
+    type(shape_type), intent(in) :: free(:)       !! modes φ_i without it, γ = 0, from the first
+    real(dp), intent(in) :: amplitude(:)          !! a_i, (size(free))
+    real(dp) :: sums(size(loaded))
     sums = weighted_sums(loaded, free, amplitude*free%alpha**4, own=amplitude)
-  end function overlap_with_mass
+  end function overlap_with_tip_mass
 
-  pure function overlap_of_beam(loaded, free, amplitude) result(sums)
-    !! Σ_i ∫Φ̄_kφ_i dξ a_i: the beam's part alone.
-    type(closed_form_set), intent(in) :: loaded
-    type(closed_form_set), intent(in) :: free
-    real(dp), intent(in) :: amplitude(:)
-    real(dp) :: sums(loaded%count)
-    sums = loaded%alpha**4*weighted_sums(loaded, free, amplitude, own=amplitude/free%alpha**4)
-  end function overlap_of_beam
+  pure function overlap_without_mass(onto, from, amplitude) result(sums)
+    !! Σ_i ∫Φ_kφ_i dξ a_i: the beam's part alone.
+    type(shape_type), intent(in) :: onto(:)       !! modes Φ_k, from the first; these or the others are without mass
+    type(shape_type), intent(in) :: from(:)       !! modes φ_i, from the first
+    real(dp), intent(in) :: amplitude(:)          !! a_i, (size(from))
+    real(dp) :: sums(size(onto))
+    if (carries_mass(from)) then
+      sums = sums_over_loaded(onto, from, amplitude)
+    else
+      sums = onto%alpha**4*weighted_sums(onto, from, amplitude, own=amplitude/from%alpha**4)
+    end if
+  end function overlap_without_mass
+
+  pure logical function carries_mass(shape)
+    type(shape_type), intent(in) :: shape(:)
+    carries_mass = shape(1)%root%gamma > 0.0_dp
+  end function carries_mass
 
   pure function weighted_sums(loaded, free, weight, own) result(sums)
     !! γΦ̄_k(1) Σ_i φ_i(1) w_i/(α_i⁴ − ᾱ_k⁴); without a mass the limit is own_k, the term i = k alone.
-    type(closed_form_set), intent(in) :: loaded, free
+    type(shape_type), intent(in) :: loaded(:), free(:)
     real(dp), intent(in) :: weight(:), own(:)
-    real(dp) :: sums(loaded%count)
+    real(dp) :: sums(size(loaded))
     integer :: k, common
-    if (loaded%gamma == 0.0_dp) then
-      common = min(loaded%count, free%count)
+    if (.not. carries_mass(loaded)) then
+      common = min(size(loaded), size(free))
       sums = 0.0_dp
       sums(:common) = own(:common)
       return
     end if
-    do k = 1, loaded%count
-      sums(k) = loaded%shape(k)%tip_force/loaded%alpha(k) &
-        *accurate_sum(free%tip*weight/differences(loaded, free, k))
+    do k = 1, size(loaded)
+      sums(k) = loaded(k)%tip_force/loaded(k)%alpha*accurate_sum(free%tip*weight/differences(loaded, free, k))
     end do
   end function weighted_sums
 
+  pure function sums_over_loaded(free, loaded, amplitude) result(sums)
+    !! φ_i(1) Σ_k γΦ̄_k(1) ᾱ_k⁴ a_k/(α_i⁴ − ᾱ_k⁴).
+    type(shape_type), intent(in) :: free(:), loaded(:)
+    real(dp), intent(in) :: amplitude(:)          !! a_k, (size(loaded))
+    real(dp) :: sums(size(free)), gap(size(loaded))
+    integer :: i
+    do i = 1, size(free)
+      gap = far_difference(free(i), loaded)
+      if (i <= size(loaded)) gap(i) = fourth_power_difference(free(i)%root, loaded(i)%root)
+      sums(i) = free(i)%tip*accurate_sum(loaded%tip_force*loaded%alpha**3*amplitude/gap)
+    end do
+  end function sums_over_loaded
+
   pure function differences(loaded, free, k) result(values)
     !! α_i⁴ − ᾱ_k⁴ for all i.
-    type(closed_form_set), intent(in) :: loaded, free
+    type(shape_type), intent(in) :: loaded(:), free(:)
     integer, intent(in) :: k
-    real(dp) :: values(free%count)
-    associate (bar => loaded%shape(k)%root, alpha_bar => loaded%alpha(k), root => free%shape%root)
-      values = (0.25_dp*pi*(root%eighths - bar%eighths) + (root%rest - bar%rest)) &
-        *(free%alpha + alpha_bar)*(free%alpha**2 + alpha_bar**2)
-      if (k <= free%count) values(k) = fourth_power_difference(root(k), bar)
-    end associate
+    real(dp) :: values(size(free))
+    values = far_difference(free, loaded(k))
+    if (k <= size(free)) values(k) = fourth_power_difference(free(k)%root, loaded(k)%root)
   end function differences
+
+  elemental real(dp) function far_difference(free, loaded) result(value)
+    !! α_i⁴ − ᾱ_k⁴, i ≠ k.
+    type(shape_type), intent(in) :: free, loaded
+    value = (0.25_dp*pi*(free%root%eighths - loaded%root%eighths) + (free%root%rest - loaded%root%rest)) &
+      *(free%alpha + loaded%alpha)*(free%alpha**2 + loaded%alpha**2)
+  end function far_difference
 
 end module bw_overlap

@@ -1,7 +1,7 @@
 module bw_mode_choice
   !! How many modes of the continuum a tolerance takes.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd
+  use bw_mode_set, only: mode_source
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
@@ -12,24 +12,25 @@ module bw_mode_choice
 
 contains
 
-  pure subroutine modes_for(bound, fewest, gamma, force, omega, points, longest, samples, count, reached)
+  subroutine modes_for(bound, fewest, source, force, points, longest, samples, count, reached)
     !! The least number of modes, nearly, whose estimated truncation error is within a bound at every point.
     real(dp), intent(in) :: bound             !! of the displacement, in the unit of `force` times l²/h
     integer, intent(in) :: fewest             !! never less than this
-    real(dp), intent(in) :: gamma, force      !! mass ratio, and see `tail_error`
-    type(dd), intent(in), optional :: omega
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force             !! see `tail_error`
     real(dp), intent(in) :: points(:), longest
     integer, intent(in) :: samples
-    integer, intent(out) :: count             !! `most_modes` where more would be needed
+    integer, intent(out) :: count             !! `most_modes`, or all there are, where more would be needed
     real(dp), intent(out) :: reached          !! the estimate for `count` modes
-    integer :: enough, few, middle, i
+    integer :: enough, few, middle, most, i
+    most = min(most_modes, source%highest)
     few = fewest
     enough = fewest
     do
       reached = error_of(enough)
-      if (reached <= bound .or. enough == most_modes) exit
+      if (reached <= bound .or. enough == most) exit
       few = enough
-      enough = min(2*enough, most_modes)
+      enough = min(2*enough, most)
     end do
     do i = 1, halvings
       middle = (few + enough)/2
@@ -45,9 +46,9 @@ contains
 
   contains
 
-    pure real(dp) function error_of(n)
+    real(dp) function error_of(n)
       integer, intent(in) :: n
-      error_of = maxval(tail_error(n, gamma, force, omega, points, longest, samples, .false.))
+      error_of = maxval(tail_error(n, source, force, points, longest, samples, .false.))
     end function error_of
 
   end subroutine modes_for

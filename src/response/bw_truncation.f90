@@ -11,9 +11,8 @@ module bw_truncation
   !!
   !! **Empirical**: `safety`, and the sampling; test_bw_truncation shows what they are worth.
   use bw_kinds, only: dp
-  use bw_closed_form, only: closed_form_set, numbered_modes
   use bw_double_double, only: dd, sqrt, operator(-)
-  use bw_frequency_equation, only: highest_mode
+  use bw_mode_set, only: mode_set, mode_source
   implicit none (type, external)
   private
   public :: truncation_error, tail_error, with_start
@@ -31,12 +30,12 @@ module bw_truncation
 
 contains
 
-  pure function truncation_error(modes, lacking, force, omega, points, longest, samples, velocity) result(error)
+  function truncation_error(modes, lacking, source, force, points, longest, samples, velocity) result(error)
     !! Estimates of the largest error over the samples of a history, (points).
-    type(closed_form_set), intent(in) :: modes    !! the first n, that were summed
+    class(mode_set), intent(in) :: modes          !! the first n, that were summed
     real(dp), intent(in) :: lacking(:)            !! modal velocities less those of the continuum, (n)
+    class(mode_source), intent(in) :: source      !! of these modes and the others
     real(dp), intent(in) :: force                 !! the continuum's modal velocities are force·Φ_k(1)/M_k
-    type(dd), intent(in), optional :: omega       !! in-plane angular velocity in h/l²; absent: none
     real(dp), intent(in) :: points(:)             !! ξ, (points)
     real(dp), intent(in) :: longest               !! duration in l²/h
     integer, intent(in) :: samples                !! N
@@ -44,21 +43,21 @@ contains
     real(dp) :: error(size(points))
     type(deviation_type) :: sums(size(points))
     call add_modes(modes, lacking, points, longest, velocity, 1.0_dp, sums)
-    call add_tail(modes%count, modes%gamma, force, omega, points, longest, velocity, sums)
+    call add_tail(modes%count, source, force, points, longest, velocity, sums)
     error = largest(sums, samples)
   end function truncation_error
 
-  pure function tail_error(count, gamma, force, omega, points, longest, samples, velocity) result(error)
+  function tail_error(count, source, force, points, longest, samples, velocity) result(error)
     !! `truncation_error` where the first `count` modes are those of the continuum, (points).
     integer, intent(in) :: count
-    real(dp), intent(in) :: gamma, force
-    type(dd), intent(in), optional :: omega
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
     real(dp), intent(in) :: points(:), longest
     integer, intent(in) :: samples
     logical, intent(in) :: velocity
     real(dp) :: error(size(points))
     type(deviation_type) :: sums(size(points))
-    call add_tail(count, gamma, force, omega, points, longest, velocity, sums)
+    call add_tail(count, source, force, points, longest, velocity, sums)
     error = largest(sums, samples)
   end function tail_error
 
@@ -80,27 +79,27 @@ contains
                                safety*sqrt(0.5_dp*sums%square)*sqrt(2.0_dp*log(2.0_dp*max(2, samples))))
   end function largest
 
-  pure subroutine add_tail(count, gamma, force, omega, points, longest, velocity, sums)
+  subroutine add_tail(count, source, force, points, longest, velocity, sums)
     !! The continuum's modes from `count` + 1 on.
     integer, intent(in) :: count
-    real(dp), intent(in) :: gamma, force
-    type(dd), intent(in), optional :: omega
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
     real(dp), intent(in) :: points(:), longest
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums(:)
-    type(closed_form_set) :: modes
+    class(mode_set), allocatable :: modes
     type(deviation_type) :: before(size(points))
     integer :: first, last
-    if (gamma == 0.0_dp .or. force == 0.0_dp) return
+    if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
     first = count + 1
     do
-      last = min(2*max(first, run_length), highest_mode)
-      modes = numbered_modes(sampled(first, last), gamma, omega)
+      last = min(2*max(first, run_length), source%highest)
+      call source%find(sampled(first, last), modes)
       before = sums
       call add_modes(modes, force*modes%tip/modes%modal_mass, points, longest, velocity, &
                      real(last - first + 1, dp)/modes%count, sums)
-      if (last == highest_mode) exit
-      if (gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
+      if (last == source%highest) exit
+      if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
           (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit
       first = last + 1
     end do
@@ -121,7 +120,7 @@ contains
 
   pure subroutine add_modes(modes, rate, points, longest, velocity, weight, sums)
     !! Amplitudes of modes that start with velocity `rate`; each stands for `weight` modes.
-    type(closed_form_set), intent(in) :: modes
+    class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)               !! (modes)
     real(dp), intent(in) :: points(:), longest
     logical, intent(in) :: velocity

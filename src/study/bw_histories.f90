@@ -2,16 +2,14 @@ module bw_histories
   !! The histories of a case: from the modes that a scene counts, or from as many as its tolerance takes.
   use bw_kinds, only: dp
   use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
-  use bw_closed_form, only: closed_form_set, numbered_modes
   use bw_continuum, only: continuum_velocity
-  use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_bad_input
   use bw_mode_choice, only: modes_for, most_modes
+  use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
   use bw_response, only: add_motion, finish_histories, free_motion, start_histories, sum_tolerance
-  use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_text, only: shortest, text_of
@@ -28,11 +26,10 @@ module bw_histories
 
 contains
 
-  subroutine respond(scene, omega, loaded, monitor, result, whole)
+  subroutine respond(scene, source, monitor, result, whole)
     !! Histories from the state after the last event at t = 0, and how far they may be from those of infinitely many modes.
     type(scene_type), intent(in) :: scene
-    type(dd), intent(in), optional :: omega                  !! in-plane angular velocity in h/l²; absent: none
-    type(closed_form_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
+    class(mode_source), intent(in), optional :: source       !! modes of beam and mass; absent: the mass is not captured
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
     logical, intent(out) :: whole                            !! false where the monitor asked to stop before the end
@@ -42,7 +39,7 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     allocate (result%response)
     if (by_tolerance(scene%modes)) then
-      call sum_to_tolerance(scene, omega, grid, monitor, result)
+      call sum_to_tolerance(scene, source, grid, monitor, result)
     else
       call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
                        result%units%time%hi, scene%response%velocity, monitor, result%response)
@@ -51,8 +48,8 @@ contains
     if (.not. whole) return
     if (result%response%failing_mode > 0) then
       call note_overflow(scene, result)
-    else if (present(loaded) .and. result%status == case_done) then
-      call estimate_errors(scene, omega, loaded, grid, result)
+    else if (present(source) .and. result%status == case_done) then
+      call estimate_errors(scene, source, grid, result)
     end if
   end subroutine respond
 
@@ -65,11 +62,10 @@ contains
       ' s; the histories hold fill from there on')
   end subroutine note_overflow
 
-  subroutine estimate_errors(scene, omega, loaded, grid, result)
+  subroutine estimate_errors(scene, source, grid, result)
     !! `displacement_error` and `velocity_error`, SI.
     type(scene_type), intent(in) :: scene
-    type(dd), intent(in), optional :: omega
-    type(closed_form_set), intent(in) :: loaded
+    class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp) :: speed
@@ -88,11 +84,11 @@ contains
       associate (gamma => scene%impact%mass_ratio, points => scene%response%points)
         force = (1.0_dp + scene%impact%restitution)*gamma
         if (by_tolerance(scene%modes)) then
-          values = tail_error(result%mode_count, gamma, force, omega, points, longest, grid%samples, velocity)
+          values = tail_error(result%mode_count, source, force, points, longest, grid%samples, velocity)
         else
-          values = truncation_error(loaded, result%modal_velocity &
-                                    - continuum_velocity(loaded, gamma, scene%impact%restitution), &
-                                    force, omega, points, longest, grid%samples, velocity)
+          values = truncation_error(result%modes, result%modal_velocity &
+                                    - continuum_velocity(result%modes, gamma, scene%impact%restitution), &
+                                    source, force, points, longest, grid%samples, velocity)
         end if
       end associate
     end function errors
@@ -110,32 +106,32 @@ contains
     sum_error = merge(sum_tolerance, rounding, choice%transform)
   end function sum_error
 
-  subroutine sum_to_tolerance(scene, omega, grid, monitor, result)
+  subroutine sum_to_tolerance(scene, source, grid, monitor, result)
     !! The continuum's modes, the first of them to learn the peak, then as many as the tolerance takes. Where 10⁷ do not
     !! reach it the histories are fill.
     type(scene_type), intent(in) :: scene
-    type(dd), intent(in), optional :: omega
+    class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
     real(dp) :: reached
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
-    call add_continuum(scene, omega, 1, first_modes, grid, monitor, result)
-    call choose_count(scene, omega, grid, result, reached)
+    call add_continuum(scene, source, 1, first_modes, grid, monitor, result)
+    call choose_count(scene, source, grid, result, reached)
     if (reached > scene%modes%tolerance) then
       result%status = case_not_converged
       result%response%finite_samples = 0
       call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, reached)//'; the histories are fill')
     else
-      call add_continuum(scene, omega, first_modes + 1, result%mode_count, grid, monitor, result)
+      call add_continuum(scene, source, first_modes + 1, result%mode_count, grid, monitor, result)
     end if
     call finish_histories(result%units%time%hi, result%response)
   end subroutine sum_to_tolerance
 
-  subroutine choose_count(scene, omega, grid, result, reached)
+  subroutine choose_count(scene, source, grid, result, reached)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
-    type(dd), intent(in), optional :: omega
+    class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
@@ -147,11 +143,10 @@ contains
     peak = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
     if (peak == 0.0_dp) return
     peak = peak/scale
-    associate (gamma => scene%impact%mass_ratio, points => scene%response%points)
-      force = (1.0_dp + scene%impact%restitution)*gamma
-      peak = max(0.5_dp*peak, peak - maxval(tail_error(first_modes, gamma, force, omega, points, longest, &
-                                                       grid%samples, .false.)))
-      call modes_for(scene%modes%tolerance*peak, first_modes, gamma, force, omega, points, longest, grid%samples, &
+    associate (points => scene%response%points)
+      force = (1.0_dp + scene%impact%restitution)*scene%impact%mass_ratio
+      peak = max(0.5_dp*peak, peak - maxval(tail_error(first_modes, source, force, points, longest, grid%samples, .false.)))
+      call modes_for(scene%modes%tolerance*peak, first_modes, source, force, points, longest, grid%samples, &
                      result%mode_count, reached)
     end associate
     reached = reached/peak
@@ -165,46 +160,42 @@ contains
       shortest(1.05_dp*reached, 2)//' or more'
   end function out_of_reach
 
-  subroutine plan_count(scene, result, error)
+  subroutine plan_count(scene, source, result, error)
     !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
     !! **Errors**: `status_bad_input` where no more than 10⁷ modes would do.
     type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
-    type(case_result), intent(inout) :: result  !! its modes are known
+    class(mode_source), intent(in) :: source    !! modes of beam and mass
+    type(case_result), intent(inout) :: result
     type(error_type), allocatable, intent(out) :: error
-    type(dd), allocatable :: omega
     type(silent_monitor) :: monitor
     type(time_grid) :: grid
     real(dp) :: reached
     integer :: line
-    if (allocated(scene%rotation)) then
-      if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, result%units)
-    end if
     grid = time_grid_of(scene%response%duration, min(previewed, scene%response%samples), result%units%time)
     allocate (result%response)
     call start_histories(grid, size(scene%response%points), .false., result%response)
-    call add_continuum(scene, omega, 1, first_modes, grid, monitor, result)
-    call choose_count(scene, omega, grid, result, reached)
+    call add_continuum(scene, source, 1, first_modes, grid, monitor, result)
+    call choose_count(scene, source, grid, result, reached)
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
               out_of_reach(scene%modes%tolerance, reached))
   end subroutine plan_count
 
-  subroutine add_continuum(scene, omega, first, last, grid, monitor, result)
+  subroutine add_continuum(scene, source, first, last, grid, monitor, result)
     !! Modes `first` … `last`, a batch at a time.
     type(scene_type), intent(in) :: scene
-    type(dd), intent(in), optional :: omega
+    class(mode_source), intent(in) :: source
     integer, intent(in) :: first, last
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout), target :: monitor
     type(case_result), intent(inout) :: result
-    type(closed_form_set) :: modes
+    class(mode_set), allocatable :: modes
     type(part_monitor) :: part
     integer :: k, i
     do k = first, last, batch
       part = part_monitor(monitor, real(k - 1, dp)/last, real(min(batch, last - k + 1), dp)/last)
-      modes = numbered_modes([(i, i=k, min(k + batch - 1, last))], scene%impact%mass_ratio, omega, &
-                             grid%samples*grid%step%hi)
+      call source%find([(i, i=k, min(k + batch - 1, last))], modes, grid%samples*grid%step%hi)
       call add_motion(modes, continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution) &
                       *(result%approach_velocity*result%units%time%hi), scene%response%points, grid, &
                       result%units%time%hi, part, result%response)

@@ -4,19 +4,17 @@ module bw_one_case
   use bw_amplitude_spectrum, only: amplitude_spectrum
   use bw_beam_units, only: units_of
   use bw_capture, only: capture_type, capture_mass
+  use bw_case_modes, only: find_modes
   use bw_case_result, only: case_result, add_note, case_done
-  use bw_closed_form, only: closed_form_set, closed_form_modes
   use bw_continuum, only: continuum_capture, continuum_impact, continuum_velocity
-  use bw_double_double, only: dd
   use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_histories, only: plan_count, respond
   use bw_impact, only: strike
-  use bw_modes_par, only: by_tolerance
   use bw_measured, only: measure_waves
+  use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_result_layout, only: result_layout
-  use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
   use bw_text, only: shortest, text_of
@@ -34,18 +32,18 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was summed
-    type(closed_form_set), allocatable :: free, loaded
-    type(dd), allocatable :: omega
+    class(mode_set), allocatable :: free, loaded
+    class(mode_source), allocatable :: source     ! of beam and mass
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, omega, free, loaded)
+    call find_modes(scene, result, free, loaded, source)
     call note_growth(result)
     result%mode_count = result%modes%count
     call watch%lap(stage_modes)
     call apply_events(scene, free, loaded, result)
     call watch%lap(stage_events)
-    call respond(scene, omega, loaded, monitor, result, whole)
+    call respond(scene, source, monitor, result, whole)
     if (.not. whole) return
     call watch%lap(stage_response)
     call take_spectrum(scene, layout, result)
@@ -59,42 +57,14 @@ contains
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
-    type(closed_form_set), allocatable :: free, loaded
-    type(dd), allocatable :: omega
+    class(mode_set), allocatable :: free, loaded
+    class(mode_source), allocatable :: source     ! of beam and mass
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, omega, free, loaded)
+    call find_modes(scene, result, free, loaded, source)
     result%approach_velocity = scene%impact%approach_velocity
-    call plan_count(scene, result, error)
+    call plan_count(scene, source, result, error)
     count = result%mode_count
   end subroutine plan_case
-
-  subroutine find_modes(scene, result, omega, free, loaded)
-    !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force. Where a
-    !! tolerance says how many are summed, there are none before the capture, and the first few stand for those after it.
-    type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result
-    type(dd), allocatable, intent(out) :: omega    !! absent: the beam does not rotate in the plane of its motion
-    type(closed_form_set), allocatable, intent(out) :: free, loaded
-    real(dp), allocatable :: longest               ! absent: no history is asked for
-    result%can_grow = .true.
-    if (allocated(scene%rotation)) then
-      result%can_grow = acts_in_plane(scene%rotation)
-      if (result%can_grow) omega = dimensionless_speed(scene%rotation, result%units)
-      if (.not. result%can_grow) call add_note(result, &
-        'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
-    end if
-    if (allocated(scene%response)) longest = scene%response%duration/result%units%time%hi
-    if (allocated(scene%capture)) then
-      loaded = closed_form_modes(scene%modes%after, scene%impact%mass_ratio, omega, longest)
-      result%modes = loaded
-      if (by_tolerance(scene%modes)) return
-      free = closed_form_modes(scene%modes%before, 0.0_dp, omega)
-      result%before = free
-    else
-      free = closed_form_modes(scene%modes%before, 0.0_dp, omega, longest)
-      result%modes = free
-    end if
-  end subroutine find_modes
 
   subroutine note_growth(result)
     !! Which modes grow.
@@ -110,7 +80,7 @@ contains
   subroutine apply_events(scene, free, loaded, result)
     !! The impact, and the capture if the mass stays.
     type(scene_type), intent(in) :: scene
-    type(closed_form_set), intent(in), optional :: free, loaded
+    class(mode_set), intent(in), optional :: free, loaded
     type(case_result), intent(inout) :: result
     type(capture_type) :: capture
     if (.not. allocated(scene%impact)) return
@@ -138,7 +108,7 @@ contains
   subroutine set_velocity_jump(scene, free, result)
     !! Fig. 3; of infinitely many modes only the tip jumps.
     type(scene_type), intent(in) :: scene
-    type(closed_form_set), intent(in), optional :: free
+    class(mode_set), intent(in), optional :: free
     type(case_result), intent(inout) :: result
     real(dp) :: profile(scene%impact%profile_points)
     integer :: j

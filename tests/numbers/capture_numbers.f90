@@ -4,7 +4,6 @@ module capture_numbers
   use bw_capture, only: capture_mass, capture_type
   use bw_closed_form, only: closed_form_modes, closed_form_set
   use bw_impact, only: strike
-  use bw_overlap, only: overlap_of_beam
   use number_table, only: table_type
   use reference_table, only: column
   implicit none (type, external)
@@ -29,7 +28,7 @@ contains
       free = closed_form_modes(nint(i(row)), 0.0_dp)
       last_alone = 0*free%alpha
       last_alone(free%count) = 1
-      sums = overlap_of_beam(loaded, free, last_alone)
+      sums = loaded%overlap_of_beam(free, last_alone)
       call table%note(real(abs(sums(loaded%count)/integral(row) - 1), dp))
     end do
   end subroutine measure_integrals
