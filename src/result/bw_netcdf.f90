@@ -3,11 +3,12 @@ module bw_netcdf
   use bw_kinds, only: i4
   use bw_error, only: error_type, fail, status_bad_file
   use bw_missing, only: missing
+  use bw_text, only: joined
   use netcdf, only: nf90_clobber, nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_get_att, nf90_global, &
     nf90_inquire_attribute, nf90_netcdf4, nf90_noerr, nf90_put_att, nf90_strerror
   implicit none (type, external)
   private
-  public :: check, create_file, define_variable, text_attribute
+  public :: check, create_file, define_variable, put_words, text_attribute
 
   integer(i4), parameter, public :: unwritten = nf90_fill_int   !! what an integer reads as before it is written
 
@@ -54,6 +55,19 @@ contains
     call check(nf90_put_att(file, variable, 'units', units), path, error)
     call check(nf90_put_att(file, variable, 'long_name', trim(long_name)), path, error)
   end subroutine define_variable
+
+  subroutine put_words(file, path, variable, words, first, error)
+    !! CF's flags: words for the numbers first, first + 1, …
+    integer, intent(in) :: file
+    character(*), intent(in) :: path
+    integer, intent(in) :: variable
+    character(*), intent(in) :: words(:)
+    integer, intent(in) :: first
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    call check(nf90_put_att(file, variable, 'flag_values', [(int(i, i4), i=first, first + size(words) - 1)]), path, error)
+    call check(nf90_put_att(file, variable, 'flag_meanings', joined(words)), path, error)
+  end subroutine put_words
 
   function text_attribute(file, name) result(text)
     !! A global attribute; empty where it is not there.

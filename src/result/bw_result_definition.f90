@@ -1,14 +1,12 @@
 module bw_result_definition
   !! The dimensions and variables of a result file that are filled case by case.
-  use bw_kinds, only: i4
   use bw_case_result, only: case_words
   use bw_error, only: error_type
   use bw_event, only: event_words
-  use bw_netcdf, only: check, define_variable
+  use bw_netcdf, only: check, define_variable, put_words
   use bw_result_layout, only: result_layout, dimension_length, has_dimension
   use bw_result_table, only: variable_row
   use bw_stopwatch, only: stage_count
-  use bw_text, only: joined
   use netcdf, only: nf90_def_dim, nf90_double, nf90_inq_dimid, nf90_int, nf90_put_att
   implicit none (type, external)
   private
@@ -84,10 +82,10 @@ contains
       call define(file, 'peak_count', '', nf90_int, '1', 'number of measured peaks', variable, error)
     end if
     call define(file, 'case_status', '', nf90_int, '1', 'how the case ended', variable, error)
-    call put_flags(file, variable, case_words, 0, error)
+    call put_words(file%id, file%path, variable, case_words, 0, error)
     if (.not. has_dimension(file%layout, 'event')) return
     call define(file, 'event_kind', 'event', nf90_int, '1', 'kind of the event', variable, error)
-    call put_flags(file, variable, event_words, 1, error)
+    call put_words(file%id, file%path, variable, event_words, 1, error)
   end subroutine define_numbers
 
   subroutine define(file, name, dimensions, kind, units, long_name, variable, error)
@@ -129,18 +127,5 @@ contains
     integer :: status
     status = nf90_inq_dimid(file%id, name, id)
   end function dimension_of
-
-  subroutine put_flags(file, variable, words, first, error)
-    !! CF's flags: words for the numbers first, first + 1, …
-    type(open_file), intent(in) :: file
-    integer, intent(in) :: variable
-    character(*), intent(in) :: words(:)
-    integer, intent(in) :: first
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: i
-    call check(nf90_put_att(file%id, variable, 'flag_values', [(int(i, i4), i=first, first + size(words) - 1)]), &
-               file%path, error)
-    call check(nf90_put_att(file%id, variable, 'flag_meanings', joined(words)), file%path, error)
-  end subroutine put_flags
 
 end module bw_result_definition

@@ -3,13 +3,12 @@ module bw_result_header
   use bw_kinds, only: dp, i4, i8
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
-  use bw_netcdf, only: check, define_variable, text_attribute
+  use bw_netcdf, only: check, define_variable, put_words, text_attribute
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: input_in_case, numeric_input, numeric_inputs, resolved_text
   use bw_stopwatch, only: stage_count, stage_words
-  use bw_text, only: joined
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
   use netcdf, only: nf90_close, nf90_double, nf90_global, nf90_inq_dimid, nf90_int, nf90_noerr, nf90_nowrite, nf90_open, &
@@ -26,31 +25,39 @@ contains
     text = 'beamwave '//program_version//' ('//program_commit//')'
   end function source_text
 
-  logical function holds_scene(path, scene) result(same)
+  logical function holds_scene(path, scene, study) result(same)
     !! Whether a file is the result, finished or not, of the same resolved scene by the same version.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
+    character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
     integer :: id, status
     status = nf90_open(path, nf90_nowrite, id)
     same = status == nf90_noerr
     if (.not. same) return
     same = text_attribute(id, 'scene') == resolved_text(scene)
     if (same) same = text_attribute(id, 'source') == source_text()
+    if (same .and. present(study)) same = text_attribute(id, 'study') == study
+    if (same .and. .not. present(study)) same = text_attribute(id, 'study') == ''
     status = nf90_close(id)
   end function holds_scene
 
-  subroutine put_global_attributes(file, path, scene, error)
+  subroutine put_global_attributes(file, path, scene, error, study)
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
     integer(i4), parameter :: format_version = 1
+    character(:), allocatable :: command
+    command = 'run'
+    if (present(study)) command = study
     call put('Conventions', 'CF-1.11')
     call check(nf90_put_att(file, nf90_global, 'format_version', format_version), path, error)
     call put('title', scene%header%title)
     call put('source', source_text())
     call put('created', time_stamp())
-    call put('history', time_stamp()//': beamwave run '//scene%file)
+    call put('history', time_stamp()//': beamwave '//command//' '//scene%file)
+    if (present(study)) call put('study', study)
     call put('scene', resolved_text(scene))
     call put('effects', effects_text(scene))
     call put('method', 'closed form')
@@ -133,8 +140,7 @@ contains
     if (allocated(error)) return
     call define_variable(file, path, 'stage', nf90_int, [dimension], '1', 'stage of the work', variable, error)
     if (allocated(error)) return
-    call check(nf90_put_att(file, variable, 'flag_values', [(int(i, i4), i=1, stage_count)]), path, error)
-    call check(nf90_put_att(file, variable, 'flag_meanings', joined(stage_words)), path, error)
+    call put_words(file, path, variable, stage_words, 1, error)
     call check(nf90_put_var(file, variable, [(i, i=1, stage_count)]), path, error)
   end subroutine put_stages
 

@@ -5,10 +5,11 @@ module bw_run_scene
   use bw_netcdf, only: unwritten
   use bw_case_result, only: case_result, case_done
   use bw_error, only: error_type, fail, status_bad_file, status_done, status_not_trusted, status_stopped
+  use bw_existing_result, only: look_at_existing
   use bw_notes, only: notes_type
   use bw_modes_par, only: by_tolerance
   use bw_one_case, only: plan_case, run_case
-  use bw_posix, only: file_exists, is_directory, lock_file, make_directory, remove_directory, remove_file, rename_file, &
+  use bw_posix, only: file_exists, lock_file, make_directory, remove_directory, remove_file, rename_file, &
     unlock_file
   use bw_progress, only: progress_type
   use bw_report, only: case_heading, case_line, case_report, notes_report, stage_report
@@ -66,7 +67,7 @@ contains
     type(run_state) :: state
     state%partial = directory//'/'//scene%name//'.partial'
     outcome%file = directory//'/'//scene%name//'.nc'
-    call look_at_existing(scene, outcome, overwrite, error)
+    call look_at_existing(outcome%file, scene, overwrite, outcome%was_there, error)
     if (allocated(error) .or. outcome%was_there) return
     state%layout = layout_of(scene)
     call refuse_out_of_reach(scene, error)
@@ -104,21 +105,6 @@ contains
     if (stat /= 0) call fail(error, status_bad_file, scene%file//': memory was refused: a case takes about '// &
                              bytes_text(working_bytes(layout)))
   end subroutine ask_for_memory
-
-  subroutine look_at_existing(scene, outcome, overwrite, error)
-    !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
-    type(scene_type), intent(in) :: scene
-    type(outcome_type), intent(inout) :: outcome
-    logical, intent(in) :: overwrite
-    type(error_type), allocatable, intent(out) :: error
-    if (is_directory(outcome%file)) call fail(error, status_bad_file, outcome%file//': is a directory')
-    if (allocated(error)) return
-    if (.not. file_exists(outcome%file)) return
-    outcome%was_there = holds_scene(outcome%file, scene)
-    if (outcome%was_there .or. overwrite) return
-    call fail(error, status_bad_file, outcome%file//': is there already, of another scene or version; '// &
-              '--overwrite replaces it')
-  end subroutine look_at_existing
 
   subroutine open_partial(scene, state, error)
     !! Go on with unfinished work of the same scene and version; anything else that lies there is discarded, unless
