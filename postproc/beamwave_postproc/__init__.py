@@ -1,9 +1,11 @@
 """Pictures of what a beamwave result holds: functions from xarray datasets to matplotlib figures."""
 
+from .film import save_film
 from .history import displacement, velocity
 from .jump import velocity_jump
 from .kinds import KINDS, pictures
 from .measured import measured
+from .motion import motion
 from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
 from .spectrum import spectrum
 from .sweep_map import sweep_map
@@ -17,9 +19,11 @@ __all__ = [
     "displacement",
     "group_velocity",
     "measured",
+    "motion",
     "open_result",
     "phase_velocity",
     "pictures",
+    "save_film",
     "spectrum",
     "sweep_map",
     "swept_inputs",

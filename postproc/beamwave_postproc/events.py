@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
 from .style import GREY
+
+
+class Event(NamedTuple):
+    """One event: begin and end (s; the same for what takes no time), kind in words, impulse on the tip (N s)."""
+
+    time: float
+    end: float
+    kind: str
+    impulse: float
 
 
 def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> None:
@@ -33,16 +44,26 @@ def _kinds_by_time(cases: list[xr.Dataset]) -> dict[float, list[str]]:
     """Names of the kinds of event at each instant, over all `cases`; empty without events."""
     found: dict[float, list[str]] = {}
     for case in cases:
-        if "event_time" not in case or "event_kind" not in case:
-            continue
-        meanings = _meanings(case["event_kind"])
-        for time, kind in zip(case["event_time"].values, case["event_kind"].values):
-            if np.isfinite(time) and np.isfinite(kind):
-                kinds = found.setdefault(float(time), [])
-                name = meanings.get(int(kind), f"event {int(kind)}")
-                if name not in kinds:
-                    kinds.append(name)
+        for event in events_of(case):
+            kinds = found.setdefault(event.time, [])
+            if event.kind not in kinds:
+                kinds.append(event.kind)
     return found
+
+
+def events_of(case: xr.Dataset) -> list[Event]:
+    """Return the events of one case in the order of the file; an event without an end in the record ends never."""
+    if "event_time" not in case or "event_kind" not in case:
+        return []
+    meanings = _meanings(case["event_kind"])
+    times, kinds = case["event_time"].values, case["event_kind"].values
+    ends = case["event_end"].fillna(np.inf).values if "event_end" in case else times
+    impulses = case["event_impulse"].fillna(0.0).values if "event_impulse" in case else np.zeros(times.size)
+    return [
+        Event(float(time), float(end), meanings.get(int(kind), f"event {int(kind)}"), float(impulse))
+        for time, end, kind, impulse in zip(times, ends, kinds, impulses)
+        if np.isfinite(time) and np.isfinite(kind)
+    ]
 
 
 def _meanings(kind: xr.DataArray) -> dict[int, str]:

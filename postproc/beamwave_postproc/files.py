@@ -1,4 +1,4 @@
-"""From result files to PNG files, one failure at a time."""
+"""From result files to PNG and GIF files, one failure at a time."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from typing import Callable
 import xarray as xr
 from matplotlib.figure import Figure
 
+from .film import save_film
+from .motion import motion
 from .result import NotAResult, NothingToDraw, open_result
 
 EXIT_DONE, EXIT_USAGE, EXIT_FILE = 0, 2, 3
@@ -26,11 +28,33 @@ def save(fig: Figure, path: Path) -> None:
 
 def draw_file(source: Path, draw: Callable[[xr.Dataset], dict[Path, Figure]]) -> bool:
     """Draw one result, naming what was written on standard output and failures on standard error."""
+
+    def write(ds: xr.Dataset) -> None:
+        for path, fig in draw(ds).items():
+            save(fig, path)
+            print(path)
+
+    return _read(source, write)
+
+
+def film_file(source: Path, path: Path) -> bool:
+    """Film one result as GIF, with remarks on standard error on what the film cannot show."""
+
+    def write(ds: xr.Dataset) -> None:
+        shown = motion(ds)
+        for remark in shown.remarks:
+            print(f"{source}: film: {remark}", file=sys.stderr)
+        save_film(shown, path)
+        print(path)
+
+    return _read(source, write)
+
+
+def _read(source: Path, write: Callable[[xr.Dataset], None]) -> bool:
+    """Open `source` and `write` what is drawn of it; whether that went well."""
     try:
         with open_result(source) as ds:
-            for path, fig in draw(ds).items():
-                save(fig, path)
-                print(path)
+            write(ds)
     except NotAResult as problem:
         print(problem, file=sys.stderr)
     except (NothingToDraw, OSError, RuntimeError) as problem:  # netCDF4 says RuntimeError of damaged data
