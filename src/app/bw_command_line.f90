@@ -176,7 +176,8 @@ contains
       '  beamwave run PATH ...         run scenes; a directory stands for its *.nml'//nl// &
       '  beamwave check PATH ...       read and validate; say what would be simulated, how, and what it would take'//nl// &
       '  beamwave describe [GROUP]     every input name: type, unit, range, default, meaning'//nl// &
-      '  beamwave --help | --version'//nl//nl// &
+      '  beamwave --help | --version'//nl// &
+      '  mpirun -n N beamwave-mpi run PATH ...   shares the cases of sweeps among N processes; the same words'//nl//nl// &
       '  check takes --quiet; run takes'//nl// &
       '    --output DIR       where results go (output)'//nl// &
       '    --overwrite        replace results of other scenes or versions'//nl// &

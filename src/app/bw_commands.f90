@@ -2,13 +2,15 @@ module bw_commands
   !! The commands of the program. Each returns an exit status.
   use bw_command_line, only: command_type
   use bw_console, only: print_error, print_report, print_warning
+  use bw_crew, only: crew_type
   use bw_error, only: error_type, status_done, status_stopped
   use bw_kinds, only: dp
   use bw_modes_par, only: by_tolerance
   use bw_one_case, only: plan_case
   use bw_posix, only: is_terminal, standard_error, standard_output
   use bw_result_layout, only: result_layout, layout_of
-  use bw_run_scene, only: outcome_type, run_scene
+  use bw_outcome, only: outcome_type
+  use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
   use bw_scene_describe, only: describe_text
   use bw_scene_files, only: read_scenes
@@ -22,41 +24,47 @@ module bw_commands
 
 contains
 
-  integer function run_command(command) result(status)
-    !! Run every good scene; the status is the highest of any.
+  integer function run_command(command, crew) result(status)
+    !! Run every good scene; the status is the highest of any. Called by all processes; only the leader speaks.
     type(command_type), intent(in) :: command
+    class(crew_type), intent(inout) :: crew
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
     real(dp) :: deadline
-    integer :: i, count
+    integer :: i, count, stop
     deadline = huge(1.0_dp)
     if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
-    progress = terminal_progress_to(deadline, command%quiet)
-    call read_and_list(command, scenes, count, status)
+    progress = terminal_progress_to(deadline, command%quiet .or. .not. crew%leads())
+    call read_and_list(command, crew%leads(), scenes, count, status)
     do i = 1, count
-      if (progress%stop_requested()) then
-        call print_warning('beamwave: stopped before '//scenes(i)%file//'; the same command goes on from there')
+      stop = merge(1, 0, progress%stop_requested())
+      call crew%agree(stop)
+      if (stop == 1) then
+        if (crew%leads()) call print_warning('beamwave: stopped before '//scenes(i)%file// &
+                                             '; the same command goes on from there')
         status = max(status, status_stopped)
         return
       end if
-      status = max(status, run_one(command, scenes(i), progress))
+      status = max(status, run_one(command, scenes(i), crew, progress))
     end do
   end function run_command
 
-  integer function run_one(command, scene, progress) result(status)
+  integer function run_one(command, scene, crew, progress) result(status)
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
+    class(crew_type), intent(inout) :: crew
     type(terminal_progress), intent(inout) :: progress
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
     logical :: seen                                !! the report has shown the warnings to the same eyes
-    call run_scene(scene, command%output, command%overwrite, progress, outcome, error)
+    call run_scene(scene, command%output, command%overwrite, crew, progress, outcome, error)
+    status = outcome%status
+    if (.not. crew%leads()) return
     if (allocated(error)) then
       call print_error(error)
       status = error%status
       return
     end if
-    status = outcome%status
     if (outcome%was_there) then
       if (.not. command%quiet) call print_report(outcome%file//': nothing to do, the result of this scene is there')
       return
@@ -94,7 +102,7 @@ contains
     type(error_type), allocatable :: error
     character(:), allocatable :: planned
     integer :: i, count
-    call read_and_list(command, scenes, count, status)
+    call read_and_list(command, .true., scenes, count, status)
     do i = 1, count
       layout = layout_of(scenes(i))
       call plan_tolerance(scenes(i), planned, error)
@@ -119,9 +127,10 @@ contains
     text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')
   end subroutine plan_tolerance
 
-  subroutine read_and_list(command, scenes, count, status)
+  subroutine read_and_list(command, aloud, scenes, count, status)
     !! Read all scenes and print what is wrong with the bad ones.
     type(command_type), intent(in) :: command
+    logical, intent(in) :: aloud                   !! print it
     type(scene_type), allocatable, intent(out) :: scenes(:)
     integer, intent(out) :: count                  !! how many of `scenes` are good
     integer, intent(out) :: status                 !! the highest of the errors'
@@ -129,7 +138,7 @@ contains
     integer :: i
     call read_scenes(command%words, scenes, count, messages, status)
     do i = 1, size(messages)
-      call print_warning(messages(i)%text)
+      if (aloud) call print_warning(messages(i)%text)
     end do
   end subroutine read_and_list
 

@@ -27,7 +27,7 @@ module bw_terminal_progress
     logical :: bar_stands = .false.                   !! a bar is on the screen
   contains
     procedure :: begin
-    procedure :: case_done
+    procedure :: cases_done
     procedure :: end => end_scene
     procedure :: advance
     procedure :: stop_requested
@@ -55,11 +55,12 @@ contains
     self%shown = self%started
   end subroutine begin
 
-  subroutine case_done(self)
+  subroutine cases_done(self, count)
     class(terminal_progress), intent(inout) :: self
-    self%done = self%done + 1
+    integer(i8), intent(in) :: count
+    self%done = self%done + count
     call self%advance(0.0_dp)
-  end subroutine case_done
+  end subroutine cases_done
 
   subroutine advance(self, fraction)
     class(terminal_progress), intent(inout) :: self

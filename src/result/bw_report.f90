@@ -5,7 +5,7 @@ module bw_report
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, right, seconds_text
   use bw_event, only: event_words
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: is_missing
   use bw_result_values, only: named_value
   use bw_stopwatch, only: stage_words
   use bw_text, only: shortest, text_of
@@ -130,29 +130,17 @@ contains
            '                              rad/s             m/s             m/s   m, largest'//new_line('a')
   end function case_heading
 
-  function case_line(case_number, swept, result) result(text)
+  function case_line(case_number, swept, modes, numbers) result(text)
     !! One line of a sweep.
     integer, intent(in) :: case_number
     character(*), intent(in) :: swept             !! 'name = value, …'
-    type(case_result), intent(in) :: result
+    integer, intent(in) :: modes                  !! how many were summed
+    real(dp), intent(in) :: numbers(4)            !! of the columns that follow; fill where there is none
     character(:), allocatable :: text
-    real(dp) :: largest
-    largest = missing
-    if (allocated(result%response)) then
-      if (result%response%finite_samples > 0) &
-        largest = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
-    end if
-    text = right(text_of(case_number), 8)//right(text_of(result%mode_count), 8)// &
-      right(fixed(first_of(named_value(result, 'angular_frequency'))), 19)// &
-      right(fixed(first_of(named_value(result, 'phase_velocity'))), 16)// &
-      right(fixed(first_of(named_value(result, 'group_velocity'))), 16)//right(fixed(largest), 16)//'   '//swept// &
+    text = right(text_of(case_number), 8)//right(text_of(modes), 8)//right(fixed(numbers(1)), 19)// &
+      right(fixed(numbers(2)), 16)//right(fixed(numbers(3)), 16)//right(fixed(numbers(4)), 16)//'   '//swept// &
       new_line('a')
   end function case_line
-
-  pure real(dp) function first_of(values)
-    real(dp), intent(in) :: values(:)
-    first_of = values(1)
-  end function first_of
 
   pure function notes_report(notes) result(text)
     !! The notes as they stand in the file, one to a line, indented and marked.

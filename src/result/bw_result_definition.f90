@@ -5,7 +5,7 @@ module bw_result_definition
   use bw_event, only: event_words
   use bw_netcdf, only: check, define_variable, put_words
   use bw_result_layout, only: result_layout, dimension_length, has_dimension
-  use bw_result_table, only: variable_row
+  use bw_result_table, only: is_held, variable_row, variable_table
   use bw_stopwatch, only: stage_count
   use netcdf, only: nf90_def_dim, nf90_double, nf90_inq_dimid, nf90_int, nf90_put_att
   implicit none (type, external)
@@ -36,13 +36,15 @@ contains
     call check(nf90_def_dim(file%id, 'stage', stage_count, dimension), file%path, error)
   end subroutine define_dimensions
 
-  subroutine define_variables(file, rows, error)
+  subroutine define_variables(file, error)
     type(open_file), intent(in) :: file
-    type(variable_row), intent(in) :: rows(:)     !! of the table of variables, those that this result holds
     type(error_type), allocatable, intent(inout) :: error
+    type(variable_row), allocatable :: table(:)
     integer :: i, variable
-    do i = 1, size(rows)
-      associate (row => rows(i))
+    table = variable_table()
+    do i = 1, size(table)
+      if (.not. is_held(file%layout, table(i))) cycle
+      associate (row => table(i))
         call define(file, trim(row%name), trim(row%dimensions), nf90_double, trim(row%units), row%long_name, variable, error)
         if (row%references /= '') then
           call check(nf90_put_att(file%id, variable, 'references', trim(row%references)), file%path, error)

@@ -1,27 +1,25 @@
 module bw_result_file
-  !! The result of a scene: one NetCDF-4 file, made once, filled case by case.
+  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once, by blocks of cases.
   use bw_kinds, only: dp, i4, i8
+  use bw_case_fields, only: case_field, case_length, fields_of, put_field
   use bw_case_result, only: case_result
   use bw_error, only: error_type
-  use bw_netcdf, only: check, create_file, unwritten
+  use bw_netcdf, only: check, create_file
   use bw_result_definition, only: define_dimensions, define_variables, open_file
   use bw_result_header, only: put_global_attributes, put_coordinates, put_inputs, swept_names
-  use bw_result_layout, only: result_layout, has_dimension
-  use bw_result_table, only: variable_row, variable_table, is_held
-  use bw_result_values, only: value_of
+  use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use netcdf, only: nf90_close, nf90_get_var, nf90_global, nf90_inq_varid, nf90_open, nf90_put_att, nf90_put_var, &
-    nf90_sync, nf90_write
+  use netcdf, only: nf90_close, nf90_global, nf90_inq_varid, nf90_nofill, nf90_put_att, nf90_put_var, nf90_set_fill
   implicit none (type, external)
   private
-  public :: create_result, reopen_result
+  public :: create_result
 
   type, extends(open_file), public :: result_file
-    type(variable_row), allocatable, private :: rows(:)    !! the table's rows that this result holds
+    type(case_field), allocatable, private :: fields(:)   !! what depends on the case
+    integer, allocatable, private :: variables(:)         !! NetCDF's numbers of them
   contains
     procedure :: put_case
-    procedure :: case_states
-    procedure :: save
+    procedure :: put_cases
     procedure :: finish
     procedure :: close => close_file
   end type result_file
@@ -35,146 +33,86 @@ contains
     type(result_layout), intent(in) :: layout
     type(result_file), intent(out) :: file
     type(error_type), allocatable, intent(out) :: error
-    call start_from(path, scene, layout, file)
-    call create_file(path, file%id, error)
-    if (allocated(error)) return
-    call put_global_attributes(file%id, path, scene, error)
-    call define_dimensions(file%open_file, error)
-    call define_variables(file%open_file, file%rows, error)
-    call put_coordinates(file%id, path, scene, layout, error)
-    call put_inputs(file%id, path, scene, error)
-    call check(nf90_sync(file%id), path, error)      ! a killed run leaves all of this, or no file to go on with
-    if (allocated(error)) call file%close()
-  end subroutine create_result
-
-  subroutine reopen_result(path, scene, layout, file, error)
-    !! An unfinished file of the same scene and version, to go on with.
-    character(*), intent(in) :: path
-    type(scene_type), intent(in) :: scene
-    type(result_layout), intent(in) :: layout
-    type(result_file), intent(out) :: file
-    type(error_type), allocatable, intent(out) :: error
-    call start_from(path, scene, layout, file)
-    call check(nf90_open(path, nf90_write, file%id), path, error)
-  end subroutine reopen_result
-
-  subroutine start_from(path, scene, layout, file)
-    character(*), intent(in) :: path
-    type(scene_type), intent(in) :: scene
-    type(result_layout), intent(in) :: layout
-    type(result_file), intent(inout) :: file
-    integer :: i
+    integer :: former
     file%path = path
     file%layout = layout
     file%swept = swept_names(scene)
-    associate (table => variable_table())
-      file%rows = pack(table, [(is_held(layout, table(i)), i=1, size(table))])
-    end associate
-  end subroutine start_from
+    file%fields = fields_of(layout)
+    call create_file(path, file%id, error)
+    if (allocated(error)) return
+    call check(nf90_set_fill(file%id, nf90_nofill, former), path, error)    ! no array is written twice
+    call put_global_attributes(file%id, path, scene, error)
+    call define_dimensions(file%open_file, error)
+    call define_variables(file%open_file, error)
+    call put_coordinates(file%id, path, scene, layout, error)
+    call put_inputs(file%id, path, scene, error)
+    call find_variables(file, error)
+    if (allocated(error)) call file%close()
+  end subroutine create_result
 
-  subroutine put_case(self, index, result, error)
-    !! Write one case; its `case_status` comes last and says that it is there.
-    class(result_file), intent(inout) :: self
-    integer(i8), intent(in) :: index          !! from 1
+  subroutine find_variables(file, error)
+    !! NetCDF's numbers, asked for once.
+    type(result_file), intent(inout) :: file
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    if (allocated(error)) return
+    allocate (file%variables(size(file%fields)))
+    do i = 1, size(file%fields)
+      call check(nf90_inq_varid(file%id, trim(file%fields(i)%name), file%variables(i)), file%path, error)
+    end do
+  end subroutine find_variables
+
+  subroutine put_case(self, result, error)
+    !! The only case of a scene without sweeps, a variable at a time.
+    class(result_file), intent(in) :: self
     type(case_result), intent(in) :: result
     type(error_type), allocatable, intent(out) :: error
+    real(dp), allocatable :: numbers(:)
     integer :: i
-    do i = 1, size(self%rows)
-      call put_vector(self, index, trim(self%rows(i)%name), value_of(result, self%rows(i)), &
-                      self%rows(i)%dimensions /= '', error)
+    do i = 1, size(self%fields)
+      allocate (numbers(self%fields(i)%length))
+      call put_field(result, self%fields(i), numbers)
+      call put_variable(self, i, 1_i8, 1, numbers, error)
+      deallocate (numbers)
     end do
-    if (allocated(result%response)) call put_histories(self, index, result, error)
-    if (allocated(result%events)) call put_integers(self, index, 'event_kind', result%events%kind, .true., error)
-    if (has_dimension(self%layout, 'peak')) then
-      call put_integers(self, index, 'peak_count', [result%measured%peak_count], .false., error)
-    end if
-    call put_integers(self, index, 'mode_count', [result%mode_count], .false., error)
-    call put_integers(self, index, 'case_status', [result%status], .false., error)
   end subroutine put_case
 
-  subroutine put_histories(self, index, result, error)
+  subroutine put_cases(self, first, numbers, error)
+    !! Consecutive cases of a sweep.
     class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: index
-    type(case_result), intent(in) :: result
-    type(error_type), allocatable, intent(inout) :: error
-    call put_matrix(self, index, 'displacement', result%response%displacement, error)
-    if (allocated(result%response%velocity)) call put_matrix(self, index, 'velocity', result%response%velocity, error)
-    if (allocated(result%amplitude)) call put_matrix(self, index, 'amplitude', result%amplitude, error)
-  end subroutine put_histories
-
-  subroutine put_vector(self, index, name, values, is_array, error)
-    !! What is shorter than its dimension leaves the rest unwritten, which reads as fill.
-    class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: index
-    character(*), intent(in) :: name
-    real(dp), intent(in) :: values(:)
-    logical, intent(in) :: is_array           !! the variable has a dimension of its own
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: variable, start(2), counts(2)
-    if (size(values) == 0 .or. allocated(error)) return
-    call check(nf90_inq_varid(self%id, name, variable), self%path, error)
-    call place(self, index, size(values), is_array, start, counts)
-    call check(nf90_put_var(self%id, variable, values, start, counts), self%path, error)
-  end subroutine put_vector
-
-  subroutine put_integers(self, index, name, values, is_array, error)
-    class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: index
-    character(*), intent(in) :: name
-    integer, intent(in) :: values(:)
-    logical, intent(in) :: is_array
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: variable, start(2), counts(2)
-    if (allocated(error)) return
-    call check(nf90_inq_varid(self%id, name, variable), self%path, error)
-    call place(self, index, size(values), is_array, start, counts)
-    call check(nf90_put_var(self%id, variable, values, start, counts), self%path, error)
-  end subroutine put_integers
-
-  subroutine put_matrix(self, index, name, values, error)
-    class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: index
-    character(*), intent(in) :: name
-    real(dp), intent(in) :: values(:, :)      !! fastest dimension first
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: variable
-    if (allocated(error)) return
-    call check(nf90_inq_varid(self%id, name, variable), self%path, error)
-    call check(nf90_put_var(self%id, variable, values, [1, 1, int(index)], [shape(values), 1]), self%path, error)
-  end subroutine put_matrix
-
-  pure subroutine place(self, index, length, is_array, start, counts)
-    !! Where a case's values stand: NetCDF reads as many entries as the variable has dimensions.
-    class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: index
-    integer, intent(in) :: length
-    logical, intent(in) :: is_array
-    integer, intent(out) :: start(2), counts(2)
-    start = [1, int(index)]
-    counts = [length, 1]
-    if (is_array) return
-    start(1) = int(index)
-    counts(1) = 1
-    if (.not. has_dimension(self%layout, 'case')) start(1) = 1
-  end subroutine place
-
-  subroutine case_states(self, status, error)
-    !! `case_status` of every case; `unwritten` where the file does not hold it yet.
-    class(result_file), intent(in) :: self
-    integer(i4), allocatable, intent(out) :: status(:)    !! (cases), at least (1)
+    integer(i8), intent(in) :: first                      !! number of the first of them
+    real(dp), intent(in), contiguous :: numbers(:, :)     !! (case_length, cases)
     type(error_type), allocatable, intent(out) :: error
-    integer :: variable
-    allocate (status(max(1, self%layout%cases)), source=unwritten)
-    call check(nf90_inq_varid(self%id, 'case_status', variable), self%path, error)
-    if (.not. allocated(error)) call check(nf90_get_var(self%id, variable, status), self%path, error)
-  end subroutine case_states
+    integer :: i
+    do i = 1, size(self%fields)
+      associate (field => self%fields(i))
+        call put_variable(self, i, first, size(numbers, 2), &
+                          numbers(field%first:field%first + field%length - 1, :), error)
+      end associate
+    end do
+  end subroutine put_cases
 
-  subroutine save(self, error)
-    !! Bring what was put so far to the disk.
+  subroutine put_variable(self, i, first, cases, numbers, error)
     class(result_file), intent(in) :: self
-    type(error_type), allocatable, intent(out) :: error
-    call check(nf90_sync(self%id), self%path, error)
-  end subroutine save
+    integer, intent(in) :: i                              !! which field
+    integer(i8), intent(in) :: first                      !! number of the first case
+    integer, intent(in) :: cases                          !! how many
+    real(dp), intent(in) :: numbers(self%fields(i)%length*cases)
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: start(3), counts(3)                        ! NetCDF reads as many as the variable has dimensions
+    if (allocated(error)) return
+    associate (field => self%fields(i))
+      start = 1
+      counts = [field%lengths, 1]
+      start(field%rank + 1) = int(first)
+      counts(field%rank + 1) = cases
+      if (field%is_integer) then
+        call check(nf90_put_var(self%id, self%variables(i), int(numbers, i4), start, counts), self%path, error)
+      else
+        call check(nf90_put_var(self%id, self%variables(i), numbers, start, counts), self%path, error)
+      end if
+    end associate
+  end subroutine put_variable
 
   subroutine finish(self, notes, seconds, error)
     !! The notes and stage times, then close.
@@ -190,7 +128,7 @@ contains
   end subroutine finish
 
   subroutine close_file(self)
-    !! Close without a word: after an error, or where the work is left for later.
+    !! Close without a word, after an error.
     class(result_file), intent(inout) :: self
     integer :: ignored
     ignored = nf90_close(self%id)

@@ -8,7 +8,7 @@ module bw_progress
   type, abstract, extends(monitor_type), public :: progress_type
   contains
     procedure(begin_interface), deferred :: begin
-    procedure(case_interface), deferred :: case_done
+    procedure(cases_interface), deferred :: cases_done
     procedure(end_interface), deferred :: end
   end type progress_type
 
@@ -22,11 +22,12 @@ module bw_progress
       integer(i8), intent(in) :: finished       !! how many an earlier run had finished
     end subroutine begin_interface
 
-    subroutine case_interface(self)
-      import :: progress_type
+    subroutine cases_interface(self, count)
+      import :: progress_type, i8
       implicit none (type, external)
       class(progress_type), intent(inout) :: self
-    end subroutine case_interface
+      integer(i8), intent(in) :: count          !! cases that have been finished since the last call
+    end subroutine cases_interface
 
     subroutine end_interface(self)
       import :: progress_type

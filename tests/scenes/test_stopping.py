@@ -9,6 +9,7 @@ from workplace import SECONDS, captured_beam
 
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 300}
 LONG = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 8.0, "samples": 2048})
+FIRST_JOURNAL = "output/a.partial/000001.cases"
 STATUS = 4  # the fastest cases, which come first, overflow
 
 
@@ -41,7 +42,7 @@ def wait_for(path):
 def send(here, number, seconds, *words):
     """Run, send a signal so long after the work began, and wait for the end."""
     running = here.start("run", "a.nml", *words)
-    wait_for(here.directory / "output/a.partial/result.nc")
+    wait_for(here.directory / FIRST_JOURNAL)
     time.sleep(seconds)
     running.send_signal(number)
     out, err = running.communicate(timeout=SECONDS)
@@ -55,7 +56,7 @@ def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupte
     status, _, err = send(here, number, seconds / 4)
     assert status == 5, err
     assert "of 300 cases saved; the same command goes on from there" in err
-    assert "a.partial/result.nc" in here.left() and "a.nc" not in here.left()
+    assert "a.partial/000001.cases" in here.left() and "a.nc" not in here.left()
     resumed = here.beamwave("run", "a.nml")
     assert resumed.returncode == STATUS
     assert "taken over from an earlier run" in resumed.stdout
@@ -106,12 +107,12 @@ def test_what_a_killed_run_leaves_never_blocks(here, uninterrupted, part):
     whole, seconds = uninterrupted
     here.scene("a", LONG, SPEEDS)
     assert send(here, signal.SIGKILL, part * seconds)[0] == -signal.SIGKILL
-    assert "a.partial/result.nc" in here.left() and "a.nc" not in here.left()
+    assert "a.partial/000001.cases" in here.left() and "a.nc" not in here.left()
     assert results.differences(here.run("a", status=STATUS), whole) == []
 
 
 def test_what_a_killed_run_had_saved_is_right(here):
-    many = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 2500}  # a save each 1000
+    many = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 2500}
     here.scene("a", captured_beam(modes={"before": 5, "after": 5}), many)
     whole, seconds = timed(here)
     assert send(here, signal.SIGKILL, 0.6 * seconds)[0] == -signal.SIGKILL

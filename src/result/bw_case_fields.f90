@@ -1,0 +1,158 @@
+module bw_case_fields
+  !! What the result file holds of a case, as one list of fields, and a case's numbers in that order: each field as long as
+  !! its dimensions say, with fill where the case has less. All cases of a scene have the same length.
+  use bw_kinds, only: dp, i8
+  use bw_case_result, only: case_result
+  use bw_missing, only: missing
+  use bw_netcdf, only: unwritten
+  use bw_result_layout, only: dimension_length, has_dimension, result_layout
+  use bw_result_table, only: is_held, variable_row, variable_table
+  use bw_result_values, only: value_of
+  implicit none (type, external)
+  private
+  public :: fields_of, case_length, put_field, put_all_fields
+
+  type, public :: case_field
+    !! A variable that depends on the case.
+    character(32) :: name = ''
+    integer :: lengths(2) = 1          !! of its own dimensions, fastest first
+    integer :: rank = 0                !! how many dimensions it has besides `case`
+    logical :: is_integer = .false.
+    integer(i8) :: first = 1           !! where its numbers begin among those of the case
+    integer(i8) :: length = 1          !! how many it has
+    type(variable_row) :: row          !! of the table of variables; its name is empty for histories and integers
+  end type case_field
+
+contains
+
+  pure function fields_of(layout) result(fields)
+    !! All that a result of this layout holds; `case_status` is the last.
+    type(result_layout), intent(in) :: layout
+    type(case_field), allocatable :: fields(:)
+    type(variable_row), allocatable :: table(:)
+    integer :: i
+    allocate (fields(0))
+    table = variable_table()
+    do i = 1, size(table)
+      if (is_held(layout, table(i))) call add_row(layout, table(i), fields)
+    end do
+    if (has_dimension(layout, 'time')) then
+      call add(layout, fields, 'displacement', 'time', 'point')
+      if (layout%velocity) call add(layout, fields, 'velocity', 'time', 'point')
+    end if
+    if (has_dimension(layout, 'frequency')) call add(layout, fields, 'amplitude', 'frequency', 'point')
+    if (has_dimension(layout, 'event')) call add_integer(layout, fields, 'event_kind', 'event')
+    if (has_dimension(layout, 'peak')) call add_integer(layout, fields, 'peak_count')
+    call add_integer(layout, fields, 'mode_count')
+    call add_integer(layout, fields, 'case_status')
+  end function fields_of
+
+  pure subroutine add_row(layout, row, fields)
+    !! A variable of the table.
+    type(result_layout), intent(in) :: layout
+    type(variable_row), intent(in) :: row
+    type(case_field), allocatable, intent(inout) :: fields(:)
+    if (row%dimensions == '') then
+      call add(layout, fields, row%name)
+    else
+      call add(layout, fields, row%name, trim(row%dimensions))
+    end if
+    fields(size(fields))%row = row
+  end subroutine add_row
+
+  pure subroutine add_integer(layout, fields, name, dimension)
+    type(result_layout), intent(in) :: layout
+    type(case_field), allocatable, intent(inout) :: fields(:)
+    character(*), intent(in) :: name
+    character(*), intent(in), optional :: dimension
+    call add(layout, fields, name, dimension)
+    fields(size(fields))%is_integer = .true.
+  end subroutine add_integer
+
+  pure subroutine add(layout, fields, name, fastest, slowest)
+    !! One more field, behind the others.
+    type(result_layout), intent(in) :: layout
+    type(case_field), allocatable, intent(inout) :: fields(:)
+    character(*), intent(in) :: name
+    character(*), intent(in), optional :: fastest, slowest      !! names of its dimensions
+    type(case_field) :: field
+    field%name = name
+    if (present(fastest)) then
+      field%rank = 1
+      field%lengths(1) = dimension_length(layout, fastest)
+    end if
+    if (present(slowest)) then
+      field%rank = 2
+      field%lengths(2) = dimension_length(layout, slowest)
+    end if
+    field%first = case_length(fields) + 1
+    field%length = product(int(field%lengths, i8))
+    fields = [fields, field]
+  end subroutine add
+
+  pure integer(i8) function case_length(fields)
+    !! How many numbers a case has.
+    type(case_field), intent(in) :: fields(:)
+    case_length = 0
+    if (size(fields) > 0) case_length = fields(size(fields))%first + fields(size(fields))%length - 1
+  end function case_length
+
+  pure subroutine put_all_fields(result, fields, numbers)
+    !! A case as numbers.
+    type(case_result), intent(in) :: result
+    type(case_field), intent(in) :: fields(:)
+    real(dp), intent(out) :: numbers(:)                   !! (case_length)
+    integer :: i
+    do i = 1, size(fields)
+      associate (field => fields(i))
+        call put_field(result, field, numbers(field%first:field%first + field%length - 1))
+      end associate
+    end do
+  end subroutine put_all_fields
+
+  pure subroutine put_field(result, field, numbers)
+    !! A case's numbers of one field; integers as reals, which hold them exactly.
+    type(case_result), intent(in) :: result
+    type(case_field), intent(in) :: field
+    real(dp), intent(out), contiguous :: numbers(:)       !! (field%length)
+    if (field%row%name /= '') then
+      call copy(value_of(result, field%row), missing, numbers)
+    else
+      select case (field%name)
+      case ('displacement'); call copy_matrix(result%response%displacement, numbers)
+      case ('velocity'); call copy_matrix(result%response%velocity, numbers)
+      case ('amplitude'); call copy_matrix(result%amplitude, numbers)
+      case ('event_kind'); call copy(real(result%events%kind, dp), real(unwritten, dp), numbers)
+      case ('peak_count'); numbers = result%measured%peak_count
+      case ('mode_count'); numbers = result%mode_count
+      case default; numbers = result%status
+      end select
+    end if
+  end subroutine put_field
+
+  pure subroutine copy(values, fill, numbers)
+    !! Values, and fill behind them.
+    real(dp), intent(in) :: values(:), fill
+    real(dp), intent(out) :: numbers(:)
+    integer :: n
+    n = min(size(values), size(numbers))
+    numbers(:n) = values(:n)
+    numbers(n + 1:) = fill
+  end subroutine copy
+
+  pure subroutine copy_matrix(values, numbers)
+    !! A history or spectrum; fill where there is none.
+    real(dp), intent(in), optional :: values(:, :)        !! fastest dimension first; absent: not finished
+    real(dp), intent(out), contiguous :: numbers(:)
+    integer :: j, n
+    if (.not. present(values)) then
+      numbers = missing
+      return
+    end if
+    n = size(values, 1)
+    do j = 1, size(values, 2)
+      numbers((j - 1)*n + 1:j*n) = values(:, j)
+    end do
+  end subroutine copy_matrix
+
+end module bw_case_fields

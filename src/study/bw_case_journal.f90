@@ -1,0 +1,188 @@
+module bw_case_journal
+  !! Finished cases of a sweep, kept until all are done: one record a case, written at once and whole, so that it outlives
+  !! the process, however that ends. A journal is written by one process and never changed afterwards; only its last
+  !! record can be torn. The first record holds no case but the text of the work that the journal belongs to.
+  use bw_kinds, only: dp, i8
+  use bw_posix, only: close_descriptor, new_file, write_words
+  use bw_text, only: append, string
+  implicit none (type, external)
+  private
+
+  integer(i8), parameter :: mark = 7311138210646680930_i8   !! 'beamwave' as a word: how every record begins
+  integer, parameter :: header_length = 5                   !! mark, case, numbers, length of the notes, parity
+  integer, parameter :: word = 8                            !! bytes
+
+  type, public :: journal_writer
+    private
+    integer :: descriptor = -1
+    integer(i8), allocatable :: record(:)                   !! kept from case to case
+  contains
+    procedure :: open => open_writer
+    procedure :: put
+    procedure :: close => close_writer
+  end type journal_writer
+
+  type, public :: journal_reader
+    private
+    integer :: unit = -1
+    integer(i8) :: position = 1                             !! of the next record, bytes
+    integer(i8) :: size = 0                                 !! of the file, bytes
+    integer(i8) :: header(header_length) = 0                !! of the record at hand
+  contains
+    procedure :: open => open_reader
+    procedure :: next
+    procedure :: take
+    procedure :: close => close_reader
+  end type journal_reader
+
+contains
+
+  logical function open_writer(self, path, work) result(done)
+    !! Begin a journal. What is there under this name is lost.
+    class(journal_writer), intent(inout) :: self
+    character(*), intent(in) :: path
+    character(*), intent(in) :: work                        !! whose cases these are
+    type(string) :: text(1)
+    self%descriptor = new_file(path)
+    done = self%descriptor >= 0
+    text(1)%text = work
+    if (done) done = self%put(0_i8, [real(dp) ::], text)
+  end function open_writer
+
+  logical function put(self, index, numbers, notes) result(done)
+    !! Keep a case. False where the system refuses it: a full disk.
+    class(journal_writer), intent(inout) :: self
+    integer(i8), intent(in) :: index                        !! of the case
+    real(dp), intent(in), contiguous :: numbers(:)
+    type(string), intent(in) :: notes(:)
+    character(:), allocatable :: text
+    integer(i8) :: n, words
+    integer :: i
+    text = ''
+    do i = 1, size(notes)
+      text = text//notes(i)%text//new_line('a')
+    end do
+    n = size(numbers, kind=i8)
+    words = n + words_of(len(text, i8))
+    if (allocated(self%record)) then
+      if (size(self%record, kind=i8) < header_length + words) deallocate (self%record)
+    end if
+    if (.not. allocated(self%record)) allocate (self%record(header_length + words))
+    associate (body => self%record(header_length + 1:header_length + words))
+      body(:n) = transfer(numbers, body, n)
+      body(n + 1:) = transfer(text//repeat(' ', word), body, words - n)
+      self%record(:header_length) = [mark, index, n, len(text, i8), iparity(body)]
+    end associate
+    done = write_words(self%descriptor, self%record(:header_length + words))
+  end function put
+
+  pure integer(i8) function words_of(letters)
+    !! How many words hold so many letters.
+    integer(i8), intent(in) :: letters
+    words_of = (letters + word - 1)/word
+  end function words_of
+
+  subroutine close_writer(self)
+    class(journal_writer), intent(inout) :: self
+    call close_descriptor(self%descriptor)
+    self%descriptor = -1
+  end subroutine close_writer
+
+  logical function open_reader(self, path, work) result(same)
+    !! Open a journal; false where it cannot be read or belongs to other work.
+    class(journal_reader), intent(inout) :: self
+    character(*), intent(in) :: path
+    character(*), intent(in) :: work
+    type(string), allocatable :: notes(:)
+    real(dp) :: nothing(0)
+    integer(i8) :: index
+    integer :: stat
+    same = .false.
+    open (newunit=self%unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=stat)
+    if (stat /= 0) return
+    self%position = 1
+    inquire (unit=self%unit, size=self%size)
+    if (self%next(index)) same = index == 0 .and. self%header(3) == 0
+    if (same) same = self%take(nothing, notes)
+    if (same) same = text_of_lines(notes) == work//new_line('a')
+    if (.not. same) call self%close()
+  end function open_reader
+
+  logical function next(self, index) result(found)
+    !! Go to the next whole record.
+    class(journal_reader), intent(inout) :: self
+    integer(i8), intent(out) :: index                       !! of its case
+    integer(i8) :: length
+    integer :: stat
+    index = 0
+    found = .false.
+    if (self%position + word*header_length > self%size + 1) return
+    read (self%unit, pos=self%position, iostat=stat) self%header
+    if (stat /= 0) return
+    if (self%header(1) /= mark .or. any(self%header(2:4) < 0)) return
+    if (any(self%header(3:4) > self%size)) return           ! so that the next line cannot overflow
+    length = word*(header_length + self%header(3) + words_of(self%header(4)))
+    found = self%position + length <= self%size + 1
+    if (.not. found) return
+    self%position = self%position + length
+    index = self%header(2)
+  end function next
+
+  logical function take(self, numbers, notes) result(sound)
+    !! The case of the record at hand. False where it does not have that many numbers, or is not as it was written.
+    class(journal_reader), intent(inout) :: self
+    real(dp), intent(out) :: numbers(:)
+    type(string), allocatable, intent(out) :: notes(:)
+    integer(i8), allocatable :: text(:)
+    integer(i8) :: parity
+    integer :: stat
+    allocate (notes(0))
+    sound = size(numbers, kind=i8) == self%header(3)
+    if (.not. sound) return
+    allocate (text(words_of(self%header(4))))
+    read (self%unit, pos=self%position - word*(self%header(3) + size(text)), iostat=stat) numbers, text
+    sound = stat == 0
+    if (.not. sound) return
+    parity = ieor(iparity(transfer(numbers, parity, size(numbers))), iparity(text))
+    sound = parity == self%header(5)
+    if (sound .and. size(text) > 0) call split(text_of_words(text, self%header(4)), notes)
+  end function take
+
+  pure function text_of_words(words, length) result(text)
+    integer(i8), intent(in) :: words(:), length
+    character(length) :: text
+    character(word*size(words)) :: whole
+    whole = transfer(words, whole)
+    text = whole(:length)
+  end function text_of_words
+
+  pure subroutine split(text, lines)
+    !! Lines, each with its end.
+    character(*), intent(in) :: text
+    type(string), allocatable, intent(inout) :: lines(:)
+    integer :: first, last
+    first = 1
+    do while (first <= len(text))
+      last = first + index(text(first:)//new_line('a'), new_line('a')) - 2
+      call append(lines, text(first:last))
+      first = last + 2
+    end do
+  end subroutine split
+
+  pure function text_of_lines(lines) result(text)
+    type(string), intent(in) :: lines(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(lines)
+      text = text//lines(i)%text//new_line('a')
+    end do
+  end function text_of_lines
+
+  subroutine close_reader(self)
+    class(journal_reader), intent(inout) :: self
+    integer :: stat
+    close (self%unit, iostat=stat)
+  end subroutine close_reader
+
+end module bw_case_journal

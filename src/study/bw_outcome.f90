@@ -1,0 +1,82 @@
+module bw_outcome
+  !! How a scene ended, and what there is to say of it.
+  use bw_error, only: status_done, status_not_trusted, status_stopped
+  use bw_kinds, only: dp, i8
+  use bw_notes, only: notes_type
+  use bw_report, only: notes_report, stage_report
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_scene_summary, only: scene_heading, scene_summary
+  use bw_stopwatch, only: stopwatch
+  use bw_text, only: text_of
+  use bw_text_builder, only: text_builder
+  implicit none (type, external)
+  private
+
+  type, public :: outcome_type
+    integer :: status = status_done           !! an exit status
+    logical :: was_there = .false.            !! the finished result was there already
+    character(:), allocatable :: file         !! the result
+    character(:), allocatable :: report       !! what to print
+    character(:), allocatable :: warnings     !! lines
+  contains
+    procedure :: set_notes
+    procedure :: notes_text
+    procedure :: set_report
+    procedure :: set_stopped
+  end type outcome_type
+
+contains
+
+  subroutine set_notes(self, notes, layout, not_trusted)
+    !! The warnings, and the status that they call for.
+    class(outcome_type), intent(inout) :: self
+    type(notes_type), intent(in) :: notes
+    type(result_layout), intent(in) :: layout
+    integer(i8), intent(in) :: not_trusted    !! cases that hold numbers that cannot be trusted
+    self%warnings = notes%lines(layout%cases)
+    if (not_trusted == 0) return
+    self%status = status_not_trusted
+    if (layout%cases > 0) self%warnings = self%warnings//text_of(not_trusted)//' of '//text_of(layout%cases)// &
+      ' cases hold numbers that cannot be trusted'//new_line('a')
+  end subroutine set_notes
+
+  pure function notes_text(self) result(text)
+    !! The warnings without the last line's end.
+    class(outcome_type), intent(in) :: self
+    character(:), allocatable :: text
+    text = self%warnings
+    if (len(text) > 0) text = text(:len(text) - 1)
+  end function notes_text
+
+  subroutine set_report(self, scene, layout, body, taken_over, watch)
+    !! What to print of a scene that is done.
+    class(outcome_type), intent(inout) :: self
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: body          !! the case, or the table of cases
+    integer(i8), intent(in) :: taken_over     !! cases that an earlier run had finished
+    type(stopwatch), intent(in) :: watch
+    type(text_builder) :: report
+    call report%append(scene_heading(scene))
+    call report%append(scene_summary(scene, layout))
+    call report%append(body)
+    if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
+    call report%append_line('')
+    call report%append(notes_report(self%notes_text()))
+    call report%append(stage_report(watch%seconds))
+    call report%append_line('  result     '//self%file)
+    self%report = report%text()
+  end subroutine set_report
+
+  subroutine set_stopped(self, saved, cases)
+    !! Work that is left for later.
+    class(outcome_type), intent(inout) :: self
+    integer(i8), intent(in) :: saved, cases
+    self%status = status_stopped
+    self%report = ''
+    self%warnings = self%file//': stopped with '//text_of(saved)//' of '//text_of(cases)// &
+      ' cases saved; the same command goes on from there'//new_line('a')
+  end subroutine set_stopped
+
+end module bw_outcome

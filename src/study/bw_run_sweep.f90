@@ -1,0 +1,130 @@
+module bw_run_sweep
+  !! A sweep: its cases are shared by all processes of a crew, and the leader puts the result together.
+  use bw_assembly, only: assemble, assembly_type
+  use bw_case_loop, only: run_cases
+  use bw_case_queue, only: case_queue, queue_of
+  use bw_crew, only: crew_type
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_kinds, only: i1, i8
+  use bw_outcome, only: outcome_type
+  use bw_posix, only: rename_file
+  use bw_progress, only: progress_type
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_stopwatch, only: stage_write, stopwatch
+  use bw_text, only: text_of
+  use bw_unfinished, only: unfinished_work
+  implicit none (type, external)
+  private
+  public :: run_sweep
+
+  type :: sweep_state
+    !! A sweep under way, as its leader knows it.
+    integer(i8) :: cases = 0
+    integer(i8) :: taken_over = 0             !! cases that an earlier run had finished
+    integer(i8) :: finished = 0               !! all that are finished
+    logical :: discarded = .false.            !! work of another scene or version lay there
+    type(case_queue) :: queue
+  end type sweep_state
+
+contains
+
+  subroutine run_sweep(scene, layout, unfinished, crew, progress, outcome, error)
+    !! Called by all processes; the leader gets the outcome, and an error if any has one.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(unfinished_work), intent(inout) :: unfinished
+    class(crew_type), intent(inout) :: crew
+    class(progress_type), intent(inout) :: progress
+    type(outcome_type), intent(inout) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(sweep_state) :: state
+    type(stopwatch) :: watch
+    integer :: number
+    number = 0
+    if (crew%leads()) call take_up(layout, unfinished, state, number, error)
+    call crew%agree(number)
+    if (number == 0) return
+    if (crew%leads()) call progress%begin(scene%name, state%cases, state%taken_over)
+    call work(scene, layout, unfinished%journal(number + crew%number), unfinished%work, crew, progress, state, watch, error)
+    if (.not. crew%leads()) return
+    call progress%end()
+    if (allocated(error)) then
+      error%message = error%message//new_line('a')//outcome%file//': '//text_of(state%finished)//' of '// &
+        text_of(state%cases)//' cases are saved; the same command goes on from there'
+    else if (state%finished < state%cases) then
+      call outcome%set_stopped(state%finished, state%cases)
+    else
+      call complete(scene, layout, unfinished, state, watch, outcome, error)
+    end if
+    call unfinished%release()
+  end subroutine run_sweep
+
+  subroutine take_up(layout, unfinished, state, number, error)
+    !! What is finished already, what is left to do, and the number of the first new journal.
+    type(result_layout), intent(in) :: layout
+    type(unfinished_work), intent(inout) :: unfinished
+    type(sweep_state), intent(inout) :: state
+    integer, intent(inout) :: number
+    type(error_type), allocatable, intent(out) :: error
+    integer(i1), allocatable :: done(:)
+    call unfinished%begin(error)
+    if (allocated(error)) return
+    allocate (done(layout%cases), source=0_i1)
+    call unfinished%survey(done, state%discarded)
+    number = unfinished%next_number()
+    state%queue = queue_of(done)
+    state%cases = layout%cases
+    state%taken_over = state%cases - state%queue%left
+    state%finished = state%taken_over
+  end subroutine take_up
+
+  subroutine work(scene, layout, path, text, crew, progress, state, watch, error)
+    !! All cases that are left, unless they are stopped.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: path          !! of this process's journal
+    character(*), intent(in) :: text          !! whose cases these are
+    class(crew_type), intent(inout) :: crew
+    class(progress_type), intent(inout) :: progress
+    type(sweep_state), intent(inout) :: state
+    type(stopwatch), intent(inout) :: watch
+    type(error_type), allocatable, intent(out) :: error
+    integer(i8) :: done
+    call crew%begin(state%queue)
+    call run_cases(scene, layout, path, text, crew, progress, watch, done, error)
+    state%finished = state%finished + done
+    call crew%end(watch%seconds, error)
+    call crew%attend(done)                    ! what others told last
+    state%finished = state%finished + done
+  end subroutine work
+
+  subroutine complete(scene, layout, unfinished, state, watch, outcome, error)
+    !! The result under its final name.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(unfinished_work), intent(inout) :: unfinished
+    type(sweep_state), intent(in) :: state
+    type(stopwatch), intent(inout) :: watch
+    type(outcome_type), intent(inout) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(assembly_type) :: assembly
+    call watch%start()
+    call assemble(scene, layout, unfinished, assembly, error)
+    if (allocated(error)) return
+    call outcome%set_notes(assembly%notes, layout, assembly%not_trusted)
+    call watch%lap(stage_write)
+    call assembly%file%finish(outcome%notes_text(), watch%seconds, error)
+    if (allocated(error)) return
+    if (.not. rename_file(unfinished%result_path(), outcome%file)) then
+      call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there; it is '// &
+                unfinished%result_path())
+      return
+    end if
+    call unfinished%discard()
+    call outcome%set_report(scene, layout, assembly%table%text(), state%taken_over, watch)
+    if (state%discarded) outcome%warnings = outcome%warnings// &
+      'unfinished work of another scene or version lay there and was taken away'//new_line('a')
+  end subroutine complete
+
+end module bw_run_sweep
