@@ -19,6 +19,7 @@ module bw_closed_form
     procedure :: shapes => closed_form_shapes
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
+    procedure :: elastic => closed_form_elastic
   end type closed_form_set
 
   type, extends(mode_source), public :: closed_form_source
@@ -170,7 +171,15 @@ contains
     type(closed_form_set), allocatable :: found
     allocate (found)
     call set_modes(number, self%gamma, self%omega, longest, found)
+    call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_in_closed_form
+
+  pure function closed_form_elastic(self) result(squares)
+    !! α⁴, Eq. 28.
+    class(closed_form_set), intent(in) :: self
+    real(dp) :: squares(self%count)
+    squares = self%alpha**4
+  end function closed_form_elastic
 
 end module bw_closed_form

@@ -4,6 +4,7 @@ module bw_mode_set
   !!
   !! Everything is without dimensions: lengths in l, times in l²/h, masses in the beam's mass m_i.
   use bw_kinds, only: dp
+  use bw_damping, only: damping_law
   use bw_double_double, only: dd
   implicit none (type, external)
   private
@@ -13,6 +14,7 @@ module bw_mode_set
     real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
+    real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
     real(dp), allocatable :: tip(:)               !! Φ_k(1), (n)
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
@@ -22,12 +24,15 @@ module bw_mode_set
     procedure(shapes_interface), deferred :: shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone
+    procedure(elastic_interface), deferred :: elastic
+    procedure :: damp
   end type mode_set
 
   type, abstract, public :: mode_source
     !! Modes of any number, of one beam with what its tip carries.
     real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ
     integer :: highest = 0                        !! the highest mode number that can be found
+    type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find
   end type mode_source
@@ -63,6 +68,23 @@ module bw_mode_set
       real(dp), intent(in), optional :: longest
         !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     end subroutine find_interface
+
+    pure function elastic_interface(self) result(squares)
+      !! K_kk/M_kk, K the elastic stiffness alone: what damping is proportional to.
+      import :: mode_set, dp
+      implicit none (type, external)
+      class(mode_set), intent(in) :: self
+      real(dp) :: squares(self%count)             !! (modes)
+    end function elastic_interface
   end interface
+
+contains
+
+  pure subroutine damp(self, law)
+    !! Damp the modes that were found.
+    class(mode_set), intent(inout) :: self
+    type(damping_law), intent(in), optional :: law      !! absent: they stay undamped
+    if (present(law)) self%damping = law%rates(self%elastic())
+  end subroutine damp
 
 end module bw_mode_set

@@ -5,9 +5,11 @@ module bw_response
   !! event left the state that it starts from. Velocities that are not asked for are an unallocated array, which the
   !! sums below receive as an absent argument.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, dd_pi
+  use bw_double_double, only: dd, dd_pi, operator(*), operator(-)
+  use bw_damped_modes, only: add_damped_modes, grows
   use bw_growing_modes, only: add_growing_mode, find_overflow
   use bw_missing, only: missing
+  use bw_modal_flow, only: fast_exponent, slow_exponent
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
@@ -73,8 +75,12 @@ contains
     real(dp) :: shapes(modes%count, size(points)), q(modes%count)
     shapes = modes%shapes(points)
     q = 0.0_dp
-    call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
-    call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
+    if (allocated(modes%damping)) then
+      call add_damped(modes%beta_squared, modes%damping, q, rate, shapes, grid, unit_time, monitor, response)
+    else
+      call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
+      call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
+    end if
   end subroutine add_motion
 
   subroutine finish_histories(unit_time, response)
@@ -125,6 +131,29 @@ contains
                                   response%displacement, response%velocity)
     end subroutine by_transform
   end subroutine add_stable
+
+  subroutine add_damped(beta_squared, c, q, rate, shapes, grid, unit_time, monitor, response)
+    !! Damped modes; of those that grow, A e^(st) is the motion of an undamped mode with β² = −s².
+    type(dd), intent(in) :: beta_squared(:)
+    real(dp), intent(in) :: c(:), q(:), rate(:), shapes(:, :)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    integer, allocatable :: k(:)
+    integer :: finite
+    type(dd), allocatable :: up(:)
+    real(dp), allocatable :: down(:), growing(:)
+    call add_damped_modes(beta_squared, c, q, rate, shapes, grid, monitor, response%displacement, response%velocity)
+    k = numbers_of(grows(beta_squared, c, grid%samples*grid%step%hi))
+    if (size(k) == 0) return
+    up = slow_exponent(beta_squared(k), c(k))
+    down = fast_exponent(beta_squared(k), c(k))
+    growing = (rate(k) - down*q(k))/(up%hi - down)
+    finite = response%finite_samples
+    call add_growing(-(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, response)
+    if (response%finite_samples < finite) response%failing_mode = k(response%failing_mode)
+  end subroutine add_damped
 
   pure function numbers_of(chosen) result(k)
     logical, intent(in) :: chosen(:)

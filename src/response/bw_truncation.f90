@@ -7,12 +7,15 @@ module bw_truncation
   !! first and `safety` times the second. The sums run over windows of mode numbers that double in length, each sampled
   !! by runs of neighbouring modes, since the shapes at a point repeat every few modes.
   !!
+  !! Damped modes enter with the amplitude that is left of them at the start of stretches of the history; those that do not
+  !! turn add up as what grows does, without a sign.
+  !!
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
   !!
   !! **Empirical**: `safety`, and the sampling; test_bw_truncation shows what they are worth.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, sqrt, operator(-)
   use bw_mode_set, only: mode_set, mode_source
+  use bw_reach, only: damped_reach, stretch_type, turns, undamped_reach
   implicit none (type, external)
   private
   public :: truncation_error, tail_error, with_start
@@ -25,7 +28,7 @@ module bw_truncation
     !! Of one point: the sums from which the estimates are made.
     real(dp) :: magnitude = 0.0_dp                !! Σ|A|
     real(dp) :: square = 0.0_dp                   !! ΣA²
-    real(dp) :: growing = 0.0_dp                  !! the largest value of what grows
+    real(dp) :: growing = 0.0_dp                  !! the largest value of what grows, or creeps back
   end type deviation_type
 
 contains
@@ -42,9 +45,16 @@ contains
     logical, intent(in) :: velocity               !! of the velocity, else of the displacement
     real(dp) :: error(size(points))
     type(deviation_type) :: sums(size(points))
-    call add_modes(modes, lacking, points, longest, velocity, 1.0_dp, sums)
-    call add_tail(modes%count, source, force, points, longest, velocity, sums)
-    error = largest(sums, samples)
+    type(stretch_type), allocatable :: stretches(:)
+    integer :: i
+    error = 0.0_dp
+    stretches = stretches_of(source, longest, samples)
+    do i = 1, size(stretches)
+      sums = deviation_type()
+      call add_modes(modes, lacking, points, stretches(i), velocity, 1.0_dp, sums)
+      call add_tail(modes%count, source, force, points, stretches(i), velocity, sums)
+      error = max(error, largest(sums, stretches(i)%samples))
+    end do
   end function truncation_error
 
   function tail_error(count, source, force, points, longest, samples, velocity) result(error)
@@ -57,9 +67,36 @@ contains
     logical, intent(in) :: velocity
     real(dp) :: error(size(points))
     type(deviation_type) :: sums(size(points))
-    call add_tail(count, source, force, points, longest, velocity, sums)
-    error = largest(sums, samples)
+    type(stretch_type), allocatable :: stretches(:)
+    integer :: i
+    error = 0.0_dp
+    stretches = stretches_of(source, longest, samples)
+    do i = 1, size(stretches)
+      sums = deviation_type()
+      call add_tail(count, source, force, points, stretches(i), velocity, sums)
+      error = max(error, largest(sums, stretches(i)%samples))
+    end do
   end function tail_error
+
+  pure function stretches_of(source, longest, samples) result(stretches)
+    !! One for modes that keep their amplitudes. Damped ones are looked at over stretches of 1, 2, 4, … samples from
+    !! the first after t = 0: at the start of each its modes have decayed so far.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: longest
+    integer, intent(in) :: samples
+    type(stretch_type), allocatable :: stretches(:)
+    integer :: first
+    stretches = [stretch_type(0.0_dp, longest, samples)]
+    if (.not. allocated(source%damping) .or. samples < 2) return
+    deallocate (stretches)
+    allocate (stretches(0))
+    first = 1
+    do
+      stretches = [stretches, stretch_type((longest/samples)*first, longest, first + min(first, samples - first))]
+      if (first > samples/2) exit
+      first = 2*first
+    end do
+  end function stretches_of
 
   elemental real(dp) function with_start(estimate, start, xi, jump) result(error)
     !! The estimate for a velocity, and no less than what its first sample lacks: of infinitely many modes the beam is at
@@ -79,12 +116,13 @@ contains
                                safety*sqrt(0.5_dp*sums%square)*sqrt(2.0_dp*log(2.0_dp*max(2, samples))))
   end function largest
 
-  subroutine add_tail(count, source, force, points, longest, velocity, sums)
+  subroutine add_tail(count, source, force, points, stretch, velocity, sums)
     !! The continuum's modes from `count` + 1 on.
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
-    real(dp), intent(in) :: points(:), longest
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_set), allocatable :: modes
@@ -96,10 +134,11 @@ contains
       last = min(2*max(first, run_length), source%highest)
       call source%find(sampled(first, last), modes)
       before = sums
-      call add_modes(modes, force*modes%tip/modes%modal_mass, points, longest, velocity, &
+      call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, &
                      real(last - first + 1, dp)/modes%count, sums)
       if (last == source%highest) exit
       if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
+          all(sums%growing - before%growing <= negligible*sums%growing) .and. &
           (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit
       first = last + 1
     end do
@@ -118,11 +157,12 @@ contains
     end if
   end function sampled
 
-  pure subroutine add_modes(modes, rate, points, longest, velocity, weight, sums)
+  pure subroutine add_modes(modes, rate, points, stretch, velocity, weight, sums)
     !! Amplitudes of modes that start with velocity `rate`; each stands for `weight` modes.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)               !! (modes)
-    real(dp), intent(in) :: points(:), longest
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     real(dp), intent(in) :: weight
     type(deviation_type), intent(inout) :: sums(:)
@@ -130,32 +170,18 @@ contains
     logical :: stable(modes%count)
     integer :: p
     shapes = modes%shapes(points)
-    stable = modes%beta_squared%hi > 0.0_dp
-    reach = reach_of(modes%beta_squared, longest, velocity)
+    if (allocated(modes%damping)) then
+      stable = turns(modes%beta_squared, modes%damping)
+      reach = damped_reach(modes%beta_squared, modes%damping, stretch, velocity)
+    else
+      stable = modes%beta_squared%hi > 0.0_dp
+      reach = undamped_reach(modes%beta_squared, stretch%end, velocity)
+    end if
     do p = 1, size(points)
       sums(p)%magnitude = sums(p)%magnitude + weight*sum(abs(rate*shapes(:, p))*reach, mask=stable)
       sums(p)%square = sums(p)%square + weight*sum((rate*shapes(:, p)*reach)**2, mask=stable)
       sums(p)%growing = sums(p)%growing + weight*sum(abs(rate*shapes(:, p))*reach, mask=.not. stable)
     end do
   end subroutine add_modes
-
-  elemental real(dp) function reach_of(beta_squared, longest, velocity) result(reach)
-    !! The largest |S|, or |C|, of a mode up to that time: 1/β and 1 where it is stable.
-    type(dd), intent(in) :: beta_squared
-    real(dp), intent(in) :: longest
-    logical, intent(in) :: velocity
-    real(dp), parameter :: furthest = 600.0_dp    ! beyond it a history is near overflow; the estimate must not overflow itself
-    type(dd) :: rate
-    if (beta_squared%hi > 0.0_dp) then
-      rate = sqrt(beta_squared)
-      reach = min(longest, 1.0_dp/rate%hi)
-      if (velocity) reach = 1.0_dp
-      return
-    end if
-    rate = sqrt(-beta_squared)
-    reach = longest
-    if (rate%hi > 0.0_dp) reach = sinh(min(furthest, rate%hi*longest))/rate%hi
-    if (velocity) reach = cosh(min(furthest, rate%hi*longest))
-  end function reach_of
 
 end module bw_truncation

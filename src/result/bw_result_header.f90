@@ -77,6 +77,7 @@ contains
     character(:), allocatable :: text
     text = ''
     if (allocated(scene%rotation)) text = text//' rotation'
+    if (allocated(scene%damping)) text = text//' damping'
     if (allocated(scene%impact)) text = text//' impact'
     if (allocated(scene%capture)) text = text//' capture'
     text = trim(adjustl(text))

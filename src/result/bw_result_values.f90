@@ -6,6 +6,7 @@ module bw_result_values
   use bw_double_double, only: dd, sqrt, operator(-)
   use bw_measured, only: measured_type
   use bw_missing, only: missing, is_missing
+  use bw_modal_flow, only: slow_exponent, turning_square
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
   use bw_result_table, only: variable_row, variable_table
@@ -58,8 +59,8 @@ contains
     select case (name)
     case ('alpha'); values = modes%alpha
     case ('wavenumber'); values = modes%alpha/units%length
-    case ('angular_frequency'); values = scaled(stable_frequency(modes%beta_squared), units%frequency)
-    case ('growth_rate'); values = growth_rate(modes%beta_squared)*units%frequency
+    case ('angular_frequency'); values = scaled(turning_frequency(modes), units%frequency)
+    case ('growth_rate'); values = growth_rate(modes)*units%frequency
     case ('modal_mass'); values = modes%modal_mass*units%mass
     case ('phase_velocity'); values = scaled(modes%phase_velocity, units%velocity)
     case default; values = scaled(modes%group_velocity, units%velocity)
@@ -141,22 +142,37 @@ contains
     if (.not. is_missing(value)) scaled = value*unit
   end function scaled
 
-  elemental real(dp) function stable_frequency(beta_squared) result(beta)
-    !! β where it is real, 0 at the critical speed.
-    type(dd), intent(in) :: beta_squared
+  pure function turning_frequency(modes) result(values)
+    !! √(β² − c²/4) where it is real, 0 at the critical speed.
+    class(mode_set), intent(in) :: modes
+    real(dp) :: values(modes%count)
+    if (allocated(modes%damping)) then
+      values = frequency_of(turning_square(modes%beta_squared, modes%damping))
+    else
+      values = frequency_of(modes%beta_squared)
+    end if
+  end function turning_frequency
+
+  pure function growth_rate(modes) result(values)
+    !! The real part of the slower eigenvalue; of undamped modes |β| where β² < 0, and 0 elsewhere.
+    class(mode_set), intent(in) :: modes
+    real(dp) :: values(modes%count)
+    type(dd) :: rate(modes%count)
+    if (allocated(modes%damping)) then
+      rate = slow_exponent(modes%beta_squared, modes%damping)
+    else
+      rate = sqrt(-modes%beta_squared)        ! 0 of a negative number
+    end if
+    values = rate%hi
+  end function growth_rate
+
+  elemental real(dp) function frequency_of(square) result(beta)
+    type(dd), intent(in) :: square
     type(dd) :: root
     beta = missing
-    if (beta_squared%hi < 0.0_dp) return
-    root = sqrt(beta_squared)
+    if (square%hi < 0.0_dp) return
+    root = sqrt(square)
     beta = root%hi
-  end function stable_frequency
-
-  elemental real(dp) function growth_rate(beta_squared) result(rate)
-    !! |β| where β² < 0, else 0.
-    type(dd), intent(in) :: beta_squared
-    type(dd) :: root
-    root = sqrt(-beta_squared)        ! 0 of a negative number
-    rate = root%hi
-  end function growth_rate
+  end function frequency_of
 
 end module bw_result_values

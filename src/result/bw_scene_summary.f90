@@ -2,6 +2,7 @@ module bw_scene_summary
   !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
+  use bw_damping_par, only: by_ratio
   use bw_modes_par, only: by_tolerance
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -51,6 +52,7 @@ contains
     text = ''
     if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
       scene%rotation%angular_velocity, ' rad/s')//trim(merge(' in plane    ', ' out of plane', scene%rotation%plane == 'in'))
+    if (allocated(scene%damping)) text = text//damping_text(scene)
     if (allocated(scene%impact)) then
       text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
         number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity, ' m/s')//', restitution '// &
@@ -64,6 +66,20 @@ contains
     if (text == '') text = ', none: modes and wave velocities of the beam alone'
     text = text(3:)
   end function effects_text
+
+  function damping_text(scene) result(text)
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    associate (damping => scene%damping)
+      if (by_ratio(damping)) then
+        text = ', damping (ratio '//number_or_swept(scene, 'damping%ratio', damping%ratio, '')//')'
+      else
+        text = ', damping ('//number_or_swept(scene, 'damping%mass_proportional', damping%mass_proportional, ' 1/s')// &
+          ' of the mass, '//number_or_swept(scene, 'damping%stiffness_proportional', damping%stiffness_proportional, &
+          ' s')//' of the stiffness)'
+      end if
+    end associate
+  end function damping_text
 
   function mass_text(scene) result(text)
     type(scene_type), intent(in) :: scene

@@ -3,6 +3,7 @@ module bw_input_table
   !! A new group is one file in `groups/`, its line in each of the two lists here, and its component in `bw_scene`.
   use bw_beam_par, only: beam_group, beam_names
   use bw_capture_par, only: capture_group, capture_names
+  use bw_damping_par, only: damping_group, damping_names
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, name_length
   use bw_modes_par, only: modes_group, modes_names
@@ -19,6 +20,7 @@ module bw_input_table
     scene_group, &
     beam_group, &
     rotation_group, &
+    damping_group, &
     impact_group, &
     capture_group, &
     modes_group, &
@@ -30,6 +32,7 @@ module bw_input_table
     scene_names, &
     beam_names, &
     rotation_names, &
+    damping_names, &
     impact_names, &
     capture_names, &
     modes_names, &

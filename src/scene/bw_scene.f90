@@ -2,6 +2,7 @@ module bw_scene
   !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent.
   use bw_beam_par, only: beam_mass, beam_par, build_beam
   use bw_capture_par, only: build_capture, capture_par
+  use bw_damping_par, only: build_damping, damping_par
   use bw_impact_par, only: build_impact, impact_par
   use bw_input_values, only: group_values
   use bw_modes_par, only: build_modes, modes_par
@@ -22,6 +23,7 @@ module bw_scene
     type(scene_par) :: header                     !! &scene
     type(beam_par) :: beam                        !! &beam
     type(rotation_par), allocatable :: rotation   !! &rotation; absent: the beam does not rotate
+    type(damping_par), allocatable :: damping     !! &damping; absent: undamped
     type(impact_par), allocatable :: impact       !! &impact; absent: modes and wave velocities only
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
     type(modes_par) :: modes                      !! &modes, always settled
@@ -44,6 +46,7 @@ contains
     call build_beam(scene%groups, scene%beam, messages)
     if (messages%count > before) return
     call build_rotation(scene%groups, scene%rotation)
+    call build_damping(scene%groups, scene%damping)
     call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
     call build_capture(scene%groups, scene%capture)
     call build_modes(scene%groups, scene%modes)

@@ -1,6 +1,7 @@
 module bw_scene_checks
   !! What the names of a group, and the groups of a scene, have to do with each other.
   use bw_beam_par, only: check_beam
+  use bw_damping_par, only: check_damping, settle_damping
   use bw_impact_par, only: check_impact
   use bw_input_name, only: accepted_text, has_word
   use bw_input_table, only: group_row, group_table, name_table, rows_of
@@ -69,6 +70,7 @@ contains
     end do
     select case (group%group)
     case ('beam'); call check_beam(group, messages)
+    case ('damping'); call check_damping(group, messages)
     case ('impact'); call check_impact(group, messages)
     case ('response'); call check_response(group, messages)
     case ('sweep'); call check_sweep(group, messages)
@@ -100,6 +102,7 @@ contains
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
     logical :: struck, captured
+    call settle_damping(groups)
     struck = position_of(groups, 'impact') > 0
     captured = struck .and. position_of(groups, 'capture') > 0
     associate (modes => groups(position_of(groups, 'modes')))

@@ -2,6 +2,7 @@ module bw_scene_scales
   !! Scales that follow from the inputs of a case and have to fit into double precision, so that no later stage
   !! overflows for a reason that was visible in the scene. They are formed in extended precision.
   use bw_beam_par, only: beam_mass
+  use bw_damping_par, only: by_ratio
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, qp
   use bw_representable, only: check_product
@@ -30,6 +31,10 @@ contains
     if (allocated(scene%rotation)) then
       call check(scene, 'rotation', at_least_1(real(scene%rotation%angular_velocity, qp)**2), &
                  'the square of angular_velocity', messages)
+    end if
+    if (allocated(scene%damping)) then
+      call check(scene, 'damping', at_least_1(highest_damping(scene, highest)**2), 'the square of the highest damping', &
+                 messages)
     end if
     if (allocated(scene%impact)) then
       call check(scene, 'impact', at_least_1(scene%impact%mass*real(scene%impact%approach_velocity, qp)**2), &
@@ -71,6 +76,19 @@ contains
     real(qp), intent(in) :: value
     at_least_1 = max(1.0_qp, value)
   end function at_least_1
+
+  pure real(qp) function highest_damping(scene, highest) result(damping)
+    !! c of the highest mode [1/s].
+    type(scene_type), intent(in) :: scene
+    real(qp), intent(in) :: highest              !! frequency [rad/s]
+    associate (law => scene%damping)
+      if (by_ratio(law)) then
+        damping = 2*law%ratio*highest
+      else
+        damping = law%mass_proportional + law%stiffness_proportional*highest**2
+      end if
+    end associate
+  end function highest_damping
 
   pure real(qp) function frequency_scale(scene)
     !! h/l² = √(EI/(ρA))/l² [rad/s]; mode k of the beam has nearly (h/l²)·((k − ½)π)².

@@ -3,6 +3,7 @@ module bw_case_modes
   use bw_kinds, only: dp
   use bw_case_result, only: case_result, add_note
   use bw_closed_form, only: source_in_closed_form
+  use bw_damping, only: law_of
   use bw_double_double, only: dd
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
@@ -27,8 +28,10 @@ contains
     call find_rotation(scene, result, omega)
     if (allocated(scene%response)) longest = scene%response%duration/result%units%time%hi
     alone = source_in_closed_form(0.0_dp, omega)
+    if (allocated(scene%damping)) alone%damping = law_of(scene%damping, result%units)
     if (allocated(scene%capture)) then
       source = source_in_closed_form(scene%impact%mass_ratio, omega)
+      if (allocated(alone%damping)) source%damping = alone%damping
       call source%find(first_numbers(scene%modes%after), loaded, longest)
       result%modes = loaded
       if (by_tolerance(scene%modes)) return

@@ -16,8 +16,11 @@ contains
     case ('scene'); call read_header(lines, both)
     case ('beam'); call read_beam(lines, both)
     case ('rotation'); call read_rotation(lines, both)
+    case ('damping'); call read_damping(lines, both)
     case ('impact'); call read_impact(lines, both)
     case ('capture'); call read_capture(lines, both)
+    case ('release'); call read_release(lines, both)
+    case ('recontact'); call read_recontact(lines, both)
     case ('modes'); call read_modes(lines, both)
     case ('response'); call read_response(lines, both)
     case ('spectrum'); call read_spectrum(lines, both)
@@ -68,6 +71,20 @@ contains
     call both%same_text('plane', lower(plane))
   end subroutine read_rotation
 
+  subroutine read_damping(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: ratio, mass_proportional, stiffness_proportional
+    namelist /damping/ ratio, mass_proportional, stiffness_proportional
+    ratio = unset
+    mass_proportional = unset
+    stiffness_proportional = unset
+    read (lines, nml=damping, iostat=both%stat)
+    call both%same_real('ratio', ratio)
+    call both%same_real('mass_proportional', mass_proportional)
+    call both%same_real('stiffness_proportional', stiffness_proportional)
+  end subroutine read_damping
+
   subroutine read_impact(lines, both)
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
@@ -96,6 +113,26 @@ contains
     none = 0
     read (lines, nml=capture, iostat=both%stat)
   end subroutine read_capture
+
+  subroutine read_release(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: time
+    namelist /release/ time
+    time = unset
+    read (lines, nml=release, iostat=both%stat)
+    call both%same_real('time', time)
+  end subroutine read_release
+
+  subroutine read_recontact(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    integer :: max_contacts
+    namelist /recontact/ max_contacts
+    max_contacts = unset_whole
+    read (lines, nml=recontact, iostat=both%stat)
+    call both%same_whole('max_contacts', max_contacts)
+  end subroutine read_recontact
 
   subroutine read_modes(lines, both)
     character(*), intent(in) :: lines(:)

@@ -63,6 +63,8 @@ CONFLICTS = {
     "two masses": captured_beam(impact={"mass": 1.0}),
     "two counts for one set of modes": captured_beam(capture=None),
     "diameter beside area": captured_beam(beam={"area": 1e-3}),
+    "damping of no kind": captured_beam(damping={}),
+    "damping of two kinds": captured_beam(damping={"ratio": 0.01, "mass_proportional": 1.0}),
 }
 
 

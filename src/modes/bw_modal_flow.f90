@@ -1,0 +1,118 @@
+module bw_modal_flow
+  !! The exact motion of one mode, q̈ + cq̇ + β²q = 0, from any state:
+  !! q = e^(−ct/2)[q C + (q̇ + ½cq) S] with C and S of β² − c²/4: cos and sin where it is positive (the mode turns), cosh
+  !! and sinh where it is negative (overdamped, or growing where β² < 0). There the exponents are joined,
+  !! r − ½c = −β²/(r + ½c) with r² = ¼c² − β², so that neither cancels nor overflows on its own.
+  !!
+  !! Without dimensions: times in l²/h.
+  use bw_double_double, only: dd, dd_pi, sqrt, to_dd, operator(+), operator(-), operator(*), operator(/)
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: flow, turning_square, slow_exponent, fast_exponent
+
+  real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
+
+contains
+
+  elemental type(dd) function turning_square(beta_squared, c) result(square)
+    !! β² − c²/4: positive for a mode that turns, of which it is the square of the angular frequency.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c
+    square = beta_squared - to_dd(0.5_dp*c)*(0.5_dp*c)
+  end function turning_square
+
+  elemental type(dd) function slow_exponent(beta_squared, c) result(exponent)
+    !! r − ½c of a mode that does not turn, positive where it grows; −½c of one that turns: the real part of the
+    !! eigenvalue that matters longest.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c
+    type(dd) :: sum
+    exponent = to_dd(-0.5_dp*c)
+    sum = turning_square(beta_squared, c)
+    if (sum%hi > 0.0_dp) return
+    sum = sqrt(-sum) + 0.5_dp*c
+    exponent = dd()
+    if (sum%hi > 0.0_dp) exponent = -(beta_squared/sum)
+  end function slow_exponent
+
+  elemental real(dp) function fast_exponent(beta_squared, c) result(exponent)
+    !! −(r + ½c) of a mode that does not turn.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c
+    type(dd) :: root
+    root = sqrt(-turning_square(beta_squared, c))
+    exponent = -(root%hi + 0.5_dp*c)
+  end function fast_exponent
+
+  elemental subroutine flow(beta_squared, c, time, q, q_dot)
+    !! Move a mode's state on by a time ≥ 0. **Limit**: e^(rt − ½ct) must not overflow.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c                !! ≥ 0; 0: undamped
+    type(dd), intent(in) :: time
+    real(dp), intent(inout) :: q, q_dot
+    type(dd) :: square, root, phase
+    real(dp) :: x
+    square = turning_square(beta_squared, c)
+    if (square%hi > 0.0_dp) then
+      root = sqrt(square)
+      phase = root*time
+      x = angle_of(phase)
+      call join(cos(x), sin(x)/root%hi, square%hi, c, time%hi, q, q_dot)
+      return
+    end if
+    root = sqrt(-square)
+    phase = root*time
+    x = phase%hi
+    if (x < joined_below) then
+      call join(cosh(x), time%hi*mean_hyperbolic_cosine(x), square%hi, c, time%hi, q, q_dot)
+    else
+      call part(slow_exponent(beta_squared, c), -(root%hi + 0.5_dp*c), root%hi, time, q, q_dot)
+    end if
+  end subroutine flow
+
+  elemental subroutine join(cosine, sine, square, c, time, q, q_dot)
+    !! The state from C and S.
+    real(dp), intent(in) :: cosine, sine, square, c, time
+    real(dp), intent(inout) :: q, q_dot
+    real(dp) :: start, rate, decay
+    start = q
+    rate = q_dot + 0.5_dp*c*q
+    decay = exp(-0.5_dp*c*time)
+    q = decay*(start*cosine + rate*sine)
+    q_dot = decay*(rate*cosine - square*start*sine) - 0.5_dp*c*q
+  end subroutine join
+
+  elemental subroutine part(slow, fast, root, time, q, q_dot)
+    !! The state from the two exponentials.
+    type(dd), intent(in) :: slow, time
+    real(dp), intent(in) :: fast, root
+    real(dp), intent(inout) :: q, q_dot
+    type(dd) :: exponent
+    real(dp) :: growing, decaying
+    exponent = slow*time
+    growing = 0.5_dp*(q_dot - fast*q)/root*(exp(exponent%hi)*(1.0_dp + exponent%lo))
+    decaying = 0.5_dp*(slow%hi*q - q_dot)/root*exp(fast*time%hi)
+    q = growing + decaying
+    q_dot = slow%hi*growing + fast*decaying
+  end subroutine part
+
+  elemental real(dp) function angle_of(phase) result(angle)
+    !! A phase less whole turns, rad.
+    type(dd), intent(in) :: phase
+    type(dd) :: turns
+    real(dp) :: whole
+    turns = phase/(dd_pi*2.0_dp)
+    whole = anint(turns%hi)
+    turns = to_dd(turns%hi - whole) + turns%lo      ! the first difference is exact
+    angle = 2.0_dp*dd_pi%hi*turns%hi
+  end function angle_of
+
+  elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
+    !! sinh x/x, 1 at x = 0.
+    real(dp), intent(in) :: x
+    mean = 1.0_dp
+    if (x > 0.0_dp) mean = sinh(x)/x
+  end function mean_hyperbolic_cosine
+
+end module bw_modal_flow

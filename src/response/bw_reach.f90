@@ -1,0 +1,72 @@
+module bw_reach
+  !! How far modes go that start with velocity 1: bounds of their displacement or velocity over a stretch of time.
+  use bw_double_double, only: dd, sqrt, operator(-)
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
+  implicit none (type, external)
+  private
+  public :: undamped_reach, damped_reach, turns
+
+  type, public :: stretch_type
+    !! A part of a history, times in l²/h from the start of the motion.
+    real(dp) :: start = 0.0_dp
+    real(dp) :: end = 0.0_dp
+    integer :: samples = 0                        !! up to its end, those before its start included
+  end type stretch_type
+
+  real(dp), parameter :: furthest = 600.0_dp
+    !! beyond it a history is near overflow; the estimate must not overflow itself
+
+contains
+
+  elemental real(dp) function undamped_reach(beta_squared, longest, velocity) result(reach)
+    !! The largest |S|, or |C|, of a mode up to that time: 1/β and 1 where it is stable.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: longest
+    logical, intent(in) :: velocity
+    type(dd) :: rate
+    if (beta_squared%hi > 0.0_dp) then
+      rate = sqrt(beta_squared)
+      reach = min(longest, 1.0_dp/rate%hi)
+      if (velocity) reach = 1.0_dp
+      return
+    end if
+    rate = sqrt(-beta_squared)
+    reach = longest
+    if (rate%hi > 0.0_dp) reach = sinh(min(furthest, rate%hi*longest))/rate%hi
+    if (velocity) reach = cosh(min(furthest, rate%hi*longest))
+  end function undamped_reach
+
+  elemental logical function turns(beta_squared, c)
+    !! The mode swings: its sign is as good as random.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c
+    type(dd) :: square
+    square = turning_square(beta_squared, c)
+    turns = square%hi > 0.0_dp
+  end function turns
+
+  elemental real(dp) function damped_reach(beta_squared, c, stretch, velocity) result(reach)
+    !! The largest e^(−ct/2)|S| of a damped mode over the stretch, or of its rate: of two real exponentials, the slower
+    !! one alone.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(dd) :: root, slow
+    real(dp) :: fast, left
+    slow = slow_exponent(beta_squared, c)
+    if (turns(beta_squared, c)) then
+      root = sqrt(turning_square(beta_squared, c))
+      left = exp(slow%hi*stretch%start)
+      reach = min(stretch%end, 1.0_dp/root%hi)*left
+      if (velocity) reach = left*(1.0_dp + 0.5_dp*c*min(stretch%end, 1.0_dp/root%hi))
+      return
+    end if
+    fast = fast_exponent(beta_squared, c)
+    left = exp(min(furthest, slow%hi*merge(stretch%end, stretch%start, slow%hi > 0.0_dp)))
+    reach = min(stretch%end, 1.0_dp/max(slow%hi - fast, 1.0_dp/stretch%end))*left
+    if (velocity) reach = max(abs(slow%hi)*reach, exp(fast*stretch%start))
+  end function damped_reach
+
+end module bw_reach

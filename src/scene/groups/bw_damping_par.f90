@@ -1,0 +1,74 @@
+module bw_damping_par
+  !! `&damping`: the same ratio for every mode, or Rayleigh's two constants.
+  use bw_input_name, only: input_group, input_name, not_negative, real_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing
+  use bw_scene_messages, only: message_list
+  implicit none (type, external)
+  private
+  public :: build_damping, by_ratio, check_damping, settle_damping
+
+  type, public :: damping_par
+    real(dp) :: ratio = missing                    !! ζ of every mode, ≥ 0; `missing` with Rayleigh's constants
+    real(dp) :: mass_proportional = 0.0_dp         !! a [1/s], ≥ 0
+    real(dp) :: stiffness_proportional = 0.0_dp    !! b [s], ≥ 0
+  end type damping_par
+
+  type(input_group), parameter, public :: damping_group = input_group( &
+    'damping', absent='undamped', &
+    rules='Give `ratio`, the same for every mode, or Rayleigh''s constants; one of these that is not given is 0. '// &
+    'Both act on the frequencies that bending alone would give.')
+
+  type(input_name), parameter, public :: damping_names(*) = [ &
+    input_name('damping', 'ratio', real_input, '1', not_negative, swept=.true., &
+               excludes='mass_proportional stiffness_proportional', meaning='damping ratio of every mode'), &
+    input_name('damping', 'mass_proportional', real_input, 's-1', not_negative, swept=.true., excludes='ratio', &
+               meaning='damping matrix over mass matrix'), &
+    input_name('damping', 'stiffness_proportional', real_input, 's', not_negative, swept=.true., excludes='ratio', &
+               meaning='damping matrix over stiffness matrix')]
+
+contains
+
+  pure subroutine check_damping(damping, messages)
+    type(group_values), intent(in) :: damping
+    type(message_list), intent(inout) :: messages
+    if (any(damping%values%given)) return
+    call messages%add(0, 'damping%ratio', &
+                      'is missing; accepted: ratio, or mass_proportional and stiffness_proportional')
+  end subroutine check_damping
+
+  pure subroutine settle_damping(groups)
+    !! Of Rayleigh's constants, the one that is not given is 0.
+    type(group_values), intent(inout) :: groups(:)
+    integer :: i
+    i = position_of(groups, 'damping')
+    if (i == 0) return
+    if (groups(i)%given('ratio')) return
+    if (.not. groups(i)%given('mass_proportional')) call groups(i)%settle('mass_proportional', 0.0_dp, 0)
+    if (.not. groups(i)%given('stiffness_proportional')) call groups(i)%settle('stiffness_proportional', 0.0_dp, 0)
+  end subroutine settle_damping
+
+  pure subroutine build_damping(groups, damping)
+    type(group_values), intent(in) :: groups(:)   !! settled
+    type(damping_par), allocatable, intent(out) :: damping   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'damping')
+    if (i == 0) return
+    allocate (damping)
+    associate (values => groups(i))
+      if (values%known('ratio')) then
+        damping%ratio = values%number('ratio')
+      else
+        damping%mass_proportional = values%number('mass_proportional')
+        damping%stiffness_proportional = values%number('stiffness_proportional')
+      end if
+    end associate
+  end subroutine build_damping
+
+  pure logical function by_ratio(damping)
+    type(damping_par), intent(in) :: damping
+    by_ratio = .not. is_missing(damping%ratio)
+  end function by_ratio
+
+end module bw_damping_par

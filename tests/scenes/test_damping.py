@@ -1,0 +1,111 @@
+"""Damped modes in whole runs: their frequencies and rates, their histories, the tolerance, and no damping as the limit."""
+
+import numpy as np
+import pytest
+import results
+from closed_form import CapturedBeam, shapes
+from conftest import PROJECT
+from workplace import captured_beam
+
+RATIO = 0.03
+RAYLEIGH = {"mass_proportional": 4.0, "stiffness_proportional": 5e-6}  # 1/s, s
+RESPONSE = {"duration": 0.25, "samples": 512, "points": [0.5, 1.0], "velocity": True}
+PAPER = CapturedBeam(0.2, 50.0, before=12, after=10)
+
+
+def rates(damping):
+    """c of each mode, 1/s."""
+    bending = PAPER.h * PAPER.alpha**2
+    if "ratio" in damping:
+        return 2 * damping["ratio"] * bending
+    return damping["mass_proportional"] + damping["stiffness_proportional"] * bending**2
+
+
+def eigenvalues(damping):
+    """Both roots of s² + cs + β² = 0, the slower first."""
+    roots = [np.roots([1, c, beta**2]) for c, beta in zip(rates(damping), PAPER.frequency(PAPER.alpha))]
+    return np.array([pair[np.argsort(-pair.real)] for pair in roots])
+
+
+def history(damping, position, time):
+    """Displacement and velocity, (position, time)."""
+    s = eigenvalues(damping)[:, :, np.newaxis]
+    start = PAPER.modal_velocity()[:, np.newaxis] / (s[:, 0] - s[:, 1])
+    grown = np.exp(s * time)
+    modal = start * (grown[:, 0] - grown[:, 1]), start * (s[:, 0] * grown[:, 0] - s[:, 1] * grown[:, 1])
+    return [shapes(PAPER.alpha, position) @ values.real for values in modal]
+
+
+@pytest.mark.parametrize("damping", [{"ratio": RATIO}, RAYLEIGH], ids=["ratio", "Rayleigh"])
+def test_frequencies_rates_and_histories_are_those_of_the_characteristic_equation(here, damping):
+    here.scene("a", captured_beam(damping=damping, response=RESPONSE))
+    result = here.run("a")
+    s = eigenvalues(damping)
+    turns = s[:, 0].imag != 0
+    # numpy's roots of a quadratic with real roots c apart: a rounding of c, 1e3 times the slow one
+    np.testing.assert_allclose(result["growth_rate"], s[:, 0].real, rtol=1e-12)
+    np.testing.assert_allclose(result["angular_frequency"][turns], np.abs(s[turns, 0].imag), rtol=1e-12)
+    assert results.is_fill(result["angular_frequency"][~turns]).all()
+    np.testing.assert_allclose(result["phase_velocity"], PAPER.phase_velocity(PAPER.alpha), rtol=1e-12)
+    np.testing.assert_allclose(result["group_velocity"], PAPER.group_velocity(PAPER.alpha), rtol=1e-12)
+    displacement, velocity = history(damping, [0.5, 1.0], result["time"])
+    np.testing.assert_allclose(result["displacement"], displacement, atol=1e-11 * np.abs(displacement).max())
+    np.testing.assert_allclose(result["velocity"], velocity, atol=1e-11 * np.abs(velocity).max())
+    assert result.attributes["effects"] == "rotation damping impact capture"
+
+
+def test_stiffness_proportional_damping_overdamps_high_modes(here):
+    here.scene("a", captured_beam(damping={"stiffness_proportional": 1e-4}, response=RESPONSE))
+    result = here.run("a")
+    overdamped = results.is_fill(result["angular_frequency"])
+    np.testing.assert_array_equal(overdamped, 1e-4 * PAPER.h * PAPER.alpha**2 > 2)
+    assert 0 < overdamped.sum() < 10
+    assert (result["growth_rate"] < 0).all()
+
+
+def test_the_weakest_damping_is_none(here):
+    here.scene("a", captured_beam(response=RESPONSE))
+    without = here.run("a")
+    peak = np.abs(without["displacement"]).max()
+    for name, damping in [("b", {"ratio": 0.0}), ("c", {"ratio": 1e-13}), ("d", {"mass_proportional": 1e-10})]:
+        here.scene(name, captured_beam(damping=damping, response=RESPONSE))
+        # c t/2 < 2e-9 of mode 10, which is 1e-3 of the whole; of mode 1 1e-11
+        np.testing.assert_allclose(here.run(name)["displacement"], without["displacement"], atol=1e-11 * peak)
+
+
+def test_a_growing_mode_grows_more_slowly(here):
+    fast = {"angular_velocity": 300.0}
+    here.scene("a", captured_beam(rotation=fast, damping={"mass_proportional": 40.0}, response=RESPONSE))
+    result = here.run("a")
+    beta = np.sqrt(300.0**2 - (PAPER.h * PAPER.alpha[0] ** 2) ** 2)
+    np.testing.assert_allclose(result["growth_rate"][0], np.hypot(beta, 20.0) - 20.0, rtol=1e-13)
+    tip = result["displacement"][1]
+    grown = np.log(np.abs(tip[-1] / tip[-101])) / (result["time"][-1] - result["time"][-101])
+    np.testing.assert_allclose(grown, result["growth_rate"][0], rtol=1e-9)  # the rest is e^(-40) of it
+
+
+def test_the_tolerance_is_kept(here):
+    scene = captured_beam(modes=None, damping={"ratio": 2e-5}, response={**RESPONSE, "velocity": False})
+    runs = {}
+    for tolerance in [1e-4, 1e-6, 1e-9]:
+        here.scene("a", {**scene, "modes": {"tolerance": tolerance}})
+        runs[tolerance] = here.run("a", "--overwrite")
+    peak = np.abs(runs[1e-9]["displacement"]).max()
+    for tolerance in [1e-4, 1e-6]:
+        error = np.abs(runs[tolerance]["displacement"] - runs[1e-9]["displacement"]).max(axis=1)
+        assert (error <= runs[tolerance]["displacement_error"]).all()
+        assert (error <= tolerance * peak).all()
+    assert runs[1e-4]["mode_count"] < runs[1e-6]["mode_count"] < runs[1e-9]["mode_count"]
+
+
+def test_the_scene_shows_what_its_head_says(here):
+    ended = here.beamwave("run", PROJECT / "input/effects/damping.nml")
+    assert ended.returncode == 0, ended.stderr
+    result = here.result("damping")
+    assert f"{result['angular_frequency'][0]:.1f}" == "111.1"
+    late = result["time"] > 0.5
+    time, tip = result["time"][late], result["displacement"][1, late]
+    swing = np.exp((result["growth_rate"][0] + 1j * result["angular_frequency"][0]) * time)
+    basis = np.stack([swing.real, swing.imag], axis=1)
+    rest = tip - basis @ np.linalg.lstsq(basis, tip, rcond=None)[0]
+    assert np.abs(rest).max() < 0.01 * np.abs(tip).max()
