@@ -1,8 +1,9 @@
-"""From result files to PNG and GIF files, one failure at a time."""
+"""From result files to PNG, GIF and CSV files, one failure at a time."""
 
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Callable
 
@@ -17,10 +18,10 @@ EXIT_DONE, EXIT_USAGE, EXIT_FILE = 0, 2, 3
 DPI = 200
 
 
-def save(fig: Figure, path: Path) -> None:
-    """Write `fig` as PNG; no half-written picture is left behind when that fails."""
+def save(path: Path, write: Callable[[Path], object]) -> None:
+    """Have `write` write a file; nothing half-written is left behind when that fails."""
     try:
-        fig.savefig(path, dpi=DPI)
+        write(path)
     except OSError:
         path.unlink(missing_ok=True)
         raise
@@ -31,10 +32,10 @@ def draw_file(source: Path, draw: Callable[[xr.Dataset], dict[Path, Figure]]) ->
 
     def write(ds: xr.Dataset) -> None:
         for path, fig in draw(ds).items():
-            save(fig, path)
+            save(path, partial(fig.savefig, dpi=DPI))
             print(path)
 
-    return _read(source, write)
+    return read_file(source, write)
 
 
 def film_file(source: Path, path: Path) -> bool:
@@ -47,11 +48,11 @@ def film_file(source: Path, path: Path) -> bool:
         save_film(shown, path)
         print(path)
 
-    return _read(source, write)
+    return read_file(source, write)
 
 
-def _read(source: Path, write: Callable[[xr.Dataset], None]) -> bool:
-    """Open `source` and `write` what is drawn of it; whether that went well."""
+def read_file(source: Path, write: Callable[[xr.Dataset], None]) -> bool:
+    """Open `source` and `write` what is made of it; whether that went well."""
     try:
         with open_result(source) as ds:
             write(ds)

@@ -1,0 +1,49 @@
+"""The waves that were measured, as tables: `python -m beamwave_postproc.peaks FILE.nc …`.
+
+Writes `<stem>_peaks.csv` beside each result: a line for each spectral peak, in SI units.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+import xarray as xr
+
+from .files import EXIT_DONE, EXIT_FILE, read_file, save
+from .measured import QUANTITIES
+from .result import require
+
+MEASURED = [f"measured_{name}{part}" for name in QUANTITIES for part in ("", "_error")]
+
+
+def peaks(ds: xr.Dataset) -> pd.DataFrame:
+    """Return one row for each spectral peak, by `peak` and in a sweep by `case`; swept inputs are columns."""
+    require(ds, *MEASURED)
+    return ds[MEASURED].to_dataframe().dropna(subset=["measured_angular_frequency"])
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Write the tables; 0, or 3 if any of them could not be written."""
+    words = argparse.ArgumentParser(prog="python -m beamwave_postproc.peaks", description=__doc__.splitlines()[0])
+    words.add_argument("files", metavar="FILE.nc", nargs="+", type=Path, help="a result of beamwave with a spectrum")
+    done = [_write(file) for file in words.parse_args(argv).files]
+    return EXIT_DONE if all(done) else EXIT_FILE
+
+
+def _write(source: Path) -> bool:
+    """Write the table of one file beside it; whether that went well."""
+
+    def write(ds: xr.Dataset) -> None:
+        path = source.with_name(f"{source.stem}_peaks.csv")
+        save(path, peaks(ds).to_csv)
+        print(path)
+
+    return read_file(source, write)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
