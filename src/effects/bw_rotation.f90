@@ -3,10 +3,11 @@ module bw_rotation
   !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd, to_dd, operator(*)
+  use bw_kinds, only: dp
   use bw_rotation_par, only: rotation_par
   implicit none (type, external)
   private
-  public :: acts_in_plane, dimensionless_speed
+  public :: acts_in_plane, dimensionless_speed, speed_in_plane
 
 contains
 
@@ -21,5 +22,17 @@ contains
     type(beam_units), intent(in) :: units
     omega = to_dd(abs(rotation%angular_velocity))*units%time
   end function dimensionless_speed
+
+  pure real(dp) function speed_in_plane(rotation, units) result(speed)
+    !! |ω| l²/h where rotation acts in the plane of the motion, else 0.
+    type(rotation_par), intent(in), optional :: rotation
+    type(beam_units), intent(in) :: units
+    type(dd) :: omega
+    speed = 0.0_dp
+    if (.not. present(rotation)) return
+    if (.not. acts_in_plane(rotation)) return
+    omega = dimensionless_speed(rotation, units)
+    speed = omega%hi
+  end function speed_in_plane
 
 end module bw_rotation

@@ -63,8 +63,8 @@ contains
     response%finite_samples = grid%samples
   end subroutine start_histories
 
-  subroutine add_motion(modes, rate, points, grid, unit_time, monitor, response)
-    !! Add modes that start from rest position; velocities are in m per unit of time until the histories are finished.
+  subroutine add_motion(modes, rate, points, grid, unit_time, monitor, response, displaced)
+    !! Add modes that start from any state; velocities are in m per unit of time until the histories are finished.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)              !! modal velocities at t = 0, m per l²/h, (modes)
     real(dp), intent(in) :: points(:)            !! ξ, (points)
@@ -72,9 +72,11 @@ contains
     real(dp), intent(in) :: unit_time            !! l²/h, s
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
+    real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
     real(dp) :: shapes(modes%count, size(points)), q(modes%count)
     shapes = modes%shapes(points)
     q = 0.0_dp
+    if (present(displaced)) q = displaced
     if (allocated(modes%damping)) then
       call add_damped(modes%beta_squared, modes%damping, q, rate, shapes, grid, unit_time, monitor, response)
     else

@@ -18,7 +18,7 @@ module bw_truncation
   use bw_reach, only: damped_reach, stretch_type, turns, undamped_reach
   implicit none (type, external)
   private
-  public :: truncation_error, tail_error, with_start
+  public :: truncation_error, tail_error, with_start, add_tail, largest
 
   real(dp), parameter :: safety = 2.5_dp          !! empirical
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
@@ -116,7 +116,7 @@ contains
                                safety*sqrt(0.5_dp*sums%square)*sqrt(2.0_dp*log(2.0_dp*max(2, samples))))
   end function largest
 
-  subroutine add_tail(count, source, force, points, stretch, velocity, sums)
+  subroutine add_tail(count, source, force, points, stretch, velocity, sums, shown)
     !! The continuum's modes from `count` + 1 on.
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
@@ -125,7 +125,8 @@ contains
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums(:)
-    class(mode_set), allocatable :: modes
+    class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
+    class(mode_set), allocatable :: modes, others
     type(deviation_type) :: before(size(points))
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
@@ -134,8 +135,14 @@ contains
       last = min(2*max(first, run_length), source%highest)
       call source%find(sampled(first, last), modes)
       before = sums
-      call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, &
-                     real(last - first + 1, dp)/modes%count, sums)
+      if (present(shown)) then
+        call shown%find(sampled(first, last), others)
+        call add_modes(others, force*modes%tip/modes%modal_mass, points, stretch, velocity, &
+                       real(last - first + 1, dp)/modes%count, sums)
+      else
+        call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, &
+                       real(last - first + 1, dp)/modes%count, sums)
+      end if
       if (last == source%highest) exit
       if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
           all(sums%growing - before%growing <= negligible*sums%growing) .and. &

@@ -3,8 +3,8 @@ module bw_case_fields
   !! its dimensions say, with fill where the case has less. All cases of a scene have the same length.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_result
+  use bw_event, only: no_event
   use bw_missing, only: missing
-  use bw_netcdf, only: unwritten
   use bw_result_layout, only: dimension_length, has_dimension, result_layout
   use bw_result_table, only: is_held, variable_row, variable_table
   use bw_result_values, only: value_of
@@ -122,7 +122,7 @@ contains
       case ('displacement'); call copy_matrix(result%response%displacement, numbers)
       case ('velocity'); call copy_matrix(result%response%velocity, numbers)
       case ('amplitude'); call copy_matrix(result%amplitude, numbers)
-      case ('event_kind'); call copy(real(result%events%kind, dp), real(unwritten, dp), numbers)
+      case ('event_kind'); call copy(real(result%events%kind, dp), real(no_event, dp), numbers)
       case ('peak_count'); numbers = result%measured%peak_count
       case ('mode_count'); numbers = result%mode_count
       case default; numbers = result%status

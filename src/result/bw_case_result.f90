@@ -2,6 +2,7 @@ module bw_case_result
   !! Everything that one case yields, as the rooms before this one hand it over.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
+  use bw_course, only: course_type
   use bw_event, only: event_type
   use bw_impact, only: impact_type
   use bw_measured, only: measured_type
@@ -28,6 +29,7 @@ module bw_case_result
     real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
     type(event_type), allocatable :: events(:)        !! in the order of time
+    type(course_type), allocatable :: courses(:)      !! between events; where there is none at t > 0, the motion is one
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI

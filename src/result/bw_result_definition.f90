@@ -87,7 +87,7 @@ contains
     call put_words(file%id, file%path, variable, case_words, 0, error)
     if (.not. has_dimension(file%layout, 'event')) return
     call define(file, 'event_kind', 'event', nf90_int, '1', 'kind of the event', variable, error)
-    call put_words(file%id, file%path, variable, event_words, 1, error)
+    call put_words(file%id, file%path, variable, event_words, 0, error)
   end subroutine define_numbers
 
   subroutine define(file, name, dimensions, kind, units, long_name, variable, error)

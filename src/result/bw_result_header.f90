@@ -80,6 +80,7 @@ contains
     if (allocated(scene%damping)) text = text//' damping'
     if (allocated(scene%impact)) text = text//' impact'
     if (allocated(scene%capture)) text = text//' capture'
+    if (allocated(scene%release)) text = text//' release'
     text = trim(adjustl(text))
   end function effects_text
 

@@ -35,6 +35,7 @@ contains
       layout%profile = scene%impact%profile_points
       layout%events = 1
       if (allocated(scene%capture)) layout%events = 2
+      if (allocated(scene%release)) layout%events = 3
     end if
     if (.not. allocated(scene%response)) return
     layout%points = size(scene%response%points)

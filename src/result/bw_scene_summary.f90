@@ -59,6 +59,8 @@ contains
         number_or_swept(scene, 'impact%restitution', scene%impact%restitution, '')//')'
       if (allocated(scene%capture)) then
         text = text//', capture'
+        if (allocated(scene%release)) text = text//', release at '// &
+          number_or_swept(scene, 'release%time', scene%release%time, ' s')
       else
         text = text//', rebound'
       end if

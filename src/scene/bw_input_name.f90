@@ -29,7 +29,7 @@ module bw_input_name
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(360) :: rules = ''             !! what its names have to do with each other
+    character(480) :: rules = ''             !! what its names have to do with each other
     character(48) :: needs = ''              !! groups that have to be there too, by blanks
     logical :: required = .false.
     logical :: implied = .false.             !! absent is the same as empty

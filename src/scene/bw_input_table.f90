@@ -7,6 +7,7 @@ module bw_input_table
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, name_length
   use bw_modes_par, only: modes_group, modes_names
+  use bw_release_par, only: release_group, release_names
   use bw_response_par, only: response_group, response_names
   use bw_rotation_par, only: rotation_group, rotation_names
   use bw_scene_par, only: scene_group, scene_names
@@ -23,6 +24,7 @@ module bw_input_table
     damping_group, &
     impact_group, &
     capture_group, &
+    release_group, &
     modes_group, &
     response_group, &
     spectrum_group, &
@@ -35,6 +37,7 @@ module bw_input_table
     damping_names, &
     impact_names, &
     capture_names, &
+    release_names, &
     modes_names, &
     response_names, &
     spectrum_names, &

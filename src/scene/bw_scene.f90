@@ -6,6 +6,7 @@ module bw_scene
   use bw_impact_par, only: build_impact, impact_par
   use bw_input_values, only: group_values
   use bw_modes_par, only: build_modes, modes_par
+  use bw_release_par, only: build_release, release_par
   use bw_response_par, only: build_response, response_par
   use bw_rotation_par, only: build_rotation, rotation_par
   use bw_scene_messages, only: message_list
@@ -26,6 +27,7 @@ module bw_scene
     type(damping_par), allocatable :: damping     !! &damping; absent: undamped
     type(impact_par), allocatable :: impact       !! &impact; absent: modes and wave velocities only
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
+    type(release_par), allocatable :: release     !! &release; absent: a captured mass stays
     type(modes_par) :: modes                      !! &modes, always settled
     type(response_par), allocatable :: response   !! &response; absent: no time history
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
@@ -49,6 +51,7 @@ contains
     call build_damping(scene%groups, scene%damping)
     call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
     call build_capture(scene%groups, scene%capture)
+    call build_release(scene%groups, scene%release)
     call build_modes(scene%groups, scene%modes)
     call build_response(scene%groups, scene%response)
     call build_spectrum(scene%groups, scene%spectrum)

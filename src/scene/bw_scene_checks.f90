@@ -106,7 +106,8 @@ contains
     struck = position_of(groups, 'impact') > 0
     captured = struck .and. position_of(groups, 'capture') > 0
     associate (modes => groups(position_of(groups, 'modes')))
-      call settle_modes(modes, struck .and. .not. captured, captured, position_of(groups, 'response') > 0, messages)
+      call settle_modes(modes, struck .and. .not. captured, captured, position_of(groups, 'response') > 0, &
+                        position_of(groups, 'release') > 0, messages)
     end associate
   end subroutine settle_groups
 

@@ -15,14 +15,14 @@ module bw_case_modes
 
 contains
 
-  subroutine find_modes(scene, result, free, loaded, source)
+  subroutine find_modes(scene, result, free, loaded, source, alone)
     !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force. Where a
     !! tolerance says how many are summed, there are none before the capture, and the first few stand for those after it.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
     class(mode_set), allocatable, intent(out) :: free, loaded
     class(mode_source), allocatable, intent(out) :: source   !! of beam and mass; absent: the mass is not captured
-    class(mode_source), allocatable :: alone
+    class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     real(dp), allocatable :: longest               ! absent: no history is asked for
     call find_rotation(scene, result, omega)

@@ -2,6 +2,7 @@ module bw_histories
   !! The histories of a case: from the modes that a scene counts, or from as many as its tolerance takes.
   use bw_kinds, only: dp
   use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
+  use bw_course_histories, only: last_sample, sum_courses
   use bw_continuum, only: continuum_velocity
   use bw_error, only: error_type, fail, status_bad_input
   use bw_mode_choice, only: modes_for, most_modes
@@ -11,6 +12,8 @@ module bw_histories
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
   use bw_response, only: add_motion, finish_histories, free_motion, start_histories, sum_tolerance
   use bw_scene, only: scene_type
+  use bw_reach, only: stretch_type
+  use bw_release_error, only: release_error
   use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -26,10 +29,12 @@ module bw_histories
 
 contains
 
-  subroutine respond(scene, source, monitor, result, whole)
-    !! Histories from the state after the last event at t = 0, and how far they may be from those of infinitely many modes.
+  subroutine respond(scene, free, loaded, source, alone, monitor, result, whole)
+    !! Histories from the state after each event to the next, and how far they may be from those of infinitely many modes.
     type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
     class(mode_source), intent(in), optional :: source       !! modes of beam and mass; absent: the mass is not captured
+    class(mode_source), intent(in) :: alone                  !! modes of the beam alone
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
     logical, intent(out) :: whole                            !! false where the monitor asked to stop before the end
@@ -40,6 +45,9 @@ contains
     allocate (result%response)
     if (by_tolerance(scene%modes)) then
       call sum_to_tolerance(scene, source, grid, monitor, result)
+    else if (allocated(result%courses)) then
+      call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
+      call sum_courses(free, loaded, scene%response%points, grid, monitor, result)
     else
       call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
                        result%units%time%hi, scene%response%velocity, monitor, result%response)
@@ -49,7 +57,7 @@ contains
     if (result%response%failing_mode > 0) then
       call note_overflow(scene, result)
     else if (present(source) .and. result%status == case_done) then
-      call estimate_errors(scene, source, grid, result)
+      call estimate_errors(scene, source, alone, grid, result)
     end if
   end subroutine respond
 
@@ -62,10 +70,10 @@ contains
       ' s; the histories hold fill from there on')
   end subroutine note_overflow
 
-  subroutine estimate_errors(scene, source, grid, result)
+  subroutine estimate_errors(scene, source, alone, grid, result)
     !! `displacement_error` and `velocity_error`, SI.
     type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source
+    class(mode_source), intent(in) :: source, alone
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp) :: speed
@@ -80,7 +88,10 @@ contains
       logical, intent(in) :: velocity
       real(dp), allocatable :: values(:)
       real(dp) :: force, longest
-      longest = grid%samples*grid%step%hi
+      integer :: samples
+      samples = grid%samples
+      if (allocated(result%courses)) samples = last_sample(result%courses, 1, grid)
+      longest = samples*grid%step%hi
       associate (gamma => scene%impact%mass_ratio, points => scene%response%points)
         force = (1.0_dp + scene%impact%restitution)*gamma
         if (by_tolerance(scene%modes)) then
@@ -88,11 +99,30 @@ contains
         else
           values = truncation_error(result%modes, result%modal_velocity &
                                     - continuum_velocity(result%modes, gamma, scene%impact%restitution), &
-                                    source, force, points, longest, grid%samples, velocity)
+                                    source, force, points, longest, samples, velocity)
         end if
+        if (allocated(result%courses)) values = max(values, after_release(scene, source, alone, force, grid, result, velocity))
       end associate
     end function errors
   end subroutine estimate_errors
+
+  function after_release(scene, source, alone, force, grid, result, velocity) result(values)
+    !! The same after the mass has left, (points).
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    logical, intent(in) :: velocity
+    real(dp), allocatable :: values(:)
+    integer :: before
+    before = last_sample(result%courses, 1, grid)
+    associate (course => result%courses(2))
+      values = release_error(course%q, course%rate, source, alone, result%mode_count, force, course%start, &
+                             scene%response%points, &
+                             stretch_type(0.0_dp, grid%samples*grid%step%hi - course%start%hi, grid%samples - before), velocity)
+    end associate
+  end function after_release
 
   pure real(dp) function sum_error(scene, grid, result)
     !! Of the sum itself, as a part of the largest value at any point.

@@ -6,11 +6,13 @@ module bw_one_case
   use bw_capture, only: capture_type, capture_mass
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_result, add_note, case_done
+  use bw_course_histories, only: last_sample
   use bw_continuum, only: continuum_capture, continuum_impact, continuum_velocity
   use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_histories, only: plan_count, respond
   use bw_impact, only: strike
+  use bw_later_events, only: follow_events
   use bw_measured, only: measure_waves
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
@@ -18,6 +20,7 @@ module bw_one_case
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
   use bw_text, only: shortest, text_of
+  use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
   public :: run_case, plan_case
@@ -34,16 +37,18 @@ contains
     logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was summed
     class(mode_set), allocatable :: free, loaded
     class(mode_source), allocatable :: source     ! of beam and mass
+    class(mode_source), allocatable :: alone      ! of the beam alone
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source)
+    call find_modes(scene, result, free, loaded, source, alone)
     call note_growth(result)
     result%mode_count = result%modes%count
     call watch%lap(stage_modes)
     call apply_events(scene, free, loaded, result)
+    call follow_events(scene, free, loaded, result)
     call watch%lap(stage_events)
-    call respond(scene, source, monitor, result, whole)
+    call respond(scene, free, loaded, source, alone, monitor, result, whole)
     if (.not. whole) return
     call watch%lap(stage_response)
     call take_spectrum(scene, layout, result)
@@ -58,9 +63,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
     class(mode_set), allocatable :: free, loaded
-    class(mode_source), allocatable :: source     ! of beam and mass
+    class(mode_source), allocatable :: source, alone     ! of beam and mass, of the beam alone
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source)
+    call find_modes(scene, result, free, loaded, source, alone)
     result%approach_velocity = scene%impact%approach_velocity
     call plan_count(scene, source, result, error)
     count = result%mode_count
@@ -143,7 +148,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result
-    integer :: p
+    integer :: p, first
     if (.not. allocated(scene%spectrum)) return
     associate (histories => result%response%displacement)
       if (result%status /= case_done) then
@@ -158,7 +163,10 @@ contains
         call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
       else
         allocate (result%measured)
-        call measure_waves(histories(:, layout%tip), histories(:, layout%middle), scene%response%duration, &
+        first = 1
+        if (allocated(result%courses)) first = first_of_last(scene, result)
+        call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
+                           scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &
                            scene%beam%length, scene%spectrum%max_peaks, .true., result%measured)
       end if
     end associate
@@ -167,5 +175,16 @@ contains
       call add_note(result, result%measured%notes(p)%text)
     end do
   end subroutine take_spectrum
+
+  integer function first_of_last(scene, result) result(first)
+    !! The sample, from 1, with which the last course of the motion begins: waves are measured from there on.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    type(time_grid) :: grid
+    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
+    first = last_sample(result%courses, size(result%courses) - 1, grid) + 1
+    call add_note(result, 'measured: the waves are those of the '//text_of(grid%samples - first + 1)// &
+                  ' samples after the last event')
+  end function first_of_last
 
 end module bw_one_case

@@ -63,6 +63,12 @@ CONFLICTS = {
     "two masses": captured_beam(impact={"mass": 1.0}),
     "two counts for one set of modes": captured_beam(capture=None),
     "diameter beside area": captured_beam(beam={"area": 1e-3}),
+    "release of a mass that was not captured": captured_beam(
+        capture=None, modes={"before": 5, "after": 5}, release={"time": 0.01}
+    ),
+    "a release to a tolerance": captured_beam(
+        modes=None, release={"time": 0.01}, response={"duration": 0.1, "samples": 64}
+    ),
     "damping of no kind": captured_beam(damping={}),
     "damping of two kinds": captured_beam(damping={"ratio": 0.01, "mass_proportional": 1.0}),
 }

@@ -1,0 +1,65 @@
+module bw_release
+  !! The captured mass leaves. Displacement and velocity of the beam are continuous; the state goes over to the modes of
+  !! the beam alone by its projection with the beam's own weight ρA. The mass leaves with the velocity of the tip.
+  !!
+  !! Energies are those that a rotating frame keeps: kinetic and elastic, less ½ω² times the second moment of what
+  !! turns in the plane of the motion. What a projection on finitely many modes loses is never negative but by that part.
+  use bw_course, only: beam_energy
+  use bw_event, only: event_type, release_event
+  use bw_kinds, only: dp
+  use bw_mode_set, only: mode_set
+  implicit none (type, external)
+  private
+  public :: release_mass, mass_energy
+
+  type, public :: release_type
+    !! The state just after the release; units of bw_course.
+    real(dp), allocatable :: q(:), rate(:)       !! of the beam alone, (modes)
+    real(dp) :: energy_leaving = 0.0_dp          !! that the mass takes with it
+    real(dp) :: kinetic_leaving = 0.0_dp         !! the same without the part of the centrifugal force
+    real(dp) :: energy_lost = 0.0_dp             !! that the modes of the beam alone do not hold
+    type(event_type) :: event
+  end type release_type
+
+contains
+
+  pure type(release_type) function release_mass(loaded, q, rate, free, speed) result(release)
+    class(mode_set), intent(in) :: loaded        !! modes of beam and mass
+    real(dp), intent(in) :: q(:), rate(:)        !! their state
+    class(mode_set), intent(in) :: free          !! modes of the beam alone
+    real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
+    real(dp) :: tip_displacement, tip_velocity
+    tip_displacement = dot_product(loaded%tip, q)
+    tip_velocity = dot_product(loaded%tip, rate)
+    allocate (release%q(free%count), release%rate(free%count))
+    release%q = free%overlap_of_beam(loaded, q)/free%modal_mass
+    release%rate = free%overlap_of_beam(loaded, rate)/free%modal_mass
+    release%energy_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, speed)
+    release%kinetic_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, 0.0_dp)
+    associate (event => release%event)
+      event%kind = release_event
+      event%energy_before = beam_energy(loaded, q, rate)
+      event%energy_after = beam_energy(free, release%q, release%rate) + release%energy_leaving
+      event%momentum_before = dot_product(first_seen(loaded, free), rate)/free%tip(1)
+      event%momentum_after = free%modal_mass(1)*release%rate(1)/free%tip(1) + loaded%gamma*tip_velocity
+      release%energy_lost = event%energy_before - event%energy_after
+    end associate
+  end function release_mass
+
+  pure function first_seen(loaded, free) result(sums)
+    !! What the first mode of the beam alone is to the modes with the mass: ∫Φ̄_kφ_1 dξ + γΦ̄_k(1)φ_1(1).
+    class(mode_set), intent(in) :: loaded, free
+    real(dp) :: sums(loaded%count), first(free%count)
+    first = 0.0_dp
+    first(1) = 1.0_dp
+    sums = loaded%overlap_with_mass(free, first)
+  end function first_seen
+
+  elemental real(dp) function mass_energy(gamma, displacement, velocity, speed) result(energy)
+    !! ½γ(v² − ω²y²).
+    real(dp), intent(in) :: gamma, displacement, velocity
+    real(dp), intent(in) :: speed                !! ω, 0 where the mass does not move in the plane of rotation
+    energy = 0.5_dp*gamma*(velocity - speed*displacement)*(velocity + speed*displacement)
+  end function mass_energy
+
+end module bw_release

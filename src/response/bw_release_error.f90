@@ -1,0 +1,99 @@
+module bw_release_error
+  !! How far the motion after a release is from that of infinitely many modes.
+  !!
+  !! The mass leaves with the velocity that finitely many modes give the tip; what they lack of it the beam keeps in all
+  !! its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after the
+  !! release is found in the same way, and the amplitudes of its difference add up as those of bw_truncation do; modes
+  !! beyond these are taken with the amplitudes that the continuum has before the release.
+  use bw_course, only: move
+  use bw_double_double, only: dd, sqrt
+  use bw_kinds, only: dp
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_reach, only: damped_reach, stretch_type, turns
+  use bw_truncation, only: add_tail, deviation_type, largest
+  implicit none (type, external)
+  private
+  public :: release_error
+
+  integer, parameter :: fewest = 256              !! modes of the better state
+  integer, parameter :: most_more = 6000          !! at most so many more: the projection takes the square of their number
+  real(dp), parameter :: margin = 1.25_dp         !! empirical: for what the better state lacks itself
+
+contains
+
+  function release_error(q, rate, loaded, alone, count, force, released, points, stretch, velocity) result(error)
+    !! Estimates of the largest error over the samples after the release, (points).
+    real(dp), intent(in) :: q(:), rate(:)         !! state of the beam alone just after the release, (modes)
+    class(mode_source), intent(in) :: loaded      !! modes with the mass
+    class(mode_source), intent(in) :: alone       !! and without
+    integer, intent(in) :: count                  !! of the modes with the mass that were summed
+    real(dp), intent(in) :: force                 !! the continuum's modal velocities are force·Φ_k(1)/M_k
+    type(dd), intent(in) :: released              !! time of the release, l²/h
+    real(dp), intent(in) :: points(:)             !! ξ, (points)
+    type(stretch_type), intent(in) :: stretch     !! after it, times from the release
+    logical, intent(in) :: velocity               !! of the velocity, else of the displacement
+    real(dp) :: error(size(points))
+    class(mode_set), allocatable :: many, free
+    type(deviation_type) :: sums(size(points))
+    real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
+    integer :: k, n
+    n = max(count, size(q))
+    n = min(max(fewest, min(4*n, n + most_more)), loaded%highest, alone%highest)
+    call loaded%find([(k, k=1, n)], many)
+    call alone%find([(k, k=1, n)], free)
+    start = [(0.0_dp, k=1, n)]
+    start_rate = force*many%tip/many%modal_mass
+    call move(many, released, start, start_rate)
+    lacking = free%overlap_of_beam(many, start)/free%modal_mass
+    lacking_rate = free%overlap_of_beam(many, start_rate)/free%modal_mass
+    lacking(:size(q)) = lacking(:size(q)) - q
+    lacking_rate(:size(q)) = lacking_rate(:size(q)) - rate
+    call add_state(free, lacking, lacking_rate, points, stretch, velocity, sums)
+    call add_tail(n, loaded, force, points, stretch_type(released%hi, released%hi + stretch%end, stretch%samples), velocity, &
+                  sums, shown=alone)
+    error = margin*largest(sums, stretch%samples)
+  end function release_error
+
+  pure subroutine add_state(modes, q, rate, points, stretch, velocity, sums)
+    !! Amplitudes of modes that start from any state.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q(:), rate(:), points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    real(dp) :: shapes(modes%count, size(points)), amplitude(modes%count), c(modes%count)
+    logical :: swinging(modes%count)
+    integer :: p
+    c = 0.0_dp
+    if (allocated(modes%damping)) c = modes%damping
+    swinging = turns(modes%beta_squared, c)
+    amplitude = amplitude_of(modes%beta_squared, c, q, rate, stretch, velocity)
+    shapes = modes%shapes(points)
+    do p = 1, size(points)
+      sums(p)%magnitude = sums(p)%magnitude + sum(abs(amplitude*shapes(:, p)), mask=swinging)
+      sums(p)%square = sums(p)%square + sum((amplitude*shapes(:, p))**2, mask=swinging)
+      sums(p)%growing = sums(p)%growing + sum(abs(amplitude*shapes(:, p)), mask=.not. swinging)
+    end do
+  end subroutine add_state
+
+  elemental real(dp) function amplitude_of(beta_squared, c, q, rate, stretch, velocity) result(amplitude)
+    !! The largest displacement or velocity of a mode over the stretch, or a little more.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c, q, rate
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(dd) :: beta
+    beta = sqrt(beta_squared)
+    if (turns(beta_squared, c)) then
+      amplitude = hypot(q, rate/beta%hi)
+      if (velocity) amplitude = beta%hi*amplitude
+    else if (velocity) then
+      amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &
+        + abs(q*beta_squared%hi)*damped_reach(beta_squared, c, stretch, .false.)
+    else
+      amplitude = (abs(rate) + c*abs(q))*damped_reach(beta_squared, c, stretch, .false.) &
+        + abs(q)*damped_reach(beta_squared, c, stretch, .true.)
+    end if
+  end function amplitude_of
+
+end module bw_release_error

@@ -1,0 +1,48 @@
+module bw_recontact_par
+  !! `&recontact`: a mass that rebounded may strike the tip again.
+  use bw_input_name, only: input_group, input_name, integer_input, number_range
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  implicit none (type, external)
+  private
+  public :: build_recontact, check_recontact
+
+  type, public :: recontact_par
+    integer :: max_contacts = 100       !! contacts after the first impact that are followed
+  end type recontact_par
+
+  type(input_group), parameter, public :: recontact_group = input_group( &
+    'recontact', needs='impact response', absent='a rebounded mass never returns', &
+    rules='It excludes `&capture`. The mass moves in a guide that turns with the hub. Contacts that follow each '// &
+    'other ever faster become one that lasts, until the mass is no longer pressed against the tip.')
+
+  type(input_name), parameter, public :: recontact_names(*) = [ &
+    input_name('recontact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '100', swept=.true., &
+               meaning='contacts after the impact at which the search for more ends')]
+
+contains
+
+  pure subroutine check_recontact(groups, messages)
+    !! A captured mass does not come back.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: recontact, capture
+    recontact = position_of(groups, 'recontact')
+    capture = position_of(groups, 'capture')
+    if (recontact == 0 .or. capture == 0) return
+    call messages%add(max(groups(recontact)%line, groups(capture)%line), '&recontact', &
+                      'excludes &capture: a mass that stays does not come back; accepted: one or the other')
+  end subroutine check_recontact
+
+  pure subroutine build_recontact(groups, recontact)
+    type(group_values), intent(in) :: groups(:)
+    type(recontact_par), allocatable, intent(out) :: recontact   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'recontact')
+    if (i == 0) return
+    allocate (recontact)
+    recontact%max_contacts = groups(i)%whole('max_contacts')
+  end subroutine build_recontact
+
+end module bw_recontact_par

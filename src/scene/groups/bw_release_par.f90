@@ -1,0 +1,35 @@
+module bw_release_par
+  !! `&release`: a captured mass leaves again.
+  use bw_input_name, only: input_group, input_name, positive, real_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: build_release
+
+  type, public :: release_par
+    real(dp) :: time = 0.0_dp       !! t_r [s], > 0
+  end type release_par
+
+  type(input_group), parameter, public :: release_group = input_group( &
+    'release', needs='capture', absent='a captured mass stays', &
+    rules='A sample at exactly that time belongs to the beam without the mass. A time beyond the end of the '// &
+    'record changes nothing.')
+
+  type(input_name), parameter, public :: release_names(*) = [ &
+    input_name('release', 'time', real_input, 's', positive, required=.true., swept=.true., &
+               meaning='time at which the mass leaves the tip')]
+
+contains
+
+  pure subroutine build_release(groups, release)
+    type(group_values), intent(in) :: groups(:)
+    type(release_par), allocatable, intent(out) :: release   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'release')
+    if (i == 0) return
+    allocate (release)
+    release%time = groups(i)%number('time')
+  end subroutine build_release
+
+end module bw_release_par

@@ -1,0 +1,131 @@
+"""A captured mass leaves again: what is continuous, what is kept, what is lost, and the limits of its time."""
+
+import numpy as np
+import pytest
+from closed_form import CapturedBeam, roots, shapes
+from conftest import PROJECT
+from workplace import captured_beam
+
+RESPONSE = {"duration": 0.25, "samples": 1000, "points": [0.5, 1.0], "velocity": True}
+LEAVES = 0.1  # s: sample 400 exactly
+COUNTS = {"before": 30, "after": 20}
+
+
+def released_beam(**groups):
+    return captured_beam(**{"modes": COUNTS, "response": RESPONSE, "release": {"time": LEAVES}, **groups})
+
+
+def gauss(count=500):
+    point, weight = np.polynomial.legendre.leggauss(count)
+    return (point + 1) / 2, weight / 2
+
+
+def motion(position, time):
+    """Displacement (position, time) after the release: the projection by quadrature, then free modes."""
+    before = CapturedBeam(0.2, 50.0, before=30, after=20)
+    free = roots(30, 0.0)
+    point, weight = gauss()
+    beta = before.frequency(before.alpha)
+    q = before.modal_velocity() / beta * np.sin(beta * LEAVES)
+    rate = before.modal_velocity() * np.cos(beta * LEAVES)
+    onto = (shapes(free, point) * weight[:, np.newaxis]).T @ shapes(before.alpha, point)  # free masses are 1
+    p, p_rate = onto @ q, onto @ rate
+    beta = before.frequency(free)
+    modal = p[:, np.newaxis] * np.cos(np.outer(beta, time)) + (p_rate / beta)[:, np.newaxis] * np.sin(np.outer(beta, time))
+    return shapes(free, position) @ modal
+
+
+def test_before_it_the_motion_is_that_of_the_capture_and_after_it_that_of_the_beam_alone(here):
+    here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
+    here.scene("b", released_beam())
+    kept, left = here.run("a"), here.run("b")
+    np.testing.assert_allclose(left["displacement"][:, :400], kept["displacement"][:, :400], atol=1e-16)
+    late = left["time"] >= LEAVES
+    assert late.sum() == 600  # the sample at exactly its time is the first of them
+    expected = motion([0.5, 1.0], left["time"][late] - LEAVES)
+    # 1000 rad of phase in numpy's mode 30, which is 1e-4 of the whole
+    np.testing.assert_allclose(left["displacement"][:, late], expected, atol=1e-11 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("plane", ["in", "out"])
+def test_generalised_momentum_is_kept_and_energy_lost_by_truncation_alone(here, plane):
+    lost = []
+    for count in [20, 80, 320]:
+        modes = {"before": count, "after": 20}
+        here.scene("a", released_beam(modes=modes, rotation={"angular_velocity": 50.0, "plane": plane}))
+        result = here.run("a", "--overwrite")
+        np.testing.assert_array_equal(result["event_kind"], [1, 2, 3])
+        np.testing.assert_array_equal(result["event_time"], [0.0, 0.0, LEAVES])
+        # the integrals of 20 modes, each to 1e-13 of the largest
+        np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-11)
+        np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-12)
+        lost.append(1 - result["energy_after"][2] / result["energy_before"][2])
+    assert lost[0] > lost[1] > lost[2] > 0
+    # strain: sum of (force/alpha^2)^2, so n^-3 in the end; velocities of 20 smooth shapes fall no more slowly
+    assert lost[2] < lost[1] / 16
+    assert lost[2] < 1e-6
+
+
+def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
+    here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
+    kept = here.run("a")
+    here.scene("b", released_beam(release={"time": 0.24975}))
+    np.testing.assert_allclose(here.run("b")["displacement"][:, :-1], kept["displacement"][:, :-1], atol=1e-16)
+    here.scene("c", released_beam(release={"time": 0.25}))
+    late = here.run("c")
+    np.testing.assert_array_equal(late["displacement"], kept["displacement"])
+    np.testing.assert_array_equal(late["event_kind"], [1, 2, 0])
+    assert "after the end of the record" in late.attributes["notes"]
+
+
+def test_displacement_and_velocity_go_on_where_they_were(here):
+    """Just before and just after, to what 300 modes and 1e-9 s leave."""
+    jumps = {}
+    for name, leaves in [("before", LEAVES + 1e-9), ("after", LEAVES)]:
+        here.scene(name, released_beam(modes={"before": 300, "after": 300}, release={"time": leaves}))
+        jumps[name] = here.run(name)["displacement"][:, 400]
+    np.testing.assert_allclose(jumps["after"], jumps["before"], atol=3e-8 * 4e-3)
+
+
+def test_a_growing_mode_is_released_and_a_damped_one(here):
+    fast = {"angular_velocity": 140.0}  # beam and mass grow above 121.8 rad/s, the beam alone above 163.9
+    here.scene("a", released_beam(rotation=fast))
+    result = here.run("a")
+    tip = np.abs(result["displacement"][1])
+    assert tip[395] > 10 * tip[100]
+    assert tip[900:].max() < 5 * tip[395]
+    np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-9)
+    here.scene("b", released_beam(damping={"ratio": 0.02}))
+    result = here.run("b")
+    np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-9)
+    assert result["energy_before"][2] < result["energy_after"][1]
+
+
+def test_a_light_mass_takes_nothing(here):
+    here.scene("a", released_beam(impact={"mass_ratio": 1e-9}))
+    here.scene("b", captured_beam(impact={"mass_ratio": 1e-9}, modes=COUNTS, response=RESPONSE))
+    left, kept = here.run("a"), here.run("b")
+    late = np.abs(kept["displacement"]).max()
+    # 20 modes with it, 30 without: the same shapes but for 1e-9
+    np.testing.assert_allclose(left["displacement"], kept["displacement"], atol=1e-6 * late)
+
+
+def test_estimates_hold_against_many_more_modes(here):
+    here.scene("a", released_beam())
+    here.scene("b", released_beam(modes={"before": 1500, "after": 1500}))
+    few, many = here.run("a"), here.run("b")
+    error = np.abs(few["displacement"] - many["displacement"]).max(axis=1)
+    assert (few["displacement_error"] >= error).all()
+    assert (few["displacement_error"] <= 10 * error).all()
+
+
+def test_the_scene_shows_what_its_head_says(here):
+    ended = here.beamwave("run", PROJECT / "input/effects/release.nml")
+    assert ended.returncode == 0, ended.stderr
+    result = here.result("release")
+    periods = 2e3 * np.pi / np.array([result["angular_frequency"][0], result["angular_frequency_before"][0]])
+    assert [f"{period:.1f}" for period in periods] == ["56.6", "40.2"]
+    tip = result["displacement"][1]
+    late = result["time"] > 0.1
+    turns = np.diff(np.sign(np.convolve(tip[late], np.ones(400) / 400, "valid"))) != 0  # 20 ms smooth out the rest
+    assert abs(np.mean(np.diff(np.flatnonzero(turns))) * (0.4 / 8192) * 2e3 - 40.2) < 2
