@@ -1,0 +1,37 @@
+# shellcheck shell=bash
+# Sourced by the commands in bench/: the project's set-up, and a Python of the benches' own with the packages that
+# bench/requirements.txt names. Nothing is installed into the system's Python; a second call installs nothing.
+. "$(dirname -- "${BASH_SOURCE[0]}")/../../src/cmake/setup.sh"
+
+bench=$root/bench
+bench_venv=$root/build/bench/venv
+export OMP_NUM_THREADS=1 MKL_NUM_THREADS=1 MPLBACKEND=Agg PYTHONDONTWRITEBYTECODE=1
+export PYTHONPATH=$bench:$root/postproc
+
+# set_up_bench_python: packages that cannot be had are left out one by one, and the bench says which it misses
+set_up_bench_python() {
+  local stamp=$bench_venv/requirements.sum sum package
+  sum=$(cksum < "$bench/requirements.txt")
+  [ "$(cat "$stamp" 2> /dev/null)" = "$sum" ] && return
+  say 'installing the Python packages of bench/requirements.txt into build/bench/venv'
+  logged bench-venv python3 -m venv --clear "$bench_venv" ||
+    { apt_install python3 python3-venv && logged bench-venv python3 -m venv --clear "$bench_venv"; } ||
+    die 'missing: Python 3 with venv'
+  while read -r package; do
+    logged bench-pip env PIP_USER=0 "$bench_venv/bin/python" -m pip install "$package" || {
+      show_log bench-pip
+      say "without $package"
+    }
+  done < "$bench/requirements.txt"
+  echo "$sum" > "$stamp"
+}
+
+# run_bench MODULE [ARGUMENT …]: builds the program, then runs the bench
+run_bench() {
+  lock
+  set_up default --target beamwave
+  mkdir -p "$bench_venv"
+  set_up_bench_python
+  unlock
+  exec "$bench_venv/bin/python" -m "$@"
+}

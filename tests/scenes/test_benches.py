@@ -1,0 +1,73 @@
+"""The commands of bench/ run, and what the documents say of them is what was measured. No time is judged here."""
+
+import importlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).parents[2]
+BENCHES = ("peers", "growth")
+sys.path.insert(0, str(PROJECT / "bench"))
+
+
+@pytest.fixture(scope="module")
+def small_run(program, tmp_path_factory):
+    """Runs a bench in a small size, once: what it printed, its data, its directory."""
+    known = {}
+
+    def run(name):
+        if name not in known:
+            output = tmp_path_factory.mktemp(name)
+            words = [sys.executable, "-m", name, "--small", "--output", output, "--beamwave", program]
+            ended = subprocess.run(words, cwd=PROJECT / "bench", capture_output=True, text=True, check=False)
+            assert ended.returncode == 0, ended.stderr
+            known[name] = ended.stdout, json.loads((output / f"{name}.json").read_text()), output
+        return known[name]
+
+    return run
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_a_small_size_runs_to_its_table_and_its_picture(small_run, name):
+    _, measured, output = small_run(name)
+    bench = importlib.import_module(f"{name}.bench").BENCH
+    assert bench.section(measured, f"pictures/{name}.png").strip() in (output / "numbers.md").read_text()
+    assert (output / f"pictures/{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_the_document_holds_the_committed_numbers(name):
+    bench = importlib.import_module(f"{name}.bench").BENCH
+    document = importlib.import_module("common.document")
+    command = importlib.import_module("common.command")
+    expected = bench.section(command.read(bench.data()), f"pictures/{name}.png").strip()
+    again = f"bench/{name}.sh --redraw writes it anew"
+    assert document.section(PROJECT / "docs/numbers.md", bench.first) == expected, again
+
+
+def test_every_peer_is_measured_or_said_not_to_be(small_run):
+    printed, measured, _ = small_run("peers")
+    for peer in importlib.import_module("peers.measure").PEERS:
+        rows = [row for row in measured["rows"] if row["peer"] == peer.name]
+        if peer.missing():
+            assert f"{peer.name}: not measured" in printed
+        else:
+            assert len(rows) == len(peer.small)
+
+
+def test_beamwave_keeps_its_tolerance_against_the_independent_reference(small_run):
+    _, measured, _ = small_run("peers")
+    rows = [row for row in measured["rows"] if row["peer"] == "beamwave"]
+    assert rows
+    for row in rows:
+        tolerance = float(row["setting"].removeprefix("tolerance "))  # over the tip's peak
+        assert row["error"] <= 3 * tolerance  # over each point's own, the midpoint's is 0.4 of the tip's
+
+
+def test_a_careful_sum_gains_digits_with_modes(small_run):
+    _, measured, _ = small_run("peers")
+    worse, better = (row["error"] for row in measured["rows"] if row["peer"] == "numpy, direct sum")
+    assert better < worse / 5  # three times the modes; the tail falls with their square
