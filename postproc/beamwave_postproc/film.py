@@ -9,6 +9,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from PIL import Image
@@ -62,7 +63,7 @@ class Film:
         last = self.shown.time.size - 1
         event = next((frame for frame, events in enumerate(self.shown.events) if events), 0)
         samples = [np.asarray(self.image(frame)) for frame in (0, event, min(event + 1, last), last)]
-        palette = Image.fromarray(np.vstack(samples)).quantize(PALETTE)
+        palette = _palette(np.vstack(samples))
         for frame in range(last + 1):
             yield self.image(frame).quantize(palette=palette, dither=Image.Dither.NONE)
 
@@ -108,7 +109,7 @@ class _BeamView:
         (self.dots,) = axes.plot([], [], "o", color=BEAM, markersize=5, visible=few)
         (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=11, clip_on=False)
         (self.flash,) = axes.plot([], [], "o", color=FLASHES, markerfacecolor="none")
-        self.words = axes.text(0.98, 0.96, "", transform=axes.transAxes, ha="right", va="top", color="0.3")
+        self.words = axes.text(0.08, 0.96, "", transform=axes.transAxes, va="top", color="0.3")
         self.moving = [self.line, self.dots, self.mass, self.flash, self.words]
 
     def set_limit(self, limit: float) -> None:
@@ -173,6 +174,15 @@ class _HubView:
         self.mark.set_data(*_turned(angle, np.array([-HUB, HUB]) * shown.length, np.zeros(2)))
         if shown.mass is not None:
             self.mass.set_data(*_turned(angle, np.array([shown.length]), scale * shown.mass[frame : frame + 1]))
+
+
+def _palette(pixels: np.ndarray) -> Image.Image:
+    """Colours of `pixels` (rows, columns, 3), those of small things among them, as an image without content."""
+    own = [round(255 * part) for colour in (BEAM, MASS, FLASHES) for part in to_rgb(colour)]
+    found = Image.fromarray(pixels).quantize(PALETTE).getpalette()[: 3 * PALETTE]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*own, *found])
+    return palette
 
 
 def _turned(angle: float, along: np.ndarray, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
