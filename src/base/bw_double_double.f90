@@ -9,7 +9,8 @@ module bw_double_double
   use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  public :: two_sum, two_product, accurate_sum, to_dd, to_quad, sqrt, operator(+), operator(-), operator(*), operator(/)
+  public :: two_sum, two_product, two_products, accurate_sum, to_dd, to_quad, sqrt
+  public :: operator(+), operator(-), operator(*), operator(/)
 
   type, public :: dd
     !! The number hi + lo, |lo| ≤ half a unit in the last place of hi.
@@ -175,6 +176,16 @@ contains
 
   ! Lists: the same operations, chosen over the elemental ones for arrays of rank one. Called from another file an
   ! elemental procedure is a call for every element; here the loop is compiled with what it calls, in vector registers.
+
+  pure subroutine two_products(a, b, product, rest)
+    !! `two_product` of a list and a number.
+    real(dp), intent(in) :: a(:), b
+    real(dp), intent(out) :: product(:), rest(:)
+    integer :: i
+    do i = 1, size(a)
+      call two_product(a(i), b, product(i), rest(i))
+    end do
+  end subroutine two_products
 
   pure function add_to_list(a, b) result(c)
     type(dd), intent(in) :: a(:), b

@@ -2,16 +2,17 @@ module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
+  use bw_far_terms, only: far_terms
   use bw_frequency_equation, only: highest_mode, root_type
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: mode_set, mode_source, terms_of_set
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
-  use bw_refined_root, only: refined_root
-  use bw_root_list, only: root_values, solve_roots
+  use bw_refined_root, only: is_coarse, refined_root
+  use bw_root_list, only: light_modes, near_modes, root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
-  public :: closed_form_modes, is_coarse, source_in_closed_form
+  public :: closed_form_modes, source_in_closed_form
 
   type, extends(mode_set), public :: closed_form_set
     type(shape_type), allocatable :: shape(:)      !! (n)
@@ -26,10 +27,9 @@ module bw_closed_form
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; absent: none
   contains
     procedure :: find => find_in_closed_form
+    procedure :: terms => terms_in_closed_form
   end type closed_form_source
 
-  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
-  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   integer, parameter :: chunk = 256                  !! tuned: modes whose arrays stay in the fastest cache
 
 contains
@@ -99,22 +99,8 @@ contains
     type(dd), intent(inout) :: alpha(:)
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
-    where (is_coarse(root, alpha, omega, longest)) alpha = refined_root(root)
+    where (is_coarse(root%rest, alpha%hi, omega, longest)) alpha = refined_root(root)
   end subroutine refine_roots
-
-  elemental logical function is_coarse(root, alpha, omega, longest) result(coarse)
-    !! Binary64 does not carry this root: extended precision is entered for it, and for no other.
-    type(root_type), intent(in) :: root
-    type(dd), intent(in) :: alpha
-    type(dd), intent(in), optional :: omega
-    real(dp), intent(in), optional :: longest
-    real(dp) :: drift
-    coarse = .false.
-    if (present(omega)) coarse = abs(alpha%hi**2 - omega%hi) < near_critical*alpha%hi**2
-    if (.not. present(longest)) return
-    drift = alpha%hi*(root%rest*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `rest`
-    coarse = coarse .or. abs(drift) > phase_error
-  end function is_coarse
 
   pure function closed_form_shapes(self, xi) result(values)
     class(closed_form_set), intent(in) :: self
@@ -181,5 +167,40 @@ contains
     real(dp) :: squares(self%count)
     squares = self%alpha**4
   end function closed_form_elastic
+
+  subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
+    !! Far modes in their short form, the others through a set.
+    class(closed_form_source), intent(in) :: self
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(in), optional :: longest
+    type(dd), intent(out) :: beta(:)
+    real(dp), intent(out) :: drive(:), shapes(:, :)
+    integer :: first, light, n, near
+    n = size(number)
+    near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
+    light = max(near, light_modes(number, self%gamma))
+    if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
+    do first = near + 1, light, chunk
+      associate (last => min(first + chunk - 1, light))
+        call far_terms(number(first:last), self%gamma, .true., self%omega, xi, longest, beta(first:last), &
+                       drive(first:last), shapes(first:last, :))
+      end associate
+    end do
+    do first = light + 1, n, chunk
+      associate (last => min(first + chunk - 1, n))
+        call far_terms(number(first:last), self%gamma, .false., self%omega, xi, longest, beta(first:last), &
+                       drive(first:last), shapes(first:last, :))
+      end associate
+    end do
+  end subroutine terms_in_closed_form
+
+  pure integer function modes_of_series(xi) result(k)
+    !! The highest mode that needs its power series, αξ < ½, at one of the points.
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: alpha
+    alpha = 0.5_dp/minval(xi, mask=xi > 0.0_dp)
+    k = int(min(real(highest_mode, dp), alpha/acos(-1.0_dp) + 2.0_dp))
+  end function modes_of_series
 
 end module bw_closed_form

@@ -5,9 +5,10 @@ module bw_mode_set
   !! Everything is without dimensions: lengths in l, times in l²/h, masses in the beam's mass m_i.
   use bw_kinds, only: dp
   use bw_damping, only: damping_law
-  use bw_double_double, only: dd
+  use bw_double_double, only: dd, sqrt, operator(-)
   implicit none (type, external)
   private
+  public :: terms_of_set
 
   type, abstract, public :: mode_set
     integer :: count = 0                          !! number of modes n
@@ -35,6 +36,7 @@ module bw_mode_set
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find
+    procedure :: terms => terms_of_set
   end type mode_source
 
   abstract interface
@@ -86,5 +88,28 @@ contains
     type(damping_law), intent(in), optional :: law      !! absent: they stay undamped
     if (present(law)) self%damping = law%rates(self%elastic())
   end subroutine damp
+
+  subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes)
+    !! What a sum over modes asks of them, and no more: a source may find it for less than a whole set.
+    class(mode_source), intent(in) :: self
+    integer, intent(in) :: number(:)              !! as those of `find`
+    real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
+    real(dp), intent(in), optional :: longest     !! as that of `find`
+    type(dd), intent(out) :: beta(:)              !! √|β²| with the sign of β²: below zero for a growing mode, (modes)
+    real(dp), intent(out) :: drive(:)             !! Φ_k(1)/M_k, (modes)
+    real(dp), intent(out) :: shapes(:, :)         !! Φ_k(ξ), (modes, points)
+    class(mode_set), allocatable :: modes
+    integer :: k
+    call self%find(number, modes, longest)
+    do k = 1, size(number)
+      if (modes%beta_squared(k)%hi >= 0.0_dp) then
+        beta(k) = sqrt(modes%beta_squared(k))
+      else
+        beta(k) = -sqrt(-modes%beta_squared(k))
+      end if
+    end do
+    drive = modes%tip/modes%modal_mass
+    shapes = modes%shapes(xi)
+  end subroutine terms_of_set
 
 end module bw_mode_set

@@ -6,11 +6,34 @@ module bw_refined_root
   use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
   implicit none (type, external)
   private
-  public :: refined_root
+  public :: any_coarse, is_coarse, refined_root
 
   real(qp), parameter :: pi = acos(-1.0_qp)
+  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
+  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
 
 contains
+
+  pure logical function any_coarse(rest, alpha, omega, longest)
+    !! `is_coarse` of any in a list, in vector registers.
+    real(dp), intent(in) :: rest(:), alpha(:)
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    any_coarse = any(is_coarse(rest, alpha, omega, longest))
+  end function any_coarse
+
+  elemental logical function is_coarse(rest, alpha, omega, longest) result(coarse)
+    !! Binary64 does not carry this root: extended precision is entered for it, and for no other.
+    real(dp), intent(in) :: rest, alpha           !! of the root
+    type(dd), intent(in), optional :: omega       !! in-plane angular velocity in h/l²; absent: none
+    real(dp), intent(in), optional :: longest     !! duration of the history in l²/h; absent: there is none
+    real(dp) :: drift
+    coarse = .false.
+    if (present(omega)) coarse = abs(alpha**2 - omega%hi) < near_critical*alpha**2
+    if (.not. present(longest)) return
+    drift = alpha*(rest*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `rest`
+    coarse = coarse .or. abs(drift) > phase_error
+  end function is_coarse
 
   elemental type(dd) function refined_root(root) result(alpha)
     !! α; the step squares the relative error of the binary64 root, about 1e-16.

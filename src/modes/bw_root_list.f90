@@ -1,15 +1,16 @@
 module bw_root_list
   !! Roots of the frequency equation for many modes at a time, in vector registers: beyond the first few modes its
-  !! exponentials are below rounding, and a fixed number of steps solves what is left.
+  !! exponentials are below rounding (bw_far_modes).
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, operator(*), operator(+)
+  use bw_far_modes, only: far_roots
   use bw_frequency_equation, only: root_type, solve_root
   implicit none (type, external)
   private
-  public :: solve_roots, root_values
+  public :: solve_roots, root_values, near_modes, light_modes
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  integer, parameter :: far_steps = 2        !! of Newton's method
+  integer, parameter :: last_to_try = 300    ! at 240 all that exponentials have to lose has underflowed
 
 contains
 
@@ -19,10 +20,19 @@ contains
     real(dp), intent(in) :: gamma
     type(root_type) :: root(size(k))
     integer :: near
-    near = count(k < first_far_mode(gamma))
+    near = near_modes(k, gamma)
     root(:near) = solve_root(k(:near), gamma)
     call solve_far_roots(k(near + 1:), gamma, root(near + 1:))
   end function solve_roots
+
+  pure integer function near_modes(k, gamma) result(near)
+    !! How many modes are not far ones.
+    integer, intent(in) :: k(:)      !! ascending
+    real(dp), intent(in) :: gamma
+    near = 0
+    if (size(k) == 0) return
+    if (k(1) <= last_to_try) near = count(k < first_far_mode(gamma))
+  end function near_modes
 
   pure integer function first_far_mode(gamma) result(k)
     !! From this mode on sech α and 1 − tanh α are below rounding of what they are added to: γα, where it is below 1,
@@ -30,7 +40,7 @@ contains
     real(dp), intent(in) :: gamma
     real(dp), parameter :: margin = log(16.0_dp/epsilon(1.0_dp))
     real(dp) :: alpha, logarithm
-    do k = 2, 300      ! at 240 all there is to lose has underflowed
+    do k = 2, last_to_try
       alpha = (k - 0.75_dp)*pi
       logarithm = log(max(gamma, tiny(gamma))) + log(alpha)
       if (alpha > margin - min(0.0_dp, logarithm) .and. 2.0_dp*alpha > margin + max(0.0_dp, logarithm)) return
@@ -38,40 +48,29 @@ contains
   end function first_far_mode
 
   pure subroutine solve_far_roots(k, gamma, root)
-    !! a sin δ + b cos δ = 0, `light_equation` and `heavy_equation` without their exponentials. The second derivative is
-    !! next to zero where the function is, so Newton's error falls from 3e-3 to 1e-7 and below rounding.
+    !! The roots of bw_far_modes, those of a light mass first.
     integer, intent(in) :: k(:)
     real(dp), intent(in) :: gamma
     type(root_type), intent(out) :: root(:)
-    real(dp), dimension(size(k)) :: anchor, delta, alpha, a, b, change, c, s
-    logical :: light(size(k))
-    integer :: i
-    light = gamma <= 1.0_dp/((k - 0.75_dp)*pi)
-    anchor = (k - merge(0.5_dp, 0.75_dp, light))*pi
-    call coefficients(anchor, gamma, light, a, b)
-    delta = -b/(a + 0.32_dp*b**2/a)            ! near the arc tangent of −b/a, which is at most ½
-    do i = 1, far_steps
-      alpha = anchor + delta
-      call coefficients(alpha, gamma, light, a, b)
-      change = b/alpha                         ! da/dα, and db/dα but for the sign
-      c = cos(delta)
-      s = sin(delta)
-      delta = delta - (a*s + b*c)/(a*c - b*s + change*s + merge(change, -change, light)*c)
-    end do
+    real(dp), dimension(size(k)) :: rest, tangent, spread, turned
+    integer :: n
+    n = light_modes(k, gamma)
+    call far_roots(k(:n), gamma, .true., rest(:n), tangent(:n), spread(:n), turned(:n))
+    call far_roots(k(n + 1:), gamma, .false., rest(n + 1:), tangent(n + 1:), spread(n + 1:), turned(n + 1:))
     root%k = k
-    root%eighths = merge(4*k - 2, 4*k - 3, light)
-    root%rest = delta
+    root(:n)%eighths = 4*k(:n) - 2
+    root(n + 1:)%eighths = 4*k(n + 1:) - 3
+    root%rest = rest
     root%gamma = gamma
   end subroutine solve_far_roots
 
-  pure subroutine coefficients(alpha, gamma, light, a, b)
-    !! a = 1 + γα and b = γα at the anchor of a light mass; a = 2 + u and b = −u, u = 1/(γα), at that of a heavy one.
-    real(dp), intent(in) :: alpha(:), gamma
-    logical, intent(in) :: light(:)
-    real(dp), intent(out) :: a(:), b(:)
-    b = merge(alpha*min(gamma, 1.0_dp), -1.0_dp/alpha/max(gamma, tiny(gamma)), light)
-    a = merge(1.0_dp, 2.0_dp, light) + abs(b)
-  end subroutine coefficients
+  pure integer function light_modes(k, gamma) result(n)
+    !! How many modes have γα ≲ 1, as `solve_root` decides it.
+    integer, intent(in) :: k(:)      !! ascending
+    real(dp), intent(in) :: gamma
+    n = 0
+    if (gamma <= 1.0_dp) n = count(gamma <= 1.0_dp/((k - 0.75_dp)*pi))
+  end function light_modes
 
   pure function root_values(root) result(alpha)
     !! `root_value` of a list, in vector registers.

@@ -13,7 +13,7 @@ module bw_nonuniform_sum
   !!
   !! **Source**: Dutt and Rokhlin (1993), doi:10.1137/0914081; Barnett, Magland and af Klinteberg (2019),
   !! doi:10.1137/18M120885X.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_half_spectrum, only: samples_of_half_spectra
   use bw_monitor, only: monitor_type
@@ -23,11 +23,27 @@ module bw_nonuniform_sum
   use bw_turn, only: phase_angles, turn_fractions
   implicit none (type, external)
   private
-  public :: transform_stable_modes
+  public :: transform_stable_modes, points_at_once
 
   integer, parameter :: batch = 256                !! tuned: modes whose places and coefficients stay in the cache
   integer, parameter :: most_points = 16           !! tuned: whose coefficients of a batch stay in the cache
   integer, parameter :: most_numbers = 2**23       !! of the grids in memory at a time, 64 MB; a single grid may be more
+
+  type, public :: nonuniform_sum
+    !! A sum under way: modes are added in as many parts as one likes, and turned into samples once.
+    private
+    integer :: half = 0                            !! points of half the grid of frequencies
+    integer :: points = 0                          !! of the beam
+    type(time_grid) :: grid
+    type(spreading_kernel) :: kernel
+    real(dp), allocatable :: spectra(:, :)
+      !! (2·(half + 1 + width), points), real and imaginary parts in turn; twice as many with velocities
+    real(dp), allocatable :: start(:), start_dot(:)   !! the sum at t = 0, (points)
+  contains
+    procedure :: open => open_sum
+    procedure :: add => add_modes
+    procedure :: close => close_sum
+  end type nonuniform_sum
 
 contains
 
@@ -42,89 +58,133 @@ contains
     class(monitor_type), intent(inout) :: monitor
     real(dp), intent(inout) :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
-    type(spreading_kernel) :: kernel
-    real(dp), allocatable :: spectra(:, :)
-    integer :: first, last, group, kinds, points
+    type(nonuniform_sum) :: sum
+    integer :: first, group, k, last, points
     points = size(shapes, 2)
-    kernel = kernel_of(width, 2.0_dp*half/grid%samples)
-    kinds = merge(2, 1, present(velocity))
-    group = max(1, min(points, most_points, most_numbers/(2*half*kinds)))
+    group = points_at_once(half, grid%samples, points, present(velocity))
     do first = 1, points, group
       last = min(first + group - 1, points)
-      allocate (spectra(2*(half + 1 + width), kinds*(last - first + 1)), source=0.0_dp)
-      call spread_all(beta_squared, q, q_dot, shapes(:, first:last), grid, half, kernel, monitor, spectra)
-      if (monitor%stop_requested()) return
-      call fold_ends(half, width, spectra)
-      call samples_of_half_spectra(half, spectra(width + 1:width + 2*(half + 1), :))
-      call add_samples(kernel, half, spectra(width + 1:width + 2*half, :last - first + 1), &
-                       matmul(q, shapes(:, first:last)), displacement(:, first:last))
-      if (present(velocity)) call add_samples(kernel, half, spectra(width + 1:width + 2*half, last - first + 2:), &
-                                              matmul(q_dot, shapes(:, first:last)), velocity(:, first:last))
-      deallocate (spectra)
+      call sum%open(grid, width, half, last - first + 1, present(velocity))
+      do k = 1, size(q), batch
+        associate (e => min(k + batch - 1, size(q)))
+          call sum%add(sqrt(beta_squared(k:e)), q_dot(k:e), shapes(k:e, first:last), q(k:e))
+          call monitor%advance((first - 1 + (last - first + 1)*(real(e, dp)/size(q)))/points)
+        end associate
+        if (monitor%stop_requested()) return
+      end do
+      if (present(velocity)) then
+        call sum%close(displacement(:, first:last), velocity(:, first:last))
+      else
+        call sum%close(displacement(:, first:last))
+      end if
     end do
   end subroutine transform_stable_modes
 
-  subroutine spread_all(beta_squared, q, q_dot, shapes, grid, half, kernel, monitor, spectra)
-    !! All modes onto the grids of displacements and, where there are twice as many grids as points, of velocities.
-    type(dd), intent(in) :: beta_squared(:)
-    real(dp), intent(in) :: q(:), q_dot(:), shapes(:, :)
-    type(time_grid), intent(in) :: grid
-    integer, intent(in) :: half
-    type(spreading_kernel), intent(in) :: kernel
-    class(monitor_type), intent(inout) :: monitor
-    real(dp), intent(inout), contiguous :: spectra(:, :)
-    type(dd) :: turns, beta(batch)
-    real(dp), dimension(batch) :: offset, re, im, rate
-    integer :: place(batch)
-    real(dp) :: coefficient(2, size(spectra, 2), batch)
-    integer :: first, last, n, p, points
-    turns = grid%step/(dd_pi*2.0_dp)
-    points = size(shapes, 2)
-    do first = 1, size(q), batch
-      last = min(first + batch - 1, size(q))
-      n = last - first + 1
-      beta(:n) = sqrt(beta_squared(first:last))
-      call state_at_middle(beta(:n)%hi, beta(:n)*turns, grid%samples/2, 2*half, q(first:last), q_dot(first:last), &
-                           place(:n), offset(:n), re(:n), im(:n), rate(:n))
-      do p = 1, points
-        coefficient(1, p, :n) = shapes(first:last, p)*re(:n)
-        coefficient(2, p, :n) = shapes(first:last, p)*im(:n)
-        if (size(spectra, 2) == points) cycle
-        coefficient(1, points + p, :n) = -rate(:n)*coefficient(2, p, :n)
-        coefficient(2, points + p, :n) = rate(:n)*coefficient(1, p, :n)
-      end do
-      call spread_modes(kernel, place(:n) + 2, offset(:n), coefficient(:, :, :n), spectra)
-      call monitor%advance(real(last, dp)/size(q))
-      if (monitor%stop_requested()) return
-    end do
-  end subroutine spread_all
+  pure integer function points_at_once(half, samples, points, with_velocity) result(group)
+    !! For how many points the grids may be in memory together: they take no more than the histories do themselves, or 64 MB.
+    integer, intent(in) :: half, samples, points
+    logical, intent(in) :: with_velocity
+    integer(i8) :: numbers
+    integer :: kinds
+    kinds = merge(2, 1, with_velocity)
+    numbers = max(int(most_numbers, i8), int(samples, i8)*points*kinds)
+    group = int(max(1_i8, min(int(min(points, most_points), i8), numbers/(2_i8*half*kinds))))
+  end function points_at_once
 
-  pure subroutine state_at_middle(beta, cycles, middle, points, q, q_dot, place, offset, re, im, rate)
-    !! Where modes lie on the grid of `points` frequencies of a turn, and what turns with e^(iβt): its real part is
-    !! the modal displacement. A frequency above half the sampling rate is that of the mirrored phase.
-    real(dp), intent(in) :: beta(:)
+  subroutine open_sum(self, grid, width, half, points, with_velocity)
+    class(nonuniform_sum), intent(inout) :: self
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: width                    !! of the kernel
+    integer, intent(in) :: half                     !! points of half the grid of frequencies
+    integer, intent(in) :: points                   !! of the beam
+    logical, intent(in) :: with_velocity
+    integer :: histories
+    logical :: known
+    known = self%kernel%width == width .and. self%half == half .and. self%grid%samples == grid%samples
+    if (.not. known) self%kernel = kernel_of(width, 2.0_dp*half/grid%samples)
+    histories = points*merge(2, 1, with_velocity)
+    if (allocated(self%spectra)) then
+      if (any(shape(self%spectra) /= [2*(half + 1 + width), histories])) deallocate (self%spectra)
+    end if
+    if (.not. allocated(self%spectra)) allocate (self%spectra(2*(half + 1 + width), histories))
+    self%spectra = 0.0_dp
+    self%half = half
+    self%points = points
+    self%grid = grid
+    self%start = spread(0.0_dp, 1, points)
+    self%start_dot = self%start
+  end subroutine open_sum
+
+  subroutine close_sum(self, displacement, velocity)
+    !! Adds the samples to histories.
+    class(nonuniform_sum), intent(inout) :: self
+    real(dp), intent(inout) :: displacement(:, :)   !! (samples, points)
+    real(dp), intent(inout), optional :: velocity(:, :)
+    integer :: zero
+    zero = self%kernel%width + 1                    ! real part at frequency 0
+    call fold_ends(self%half, self%kernel%width, self%spectra)
+    call samples_of_half_spectra(self%half, self%spectra(zero:zero + 2*self%half + 1, :))
+    call add_samples(self%kernel, self%half, self%spectra(zero:zero + 2*self%half - 1, :self%points), self%start, &
+                     displacement)
+    if (present(velocity)) call add_samples(self%kernel, self%half, &
+                                            self%spectra(zero:zero + 2*self%half - 1, self%points + 1:), &
+                                            self%start_dot, velocity)
+  end subroutine close_sum
+
+  subroutine add_modes(self, beta, q_dot, shapes, q)
+    !! Adds modes to the grids of displacements and, where they are asked for, of velocities.
+    class(nonuniform_sum), intent(inout) :: self
+    type(dd), intent(in) :: beta(:)                 !! β > 0, (modes)
+    real(dp), intent(in) :: q_dot(:)                !! modal velocities at t = 0, (modes)
+    real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
+    real(dp), intent(in), optional :: q(:)          !! modal displacements at t = 0, (modes); absent: at rest
+    real(dp), dimension(batch) :: offset, side, c, s, re, im, rate
+    type(dd) :: turns
+    integer :: place(batch), first, last, n, p
+    turns = self%grid%step/(dd_pi*2.0_dp)
+    do first = 1, size(beta), batch
+      last = min(first + batch - 1, size(beta))
+      n = last - first + 1
+      call phases_at_middle(beta(first:last)*turns, self%grid%samples/2, 2*self%half, place(:n), offset(:n), side(:n), &
+                            c(:n), s(:n))
+      rate(:n) = side(:n)*beta(first:last)%hi
+      im(:n) = q_dot(first:last)/beta(first:last)%hi
+      re(:n) = im(:n)*s(:n)
+      im(:n) = -side(:n)*im(:n)*c(:n)
+      if (present(q)) then
+        re(:n) = re(:n) + q(first:last)*c(:n)
+        im(:n) = im(:n) + side(:n)*q(first:last)*s(:n)
+      end if
+      call spread_modes(self%kernel, place(:n) + 2, offset(:n), re(:n), im(:n), rate(:n), shapes(first:last, :), &
+                        self%spectra)
+    end do
+    do p = 1, self%points
+      if (present(q)) self%start(p) = self%start(p) + dot_product(q, shapes(:, p))
+      if (size(self%spectra, 2) > self%points) self%start_dot(p) = self%start_dot(p) + dot_product(q_dot, shapes(:, p))
+    end do
+  end subroutine add_modes
+
+  pure subroutine phases_at_middle(cycles, middle, points, place, offset, side, c, s)
+    !! Where modes lie on the grid of `points` frequencies of a turn, and their phases at the middle sample. A frequency
+    !! above half the sampling rate is that of the mirrored phase.
     type(dd), intent(in) :: cycles(:)         !! turns per sample
     integer, intent(in) :: middle             !! sample from which samples are counted
     integer, intent(in) :: points
-    real(dp), intent(in) :: q(:), q_dot(:)
     integer, intent(out) :: place(:)          !! grid point to the left of the mode, from 0
     real(dp), intent(out) :: offset(:)        !! way from there to the mode, 0 … 1 spacings
-    real(dp), intent(out) :: re(:), im(:)
-    real(dp), intent(out) :: rate(:)          !! ±β, below zero for a mirrored phase
-    type(dd) :: fraction(size(beta)), position(size(beta))
-    real(dp), dimension(size(beta)) :: angle, c, s, side
+    real(dp), intent(out) :: side(:)          !! −1 for a mirrored phase, else 1
+    real(dp), intent(out) :: c(:), s(:)       !! cosine and sine of the phase itself
+    type(dd) :: fraction(size(cycles)), position(size(cycles))
+    real(dp) :: angle(size(cycles))
     fraction = turn_fractions(cycles)
     angle = phase_angles(fraction, middle)
+    c = cos(angle)
+    s = sin(angle)
     side = sign(1.0_dp, fraction%hi)
     position = fraction*real(points, dp)
     place = int(abs(position%hi))
     offset = (abs(position%hi) - place) + side*position%lo
-    c = cos(angle)
-    s = sin(angle)
-    re = q*c + q_dot/beta*s
-    im = side*(q*s - q_dot/beta*c)
-    rate = side*beta
-  end subroutine state_at_middle
+  end subroutine phases_at_middle
 
   pure subroutine fold_ends(half, width, spectra)
     !! What was carried below frequency 0 or above half the sampling rate belongs to the conjugate of its mirror image.

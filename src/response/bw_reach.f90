@@ -19,22 +19,19 @@ module bw_reach
 
 contains
 
-  elemental real(dp) function undamped_reach(beta_squared, longest, velocity) result(reach)
+  elemental real(dp) function undamped_reach(beta, longest, velocity) result(reach)
     !! The largest |S|, or |C|, of a mode up to that time: 1/β and 1 where it is stable.
-    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: beta             !! below zero for a growing mode: −|β|
     real(dp), intent(in) :: longest
     logical, intent(in) :: velocity
-    type(dd) :: rate
-    if (beta_squared%hi > 0.0_dp) then
-      rate = sqrt(beta_squared)
-      reach = min(longest, 1.0_dp/rate%hi)
+    if (beta > 0.0_dp) then
+      reach = min(longest, 1.0_dp/beta)
       if (velocity) reach = 1.0_dp
       return
     end if
-    rate = sqrt(-beta_squared)
     reach = longest
-    if (rate%hi > 0.0_dp) reach = sinh(min(furthest, rate%hi*longest))/rate%hi
-    if (velocity) reach = cosh(min(furthest, rate%hi*longest))
+    if (beta < 0.0_dp) reach = sinh(min(furthest, -beta*longest))/(-beta)
+    if (velocity) reach = cosh(min(furthest, -beta*longest))
   end function undamped_reach
 
   elemental logical function turns(beta_squared, c)

@@ -14,11 +14,11 @@ module bw_response
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: transform_stable_modes
-  use bw_sum_choice, only: chosen_sum, sum_choice
+  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: free_motion, start_histories, add_motion, finish_histories
+  public :: free_motion, start_histories, add_motion, finish_histories, histories_of, turns_in_record
 
   real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
     !! of the largest number, less what the roundings of a logarithm may amount to
@@ -31,6 +31,7 @@ module bw_response
     real(dp), allocatable :: velocity(:, :)       !! m/s, (samples, points); allocated only if asked for
     real(dp), allocatable :: displacement_error(:)  !! m, estimate of the largest error, (points); not of a rebound
     real(dp), allocatable :: velocity_error(:)      !! m/s, (points)
+    real(dp) :: sum_error = 0.0_dp                !! of the sums of modes, as a part of the largest value at any point
     integer :: finite_samples = 0                 !! samples before the first overflow; all where there is none
     integer :: failing_mode = 0                   !! the mode that overflows first; 0 where none does
   end type response_type
@@ -79,6 +80,7 @@ contains
     if (present(displaced)) q = displaced
     if (allocated(modes%damping)) then
       call add_damped(modes%beta_squared, modes%damping, q, rate, shapes, grid, unit_time, monitor, response)
+      response%sum_error = response%sum_error + error_of_sum(sum_choice(), grid%samples)
     else
       call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
       call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
@@ -105,11 +107,9 @@ contains
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
     logical :: turns(size(q))
-    integer :: histories
-    histories = size(response%displacement, 2)
-    if (allocated(response%velocity)) histories = 2*histories
-    turns = sqrt(max(0.0_dp, beta_squared%hi))*(grid%samples*grid%step%hi) > 2.0_dp*dd_pi%hi   ! once in the record
-    choice = chosen_sum(count(turns), grid%samples, histories, sum_tolerance)
+    turns = turns_in_record(sqrt(max(0.0_dp, beta_squared%hi)), grid)
+    choice = chosen_sum(count(turns), grid%samples, histories_of(response), sum_tolerance)
+    response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
     if (.not. choice%transform) then
       call by_products(numbers_of(beta_squared%hi > 0.0_dp))
     else if (all(turns)) then
@@ -156,6 +156,20 @@ contains
     call add_growing(-(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, response)
     if (response%finite_samples < finite) response%failing_mode = k(response%failing_mode)
   end subroutine add_damped
+
+  elemental logical function turns_in_record(beta, grid)
+    !! A slower mode's amplitude q̇/β is larger than its motion, and the transform's error follows the amplitude.
+    real(dp), intent(in) :: beta
+    type(time_grid), intent(in) :: grid
+    turns_in_record = beta*(grid%samples*grid%step%hi) > 2.0_dp*dd_pi%hi
+  end function turns_in_record
+
+  pure integer function histories_of(response)
+    !! Of displacements, and of velocities where they are asked for.
+    type(response_type), intent(in) :: response
+    histories_of = size(response%displacement, 2)
+    if (allocated(response%velocity)) histories_of = 2*histories_of
+  end function histories_of
 
   pure function numbers_of(chosen) result(k)
     logical, intent(in) :: chosen(:)

@@ -17,27 +17,27 @@ module bw_spreading_kernel
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: cells = 16       !! polynomials per spacing of the grid
   integer, parameter, public :: degree = 7       !! of each
-  integer, parameter, public :: vector = 4       !! widths are multiples of it
+  integer, parameter, public :: vector = 8       !! grid points whose weights are made together
 
   type, public :: spreading_kernel
     integer :: width = 0                         !! w, even
     real(dp) :: sharpness = 0.0_dp               !! b
     real(dp), allocatable :: table(:, :, :, :)
-      !! (vector, 0:degree, w/vector, cells): coefficients of the powers of the place in the cell, −1 … 1
+      !! (vector, 0:degree, vectors, cells): coefficients of the powers of the place in the cell, −1 … 1; 0 beyond w
   end type spreading_kernel
 
 contains
 
   pure type(spreading_kernel) function kernel_of(width, oversampling) result(kernel)
     !! The kernel whose transform is smallest beyond the frequencies that alias onto those wanted.
-    integer, intent(in) :: width            !! w, even, 4 … 20
+    integer, intent(in) :: width            !! w, a multiple of 4, 4 … 20
     real(dp), intent(in) :: oversampling    !! grid points per sample wanted, > 1
     real(dp), dimension(0:degree) :: node
-    real(dp) :: powers(0:degree, 0:degree), values(width, 0:degree)
-    integer :: cell, first, i, j
+    real(dp) :: powers(0:degree, 0:degree), values(width, 0:degree), coefficients(width, 0:degree)
+    integer :: cell, first, i, j, last
     kernel%width = width
     kernel%sharpness = pi*width*(1.0_dp - 0.5_dp/oversampling)
-    allocate (kernel%table(vector, 0:degree, width/vector, cells))
+    allocate (kernel%table(vector, 0:degree, (width + vector - 1)/vector, cells), source=0.0_dp)
     node = [(cos((j + 0.5_dp)*pi/(degree + 1)), j=0, degree)]
     powers = power_coefficients(node)/peak(kernel)
     do cell = 1, cells
@@ -45,8 +45,10 @@ contains
         values(:, j) = [((cell - 0.5_dp + 0.5_dp*node(j))/cells + 0.5_dp*width - i, i=1, width)]
       end do
       values = reshape(unscaled(kernel, reshape(values, [size(values)])), shape(values))
+      coefficients = matmul(values, powers)
       do first = 1, width, vector
-        kernel%table(:, :, (first + vector - 1)/vector, cell) = matmul(values(first:first + vector - 1, :), powers)
+        last = min(first + vector - 1, width)
+        kernel%table(:last - first + 1, :, (first + vector - 1)/vector, cell) = coefficients(first:last, :)
       end do
     end do
   end function kernel_of

@@ -6,10 +6,10 @@ module bw_sum_choice
   !! grid that keeps the tolerance.
   use bw_kinds, only: dp
   use bw_half_spectrum, only: next_fast_half
-  use bw_spreading_kernel, only: transform_error, vector
+  use bw_spreading_kernel, only: transform_error
   implicit none (type, external)
   private
-  public :: chosen_sum, grid_for_width
+  public :: chosen_sum, error_of_sum, grid_for_width
 
   type, public :: sum_choice
     logical :: transform = .false.    !! by the non-uniform transform
@@ -17,6 +17,8 @@ module bw_sum_choice
     integer :: half = 0               !! points of half its grid of frequencies
   end type sum_choice
 
+  real(dp), parameter :: rounding = 8.0_dp*epsilon(1.0_dp)   ! of the products, over the peak
+  integer, parameter :: narrowest = 4                ! and the step to the next
   integer, parameter :: widest = 20                  ! wider kernels grow rounding more than they save
   integer, parameter :: most_samples = 2**27         ! the largest grid is still numbered by an integer
   integer, parameter :: finest = 8                   ! grid points per sample
@@ -32,17 +34,19 @@ module bw_sum_choice
 
 contains
 
-  pure type(sum_choice) function chosen_sum(modes, samples, histories, tolerance) result(choice)
+  pure type(sum_choice) function chosen_sum(modes, samples, histories, tolerance, must_transform) result(choice)
     !! The fastest sum within the tolerance.
     integer, intent(in) :: modes
     integer, intent(in) :: samples
     integer, intent(in) :: histories      !! displacements and velocities of all points
     real(dp), intent(in) :: tolerance     !! of the transform, over the peak
+    logical, intent(in), optional :: must_transform   !! leave out the products
     real(dp) :: least, seconds
     integer :: half, width
     if (modes == 0 .or. samples > most_samples) return
     least = product_seconds(modes, samples, histories)
-    do width = vector, widest, vector
+    if (present(must_transform)) least = merge(huge(least), least, must_transform)
+    do width = narrowest, widest, narrowest
       half = grid_for_width(width, samples, tolerance)
       if (half == 0) cycle
       seconds = transform_seconds(modes, histories, width, half)
@@ -51,6 +55,14 @@ contains
       choice = sum_choice(.true., width, half)
     end do
   end function chosen_sum
+
+  elemental real(dp) function error_of_sum(choice, samples) result(error)
+    !! Over the peak.
+    type(sum_choice), intent(in) :: choice
+    integer, intent(in) :: samples
+    error = rounding
+    if (choice%transform) error = max(rounding, transform_error(choice%width, 2.0_dp*choice%half/samples))
+  end function error_of_sum
 
   pure integer function grid_for_width(width, samples, tolerance) result(half)
     !! Points of half the smallest fast grid within the tolerance; 0 where none is.

@@ -13,6 +13,7 @@ module bw_truncation
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
   !!
   !! **Empirical**: `safety`, and the sampling; test_bw_truncation shows what they are worth.
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
   use bw_reach, only: damped_reach, stretch_type, turns, undamped_reach
@@ -126,23 +127,14 @@ contains
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
-    class(mode_set), allocatable :: modes, others
     type(deviation_type) :: before(size(points))
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
     first = count + 1
     do
       last = min(2*max(first, run_length), source%highest)
-      call source%find(sampled(first, last), modes)
       before = sums
-      if (present(shown)) then
-        call shown%find(sampled(first, last), others)
-        call add_modes(others, force*modes%tip/modes%modal_mass, points, stretch, velocity, &
-                       real(last - first + 1, dp)/modes%count, sums)
-      else
-        call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, &
-                       real(last - first + 1, dp)/modes%count, sums)
-      end if
+      call add_window(source, force, sampled(first, last), last - first + 1, points, stretch, velocity, sums, shown)
       if (last == source%highest) exit
       if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
           all(sums%growing - before%growing <= negligible*sums%growing) .and. &
@@ -150,6 +142,34 @@ contains
       first = last + 1
     end do
   end subroutine add_tail
+
+  subroutine add_window(source, force, number, window, points, stretch, velocity, sums, shown)
+    !! Modes that stand for a window of so many: of undamped ones no more is found than is needed.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: number(:), window
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    class(mode_source), intent(in), optional :: shown
+    class(mode_set), allocatable :: modes, others
+    type(dd) :: beta(size(number))
+    real(dp) :: drive(size(number)), shapes(size(number), size(points)), weight
+    weight = real(window, dp)/size(number)
+    if (present(shown)) then
+      call source%find(number, modes)
+      call shown%find(number, others)
+      call add_modes(others, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
+    else if (allocated(source%damping)) then
+      call source%find(number, modes)
+      call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
+    else
+      call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
+      call add_amplitudes(force*drive, shapes, beta%hi > 0.0_dp, undamped_reach(beta%hi, stretch%end, velocity), weight, &
+                          sums)
+    end if
+  end subroutine add_window
 
   pure function sampled(first, last) result(number)
     !! All mode numbers of a short window, runs of neighbours of a long one.
@@ -173,22 +193,30 @@ contains
     logical, intent(in) :: velocity
     real(dp), intent(in) :: weight
     type(deviation_type), intent(inout) :: sums(:)
-    real(dp) :: shapes(modes%count, size(points)), reach(modes%count)
+    real(dp) :: reach(modes%count)
     logical :: stable(modes%count)
-    integer :: p
-    shapes = modes%shapes(points)
     if (allocated(modes%damping)) then
       stable = turns(modes%beta_squared, modes%damping)
       reach = damped_reach(modes%beta_squared, modes%damping, stretch, velocity)
     else
       stable = modes%beta_squared%hi > 0.0_dp
-      reach = undamped_reach(modes%beta_squared, stretch%end, velocity)
+      reach = undamped_reach(sign(sqrt(abs(modes%beta_squared%hi)), modes%beta_squared%hi), stretch%end, velocity)
     end if
-    do p = 1, size(points)
+    call add_amplitudes(rate, modes%shapes(points), stable, reach, weight, sums)
+  end subroutine add_modes
+
+  pure subroutine add_amplitudes(rate, shapes, stable, reach, weight, sums)
+    real(dp), intent(in) :: rate(:), shapes(:, :)
+    logical, intent(in) :: stable(:)
+    real(dp), intent(in) :: reach(:)              !! how far the mode goes that starts with velocity 1
+    real(dp), intent(in) :: weight
+    type(deviation_type), intent(inout) :: sums(:)
+    integer :: p
+    do p = 1, size(sums)
       sums(p)%magnitude = sums(p)%magnitude + weight*sum(abs(rate*shapes(:, p))*reach, mask=stable)
       sums(p)%square = sums(p)%square + weight*sum((rate*shapes(:, p)*reach)**2, mask=stable)
       sums(p)%growing = sums(p)%growing + weight*sum(abs(rate*shapes(:, p))*reach, mask=.not. stable)
     end do
-  end subroutine add_modes
+  end subroutine add_amplitudes
 
 end module bw_truncation

@@ -10,11 +10,11 @@ module bw_histories
   use bw_modes_par, only: by_tolerance
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
-  use bw_response, only: add_motion, finish_histories, free_motion, start_histories, sum_tolerance
+  use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
+  use bw_streamed_modes, only: add_modes_of_source
   use bw_scene, only: scene_type
   use bw_reach, only: stretch_type
   use bw_release_error, only: release_error
-  use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation, only: tail_error, truncation_error, with_start
@@ -24,8 +24,8 @@ module bw_histories
 
   integer, parameter :: first_modes = 64     !! enough to know the peak of the motion
   integer, parameter :: previewed = 1000     !! samples that show the peak well enough to plan with
-  integer, parameter :: batch = 65536        !! modes held at a time
-  real(dp), parameter :: rounding = 8.0_dp*epsilon(1.0_dp)   !! of the sums, as a part of their largest value
+  real(dp), parameter :: sum_share = 0.01_dp !! of a tolerance that the sum of the modes may take
+  real(dp), parameter :: loosest = 1.0e-4_dp !! tolerance of a sum, over its own peak
 
 contains
 
@@ -48,6 +48,7 @@ contains
     else if (allocated(result%courses)) then
       call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
       call sum_courses(free, loaded, scene%response%points, grid, monitor, result)
+      result%response%sum_error = sum_tolerance
     else
       call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
                        result%units%time%hi, scene%response%velocity, monitor, result%response)
@@ -79,10 +80,11 @@ contains
     real(dp) :: speed
     speed = abs(result%approach_velocity)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
-      + sum_error(scene, grid, result)*maxval(abs(result%response%displacement))
+      + result%response%sum_error*maxval(abs(result%response%displacement))
     if (scene%response%velocity) result%response%velocity_error = &
       with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
-                 result%approach_velocity*(1.0_dp + scene%impact%restitution))
+                 result%approach_velocity*(1.0_dp + scene%impact%restitution)) &
+      + result%response%sum_error*maxval(abs(result%response%velocity))
   contains
     function errors(velocity) result(values)
       logical, intent(in) :: velocity
@@ -124,18 +126,6 @@ contains
     end associate
   end function after_release
 
-  pure real(dp) function sum_error(scene, grid, result)
-    !! Of the sum itself, as a part of the largest value at any point.
-    type(scene_type), intent(in) :: scene
-    type(time_grid), intent(in) :: grid
-    type(case_result), intent(in) :: result
-    type(sum_choice) :: choice
-    integer :: histories
-    histories = size(scene%response%points)*merge(2, 1, scene%response%velocity)
-    choice = chosen_sum(result%mode_count, grid%samples, histories, sum_tolerance)
-    sum_error = merge(sum_tolerance, rounding, choice%transform)
-  end function sum_error
-
   subroutine sum_to_tolerance(scene, source, grid, monitor, result)
     !! The continuum's modes, the first of them to learn the peak, then as many as the tolerance takes. Where 10⁷ do not
     !! reach it the histories are fill.
@@ -144,38 +134,46 @@ contains
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
-    real(dp) :: reached
+    real(dp) :: reached, rest, error
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
-    call add_continuum(scene, source, 1, first_modes, grid, monitor, result)
-    call choose_count(scene, source, grid, result, reached)
+    call add_some(scene, source, 1, first_modes, grid, sum_tolerance, monitor, result)
+    call choose_count(scene, source, grid, result, reached, rest)
     if (reached > scene%modes%tolerance) then
       result%status = case_not_converged
       result%response%finite_samples = 0
       call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, reached)//'; the histories are fill')
     else
-      call add_continuum(scene, source, first_modes + 1, result%mode_count, grid, monitor, result)
+      if (scene%response%velocity) rest = 1.0_dp      ! their velocity is no smaller than that of the first
+      error = result%response%sum_error
+      call add_some(scene, source, first_modes + 1, result%mode_count, grid, &
+                    min(loosest, max(sum_tolerance, sum_share*scene%modes%tolerance/rest)), monitor, result)
+      result%response%sum_error = error + rest*(result%response%sum_error - error)
     end if
     call finish_histories(result%units%time%hi, result%response)
   end subroutine sum_to_tolerance
 
-  subroutine choose_count(scene, source, grid, result, reached)
+  subroutine choose_count(scene, source, grid, result, reached, rest)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
-    real(dp) :: peak, force, longest, scale
+    real(dp), intent(out), optional :: rest     !! what the modes after the first are estimated to add, over the peak; at most 1
+    real(dp) :: peak, force, longest, scale, tail
     longest = grid%samples*grid%step%hi
     scale = abs(result%approach_velocity)*result%units%time%hi
     result%mode_count = first_modes
     reached = 0.0_dp
+    if (present(rest)) rest = 1.0_dp
     peak = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
     if (peak == 0.0_dp) return
     peak = peak/scale
     associate (points => scene%response%points)
       force = (1.0_dp + scene%impact%restitution)*scene%impact%mass_ratio
-      peak = max(0.5_dp*peak, peak - maxval(tail_error(first_modes, source, force, points, longest, grid%samples, .false.)))
+      tail = maxval(tail_error(first_modes, source, force, points, longest, grid%samples, .false.))
+      peak = max(0.5_dp*peak, peak - tail)
+      if (present(rest)) rest = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
       call modes_for(scene%modes%tolerance*peak, first_modes, source, force, points, longest, grid%samples, &
                      result%mode_count, reached)
     end associate
@@ -204,7 +202,7 @@ contains
     grid = time_grid_of(scene%response%duration, min(previewed, scene%response%samples), result%units%time)
     allocate (result%response)
     call start_histories(grid, size(scene%response%points), .false., result%response)
-    call add_continuum(scene, source, 1, first_modes, grid, monitor, result)
+    call add_some(scene, source, 1, first_modes, grid, sum_tolerance, monitor, result)
     call choose_count(scene, source, grid, result, reached)
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
@@ -212,25 +210,20 @@ contains
               out_of_reach(scene%modes%tolerance, reached))
   end subroutine plan_count
 
-  subroutine add_continuum(scene, source, first, last, grid, monitor, result)
-    !! Modes `first` … `last`, a batch at a time.
+  subroutine add_some(scene, source, first, last, grid, tolerance, monitor, result)
+    !! Modes `first` … `last` of the continuum.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
     integer, intent(in) :: first, last
     type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: tolerance           !! of the sum
     class(monitor_type), intent(inout), target :: monitor
     type(case_result), intent(inout) :: result
-    class(mode_set), allocatable :: modes
     type(part_monitor) :: part
-    integer :: k, i
-    do k = first, last, batch
-      part = part_monitor(monitor, real(k - 1, dp)/last, real(min(batch, last - k + 1), dp)/last)
-      call source%find([(i, i=k, min(k + batch - 1, last))], modes, grid%samples*grid%step%hi)
-      call add_motion(modes, continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution) &
-                      *(result%approach_velocity*result%units%time%hi), scene%response%points, grid, &
-                      result%units%time%hi, part, result%response)
-      if (monitor%stop_requested()) return
-    end do
-  end subroutine add_continuum
+    part = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
+    call add_modes_of_source(source, (1.0_dp + scene%impact%restitution)*scene%impact%mass_ratio &
+                       *(result%approach_velocity*result%units%time%hi), first, last, scene%response%points, grid, &
+                       result%units%time%hi, tolerance, part, result%response)
+  end subroutine add_some
 
 end module bw_histories

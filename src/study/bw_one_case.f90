@@ -116,12 +116,17 @@ contains
     class(mode_set), intent(in), optional :: free
     type(case_result), intent(inout) :: result
     real(dp) :: profile(scene%impact%profile_points)
-    integer :: j
+    integer, parameter :: most_numbers = 2000000   ! of shapes held at a time
+    integer :: block, first, j, last
     profile = [(real(j, dp)/(size(profile) - 1), j=0, size(profile) - 1)]
+    result%velocity_jump = 0.0_dp*profile
     if (present(free)) then
-      result%velocity_jump = matmul(result%impact%modal_velocity, free%shapes(profile))
+      block = max(1, most_numbers/free%count)
+      do first = 1, size(profile), block
+        last = min(first + block - 1, size(profile))
+        result%velocity_jump(first:last) = matmul(result%impact%modal_velocity, free%shapes(profile(first:last)))
+      end do
     else
-      result%velocity_jump = 0.0_dp*profile
       result%velocity_jump(size(profile)) = result%impact%tip_velocity
     end if
   end subroutine set_velocity_jump

@@ -1,0 +1,78 @@
+module bench_sum
+  !! What compare.py calls, to time it in one process with its rival. Without dimensions: lengths in l, times in l²/h.
+  use, intrinsic :: iso_c_binding
+  use bw_kinds, only: dp
+  use bw_closed_form, only: closed_form_source, source_in_closed_form
+  use bw_double_double, only: dd, to_dd
+  use bw_monitor, only: silent_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_response, only: response_type, start_histories
+  use bw_streamed_modes, only: add_modes_of_source
+  use bw_sum_choice, only: chosen_sum, sum_choice
+  use bw_time_grid, only: time_grid, time_grid_of
+  implicit none (type, external)
+  private
+
+  integer, parameter :: part = 256       ! modes at a time, as in a run
+
+contains
+
+  subroutine whole_job(n, samples, gamma, duration, tolerance, displacement) bind(c, name='bench_whole_job')
+    !! Roots, shapes at the midpoint and the tip, and the sum of n modes of the continuum, as a run with a tolerance does it.
+    integer(c_int), value :: n, samples
+    real(c_double), value :: gamma, duration
+    real(c_double), value :: tolerance                     !! of the sum
+    real(c_double), intent(out) :: displacement(samples, 2)
+    type(response_type) :: response
+    type(time_grid) :: grid
+    type(silent_monitor) :: monitor
+    grid = time_grid_of(duration, samples, to_dd(1.0_dp))
+    call start_histories(grid, 2, .false., response)
+    call add_modes_of_source(source_in_closed_form(gamma), gamma, 1, n, [0.5_dp, 1.0_dp], grid, 1.0_dp, tolerance, monitor, &
+                       response)
+    displacement = response%displacement
+  end subroutine whole_job
+
+  subroutine terms(n, gamma, duration, beta, rate, shapes) bind(c, name='bench_terms')
+    !! The modes alone.
+    integer(c_int), value :: n
+    real(c_double), value :: gamma, duration
+    real(c_double), intent(out) :: beta(2, n)              !! high and low parts
+    real(c_double), intent(out) :: rate(n), shapes(n, 2)
+    type(closed_form_source) :: source
+    type(dd) :: values(part)
+    integer :: i, k, e
+    source = source_in_closed_form(gamma)
+    do k = 1, n, part
+      e = min(k + part - 1, n)
+      call source%terms([(i, i=k, e)], [0.5_dp, 1.0_dp], duration, values(:e - k + 1), rate(k:e), shapes(k:e, :))
+      beta(1, k:e) = values(:e - k + 1)%hi
+      beta(2, k:e) = values(:e - k + 1)%lo
+    end do
+    rate = gamma*rate
+  end subroutine terms
+
+  subroutine sum_alone(n, samples, beta, rate, shapes, duration, tolerance, displacement) bind(c, name='bench_sum_alone')
+    !! The non-uniform transform of modes that are known.
+    integer(c_int), value :: n, samples
+    real(c_double), intent(in) :: beta(2, n)               !! high and low parts
+    real(c_double), intent(in) :: rate(n), shapes(n, 2)
+    real(c_double), value :: duration, tolerance
+    real(c_double), intent(out) :: displacement(samples, 2)
+    type(nonuniform_sum) :: sum
+    type(sum_choice) :: choice
+    type(dd) :: values(part)
+    integer :: e, k
+    choice = chosen_sum(n, samples, 2, tolerance, must_transform=.true.)
+    displacement = 0.0_dp
+    call sum%open(time_grid_of(duration, samples, to_dd(1.0_dp)), choice%width, choice%half, 2, .false.)
+    do k = 1, n, part
+      e = min(k + part - 1, n)
+      values(:e - k + 1)%hi = beta(1, k:e)
+      values(:e - k + 1)%lo = beta(2, k:e)
+      call sum%add(values(:e - k + 1), rate(k:e), shapes(k:e, :))
+    end do
+    call sum%close(displacement)
+  end subroutine sum_alone
+
+end module bench_sum

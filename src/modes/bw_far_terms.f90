@@ -1,0 +1,76 @@
+module bw_far_terms
+  !! What a sum over modes asks of far ones: β, the velocity that momentum at the tip gives, and the shapes at points.
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(+), operator(-)
+  use bw_far_modes, only: far_roots, far_shapes, far_tip_and_drive
+  use bw_frequency_equation, only: root_type
+  use bw_refined_root, only: any_coarse, is_coarse, refined_root
+  implicit none (type, external)
+  private
+  public :: far_terms
+
+contains
+
+  pure subroutine far_terms(k, gamma, light, omega, xi, longest, beta, drive, shapes)
+    !! Modes whose exponentials are below rounding (bw_far_modes), all light or all heavy; a few hundred at a time.
+    integer, intent(in) :: k(:)                !! ascending
+    real(dp), intent(in) :: gamma
+    logical, intent(in) :: light
+    type(dd), intent(in), optional :: omega    !! in-plane angular velocity in h/l²; absent: none acts on the modes
+    real(dp), intent(in) :: xi(:)              !! ξ = 0 or αξ ≥ ½, (points)
+    real(dp), intent(in), optional :: longest  !! as that of `is_coarse`
+    type(dd), intent(out) :: beta(:)           !! √|β²| with the sign of β², (modes)
+    real(dp), intent(out) :: drive(:)          !! Φ_k(1)/M_k, (modes)
+    real(dp), intent(out) :: shapes(:, :)      !! Φ_k(ξ), (modes, points)
+    real(dp), dimension(size(k)) :: eighths, rest, tangent, spread, turned, tip
+    type(dd) :: alpha(size(k))
+    integer :: p
+    eighths = 4*k - merge(2, 3, light)
+    call far_roots(k, gamma, light, rest, tangent, spread, turned)
+    call far_tip_and_drive(k, tangent, spread, turned, tip, drive)
+    alpha = dd_pi*(0.25_dp*eighths) + rest
+    do p = 1, size(xi)
+      call far_shapes(eighths, rest, alpha%hi, tip, xi(p), shapes(:, p))
+    end do
+    call refine(k, gamma, light, rest, omega, longest, alpha)
+    beta = alpha*alpha                                   ! Eq. 3
+    if (present(omega)) call rotate(omega, beta)
+  end subroutine far_terms
+
+  pure subroutine refine(k, gamma, light, rest, omega, longest, alpha)
+    !! Solve again in extended precision what binary64 cannot carry.
+    integer, intent(in) :: k(:)
+    real(dp), intent(in) :: gamma
+    logical, intent(in) :: light
+    real(dp), intent(in) :: rest(:)
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    type(dd), intent(inout) :: alpha(:)
+    integer :: i
+    if (.not. any_coarse(rest, alpha%hi, omega, longest)) return
+    do i = 1, size(k)
+      if (.not. is_coarse(rest(i), alpha(i)%hi, omega, longest)) cycle
+      alpha(i) = refined_root(root_type(k(i), 4*k(i) - merge(2, 3, light), rest(i), gamma))
+    end do
+  end subroutine refine
+
+  pure subroutine rotate(omega, beta)
+    !! From α² to β: α⁴ − ω² without cancellation, Eq. 2.
+    type(dd), intent(in) :: omega
+    type(dd), intent(inout) :: beta(:)
+    integer :: i
+    beta = (beta - omega)*(beta + omega)
+    if (all(beta%hi >= 0.0_dp)) then
+      beta = sqrt(beta)
+      return
+    end if
+    do i = 1, size(beta)
+      if (beta(i)%hi >= 0.0_dp) then
+        beta(i) = sqrt(beta(i))
+      else
+        beta(i) = -sqrt(-beta(i))
+      end if
+    end do
+  end subroutine rotate
+
+end module bw_far_terms

@@ -1,0 +1,124 @@
+module bw_streamed_modes
+  !! Histories of more modes than are held at a time: they are solved, carried onto the grids of the transform and
+  !! forgotten, a part at a time, and the grids are turned into samples once.
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type
+  use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
+  use bw_response, only: add_motion, histories_of, response_type, turns_in_record
+  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
+  use bw_time_grid, only: time_grid
+  implicit none (type, external)
+  private
+  public :: add_modes_of_source
+
+  integer, parameter :: part = 256             !! tuned: modes whose arrays stay in the cache
+  integer, parameter :: most_numbers = 2**22   !! shapes held at a time where modes are not transformed
+
+contains
+
+  subroutine add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, monitor, response)
+    !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform
+    !! where that is faster, but for those that turn less than once in the record and for damped ones.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force                !! velocities in m per l²/h, as in `add_motion`
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: points(:)            !! ξ, (points)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time            !! l²/h, s
+    real(dp), intent(in) :: tolerance            !! of the transform, over the peak of what it adds
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    type(sum_choice) :: choice
+    integer :: turning
+    turning = last + 1
+    if (.not. allocated(source%damping)) then
+      choice = chosen_sum(last - first + 1, grid%samples, histories_of(response), tolerance)
+      if (choice%transform) turning = first_turning(source, first, last, grid)
+    end if
+    call add_sets(source, force, first, turning - 1, points, grid, unit_time, monitor, response)
+    if (turning > last) return
+    if (monitor%stop_requested()) return
+    call transform_source(source, force, turning, last, points, grid, choice, monitor, response)
+    response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
+  end subroutine add_modes_of_source
+
+  integer function first_turning(source, first, last, grid) result(k)
+    !! The first mode of those that turns at least once in the record; `last` + 1 where none does.
+    class(mode_source), intent(in) :: source
+    integer, intent(in) :: first, last
+    type(time_grid), intent(in) :: grid
+    integer, parameter :: step = 16              ! all but short records end with the first
+    type(dd) :: beta(step)
+    real(dp) :: drive(step), shapes(step, 0)
+    integer :: i, n, slow
+    k = first
+    do while (k <= last)
+      n = min(step, last - k + 1)
+      call source%terms([(i, i=k, k + n - 1)], [real(dp) ::], grid%samples*grid%step%hi, beta(:n), drive(:n), shapes(:n, :))
+      slow = count(.not. turns_in_record(beta(:n)%hi, grid))
+      k = k + slow
+      if (slow < n) return
+    end do
+  end function first_turning
+
+  subroutine add_sets(source, force, first, last, points, grid, unit_time, monitor, response)
+    !! Modes in sets of bounded size.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: points(:)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    class(mode_set), allocatable :: modes
+    integer :: batch, i, k
+    batch = max(part, most_numbers/max(64, size(points)))
+    do k = first, last, batch
+      call source%find([(i, i=k, min(k + batch - 1, last))], modes, grid%samples*grid%step%hi)
+      call add_motion(modes, force*modes%tip/modes%modal_mass, points, grid, unit_time, monitor, response)
+      if (monitor%stop_requested()) return
+    end do
+  end subroutine add_sets
+
+  subroutine transform_source(source, force, first, last, points, grid, choice, monitor, response)
+    !! Where the grids of all points are too many to hold, all modes are solved again for every group of points.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: points(:)
+    type(time_grid), intent(in) :: grid
+    type(sum_choice), intent(in) :: choice
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    type(nonuniform_sum) :: sum
+    real(dp) :: drive(part)
+    real(dp), allocatable :: shapes(:, :)
+    type(dd) :: beta(part)
+    integer :: e, group, i, k, n, p
+    logical :: with_velocity
+    with_velocity = allocated(response%velocity)
+    group = points_at_once(choice%half, grid%samples, size(points), with_velocity)
+    allocate (shapes(part, group))
+    do p = 1, size(points), group
+      e = min(p + group - 1, size(points))
+      call sum%open(grid, choice%width, choice%half, e - p + 1, with_velocity)
+      do k = first, last, part
+        n = min(part, last - k + 1)
+        call source%terms([(i, i=k, k + n - 1)], points(p:e), grid%samples*grid%step%hi, beta(:n), drive(:n), &
+                          shapes(:n, :e - p + 1))
+        call sum%add(beta(:n), force*drive(:n), shapes(:n, :e - p + 1))
+        call monitor%advance((p - 1 + (e - p + 1)*real(k - first + n, dp)/(last - first + 1))/size(points))
+        if (monitor%stop_requested()) return
+      end do
+      if (with_velocity) then
+        call sum%close(response%displacement(:, p:e), response%velocity(:, p:e))
+      else
+        call sum%close(response%displacement(:, p:e))
+      end if
+    end do
+  end subroutine transform_source
+
+end module bw_streamed_modes
