@@ -21,6 +21,8 @@ if(BEAMWAVE_NATIVE)
     message(WARNING "BEAMWAVE_NATIVE: this compiler does not take -march=native; building without it")
     set(BEAMWAVE_NATIVE OFF)
   endif()
+  # gfortran halves the registers of AVX-512 unless told otherwise; files named by beamwave_wide_vectors gain a tenth
+  check_compiler_flag(Fortran "-march=native -mprefer-vector-width=512" BEAMWAVE_HAS_WIDE_VECTORS)
 endif()
 if(BEAMWAVE_CHECKS)
   target_compile_options(beamwave_flags INTERFACE

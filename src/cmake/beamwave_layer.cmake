@@ -27,3 +27,10 @@ function(beamwave_see target)
     target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/modules/${used}")
   endforeach()
 endfunction()
+
+# beamwave_wide_vectors(<source> …): files of this folder whose loops are worth the widest registers there are.
+function(beamwave_wide_vectors)
+  if(BEAMWAVE_NATIVE AND BEAMWAVE_HAS_WIDE_VECTORS)
+    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -mprefer-vector-width=512)
+  endif()
+endfunction()
