@@ -9,7 +9,7 @@ module bw_command_line
   public :: read_command_line, help_text
 
   type, public :: command_type
-    character(:), allocatable :: name             !! run, check, describe, help, version
+    character(:), allocatable :: name             !! run, check, accuracy, describe, help, version
     type(string), allocatable :: words(:)         !! paths of scenes, or the group to describe
     character(:), allocatable :: output           !! --output
     logical :: overwrite = .false.                !! --overwrite
@@ -33,7 +33,7 @@ contains
     command%name = command_name(argument(1))
     if (command%name == '') then
       call fail(error, status_bad_input, 'beamwave: '''//argument(1)// &
-                ''' is not a command; accepted: run, check, describe, --help, --version')
+                ''' is not a command; accepted: run, check, accuracy, describe, --help, --version')
       return
     end if
     i = 2
@@ -55,7 +55,7 @@ contains
     character(*), intent(in) :: word
     character(:), allocatable :: name
     select case (word)
-    case ('run', 'check', 'describe'); name = word
+    case ('run', 'check', 'accuracy', 'describe'); name = word
     case ('--help', '-h', 'help'); name = 'help'
     case ('--version', '-V', 'version'); name = 'version'
     case default; name = ''
@@ -131,8 +131,9 @@ contains
     !! Whether a command has an option.
     character(*), intent(in) :: command, option
     select case (option)
-    case ('--output', '--overwrite', '--max-seconds'); takes = command == 'run'
-    case ('--quiet'); takes = command == 'run' .or. command == 'check'
+    case ('--max-seconds'); takes = command == 'run'
+    case ('--output', '--overwrite'); takes = command == 'run' .or. command == 'accuracy'
+    case ('--quiet'); takes = command == 'run' .or. command == 'check' .or. command == 'accuracy'
     case default; takes = .false.
     end select
   end function takes
@@ -142,6 +143,7 @@ contains
     character(:), allocatable :: text
     select case (command)
     case ('run'); text = '; accepted: --output DIR, --overwrite, --quiet, --max-seconds S'
+    case ('accuracy'); text = '; accepted: --output DIR, --overwrite, --quiet'
     case ('check'); text = '; accepted: --quiet'
     case default; text = ''
     end select
@@ -155,6 +157,9 @@ contains
     case ('run', 'check')
       if (size(command%words) == 0) call fail(error, status_bad_input, &
         'beamwave '//command%name//': a scene is missing; accepted: files, or directories of *.nml')
+    case ('accuracy')
+      if (size(command%words) /= 1) call fail(error, status_bad_input, &
+        'beamwave '//command%name//': accepted: one scene')
     case default
       if (size(command%words) > 1) call fail(error, status_bad_input, 'beamwave '//command%name//': accepted: one word at most')
     end select
@@ -175,10 +180,11 @@ contains
     text = 'beamwave: bending waves in a rotating beam struck at its tip'//nl//nl// &
       '  beamwave run PATH ...         run scenes; a directory stands for its *.nml'//nl// &
       '  beamwave check PATH ...       read and validate; say what would be simulated, how, and what it would take'//nl// &
+      '  beamwave accuracy SCENE.nml   measure what accuracy costs on this scene'//nl// &
       '  beamwave describe [GROUP]     every input name: type, unit, range, default, meaning'//nl// &
       '  beamwave --help | --version'//nl// &
       '  mpirun -n N beamwave-mpi run PATH ...   shares the cases of sweeps among N processes; the same words'//nl//nl// &
-      '  check takes --quiet; run takes'//nl// &
+      '  check takes --quiet; accuracy all of these but the last; run takes'//nl// &
       '    --output DIR       where results go (output)'//nl// &
       '    --overwrite        replace results of other scenes or versions'//nl// &
       '    --quiet            print warnings and errors only'//nl// &

@@ -20,7 +20,7 @@ module bw_commands
   use bw_text, only: string, text_of
   implicit none (type, external)
   private
-  public :: run_command, check_command, describe_command
+  public :: run_command, check_command, describe_command, print_outcome, read_and_list
 
 contains
 
@@ -56,11 +56,20 @@ contains
     type(terminal_progress), intent(inout) :: progress
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
-    logical :: seen                                !! the report has shown the warnings to the same eyes
     call run_scene(scene, command%output, command%overwrite, crew, progress, outcome, error)
     status = outcome%status
-    if (.not. crew%leads()) return
-    if (allocated(error)) then
+    if (crew%leads()) status = print_outcome(command, scene, outcome, error)
+  end function run_one
+
+  integer function print_outcome(command, scene, outcome, error) result(status)
+    !! Say how a scene ended.
+    type(command_type), intent(in) :: command
+    type(scene_type), intent(in) :: scene
+    type(outcome_type), intent(in) :: outcome
+    type(error_type), intent(in), optional :: error
+    logical :: seen                                !! the report has shown the warnings to the same eyes
+    status = outcome%status
+    if (present(error)) then
       call print_error(error)
       status = error%status
       return
@@ -71,9 +80,9 @@ contains
     end if
     if (.not. command%quiet) call print_report(outcome%report)
     seen = .false.
-    if (.not. command%quiet) seen = seen_together()
+    if (.not. command%quiet .and. status /= status_stopped) seen = seen_together()
     if (.not. seen) call print_warnings(scene, outcome%warnings)
-  end function run_one
+  end function print_outcome
 
   logical function seen_together()
     !! Report and warnings come to the same eyes, and the report ends with the same notes.

@@ -1,0 +1,113 @@
+module bw_price_list
+  !! What accuracy costs on a scene: rungs of two ladders, one of tolerances, one of fixed counts of modes, each with its
+  !! error and its seconds; and what can be read off them.
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing
+  implicit none (type, external)
+  private
+  public :: digit_seconds, digit_growth, work_slope, is_resolved
+
+  integer, parameter, public :: by_tolerances = 1, by_counts = 2, all_extended = 3
+  character(*), parameter, public :: ladder_words(3) = [character(9) :: 'tolerance', 'counts', 'extended']   !! by number
+
+  integer, parameter, public :: rung_measured = 1, rung_out_of_reach = 2, rung_too_long = 3, rung_diverged = 4
+  character(*), parameter, public :: rung_words(4) = &
+    [character(12) :: 'measured', 'out_of_reach', 'too_long', 'diverged']   !! by number
+
+  integer, parameter, public :: by_products = 1, by_transform = 2, not_summed = 3
+  character(*), parameter, public :: method_words(3) = [character(9) :: 'products', 'transform', 'none']   !! by number
+
+  integer, parameter, public :: priced_stages = 3      !! modes, events, response
+
+  type, public :: rung_type
+    integer :: ladder = by_tolerances
+    integer :: status = rung_measured
+    real(dp) :: tolerance = missing       !! that was asked for; missing on the ladder of counts
+    integer :: mode_count = 0             !! modes that were summed; 0 where none were
+    integer :: refined_count = 0          !! of these, roots solved in extended precision
+    integer :: method = not_summed
+    real(dp) :: error = missing           !! largest |displacement − converged displacement| over the samples, over the peak
+    real(dp) :: estimate = missing        !! the largest `displacement_error` over the peak
+    integer :: repeats = 0
+    real(dp) :: seconds = missing         !! median
+    real(dp) :: lower = missing, upper = missing        !! quartiles, s
+    real(dp) :: stages(priced_stages) = missing         !! medians, s
+  end type rung_type
+
+  type, public :: price_list
+    type(rung_type), allocatable :: rungs(:)   !! ladder by ladder, from coarse to fine
+    real(dp) :: peak = 0.0_dp                  !! largest displacement of the converged run, m
+    integer :: converged_count = 0             !! modes of the converged run
+    real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
+    real(dp) :: converged_difference = missing !! largest difference from the direct sum over the peak; missing: not taken
+    integer :: checked_samples = 0             !! samples at which it was taken
+    real(dp) :: reachable = missing            !! the smallest tolerance in reach; missing: all that were tried
+  end type price_list
+
+contains
+
+  elemental logical function is_resolved(rung, converged_error)
+    !! The measured error is the rung's own, and not the converged run's.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: converged_error
+    is_resolved = .false.
+    if (is_missing(rung%error) .or. rung%error == 0.0_dp) return
+    is_resolved = rung%error > converged_error
+  end function is_resolved
+
+  pure integer function next_rung(rungs, i)
+    !! The next timed rung of the same ladder; 0 where there is none.
+    type(rung_type), intent(in) :: rungs(:)
+    integer, intent(in) :: i
+    next_rung = 0
+    if (i == size(rungs) .or. is_missing(rungs(i)%seconds)) return
+    if (rungs(i + 1)%ladder /= rungs(i)%ladder .or. is_missing(rungs(i + 1)%seconds)) return
+    next_rung = i + 1
+  end function next_rung
+
+  pure function digit_seconds(rungs) result(seconds)
+    !! What the next digit costs: further seconds per factor of ten between a tolerance and the next one; missing where
+    !! there is no next one, and on the ladder of counts, (rungs).
+    type(rung_type), intent(in) :: rungs(:)
+    real(dp) :: seconds(size(rungs))
+    integer :: i, next
+    seconds = missing
+    do i = 1, size(rungs)
+      next = next_rung(rungs, i)
+      if (next == 0 .or. is_missing(rungs(i)%tolerance)) cycle
+      seconds(i) = (rungs(next)%seconds - rungs(i)%seconds)/log10(rungs(i)%tolerance/rungs(next)%tolerance)
+    end do
+  end function digit_seconds
+
+  pure function digit_growth(rungs) result(growth)
+    !! The same as a part of the seconds at hand: 0.25 is a quarter more time for each factor of ten, (rungs).
+    type(rung_type), intent(in) :: rungs(:)
+    real(dp) :: growth(size(rungs))
+    integer :: i, next
+    growth = missing
+    do i = 1, size(rungs)
+      next = next_rung(rungs, i)
+      if (next == 0 .or. is_missing(rungs(i)%tolerance)) cycle
+      growth(i) = (rungs(next)%seconds/rungs(i)%seconds)**(1.0_dp/log10(rungs(i)%tolerance/rungs(next)%tolerance)) - 1.0_dp
+    end do
+  end function digit_growth
+
+  pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
+    !! d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means that a
+    !! tenth of the error takes 10^0.05 times as long. Missing for fewer than two errors.
+    type(rung_type), intent(in) :: rungs(:)
+    integer, intent(in) :: ladder
+    real(dp), intent(in) :: converged_error
+    real(dp), allocatable :: x(:), y(:)
+    logical :: used(size(rungs))
+    used = rungs%ladder == ladder .and. .not. is_missing(rungs%seconds) .and. is_resolved(rungs, converged_error)
+    x = log(pack(rungs%error, used))
+    y = log(pack(rungs%seconds, used))
+    slope = missing
+    if (size(x) < 2) return
+    x = x - sum(x)/size(x)
+    if (maxval(abs(x)) == 0.0_dp) return
+    slope = sum(x*y)/sum(x**2)
+  end function work_slope
+
+end module bw_price_list

@@ -1,0 +1,220 @@
+module bw_accuracy
+  !! What accuracy costs on a scene: tolerances and fixed counts, each with its true error and its seconds.
+  use bw_kinds, only: dp, i8
+  use bw_accuracy_ladder, only: ladder_of, leave_out_of_reach, scene_of_rung, take_errors, take_seconds
+  use bw_case_result, only: case_done, case_result
+  use bw_converged, only: converge, converged_run
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_not_trusted, status_stopped
+  use bw_existing_result, only: look_at_existing
+  use bw_missing, only: is_missing
+  use bw_monitor, only: part_monitor
+  use bw_outcome, only: outcome_type
+  use bw_posix, only: make_directory
+  use bw_price_file, only: put_prices
+  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_too_long
+  use bw_price_report, only: price_report
+  use bw_progress, only: progress_type
+  use bw_report, only: notes_report
+  use bw_result_layout, only: layout_of
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count, case_scene
+  use bw_scene_summary, only: scene_heading, scene_summary
+  use bw_study_file, only: create_study, study_file
+  use bw_text, only: append, string, text_of
+  use bw_timed_runs, only: repeat_runs, run_once, timed_run
+  implicit none (type, external)
+  private
+  public :: measure_accuracy
+
+  character(*), parameter :: study = 'accuracy'
+  real(dp), parameter :: budget = 1.0_dp       !! s of repeats for each rung
+  real(dp), parameter :: patience = 20.0_dp    !! s; finer rungs than one that takes longer are left out
+  real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
+
+  type :: study_state
+    type(converged_run) :: converged
+    type(timed_run), allocatable :: runs(:)    !! of the rungs
+    type(price_list) :: list
+    type(string), allocatable :: notes(:)
+  end type study_state
+
+contains
+
+  subroutine measure_accuracy(scene, directory, overwrite, progress, outcome, error)
+    !! Measure, write DIRECTORY/<scene>.accuracy.nc, and say what was found.
+    !! **Errors**: `status_bad_input` where nothing can be measured on the scene, `status_bad_file` where a file cannot be
+    !! read or written or is another scene's.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: directory
+    logical, intent(in) :: overwrite
+    class(progress_type), intent(inout) :: progress
+    type(outcome_type), intent(out) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(study_state) :: state
+    type(study_file) :: file
+    type(scene_type) :: one
+    logical :: whole
+    call refuse(scene, error)
+    if (.not. allocated(error)) call case_scene(scene, 1_i8, one, error)
+    if (allocated(error)) return
+    outcome%file = directory//'/'//scene%name//'.accuracy.nc'
+    call look_at_existing(outcome%file, one, overwrite, outcome%was_there, error, study)
+    if (allocated(error) .or. outcome%was_there) return
+    call open_file(directory, outcome%file, one, file, error)
+    if (allocated(error)) return
+    call progress%begin(scene%name, 1_i8, 0_i8)
+    call measure(one, progress, state, whole, error)
+    call progress%end()
+    if (allocated(error) .or. .not. whole) then
+      call file%discard()
+      if (.not. allocated(error)) call tell_stop(outcome)
+      return
+    end if
+    if (size(scene%sweeps) > 0) call append(state%notes, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
+    call complete(one, file, state, outcome, error)
+  end subroutine measure_accuracy
+
+  subroutine refuse(scene, error)
+    !! Accuracy is measured against the answer of infinitely many modes: it takes a history that has one.
+    type(scene_type), intent(in) :: scene
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: accepted = '; accepted: a scene with &impact, &capture and &response'
+    if (.not. allocated(scene%response)) then
+      call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
+                'could be measured'//accepted)
+    else if (.not. allocated(scene%capture)) then
+      call fail(error, status_bad_input, scene%file//': &capture: is absent: a rebound belongs to its truncation (its '// &
+                'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted)
+    end if
+  end subroutine refuse
+
+  subroutine open_file(directory, path, scene, file, error)
+    !! Before any work is done: a place that refuses the result refuses it now.
+    character(*), intent(in) :: directory, path
+    type(scene_type), intent(in) :: scene
+    type(study_file), intent(out) :: file
+    type(error_type), allocatable, intent(out) :: error
+    if (make_directory(directory)) then
+      call create_study(path, scene, study, file, error)
+    else
+      call fail(error, status_bad_file, directory//': the directory cannot be made')
+    end if
+  end subroutine open_file
+
+  subroutine measure(scene, progress, state, whole, error)
+    !! The converged run, the error of each rung, then all rungs in turn for their seconds.
+    type(scene_type), intent(in) :: scene
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole                !! false where the monitor asked to stop
+    type(error_type), allocatable, intent(out) :: error
+    type(part_monitor) :: part
+    integer :: i
+    allocate (state%notes(0))
+    part = part_monitor(progress, 0.0_dp, 0.5_dp*measuring)
+    call converge(scene, part, state%converged, whole, error)
+    if (allocated(error) .or. .not. whole) return
+    state%list%rungs = ladder_of()
+    allocate (state%runs(size(state%list%rungs)))
+    do i = 1, size(state%runs)
+      state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
+    end do
+    call leave_out_of_reach(state%runs, state%list%rungs)
+    call run_rungs(progress, state, whole)
+    if (.not. whole) return
+    part = part_monitor(progress, measuring, 1.0_dp - measuring)
+    call repeat_runs(state%runs, budget, part, whole)
+    if (whole) call take_account(state)
+  end subroutine measure
+
+  subroutine run_rungs(progress, state, whole)
+    !! Each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole
+    type(case_result) :: result
+    type(part_monitor) :: part
+    type(timed_run) :: first
+    integer :: i
+    whole = .true.
+    do i = 1, size(state%runs)
+      associate (rung => state%list%rungs(i), run => state%runs(i))
+        if (.not. run%is_timed) cycle
+        part = part_monitor(progress, measuring*(0.5_dp + 0.5_dp*i/size(state%runs)), 0.0_dp)
+        first = timed_run(run%scene)
+        call run_once(first, part, result, whole)
+        if (whole) whole = .not. progress%stop_requested()
+        if (.not. whole) return
+        call take_errors(run%scene, result, state%converged, rung)
+        if (first%seconds%total() > patience) call leave_out(state, i)
+      end associate
+    end do
+  end subroutine run_rungs
+
+  pure subroutine leave_out(state, slow)
+    !! The finer rungs of the same ladder.
+    type(study_state), intent(inout) :: state
+    integer, intent(in) :: slow
+    integer :: i
+    do i = slow + 1, size(state%runs)
+      if (state%list%rungs(i)%ladder /= state%list%rungs(slow)%ladder) exit
+      if (state%runs(i)%is_timed) state%list%rungs(i)%status = rung_too_long
+      state%runs(i)%is_timed = .false.
+    end do
+  end subroutine leave_out
+
+  pure subroutine take_account(state)
+    type(study_state), intent(inout) :: state
+    integer :: i
+    do i = 1, size(state%runs)
+      call take_seconds(state%runs(i), state%list%rungs(i))
+    end do
+    associate (list => state%list, converged => state%converged)
+      list%peak = converged%peak
+      list%converged_count = converged%result%mode_count
+      list%converged_error = converged%error
+      list%converged_difference = converged%difference
+      list%checked_samples = converged%checked_samples
+      if (.not. converged%in_reach) list%reachable = converged%tolerance
+      do i = 1, size(converged%result%notes)
+        call append(state%notes, converged%result%notes(i)%text)
+      end do
+      if (any(list%rungs%status == rung_measured .and. list%rungs%estimate < list%rungs%error .and. &
+              is_resolved(list%rungs, list%converged_error))) &
+        call append(state%notes, 'estimate: a true error is above its estimate')
+    end associate
+  end subroutine take_account
+
+  subroutine complete(scene, file, state, outcome, error)
+    !! Write the file, and the report.
+    type(scene_type), intent(in) :: scene
+    type(study_file), intent(inout) :: file
+    type(study_state), intent(in) :: state
+    type(outcome_type), intent(inout) :: outcome
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), parameter :: nl = new_line('a')
+    character(:), allocatable :: notes
+    integer :: i
+    notes = ''
+    outcome%warnings = ''
+    do i = 1, size(state%notes)
+      if (i > 1) notes = notes//nl
+      notes = notes//state%notes(i)%text
+      outcome%warnings = outcome%warnings//state%notes(i)%text//nl
+    end do
+    call put_prices(file, state%list, error)
+    call file%finish(notes, error)
+    if (allocated(error)) return
+    if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
+    outcome%report = scene_heading(scene)//scene_summary(scene, layout_of(scene))//price_report(state%list)//nl// &
+      notes_report(notes)//'  result     '//outcome%file//nl
+  end subroutine complete
+
+  pure subroutine tell_stop(outcome)
+    type(outcome_type), intent(inout) :: outcome
+    outcome%status = status_stopped
+    outcome%report = ''
+    outcome%warnings = outcome%file//': stopped; seconds cannot be taken up again, so the same command starts anew'//new_line('a')
+  end subroutine tell_stop
+
+end module bw_accuracy

@@ -1,0 +1,116 @@
+module bw_accuracy_ladder
+  !! The rungs of a study of accuracy, and how one of them is measured.
+  use bw_kinds, only: dp
+  use bw_case_result, only: case_diverged, case_result
+  use bw_converged, only: converged_run
+  use bw_error, only: error_type
+  use bw_missing, only: is_missing, missing
+  use bw_one_case, only: plan_case
+  use bw_price_list, only: by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
+    rung_out_of_reach, rung_type
+  use bw_response, only: sum_tolerance
+  use bw_scene, only: scene_type
+  use bw_scene_variant, only: with_counts, with_tolerance
+  use bw_sum_choice, only: chosen_sum, sum_choice
+  use bw_timed_runs, only: timed_run
+  implicit none (type, external)
+  private
+  public :: ladder_of, scene_of_rung, take_errors, take_seconds, leave_out_of_reach
+
+  integer, parameter :: coarsest = 2, finest = 11      !! decades of the tolerances
+  integer, parameter, public :: counts(*) = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
+
+contains
+
+  pure function ladder_of() result(rungs)
+    !! All rungs, from coarse to fine.
+    type(rung_type), allocatable :: rungs(:)
+    integer :: i, first
+    first = finest - coarsest + 1
+    allocate (rungs(first + size(counts)))
+    do i = 1, first
+      rungs(i)%ladder = by_tolerances
+      rungs(i)%tolerance = 10.0_dp**(-(coarsest + i - 1))
+    end do
+    do i = 1, size(counts)
+      rungs(first + i)%ladder = by_counts
+      rungs(first + i)%mode_count = counts(i)
+    end do
+  end function ladder_of
+
+  pure type(scene_type) function scene_of_rung(scene, rung) result(variant)
+    type(scene_type), intent(in) :: scene
+    type(rung_type), intent(in) :: rung
+    if (rung%ladder == by_counts) then
+      variant = with_counts(scene, rung%mode_count)
+    else
+      variant = with_tolerance(scene, rung%tolerance)
+    end if
+  end function scene_of_rung
+
+  subroutine leave_out_of_reach(runs, rungs)
+    !! Tolerances that the program refuses are not run.
+    type(timed_run), intent(inout) :: runs(:)
+    type(rung_type), intent(inout) :: rungs(:)
+    type(error_type), allocatable :: error
+    integer :: i, count
+    do i = 1, size(rungs)
+      if (is_missing(rungs(i)%tolerance)) cycle
+      call plan_case(runs(i)%scene, count, error)
+      runs(i)%is_timed = .not. allocated(error)
+      if (.not. runs(i)%is_timed) rungs(i)%status = rung_out_of_reach
+    end do
+  end subroutine leave_out_of_reach
+
+  pure subroutine take_errors(scene, result, converged, rung)
+    !! What a run of the rung yielded beside the converged run.
+    type(scene_type), intent(in) :: scene          !! of the rung
+    type(case_result), intent(in) :: result
+    type(converged_run), intent(in) :: converged
+    type(rung_type), intent(inout) :: rung
+    rung%mode_count = result%mode_count
+    rung%method = method_of(scene, result%mode_count)
+    if (result%status == case_diverged) rung%status = rung_diverged
+    rung%error = true_error(result, converged)
+    if (.not. allocated(result%response%displacement_error)) return
+    rung%estimate = 0.0_dp
+    if (converged%peak > 0.0_dp) rung%estimate = maxval(result%response%displacement_error)/converged%peak
+  end subroutine take_errors
+
+  pure real(dp) function true_error(result, converged) result(error)
+    !! Over the samples that are finite in both; 0 where nothing moves.
+    type(case_result), intent(in) :: result
+    type(converged_run), intent(in) :: converged
+    integer :: finite
+    error = 0.0_dp
+    finite = min(result%response%finite_samples, converged%result%response%finite_samples)
+    if (converged%peak == 0.0_dp .or. finite == 0) return
+    associate (rung => result%response%displacement(:finite, :), &
+               fine => converged%result%response%displacement(:finite, :))
+      error = maxval(abs(rung/converged%peak - fine/converged%peak))
+    end associate
+  end function true_error
+
+  pure integer function method_of(scene, count) result(method)
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: count
+    type(sum_choice) :: choice
+    choice = chosen_sum(count, scene%response%samples, size(scene%response%points)*merge(2, 1, scene%response%velocity), &
+                        sum_tolerance)
+    method = merge(by_transform, by_products, choice%transform)
+  end function method_of
+
+  pure subroutine take_seconds(run, rung)
+    !! Medians and quartiles of the repeats.
+    type(timed_run), intent(in) :: run
+    type(rung_type), intent(inout) :: rung
+    integer :: i
+    rung%repeats = run%seconds%count
+    if (rung%repeats == 0) return
+    rung%seconds = run%seconds%median()
+    rung%lower = run%seconds%quantile(0.25_dp)
+    rung%upper = run%seconds%quantile(0.75_dp)
+    rung%stages = [(run%stage(i)%median(), i=1, priced_stages)]
+  end subroutine take_seconds
+
+end module bw_accuracy_ladder

@@ -1,0 +1,154 @@
+module bw_converged
+  !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
+  !! estimate, and where the motion is the free motion of modes in closed form, by a direct sum in extended precision at
+  !! some samples. test_bw_converged compares it with residues summed in 45 digits.
+  use bw_kinds, only: dp
+  use bw_beam_units, only: units_of
+  use bw_case_modes, only: find_modes
+  use bw_case_result, only: case_done, case_result
+  use bw_continuum, only: continuum_velocity
+  use bw_direct_sum, only: add_directly
+  use bw_double_double, only: dd
+  use bw_error, only: error_type
+  use bw_missing, only: missing
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type
+  use bw_one_case, only: plan_case, run_case
+  use bw_result_layout, only: layout_of
+  use bw_scene, only: scene_type
+  use bw_scene_variant, only: with_tolerance
+  use bw_stopwatch, only: stopwatch
+  use bw_time_grid, only: time_grid, time_grid_of
+  implicit none (type, external)
+  private
+  public :: converge
+
+  real(dp), parameter, public :: converged_tolerance = 1.0e-13_dp   !! a hundredth of the finest rung
+  integer, parameter :: checked = 32            !! samples, at most
+  integer, parameter :: most_direct = 500000    !! modes; a direct sum of more would take longer than all the rungs
+  integer, parameter :: batch = 4096            !! modes held at a time
+  real(dp), parameter :: endless = huge(1.0_dp) !! a record that calls for extended precision in every root
+  integer, parameter :: halvings = 12           !! of the range of tolerances: to a hundredth of a decade
+
+  type, public :: converged_run
+    type(case_result) :: result
+    real(dp) :: tolerance = missing             !! that it keeps
+    logical :: in_reach = .true.                !! `converged_tolerance` is
+    real(dp) :: peak = 0.0_dp                   !! m, over all points
+    real(dp) :: error = missing                 !! its own estimate over the peak
+    real(dp) :: difference = missing            !! from the direct sum over the peak; missing where it was not taken
+    integer :: checked_samples = 0
+  end type converged_run
+
+contains
+
+  subroutine converge(scene, monitor, run, whole, error)
+    !! **Errors**: `status_bad_input` where no tolerance is in reach.
+    type(scene_type), intent(in) :: scene       !! without sweeps
+    class(monitor_type), intent(inout) :: monitor
+    type(converged_run), intent(out) :: run
+    logical, intent(out) :: whole               !! false where the monitor asked to stop
+    type(error_type), allocatable, intent(out) :: error
+    type(scene_type) :: fine
+    type(stopwatch) :: watch
+    whole = .true.
+    call find_reach(scene, run, error)
+    if (allocated(error)) return
+    fine = with_tolerance(scene, run%tolerance)
+    call run_case(fine, layout_of(fine), watch, monitor, run%result, whole)
+    if (.not. whole) return
+    associate (response => run%result%response)
+      if (response%finite_samples > 0) run%peak = maxval(abs(response%displacement(:response%finite_samples, :)))
+      if (.not. allocated(response%displacement_error)) return
+      run%error = 0.0_dp
+      if (run%peak > 0.0_dp) run%error = maxval(response%displacement_error)/run%peak
+    end associate
+    call check(fine, monitor, run, whole)
+  end subroutine converge
+
+  subroutine find_reach(scene, run, error)
+    !! The finest tolerance that can be kept, down to `converged_tolerance`.
+    type(scene_type), intent(in) :: scene
+    type(converged_run), intent(inout) :: run
+    type(error_type), allocatable, intent(out) :: error
+    real(dp), parameter :: coarsest = 0.5_dp
+    real(dp) :: fine, middle
+    integer :: count, i
+    run%tolerance = converged_tolerance
+    call plan_case(with_tolerance(scene, converged_tolerance), count, error)
+    run%in_reach = .not. allocated(error)
+    if (run%in_reach) return
+    run%tolerance = coarsest
+    call plan_case(with_tolerance(scene, coarsest), count, error)
+    if (allocated(error)) return
+    fine = converged_tolerance
+    do i = 1, halvings
+      middle = sqrt(fine*run%tolerance)
+      call plan_case(with_tolerance(scene, middle), count, error)
+      if (allocated(error)) then
+        fine = middle
+      else
+        run%tolerance = middle
+      end if
+    end do
+    if (allocated(error)) deallocate (error)
+  end subroutine find_reach
+
+  subroutine check(scene, monitor, run, whole)
+    !! `difference`, if the motion is what the direct sum knows.
+    type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
+    type(converged_run), intent(inout) :: run
+    logical, intent(inout) :: whole
+    type(dd), allocatable :: direct(:, :)
+    integer, allocatable :: sample(:)
+    integer :: p
+    if (run%result%status /= case_done .or. run%result%mode_count > most_direct .or. run%peak == 0.0_dp) return
+    sample = spread_samples(scene%response%samples)
+    call sum_directly(scene, run%result%mode_count, sample, monitor, direct, whole)
+    if (.not. whole) return
+    run%checked_samples = size(sample)
+    run%difference = 0.0_dp
+    do p = 1, size(direct, 2)
+      run%difference = max(run%difference, maxval(abs( &
+                           (run%result%response%displacement(sample + 1, p) - direct(:, p)%hi) - direct(:, p)%lo))/run%peak)
+    end do
+  end subroutine check
+
+  subroutine sum_directly(scene, count, sample, monitor, direct, whole)
+    !! Displacements, m, of the continuum's first `count` modes, every root in extended precision.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: count
+    integer, intent(in) :: sample(:)
+    class(monitor_type), intent(inout) :: monitor
+    type(dd), allocatable, intent(out) :: direct(:, :)     !! (samples, points)
+    logical, intent(inout) :: whole
+    type(case_result) :: result
+    class(mode_set), allocatable :: free, loaded
+    class(mode_source), allocatable :: source
+    type(time_grid) :: grid
+    integer :: first, k
+    allocate (result%notes(0))
+    allocate (direct(size(sample), size(scene%response%points)), source=dd(0.0_dp, 0.0_dp))
+    result%units = units_of(scene%beam)
+    call find_modes(scene, result, free, loaded, source)
+    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
+    do first = 1, count, batch
+      call source%find([(k, k=first, min(first + batch - 1, count))], loaded, endless)
+      call add_directly(loaded, continuum_velocity(loaded, scene%impact%mass_ratio, scene%impact%restitution) &
+                        *(scene%impact%approach_velocity*result%units%time%hi), scene%response%points, grid, sample, direct)
+      whole = .not. monitor%stop_requested()
+      if (.not. whole) return
+    end do
+  end subroutine sum_directly
+
+  pure function spread_samples(samples) result(sample)
+    !! Numbers of samples, from 0, spread over the record and with its last one.
+    integer, intent(in) :: samples
+    integer, allocatable :: sample(:)
+    integer :: i, count
+    count = min(checked, samples)
+    sample = [(int((real(i, dp)*samples)/count) - 1, i=1, count)]
+  end function spread_samples
+
+end module bw_converged
