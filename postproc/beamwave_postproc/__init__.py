@@ -6,6 +6,7 @@ from .jump import velocity_jump
 from .kinds import KINDS, pictures
 from .measured import measured
 from .motion import motion
+from .prices import work_precision
 from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
 from .spectrum import spectrum
 from .sweep_map import sweep_map
@@ -30,4 +31,5 @@ __all__ = [
     "to_grid",
     "velocity",
     "velocity_jump",
+    "work_precision",
 ]

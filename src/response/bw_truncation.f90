@@ -2,9 +2,11 @@ module bw_truncation
   !! How far a sum of n modes is from the answer of infinitely many, before any of the others is summed.
   !!
   !! What is missing is a sum of sines with the amplitudes A of the modes from n + 1 on, and of the differences that a
-  !! finite number of modes before the capture leaves in the first n. Its largest value over N samples is at most Σ|A|,
-  !! and, the phases being as good as random, hardly ever above √(½ΣA²)·√(2 ln 2N): the estimate is the smaller of the
-  !! first and `safety` times the second. The sums run over windows of mode numbers that double in length, each sampled
+  !! finite number of modes before the capture leaves in the first n. Its largest value over N samples is at most Σ|A|.
+  !! Were the phases random, it would hardly ever be above √(½ΣA²)·√(2 ln 2N). But they are nearly quadratic in k: near
+  !! times τ of which πτ/2 is a fraction of small numbers many of them agree again, as in theta sums, whose values above x
+  !! times the mean square's root are as rare as x⁻⁴ (J. Marklof, 1999), so that N samples find one of about N^(1/4).
+  !! The estimate is the smaller of Σ|A| and the larger of these two with their factors. The sums run over windows of mode numbers that double in length, each sampled
   !! by runs of neighbouring modes, since the shapes at a point repeat every few modes.
   !!
   !! Damped modes enter with the amplitude that is left of them at the start of stretches of the history; those that do not
@@ -12,7 +14,7 @@ module bw_truncation
   !!
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
   !!
-  !! **Empirical**: `safety`, and the sampling; test_bw_truncation shows what they are worth.
+  !! **Empirical**: `safety`, `revival`, and the sampling; test_bw_truncation shows what they are worth.
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
@@ -21,7 +23,8 @@ module bw_truncation
   private
   public :: truncation_error, tail_error, with_start, add_tail, largest
 
-  real(dp), parameter :: safety = 2.5_dp          !! empirical
+  real(dp), parameter :: safety = 2.5_dp          !! empirical: of the phases as if they were random
+  real(dp), parameter :: revival = 2.0_dp         !! empirical: of N^(1/4); from 500 samples on it is the larger one
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
   real(dp), parameter :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
 
@@ -113,8 +116,9 @@ contains
   elemental real(dp) function largest(sums, samples) result(error)
     type(deviation_type), intent(in) :: sums
     integer, intent(in) :: samples
-    error = sums%growing + min(sums%magnitude, &
-                               safety*sqrt(0.5_dp*sums%square)*sqrt(2.0_dp*log(2.0_dp*max(2, samples))))
+    real(dp) :: times                               ! of the mean square's root
+    times = max(safety*sqrt(2.0_dp*log(2.0_dp*max(2, samples))), revival*sqrt(sqrt(real(samples, dp))))
+    error = sums%growing + min(sums%magnitude, times*sqrt(0.5_dp*sums%square))
   end function largest
 
   subroutine add_tail(count, source, force, points, stretch, velocity, sums, shown)

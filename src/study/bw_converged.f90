@@ -1,6 +1,6 @@
 module bw_converged
   !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
-  !! estimate, and where the motion is the free motion of modes in closed form, by a direct sum in extended precision at
+  !! estimate, and where the motion is that of undamped modes in closed form, by a direct sum in extended precision at
   !! some samples. test_bw_converged compares it with residues summed in 45 digits.
   use bw_kinds, only: dp
   use bw_beam_units, only: units_of
@@ -103,6 +103,7 @@ contains
     type(dd), allocatable :: direct(:, :)
     integer, allocatable :: sample(:)
     integer :: p
+    if (allocated(scene%damping)) return
     if (run%result%status /= case_done .or. run%result%mode_count > most_direct .or. run%peak == 0.0_dp) return
     sample = spread_samples(scene%response%samples)
     call sum_directly(scene, run%result%mode_count, sample, monitor, direct, whole)
