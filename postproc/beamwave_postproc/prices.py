@@ -83,7 +83,7 @@ def _draw_shares(axes: Axes, rungs: xr.Dataset) -> None:
     axes.set_ylim(0.0, 100.0)
     axes.set_ylabel("Share of the time (%)")
     axes.grid(visible=False)
-    axes.legend(fontsize="small", loc="lower left", ncols=1)
+    axes.legend(fontsize="small", loc="lower center", ncols=3, bbox_to_anchor=(0.5, 1.0), handlelength=1.2)
 
 
 def _draw_digits(axes: Axes, rungs: xr.Dataset) -> None:
@@ -98,7 +98,8 @@ def _draw_digits(axes: Axes, rungs: xr.Dataset) -> None:
     axes.margins(y=0.15)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     _label_tolerances(axes, rungs)
-    axes.set_ylabel(f"Further time for the next digit ({prefix}s)")
+    axes.set_axisbelow(True)
+    axes.set_ylabel(f"Price of the next digit ({prefix}s)")
     axes.grid(visible=False, axis="x")
 
 

@@ -17,6 +17,7 @@ module bw_stopwatch
   contains
     procedure :: start
     procedure :: lap
+    procedure :: rebook
   end type stopwatch
 
 contains
@@ -42,5 +43,14 @@ contains
     self%seconds(stage) = self%seconds(stage) + (now - self%last)
     self%last = now
   end subroutine lap
+
+  pure subroutine rebook(self, from, to, seconds)
+    !! Book seconds of one stage on another: what was done within it belongs there.
+    class(stopwatch), intent(inout) :: self
+    integer, intent(in) :: from, to
+    real(dp), intent(in) :: seconds
+    self%seconds(from) = self%seconds(from) - seconds
+    self%seconds(to) = self%seconds(to) + seconds
+  end subroutine rebook
 
 end module bw_stopwatch

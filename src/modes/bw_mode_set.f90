@@ -33,6 +33,7 @@ module bw_mode_set
     !! Modes of any number, of one beam with what its tip carries.
     real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ
     integer :: highest = 0                        !! the highest mode number that can be found
+    real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find

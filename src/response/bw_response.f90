@@ -31,6 +31,7 @@ module bw_response
     real(dp), allocatable :: velocity(:, :)       !! m/s, (samples, points); allocated only if asked for
     real(dp), allocatable :: displacement_error(:)  !! m, estimate of the largest error, (points); not of a rebound
     real(dp), allocatable :: velocity_error(:)      !! m/s, (points)
+    real(dp) :: mode_seconds = 0.0_dp             !! wall time of finding the modes that were streamed
     real(dp) :: sum_error = 0.0_dp                !! of the sums of modes, as a part of the largest value at any point
     integer :: finite_samples = 0                 !! samples before the first overflow; all where there is none
     integer :: failing_mode = 0                   !! the mode that overflows first; 0 where none does

@@ -7,6 +7,7 @@ module bw_streamed_modes
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: add_motion, histories_of, response_type, turns_in_record
+  use bw_stopwatch, only: wall_seconds
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   use bw_time_grid, only: time_grid
   implicit none (type, external)
@@ -56,7 +57,7 @@ contains
     k = first
     do while (k <= last)
       n = min(step, last - k + 1)
-      call source%terms([(i, i=k, k + n - 1)], [real(dp) ::], grid%samples*grid%step%hi, beta(:n), drive(:n), shapes(:n, :))
+      call source%terms([(i, i=k, k + n - 1)], [real(dp) ::], record_of(source, grid), beta(:n), drive(:n), shapes(:n, :))
       slow = count(.not. turns_in_record(beta(:n)%hi, grid))
       k = k + slow
       if (slow < n) return
@@ -74,10 +75,13 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     class(mode_set), allocatable :: modes
+    real(dp) :: started
     integer :: batch, i, k
     batch = max(part, most_numbers/max(64, size(points)))
     do k = first, last, batch
-      call source%find([(i, i=k, min(k + batch - 1, last))], modes, grid%samples*grid%step%hi)
+      started = wall_seconds()
+      call source%find([(i, i=k, min(k + batch - 1, last))], modes, record_of(source, grid))
+      response%mode_seconds = response%mode_seconds + (wall_seconds() - started)
       call add_motion(modes, force*modes%tip/modes%modal_mass, points, grid, unit_time, monitor, response)
       if (monitor%stop_requested()) return
     end do
@@ -94,7 +98,7 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     type(nonuniform_sum) :: sum
-    real(dp) :: drive(part)
+    real(dp) :: drive(part), started
     real(dp), allocatable :: shapes(:, :)
     type(dd) :: beta(part)
     integer :: e, group, i, k, n, p
@@ -107,8 +111,10 @@ contains
       call sum%open(grid, choice%width, choice%half, e - p + 1, with_velocity)
       do k = first, last, part
         n = min(part, last - k + 1)
-        call source%terms([(i, i=k, k + n - 1)], points(p:e), grid%samples*grid%step%hi, beta(:n), drive(:n), &
+        started = wall_seconds()
+        call source%terms([(i, i=k, k + n - 1)], points(p:e), record_of(source, grid), beta(:n), drive(:n), &
                           shapes(:n, :e - p + 1))
+        response%mode_seconds = response%mode_seconds + (wall_seconds() - started)
         call sum%add(beta(:n), force*drive(:n), shapes(:n, :e - p + 1))
         call monitor%advance((p - 1 + (e - p + 1)*real(k - first + n, dp)/(last - first + 1))/size(points))
         if (monitor%stop_requested()) return
@@ -120,5 +126,12 @@ contains
       end if
     end do
   end subroutine transform_source
+
+  pure real(dp) function record_of(source, grid) result(longest)
+    !! For how long the phases of modes are to be right, in l²/h.
+    class(mode_source), intent(in) :: source
+    type(time_grid), intent(in) :: grid
+    longest = source%stretch*(grid%samples*grid%step%hi)
+  end function record_of
 
 end module bw_streamed_modes

@@ -27,7 +27,7 @@ contains
     call lines%append_line('')
     call lines%append_line('  Runs on '//processor_name()//'; medians, and the half of what the middle half of the repeats spans')
     call report_ladder(list, by_tolerances, 'tolerance', lines)
-    call report_ladder(list, all_extended, 'the last one with every root in extended precision', lines)
+    call report_ladder(list, all_extended, 'the finest of them with every root in extended precision', lines)
     call report_ladder(list, by_counts, 'before = after', lines)
     call report_slopes(list, lines)
     text = lines%text()
@@ -84,7 +84,7 @@ contains
       right(ratio_text(rung, list%converged_error), 7)//right(milliseconds(rung%seconds), 10)// &
       right(milliseconds(0.5_dp*(rung%upper - rung%lower)), 7)
     do i = 1, priced_stages
-      text = text//right(percent(rung%stages(i)/rung%seconds), len_trim(stage_words(i)) + 2)
+      text = text//right(percent(rung%stages(i)/sum(rung%stages)), len_trim(stage_words(i)) + 2)
     end do
     if (rung%refined_count > 0) text = text//'  '//percent(real(rung%refined_count, dp)/rung%mode_count)//' extended'
   end function rung_line
@@ -99,7 +99,7 @@ contains
       text = 'out of reach'
       if (.not. is_missing(list%reachable)) text = text//'; '//shortest(list%reachable, 2)//' can be reached'
     case (rung_too_long)
-      text = 'left out: the one before took too long'
+      text = 'left out: it would take too long'
     case default
       text = 'the motion overflows'
     end select

@@ -11,7 +11,7 @@ module bw_accuracy
   use bw_outcome, only: outcome_type
   use bw_posix, only: make_directory
   use bw_price_file, only: put_prices
-  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_too_long
+  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long
   use bw_price_report, only: price_report
   use bw_progress, only: progress_type
   use bw_report, only: notes_report
@@ -27,8 +27,8 @@ module bw_accuracy
   public :: measure_accuracy
 
   character(*), parameter :: study = 'accuracy'
-  real(dp), parameter :: budget = 1.0_dp       !! s of repeats for each rung
-  real(dp), parameter :: patience = 20.0_dp    !! s; finer rungs than one that takes longer are left out
+  real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
+  real(dp), parameter :: patience = 5.0_dp     !! s; finer rungs than one that takes longer are left out
   real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
 
   type :: study_state
@@ -114,7 +114,7 @@ contains
     part = part_monitor(progress, 0.0_dp, 0.5_dp*measuring)
     call converge(scene, part, state%converged, whole, error)
     if (allocated(error) .or. .not. whole) return
-    state%list%rungs = ladder_of()
+    state%list%rungs = ladder_of(state%converged%tolerance)
     allocate (state%runs(size(state%list%rungs)))
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
@@ -146,6 +146,7 @@ contains
         if (whole) whole = .not. progress%stop_requested()
         if (.not. whole) return
         call take_errors(run%scene, result, state%converged, rung)
+        run%is_timed = rung%status /= rung_out_of_reach
         if (first%seconds%total() > patience) call leave_out(state, i)
       end associate
     end do

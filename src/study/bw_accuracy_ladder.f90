@@ -1,13 +1,14 @@
 module bw_accuracy_ladder
   !! The rungs of a study of accuracy, and how one of them is measured.
   use bw_kinds, only: dp
-  use bw_case_result, only: case_diverged, case_result
-  use bw_converged, only: converged_run
+  use bw_case_result, only: case_diverged, case_not_converged, case_result
+  use bw_converged, only: converged_run, most_extended
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
   use bw_one_case, only: plan_case
-  use bw_price_list, only: by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
-    rung_out_of_reach, rung_type
+  use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
+    rung_out_of_reach, rung_too_long, rung_type
+  use bw_refined_count, only: refined_count
   use bw_response, only: sum_tolerance
   use bw_scene, only: scene_type
   use bw_scene_variant, only: with_counts, with_tolerance
@@ -22,15 +23,20 @@ module bw_accuracy_ladder
 
 contains
 
-  pure function ladder_of() result(rungs)
-    !! All rungs, from coarse to fine.
+  pure function ladder_of(reachable) result(rungs)
+    !! All rungs, from coarse to fine: tolerances, the finest of them in reach with all roots in extended precision,
+    !! counts.
+    real(dp), intent(in) :: reachable          !! the finest tolerance in reach
     type(rung_type), allocatable :: rungs(:)
     integer :: i, first
-    first = finest - coarsest + 1
+    first = finest - coarsest + 2
     allocate (rungs(first + size(counts)))
-    do i = 1, first
+    rungs(first)%ladder = all_extended
+    rungs(first)%tolerance = 10.0_dp**(-coarsest)
+    do i = 1, first - 1
       rungs(i)%ladder = by_tolerances
       rungs(i)%tolerance = 10.0_dp**(-(coarsest + i - 1))
+      if (rungs(i)%tolerance >= reachable) rungs(first)%tolerance = rungs(i)%tolerance
     end do
     do i = 1, size(counts)
       rungs(first + i)%ladder = by_counts
@@ -45,6 +51,7 @@ contains
       variant = with_counts(scene, rung%mode_count)
     else
       variant = with_tolerance(scene, rung%tolerance)
+      variant%modes%extended = rung%ladder == all_extended
     end if
   end function scene_of_rung
 
@@ -59,6 +66,10 @@ contains
       call plan_case(runs(i)%scene, count, error)
       runs(i)%is_timed = .not. allocated(error)
       if (.not. runs(i)%is_timed) rungs(i)%status = rung_out_of_reach
+      if (runs(i)%is_timed .and. rungs(i)%ladder == all_extended .and. count > most_extended) then
+        runs(i)%is_timed = .false.
+        rungs(i)%status = rung_too_long
+      end if
     end do
   end subroutine leave_out_of_reach
 
@@ -69,6 +80,9 @@ contains
     type(converged_run), intent(in) :: converged
     type(rung_type), intent(inout) :: rung
     rung%mode_count = result%mode_count
+    if (result%status == case_not_converged) rung%status = rung_out_of_reach
+    if (result%status == case_not_converged) return
+    rung%refined_count = refined_count(scene, result%mode_count)
     rung%method = method_of(scene, result%mode_count)
     if (result%status == case_diverged) rung%status = rung_diverged
     rung%error = true_error(result, converged)

@@ -7,6 +7,7 @@ module bw_case_modes
   use bw_double_double, only: dd
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
+  use bw_record_stretch, only: record_stretch
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   implicit none (type, external)
@@ -26,11 +27,12 @@ contains
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     real(dp), allocatable :: longest               ! absent: no history is asked for
     call find_rotation(scene, result, omega)
-    if (allocated(scene%response)) longest = scene%response%duration/result%units%time%hi
+    if (allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/result%units%time%hi)
     alone = source_in_closed_form(0.0_dp, omega)
     if (allocated(scene%damping)) alone%damping = law_of(scene%damping, result%units)
     if (allocated(scene%capture)) then
       source = source_in_closed_form(scene%impact%mass_ratio, omega)
+      source%stretch = record_stretch(scene)
       if (allocated(alone%damping)) source%damping = alone%damping
       call source%find(first_numbers(scene%modes%after), loaded, longest)
       result%modes = loaded

@@ -5,11 +5,11 @@ module bw_converged
   use bw_kinds, only: dp
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_done, case_result
+  use bw_case_result, only: case_done, case_not_converged, case_result
   use bw_continuum, only: continuum_velocity
   use bw_direct_sum, only: add_directly
   use bw_double_double, only: dd
-  use bw_error, only: error_type
+  use bw_error, only: error_type, fail, status_not_trusted
   use bw_missing, only: missing
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
@@ -21,11 +21,11 @@ module bw_converged
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
-  public :: converge
+  public :: converge, find_reach
 
   real(dp), parameter, public :: converged_tolerance = 1.0e-13_dp   !! a hundredth of the finest rung
   integer, parameter :: checked = 32            !! samples, at most
-  integer, parameter :: most_direct = 500000    !! modes; a direct sum of more would take longer than all the rungs
+  integer, parameter, public :: most_extended = 500000    !! modes; extended precision for more would take longer than all the rungs
   integer, parameter :: batch = 4096            !! modes held at a time
   real(dp), parameter :: endless = huge(1.0_dp) !! a record that calls for extended precision in every root
   integer, parameter :: halvings = 12           !! of the range of tolerances: to a hundredth of a decade
@@ -51,12 +51,22 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: fine
     type(stopwatch) :: watch
+    integer :: count
     whole = .true.
-    call find_reach(scene, run, error)
+    call find_reach(scene, run%tolerance, error)
     if (allocated(error)) return
+    run%in_reach = run%tolerance == converged_tolerance
     fine = with_tolerance(scene, run%tolerance)
+    call plan_case(fine, count, error)
+    if (allocated(error)) return
+    fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
     call run_case(fine, layout_of(fine), watch, monitor, run%result, whole)
     if (.not. whole) return
+    if (run%result%status == case_not_converged) then
+      call fail(error, status_not_trusted, scene%file//': no converged run: '// &
+                run%result%notes(size(run%result%notes))%text)
+      return
+    end if
     associate (response => run%result%response)
       if (response%finite_samples > 0) run%peak = maxval(abs(response%displacement(:response%finite_samples, :)))
       if (.not. allocated(response%displacement_error)) return
@@ -66,32 +76,34 @@ contains
     call check(fine, monitor, run, whole)
   end subroutine converge
 
-  subroutine find_reach(scene, run, error)
+  subroutine find_reach(scene, tolerance, error)
     !! The finest tolerance that can be kept, down to `converged_tolerance`.
+    !! **Errors**: `status_bad_input` where there is none.
     type(scene_type), intent(in) :: scene
-    type(converged_run), intent(inout) :: run
+    real(dp), intent(out) :: tolerance
     type(error_type), allocatable, intent(out) :: error
     real(dp), parameter :: coarsest = 0.5_dp
+    real(dp), parameter :: margin = 1.2_dp      ! a plan knows the peak from fewer samples than a run
     real(dp) :: fine, middle
     integer :: count, i
-    run%tolerance = converged_tolerance
-    call plan_case(with_tolerance(scene, converged_tolerance), count, error)
-    run%in_reach = .not. allocated(error)
-    if (run%in_reach) return
-    run%tolerance = coarsest
-    call plan_case(with_tolerance(scene, coarsest), count, error)
+    tolerance = converged_tolerance
+    call plan_case(with_tolerance(scene, tolerance), count, error)
+    if (.not. allocated(error)) return
+    tolerance = coarsest
+    call plan_case(with_tolerance(scene, tolerance), count, error)
     if (allocated(error)) return
     fine = converged_tolerance
     do i = 1, halvings
-      middle = sqrt(fine*run%tolerance)
+      middle = sqrt(fine*tolerance)
       call plan_case(with_tolerance(scene, middle), count, error)
       if (allocated(error)) then
         fine = middle
       else
-        run%tolerance = middle
+        tolerance = middle
       end if
     end do
     if (allocated(error)) deallocate (error)
+    tolerance = margin*tolerance
   end subroutine find_reach
 
   subroutine check(scene, monitor, run, whole)
@@ -104,7 +116,7 @@ contains
     integer, allocatable :: sample(:)
     integer :: p
     if (allocated(scene%damping)) return
-    if (run%result%status /= case_done .or. run%result%mode_count > most_direct .or. run%peak == 0.0_dp) return
+    if (run%result%status /= case_done .or. run%result%mode_count > most_extended .or. run%peak == 0.0_dp) return
     sample = spread_samples(scene%response%samples)
     call sum_directly(scene, run%result%mode_count, sample, monitor, direct, whole)
     if (.not. whole) return

@@ -51,6 +51,7 @@ contains
     call respond(scene, free, loaded, source, alone, monitor, result, whole)
     if (.not. whole) return
     call watch%lap(stage_response)
+    if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
     call take_spectrum(scene, layout, result)
     call watch%lap(stage_spectrum)
   end subroutine run_case

@@ -13,7 +13,7 @@ module bw_timed_runs
   private
   public :: repeat_runs, run_once
 
-  integer, parameter :: fewest = 3, most = 25     !! runs of each case
+  integer, parameter :: fewest = 3, most = 15     !! runs of each case
 
   type, public :: timed_run
     type(scene_type) :: scene                     !! without sweeps

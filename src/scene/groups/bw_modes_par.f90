@@ -16,6 +16,9 @@ module bw_modes_par
     real(dp) :: tolerance = missing
       !! largest error of the displacement over its peak; `missing` where counts are given instead, and the counts are
       !! then 0 before and `shown_modes` after
+    logical :: extended = .false.
+      !! every root in extended precision, whether the record calls for it or not. No input names it: `beamwave accuracy`
+      !! shows what it would cost
   end type modes_par
 
   integer, parameter, public :: shown_modes = 20      !! modes that a result holds where the sum has as many as it takes

@@ -1,0 +1,46 @@
+module bw_refined_count
+  !! How many roots of a run are solved in extended precision.
+  use bw_kinds, only: dp
+  use bw_beam_units, only: beam_units, units_of
+  use bw_closed_form, only: is_coarse
+  use bw_double_double, only: dd
+  use bw_record_stretch, only: record_stretch
+  use bw_root_list, only: root_values, solve_roots
+  use bw_rotation, only: acts_in_plane, dimensionless_speed
+  use bw_scene, only: scene_type
+  implicit none (type, external)
+  private
+  public :: refined_count
+
+  integer, parameter :: batch = 4096       !! roots held at a time
+
+contains
+
+  pure integer function refined_count(scene, count) result(refined)
+    !! Of the first `count` modes of beam and mass.
+    type(scene_type), intent(in) :: scene  !! without sweeps, with a response
+    integer, intent(in) :: count
+    type(beam_units) :: units
+    type(dd), allocatable :: omega
+    integer :: first, k
+    units = units_of(scene%beam)
+    if (allocated(scene%rotation)) then
+      if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, units)
+    end if
+    refined = 0
+    do first = 1, count, batch
+      refined = refined + coarse_roots([(k, k=first, min(first + batch - 1, count))], scene%impact%mass_ratio, omega, &
+                                       record_stretch(scene)*(scene%response%duration/units%time%hi))
+    end do
+  end function refined_count
+
+  pure integer function coarse_roots(number, gamma, omega, longest) result(coarse)
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: gamma, longest
+    type(dd), intent(in), optional :: omega
+    associate (roots => solve_roots(number, gamma))
+      coarse = count(is_coarse(roots, root_values(roots), omega, longest))
+    end associate
+  end function coarse_roots
+
+end module bw_refined_count

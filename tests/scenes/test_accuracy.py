@@ -1,0 +1,230 @@
+"""`beamwave accuracy`: what it writes, what it says, and how it ends. Seconds are never judged, only that they are there."""
+
+import re
+import signal
+import time
+
+import numpy as np
+import pytest
+import results
+import xarray as xr
+from workplace import SECONDS, captured_beam
+
+SMALL = captured_beam(response={"duration": 0.05, "samples": 256})
+TOLERANCES = 10
+COUNTS = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
+LADDERS = {"tolerance": 1, "counts": 2, "extended": 3}
+
+
+@pytest.fixture(scope="module")
+def measured(shared):
+    """A place with the study of one scene, and what the program printed."""
+    place = shared("accuracy")
+    place.scene("a", SMALL)
+    ended = place.beamwave("accuracy", "a.nml")
+    assert ended.returncode == 0, ended.stderr
+    return place, ended.stdout
+
+
+@pytest.fixture(scope="module")
+def study(measured):
+    with xr.open_dataset(measured[0].directory / "output/a.accuracy.nc") as ds:
+        yield ds.load()
+
+
+def ladder(ds, name):
+    return ds.isel(rung=np.flatnonzero(ds.ladder.values == LADDERS[name]))
+
+
+def test_the_file_is_all_that_is_left_and_says_what_it_is(measured, study):
+    assert measured[0].left() == ["a.accuracy.nc"]
+    assert study.attrs["study"] == "accuracy"
+    assert study.attrs["Conventions"] == "CF-1.11"
+    assert "beamwave accuracy a.nml" in study.attrs["history"]
+    assert study.attrs["machine"] and study.attrs["compiler"]
+    for name, variable in study.data_vars.items():
+        assert variable.attrs["long_name"], name
+        assert variable.attrs["units"], name
+    assert study.impact_mass_ratio == 0.2
+    assert study.ladder.attrs["flag_meanings"].split() == list(LADDERS)
+
+
+def test_the_scene_in_the_file_is_the_scene_that_was_measured(measured, study):
+    place = measured[0]
+    place.write("again.nml", study.attrs["scene"])
+    place.scene("once", SMALL)
+    assert results.differences(place.run("again"), place.run("once")) == []
+
+
+def test_the_ladders_are_whole_and_go_from_coarse_to_fine(study):
+    asked = ladder(study, "tolerance")
+    np.testing.assert_allclose(asked.tolerance, [10.0**-digits for digits in range(2, 2 + TOLERANCES)], rtol=1e-15)
+    assert (np.diff(asked.mode_count) >= 0).all()
+    assert ladder(study, "counts").mode_count.values.tolist() == COUNTS
+    assert np.isnan(ladder(study, "counts").tolerance).all()
+    assert (study.rung_status == 1).all()
+
+
+def test_every_tolerance_is_kept_and_no_error_is_above_its_estimate(study):
+    asked = ladder(study, "tolerance")
+    assert (asked.true_error <= asked.tolerance).all()
+    known = study.true_error > study.converged_error
+    assert known.sum() >= 15
+    assert (study.estimated_error >= study.true_error).where(known, True).all()
+    np.testing.assert_allclose(study.error_ratio, study.estimated_error / study.true_error, rtol=1e-12)
+
+
+def test_true_errors_are_those_of_the_runs_themselves(measured, study):
+    place = measured[0]
+    place.scene("few", captured_beam(modes={"before": 20, "after": 20}, response={"duration": 0.05, "samples": 256}))
+    fine = captured_beam(modes=None, response={"duration": 0.05, "samples": 256})
+    place.scene("fine", {**fine, "modes": {"tolerance": 1e-11}})
+    few, fine = (place.run(name)["displacement"] for name in ("few", "fine"))
+    error = np.abs(few - fine).max() / np.abs(fine).max()
+    found = ladder(study, "counts").swap_dims(rung="mode_count").true_error.sel(mode_count=20)
+    assert abs(found - error) <= 2e-11  # of both runs against the converged one
+    np.testing.assert_allclose(study.peak_displacement, np.abs(fine).max(), rtol=1e-10)
+
+
+def test_more_modes_leave_smaller_errors(study):
+    errors = ladder(study, "counts").true_error.values
+    assert (errors[1:] < errors[:-1]).all()
+
+
+def test_the_converged_run_is_checked_and_finer_than_what_it_judges(study):
+    assert study.converged_samples == 32
+    assert study.converged_difference <= study.converged_error <= 1e-12
+    assert study.converged_mode_count > study.mode_count.max()
+
+
+def test_every_rung_has_its_seconds_stage_by_stage(study):
+    assert (study.repeats >= 3).all()
+    assert (study.seconds > 0).all()
+    assert ((study.seconds_lower <= study.seconds) & (study.seconds <= study.seconds_upper)).all()
+    assert study.stage_seconds.dims == ("rung", "stage")
+    assert (study.stage_seconds >= 0).all()
+    assert study.stage.attrs["flag_meanings"] == "modes events response"
+    steps = ladder(study, "tolerance").seconds.diff("rung").values
+    np.testing.assert_allclose(ladder(study, "tolerance").digit_seconds[:-1], steps, rtol=1e-9, atol=1e-15)
+    assert np.isnan(ladder(study, "counts").digit_seconds).all()
+
+
+def test_the_printed_list_holds_the_numbers_of_the_file(measured, study):
+    rows = [line.split() for line in measured[1].splitlines() if re.match(r" +\S+ +\d+ +(products|transform) ", line)]
+    assert len(rows) == TOLERANCES + 1 + len(COUNTS)
+    asked, counted = rows[:TOLERANCES], rows[-len(COUNTS) :]
+    assert [float(row[0]) for row in asked] == [10.0**-digits for digits in range(2, 2 + TOLERANCES)]
+    assert [int(row[0]) for row in counted] == COUNTS
+    assert [int(row[1]) for row in asked] == ladder(study, "tolerance").mode_count.values.tolist()
+    shown = [float(row[3].lstrip("<")) for row in counted]
+    np.testing.assert_allclose(shown, ladder(study, "counts").true_error, rtol=0.06)
+    milliseconds = [float(row[6]) for row in counted]
+    np.testing.assert_allclose(milliseconds, 1e3 * ladder(study, "counts").seconds, rtol=0.006)
+    assert "a tenth of the error takes" in measured[1]
+
+
+def test_extended_precision_has_a_row_of_its_own_and_none_of_the_others_needs_it(study):
+    extended = ladder(study, "extended")
+    assert extended.tolerance.values.tolist() == ladder(study, "tolerance").tolerance.values[-1:].tolist()
+    assert (extended.refined_count == extended.mode_count).all()
+    assert (study.refined_count.where(study.ladder != LADDERS["extended"], 0) == 0).all()
+    assert abs(extended.true_error - ladder(study, "tolerance").true_error[-1]).item() <= study.converged_error
+
+
+def test_a_study_that_is_there_is_left_alone(measured):
+    place = measured[0]
+    before = (place.directory / "output/a.accuracy.nc").read_bytes()
+    again = place.beamwave("accuracy", "a.nml")
+    assert again.returncode == 0
+    assert "nothing to do" in again.stdout
+    assert (place.directory / "output/a.accuracy.nc").read_bytes() == before
+
+
+def test_of_a_sweep_the_first_case_is_measured_and_replaces_another_study_when_told(here):
+    speeds = {"parameter": "rotation%angular_velocity", "values": [30.0, 60.0]}
+    here.scene("a", {**SMALL, "rotation": {"plane": "in"}}, speeds)
+    here.write("output/a.accuracy.nc", "something else")
+    refused = here.beamwave("accuracy", "a.nml")
+    assert refused.returncode == 3
+    assert "--overwrite" in refused.stderr
+    assert (here.directory / "output/a.accuracy.nc").read_text(encoding="utf-8") == "something else"
+    ended = here.beamwave("accuracy", "a.nml", "--overwrite", "--quiet")
+    assert (ended.returncode, ended.stdout) == (0, "")
+    assert ended.stderr == "a.nml: warning: sweep: the first of 2 cases is measured\n"
+    assert here.left() == ["a.accuracy.nc"]
+    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
+        assert ds.rotation_angular_velocity == 30.0
+        assert "first of 2 cases" in ds.attrs["notes"]
+
+
+def test_a_result_of_a_run_is_not_taken_for_a_study(here):
+    here.scene("a.accuracy", SMALL)
+    here.run("a.accuracy")
+    here.scene("a", SMALL)
+    refused = here.beamwave("accuracy", "a.nml")
+    assert refused.returncode == 3
+    assert "--overwrite" in refused.stderr
+
+
+REFUSED = {
+    "no history": (captured_beam(), "&response"),
+    "a rebound": (captured_beam(capture=None, response={"duration": 0.05, "samples": 16}), "&capture"),
+    "no impact": (captured_beam(capture=None, impact=None), "&response"),
+}
+
+
+@pytest.mark.parametrize("scene, group", REFUSED.values(), ids=REFUSED.keys())
+def test_a_scene_without_a_converged_answer_is_refused(here, scene, group):
+    if "modes" in scene and "capture" not in scene:
+        scene = {**scene, "modes": {"before": 12}}
+    here.scene("a", scene)
+    ended = here.beamwave("accuracy", "a.nml")
+    assert ended.returncode == 2
+    assert ended.stdout == ""
+    assert ended.stderr.startswith(f"a.nml: {group}: ")
+    assert "accepted: " in ended.stderr
+    assert not (here.directory / "output").exists()
+
+
+def test_two_scenes_are_one_too_many(here):
+    here.scene("many/a", SMALL)
+    here.scene("many/b", SMALL)
+    for words in (["many/a.nml", "many/b.nml"], ["many"], []):
+        ended = here.beamwave("accuracy", *words)
+        assert ended.returncode == 2
+        assert "one scene" in ended.stderr
+    assert not (here.directory / "output").exists()
+
+
+def test_a_beam_at_rest_has_no_error_at_any_price(here):
+    here.scene("a", captured_beam(impact={"mass_ratio": 0.0}, response={"duration": 0.01, "samples": 8}))
+    ended = here.beamwave("accuracy", "a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
+        assert (ds.true_error == 0.0).all() and (ds.estimated_error == 0.0).all()
+        assert np.isnan(ds.work_slope)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_in_order_and_nothing_is_left(here, number):
+    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 100_000}))
+    running = here.start("accuracy", "a.nml")
+    until = time.perf_counter() + SECONDS
+    while not (here.directory / "output").exists():
+        assert time.perf_counter() < until
+        time.sleep(0.005)
+    time.sleep(0.3)
+    running.send_signal(number)
+    out, err = running.communicate(timeout=SECONDS)
+    assert running.returncode == 5, err
+    assert out == ""
+    assert "the same command" in err
+    assert here.left() == []
+
+
+def test_a_place_that_cannot_be_written_is_said_before_any_work(here):
+    here.scene("a", SMALL)
+    here.write("file", "no directory")
+    ended = here.beamwave("accuracy", "a.nml", "--output", "file/output")
+    assert ended.returncode == 3
+    assert "file/output" in ended.stderr
