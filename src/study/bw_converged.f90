@@ -115,7 +115,7 @@ contains
     type(dd), allocatable :: direct(:, :)
     integer, allocatable :: sample(:)
     integer :: p
-    if (allocated(scene%damping)) return
+    if (allocated(scene%damping) .or. allocated(scene%release)) return
     if (run%result%status /= case_done .or. run%result%mode_count > most_extended .or. run%peak == 0.0_dp) return
     sample = spread_samples(scene%response%samples)
     call sum_directly(scene, run%result%mode_count, sample, monitor, direct, whole)
