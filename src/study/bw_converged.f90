@@ -138,13 +138,13 @@ contains
     logical, intent(inout) :: whole
     type(case_result) :: result
     class(mode_set), allocatable :: free, loaded
-    class(mode_source), allocatable :: source
+    class(mode_source), allocatable :: source, alone
     type(time_grid) :: grid
     integer :: first, k
     allocate (result%notes(0))
     allocate (direct(size(sample), size(scene%response%points)), source=dd(0.0_dp, 0.0_dp))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source)
+    call find_modes(scene, result, free, loaded, source, alone)
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     do first = 1, count, batch
       call source%find([(k, k=first, min(first + batch - 1, count))], loaded, endless)
