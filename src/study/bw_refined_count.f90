@@ -2,8 +2,9 @@ module bw_refined_count
   !! How many roots of a run are solved in extended precision.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units, units_of
-  use bw_closed_form, only: is_coarse
+  use bw_refined_root, only: is_coarse
   use bw_double_double, only: dd
+  use bw_frequency_equation, only: root_type
   use bw_record_stretch, only: record_stretch
   use bw_root_list, only: root_values, solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed
@@ -38,9 +39,11 @@ contains
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: gamma, longest
     type(dd), intent(in), optional :: omega
-    associate (roots => solve_roots(number, gamma))
-      coarse = count(is_coarse(roots, root_values(roots), omega, longest))
-    end associate
+    type(root_type) :: roots(size(number))
+    type(dd) :: alpha(size(number))
+    roots = solve_roots(number, gamma)
+    alpha = root_values(roots)
+    coarse = count(is_coarse(roots%rest, alpha%hi, omega, longest))
   end function coarse_roots
 
 end module bw_refined_count
