@@ -46,13 +46,13 @@ module bw_monitor
 
 contains
 
-  subroutine advance_whole(self, fraction)
+  recursive subroutine advance_whole(self, fraction)    ! the whole may be a part itself
     class(part_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     call self%whole%advance(self%start + self%share*fraction)
   end subroutine advance_whole
 
-  logical function ask_whole(self)
+  recursive logical function ask_whole(self)
     class(part_monitor), intent(inout) :: self
     ask_whole = self%whole%stop_requested()
   end function ask_whole
