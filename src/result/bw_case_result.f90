@@ -30,6 +30,7 @@ module bw_case_result
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
     type(event_type), allocatable :: events(:)        !! in the order of time
     type(course_type), allocatable :: courses(:)      !! between events; where there is none at t > 0, the motion is one
+    class(mode_set), allocatable :: held              !! modes of beam and mass while the mass is pressed against the tip
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI

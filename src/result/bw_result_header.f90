@@ -81,6 +81,7 @@ contains
     if (allocated(scene%impact)) text = text//' impact'
     if (allocated(scene%capture)) text = text//' capture'
     if (allocated(scene%release)) text = text//' release'
+    if (allocated(scene%recontact)) text = text//' recontact'
     text = trim(adjustl(text))
   end function effects_text
 

@@ -36,6 +36,8 @@ contains
       layout%events = 1
       if (allocated(scene%capture)) layout%events = 2
       if (allocated(scene%release)) layout%events = 3
+      if (allocated(scene%recontact)) layout%events = 1 + largest(scene, 'recontact', 'max_contacts', &
+                                                                  scene%recontact%max_contacts)
     end if
     if (.not. allocated(scene%response)) return
     layout%points = size(scene%response%points)
@@ -54,23 +56,23 @@ contains
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(inout) :: layout
     integer :: before, after
-    before = largest(scene, 'before', scene%modes%before)
-    after = largest(scene, 'after', scene%modes%after)
+    before = largest(scene, 'modes', 'before', scene%modes%before)
+    after = largest(scene, 'modes', 'after', scene%modes%after)
     layout%modes = merge(after, before, allocated(scene%capture))
     layout%modes_before = merge(before, 0, allocated(scene%capture))
   end subroutine count_modes
 
-  pure integer function largest(scene, name, count)
+  pure integer function largest(scene, group, name, count)
     !! The largest value of a count, which may be swept, or follow another that is.
     type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: name            !! in &modes
+    character(*), intent(in) :: group, name
     integer, intent(in) :: count                !! in the first case
     type(numeric_input), allocatable :: inputs(:)
     integer :: i
     largest = count
     inputs = numeric_inputs(scene)
     do i = 1, size(inputs)
-      if (inputs(i)%group /= 'modes' .or. inputs(i)%name /= name .or. inputs(i)%sweep == 0) cycle
+      if (inputs(i)%group /= group .or. inputs(i)%name /= name .or. inputs(i)%sweep == 0) cycle
       largest = nint(maxval(scene%sweeps(inputs(i)%sweep)%values))
     end do
   end function largest

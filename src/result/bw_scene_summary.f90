@@ -63,6 +63,7 @@ contains
           number_or_swept(scene, 'release%time', scene%release%time, ' s')
       else
         text = text//', rebound'
+        if (allocated(scene%recontact)) text = text//' and recontact'
       end if
     end if
     if (text == '') text = ', none: modes and wave velocities of the beam alone'

@@ -7,6 +7,7 @@ module bw_input_table
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, name_length
   use bw_modes_par, only: modes_group, modes_names
+  use bw_recontact_par, only: recontact_group, recontact_names
   use bw_release_par, only: release_group, release_names
   use bw_response_par, only: response_group, response_names
   use bw_rotation_par, only: rotation_group, rotation_names
@@ -25,6 +26,7 @@ module bw_input_table
     impact_group, &
     capture_group, &
     release_group, &
+    recontact_group, &
     modes_group, &
     response_group, &
     spectrum_group, &
@@ -38,6 +40,7 @@ module bw_input_table
     impact_names, &
     capture_names, &
     release_names, &
+    recontact_names, &
     modes_names, &
     response_names, &
     spectrum_names, &

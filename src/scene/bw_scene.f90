@@ -6,6 +6,7 @@ module bw_scene
   use bw_impact_par, only: build_impact, impact_par
   use bw_input_values, only: group_values
   use bw_modes_par, only: build_modes, modes_par
+  use bw_recontact_par, only: build_recontact, recontact_par
   use bw_release_par, only: build_release, release_par
   use bw_response_par, only: build_response, response_par
   use bw_rotation_par, only: build_rotation, rotation_par
@@ -28,6 +29,7 @@ module bw_scene
     type(impact_par), allocatable :: impact       !! &impact; absent: modes and wave velocities only
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
     type(release_par), allocatable :: release     !! &release; absent: a captured mass stays
+    type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
     type(modes_par) :: modes                      !! &modes, always settled
     type(response_par), allocatable :: response   !! &response; absent: no time history
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
@@ -52,6 +54,7 @@ contains
     call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
     call build_capture(scene%groups, scene%capture)
     call build_release(scene%groups, scene%release)
+    call build_recontact(scene%groups, scene%recontact)
     call build_modes(scene%groups, scene%modes)
     call build_response(scene%groups, scene%response)
     call build_spectrum(scene%groups, scene%spectrum)

@@ -7,6 +7,7 @@ module bw_scene_checks
   use bw_input_table, only: group_row, group_table, name_table, rows_of
   use bw_input_values, only: group_values, position_of
   use bw_modes_par, only: settle_modes
+  use bw_recontact_par, only: check_recontact
   use bw_response_par, only: check_response
   use bw_scene_entries, only: place_of
   use bw_scene_messages, only: message_list
@@ -34,6 +35,7 @@ contains
       end if
     end do
     call check_spectrum(groups, messages)
+    call check_recontact(groups, messages)
   end subroutine check_groups
 
   pure subroutine check_needs(groups, i, messages)

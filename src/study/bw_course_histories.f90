@@ -3,7 +3,7 @@ module bw_course_histories
   !! the time of an event belongs to what comes after it.
   use bw_kinds, only: dp
   use bw_case_result, only: case_result
-  use bw_course, only: course_type, leaves_range, loaded_modes, move
+  use bw_course, only: course_type, held_modes, leaves_range, loaded_modes, move
   use bw_double_double, only: dd, operator(-), operator(*)
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, part_monitor
@@ -29,6 +29,7 @@ contains
       last = last_sample(result%courses, i, grid)
       select case (result%courses(i)%modes)
       case (loaded_modes); call add_course(result%courses(i), loaded, last, points, grid, monitor, result)
+      case (held_modes); call add_course(result%courses(i), result%held, last, points, grid, monitor, result)
       case default; call add_course(result%courses(i), free, last, points, grid, monitor, result)
       end select
       if (monitor%stop_requested()) return

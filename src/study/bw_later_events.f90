@@ -5,11 +5,13 @@ module bw_later_events
   use bw_case_result, only: add_note, case_result
   use bw_course, only: course_type, free_modes, leaves_range, loaded_modes, move
   use bw_double_double, only: dd, to_dd, operator(/)
+  use bw_event, only: event_type
   use bw_mode_set, only: mode_set
+  use bw_recontact, only: contacts_type, follow_contacts
   use bw_release, only: release_mass, release_type
   use bw_rotation, only: speed_in_plane
   use bw_scene, only: scene_type
-  use bw_text, only: shortest
+  use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
   public :: follow_events
@@ -22,6 +24,7 @@ contains
     class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
     type(case_result), intent(inout) :: result
     if (allocated(scene%release)) call release_in_time(scene, free, loaded, result)
+    if (allocated(scene%recontact)) call meet_again(scene, free, result)
   end subroutine follow_events
 
   subroutine release_in_time(scene, free, loaded, result)
@@ -60,6 +63,38 @@ contains
       release_from = release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units))
     end function release_from
   end subroutine release_in_time
+
+  subroutine meet_again(scene, free, result)
+    !! Contacts of a mass that rebounded.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: free
+    type(case_result), intent(inout) :: result
+    type(contacts_type) :: contacts
+    if (scene%impact%mass_ratio == 0.0_dp .or. result%approach_velocity == 0.0_dp) return
+    call follow_contacts(free, scene%impact%mass_ratio, scene%impact%restitution, &
+                         speed_in_plane(scene%rotation, result%units), result%modal_velocity, &
+                         result%impact%mass_velocity, scene%response%duration/result%units%time%hi, &
+                         scene%recontact%max_contacts, contacts)
+    call in_seconds(contacts%events, scene%response%duration, result)
+    result%events = [result%events, contacts%events]
+    if (size(contacts%events) > 0) call move_alloc(contacts%courses, result%courses)
+    if (allocated(contacts%held)) call move_alloc(contacts%held, result%held)
+    if (contacts%cut) call add_note(result, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
+      ' contacts of max_contacts; what comes after the last is the motion without another')
+    if (contacts%lasting .and. .not. contacts%out_of_range) call add_note(result, &
+      'recontact: the last contact has not ended at the end of the record')
+    if (contacts%out_of_range) call add_note(result, &
+      'recontact: the motion grows out of the range of numbers within the record; later contacts are not looked for')
+    if (size(contacts%events) == 0) call add_note(result, 'recontact: the mass does not come back within the record')
+  end subroutine meet_again
+
+  pure subroutine in_seconds(events, duration, result)
+    type(event_type), intent(inout) :: events(:)
+    real(dp), intent(in) :: duration             !! s
+    type(case_result), intent(in) :: result
+    events%time = min(events%time*result%units%time%hi, duration)
+    events%end_time = min(events%end_time*result%units%time%hi, duration)
+  end subroutine in_seconds
 
   subroutine note_release(release, result)
     !! Where the energy went.

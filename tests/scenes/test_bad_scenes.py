@@ -69,6 +69,10 @@ CONFLICTS = {
     "a release to a tolerance": captured_beam(
         modes=None, release={"time": 0.01}, response={"duration": 0.1, "samples": 64}
     ),
+    "recontact of a captured mass": captured_beam(recontact={}, response={"duration": 0.1, "samples": 64}),
+    "contacts without an end of the search": captured_beam(
+        capture=None, modes={"before": 5, "after": 5}, recontact={}
+    ),
     "damping of no kind": captured_beam(damping={}),
     "damping of two kinds": captured_beam(damping={"ratio": 0.01, "mass_proportional": 1.0}),
 }

@@ -1,0 +1,107 @@
+"""A mass that bounces off, and one that comes back: contacts in the result, the histories through them, and what is said."""
+
+import numpy as np
+import pytest
+import results
+from conftest import PROJECT
+from workplace import captured_beam
+
+RESPONSE = {"duration": 0.02, "samples": 4000, "points": [0.5, 1.0], "velocity": True}
+
+
+def struck_beam(e, **groups):
+    impact = {"mass_ratio": 0.2, "restitution": e}
+    scene = captured_beam(capture=None, modes=None, impact=impact, response=RESPONSE, **groups)
+    return {**scene, "modes": {"before": 5}}
+
+
+def contacts(result):
+    """Kinds, starts and ends of the contacts after the impact."""
+    there = result["event_kind"] == 4
+    return result["event_time"][there], result["event_end"][there]
+
+
+@pytest.mark.parametrize("scene", ["rebound", "recontact"])
+def test_the_scenes_show_what_their_heads_say(here, scene):
+    ended = here.beamwave("run", PROJECT / f"input/effects/{scene}.nml")
+    assert ended.returncode == 0, ended.stderr
+    result = here.result(scene)
+    if scene == "rebound":
+        assert f"{2e3 * np.pi / result['angular_frequency'][0]:.1f}" == "40.2"
+        assert [f"{result[name]:.1f}" for name in ["mass_velocity", "tip_velocity"]] == ["0.7", "1.2"]
+        np.testing.assert_array_equal(result["event_kind"], [1])
+        return
+    start, end = contacts(result)
+    assert (start < 0.302e-3).sum() == 7
+    assert f"{1e3 * end[6]:.3f}" == "1.106"
+    assert (np.diff(start[:7])[1:] < np.diff(start[:7])[:-1]).all()
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.9, 1.0])
+@pytest.mark.parametrize("plane", ["in", "out"])
+def test_energy_never_grows_and_histories_are_continuous(here, e, plane):
+    here.scene("a", struck_beam(e, recontact={}, rotation={"angular_velocity": 50.0, "plane": plane}))
+    result = here.run("a")
+    count = (result["event_kind"] > 0).sum()
+    before, after = result["energy_before"][:count], result["energy_after"][:count]
+    slack = 1e-12 * before[0]
+    assert (after <= before + slack).all()
+    np.testing.assert_allclose(before[1:], after[:-1], atol=slack)  # nothing is lost in flight
+    if e == 1.0:
+        np.testing.assert_allclose(after, before[0], atol=slack)
+    assert results.is_fill(result["energy_after"][count:]).all()
+    step = RESPONSE["duration"] / RESPONSE["samples"]
+    fastest = np.abs(result["velocity"]).max() * 1.5
+    assert np.abs(np.diff(result["displacement"], axis=1)).max() < fastest * step
+
+
+def test_until_the_first_contact_the_mass_might_not_be_there(here):
+    here.scene("a", struck_beam(0.9))
+    here.scene("b", struck_beam(0.9, recontact={}))
+    alone, again = here.run("a"), here.run("b")
+    first = again["event_time"][1]
+    early = again["time"] < first
+    assert 10 < early.sum() < 4000
+    np.testing.assert_allclose(again["displacement"][:, early], alone["displacement"][:, early], atol=1e-16)
+    assert np.abs(again["displacement"] - alone["displacement"]).max() > 1e-5
+
+
+def test_in_a_lasting_contact_the_tip_obeys_the_mass(here):
+    """Between start and end of the contact at e = 0 momentum of mode 1 obeys its own equation with the mass on the tip."""
+    here.scene("a", struck_beam(0.0, recontact={}))
+    result = here.run("a")
+    start, end = contacts(result)
+    assert start[0] == 0.0
+    assert end[0] > 1e-3
+    # one blow without rebound and the contact that follows keep the energy that the blow left
+    np.testing.assert_allclose(result["energy_after"][1], result["energy_after"][0], rtol=1e-12)
+    np.testing.assert_allclose(result["velocity"][1, 0], result["tip_velocity"], rtol=1e-12)
+
+
+def test_when_the_contacts_asked_for_are_used_up_it_is_said(here):
+    here.scene("a", struck_beam(0.2, recontact={"max_contacts": 3}))
+    result = here.run("a")
+    np.testing.assert_array_equal(result["event_kind"], [1, 4, 4, 4])
+    assert "more than the 3 contacts" in result.attributes["notes"]
+    here.scene("b", struck_beam(0.2, recontact={"max_contacts": 200}))
+    assert "max_contacts" not in here.run("b").attributes["notes"]
+
+
+def test_a_sweep_holds_cases_with_different_numbers_of_contacts(here):
+    sweep = {"parameter": "impact%restitution", "values": [0.0, 0.2, 0.9]}
+    here.scene("a", struck_beam(0.0, recontact={}), sweep)
+    result = here.run("a")
+    assert result["event_kind"].shape == (3, 101)
+    counts = (result["event_kind"] > 0).sum(axis=1)
+    assert len(set(counts)) > 1
+    for case, count in enumerate(counts):
+        assert not results.is_fill(result["event_time"][case, :count]).any()
+        assert results.is_fill(result["event_time"][case, count:]).all()
+
+
+def test_no_mass_and_no_velocity_make_no_contact(here):
+    for name, impact in [("a", {"mass_ratio": 0.0}), ("b", {"mass_ratio": 0.2, "approach_velocity": 0.0})]:
+        here.scene(name, {**struck_beam(0.0, recontact={}), "impact": impact})
+        result = here.run(name)
+        assert (result["event_kind"][1:] == 0).all()
+        assert not result["displacement"].any()
