@@ -63,17 +63,26 @@ contains
   end subroutine same_text
 
   subroutine same_list(self, name, read)
+    !! The compiler's library takes a comment behind a comma for a value left out; ours does not, so holes are closed.
     class(comparison), intent(inout) :: self
     character(*), intent(in) :: name
     real(dp), intent(in) :: read(:)
     type(input_value) :: value
     value = self%held(name)
     if (value%given) then
-      if (.not. same_reals(value%numbers, read)) self%differing = name
+      if (.not. same_reals(value%numbers, closed(read))) self%differing = name
     else if (any(read /= unset)) then
       self%differing = name
     end if
   end subroutine same_list
+
+  pure function closed(read) result(values)
+    !! Without holes; what was not read stands at the end.
+    real(dp), intent(in) :: read(:)
+    real(dp) :: values(size(read))
+    values = unset
+    values(:count(read /= unset)) = pack(read, read /= unset)
+  end function closed
 
   subroutine same_flag(self, name, read)
     class(comparison), intent(inout) :: self
