@@ -1,0 +1,102 @@
+"""Every subset of the effect groups that the program knows, in both planes: each runs and balances, or is refused with the
+reason of the committed table (refused_effects.py)."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+from refused_effects import reason
+from workplace import PAPER_BEAM, namelist
+
+NOT_EFFECTS = {"scene", "beam", "impact", "modes", "response", "spectrum", "sweep"}
+SAMPLES = {  # each effect group's variants
+    "rotation": [{"angular_velocity": 50.0, "plane": "in"}, {"angular_velocity": 50.0, "plane": "out"}],
+    "stiffening": [{"hub_radius": 0.1}],
+    "shear": [{}],
+    "damping": [{"ratio": 0.01}, {"mass_proportional": 3.0, "stiffness_proportional": 1e-6}],
+    "capture": [{}, {"rotary_inertia": 1e-3}],
+    "release": [{"time": 0.011}],
+    "recontact": [{}],
+}
+
+
+def known_groups(here):
+    return set(re.findall(r"^## &(\w+)", here.beamwave("describe").stdout, re.MULTILINE))
+
+
+def variants(here, group):
+    """The samples of a group that this program reads."""
+    names = here.beamwave("describe", group).stdout
+    return [sample for sample in SAMPLES[group] if all(f"`{name}`" in names for name in sample)]
+
+
+@pytest.fixture(scope="module")
+def walked(shared):
+    """All scenes by name, and what the program said when it ran them in one call."""
+    here = shared("subsets")
+    effects = sorted(known_groups(here) - NOT_EFFECTS)
+    scenes = {}
+    for choice in itertools.product(*[[None, *variants(here, group)] for group in effects]):
+        scene = {
+            "beam": dict(PAPER_BEAM),
+            "impact": {"mass_ratio": 0.2},
+            "modes": {"before": 6},
+            "response": {"duration": 0.02, "samples": 32, "velocity": True},
+        }
+        scene |= {group: values for group, values in zip(effects, choice) if values is not None}
+        name = f"s{len(scenes)}"
+        here.write(f"all/{name}.nml", namelist(scene))
+        scenes[name] = scene
+    return here, scenes, here.beamwave("run", "all")
+
+
+def test_every_effect_group_has_a_sample(here):
+    assert known_groups(here) - NOT_EFFECTS <= SAMPLES.keys()
+
+
+def test_what_is_refused_is_refused_for_the_reason_in_the_table(walked):
+    here, scenes, ended = walked
+    refused = set()
+    for name, scene in scenes.items():
+        said = reason(scene.keys() - NOT_EFFECTS)
+        lines = re.findall(rf"^all/{name}\.nml(?::\d+)?: (.*accepted.*)$", ended.stderr, re.MULTILINE)
+        assert bool(lines) == bool(said), (scene, lines)
+        if said:
+            assert any(re.search(said, line) for line in lines), (scene, lines)
+            refused.add(name)
+    assert ended.returncode == 2
+    assert {path[:-3] for path in here.left()} == scenes.keys() - refused
+
+
+def test_what_runs_keeps_its_balance(walked):
+    """Energy falls at events and, if damped, between them; generalised momentum is kept at every instant."""
+    here, scenes, _ = walked
+    checked = 0
+    for name, scene in scenes.items():
+        if reason(scene.keys() - NOT_EFFECTS):
+            continue
+        result = here.result(name)
+        assert np.isfinite(result["displacement"]).all()
+        assert np.abs(result["displacement"]).max() > 1e-4
+        assert set(result.attributes["effects"].split()) == scene.keys() - {"beam", "modes", "response"}
+        check_balance(scene, result)
+        checked += 1
+    assert checked > 20
+
+
+def check_balance(scene, result):
+    count = (result["event_kind"] > 0).sum()
+    before, after, momentum_before, momentum_after, start, end = (
+        result[name][:count]
+        for name in ["energy_before", "energy_after", "momentum_before", "momentum_after", "event_time", "event_end"]
+    )
+    slack = 1e-11 * before[0]
+    assert (after <= before + slack).all(), scene
+    assert (before[1:] <= after[:-1] + slack).all(), scene
+    if "damping" not in scene:
+        np.testing.assert_allclose(before[1:], after[:-1], atol=slack, err_msg=str(scene))
+    instant = start == end
+    np.testing.assert_allclose(
+        momentum_after[instant], momentum_before[instant], atol=1e-10 * momentum_before[0], err_msg=str(scene)
+    )
