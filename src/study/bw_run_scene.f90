@@ -44,6 +44,7 @@ contains
     if (layout%cases == 0 .and. .not. crew%leads()) return
     go = 0
     if (crew%leads()) call look_first(scene, layout, overwrite, outcome, go, error)
+    if (outcome%was_there) call unfinished%clear()
     if (layout%cases > 0) call crew%agree(go)
     if (go == 0) return
     if (layout%cases == 0) then

@@ -3,7 +3,8 @@ module bw_unfinished
   use bw_case_journal, only: journal_reader
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i1, i8
-  use bw_posix, only: close_descriptor, file_exists, files_in, lock_file, make_directory, remove_directory, remove_file
+  use bw_posix, only: close_descriptor, file_exists, files_in, is_directory, lock_file, make_directory, &
+    remove_directory, remove_file
   use bw_text, only: string
   implicit none (type, external)
   private
@@ -24,6 +25,7 @@ module bw_unfinished
     procedure :: result_path
     procedure :: release
     procedure :: discard
+    procedure :: clear
   end type unfinished_work
 
 contains
@@ -138,5 +140,14 @@ contains
     call remove_directory(self%directory)
     call self%release()
   end subroutine discard
+
+  subroutine clear(self)
+    !! Take away what a run left that was killed when its result had its final name already, unless another run is at work.
+    class(unfinished_work), intent(inout) :: self
+    type(error_type), allocatable :: ignored
+    if (.not. is_directory(self%directory)) return
+    call self%begin(ignored)
+    if (.not. allocated(ignored)) call self%discard()
+  end subroutine clear
 
 end module bw_unfinished

@@ -8,9 +8,19 @@ from workplace import Workplace
 
 PROJECT = Path(__file__).parents[2]
 
+# what Open MPI has to be told, and others do not mind: more processes than cores, and root, as in a container
+MPI_ON_FEW_CORES = {
+    "OMPI_MCA_rmaps_base_oversubscribe": "1",
+    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
+    "OMPI_ALLOW_RUN_AS_ROOT": "1",
+    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+}
+
 
 def pytest_addoption(parser):
     parser.addoption("--beamwave", default=PROJECT / "build/bin/beamwave", type=Path, help="the program")
+    parser.addoption("--beamwave-mpi", type=Path, help="its twin for mpirun; tests that need it are skipped without")
+    parser.addoption("--mpirun", default="mpirun", help="what starts it")
     parser.addoption("--faulty-program", type=Path, help="ends_in_a_fault, built beside the tests")
 
 
@@ -32,3 +42,19 @@ def here(program, tmp_path):
 def shared(program, tmp_path_factory):
     """Makes a directory whose results several tests of a file read."""
     return lambda name: Workplace(program, tmp_path_factory.mktemp(name))
+
+
+@pytest.fixture
+def processes(request, tmp_path):
+    """Makes a `here` in which that many processes share the work: 1 is the program itself, more are its twin's."""
+
+    def crew(number):
+        if number == 1:
+            return Workplace(request.config.getoption("--beamwave").resolve(), tmp_path)
+        twin = request.config.getoption("--beamwave-mpi")
+        if twin is None:
+            pytest.skip("no MPI here")
+        launcher = (request.config.getoption("--mpirun"), "-n", str(number))
+        return Workplace(twin.resolve(), tmp_path, launcher, {**os.environ, **MPI_ON_FEW_CORES})
+
+    return crew

@@ -2,14 +2,13 @@
 
 import os
 import resource
-import shlex
 import signal
-import subprocess
 from pathlib import Path
 
 import pytest
 import results
-from workplace import SECONDS, captured_beam
+from mounts import in_own_mounts
+from workplace import captured_beam
 
 FULL = Path("/dev/full")
 LARGE = captured_beam(response={"duration": 1.0, "samples": 200_000})  # 3.2 MB of histories
@@ -25,23 +24,6 @@ def assert_refused(ended, *named):
         assert len([line for line in ended.stderr.splitlines() if word in line]) == 1
     for noise in ["HDF5-DIAG", "fault", "Backtrace", "SIG"]:
         assert noise not in ended.stderr
-
-
-def in_own_mounts(here, script):
-    """Run a shell script that may mount, with $beamwave; the mounts are gone when it ends."""
-    for unshare in [["unshare", "--mount"], ["unshare", "--user", "--map-root-user", "--mount"]]:
-        probe = [*unshare, "sh", "-c", "mkdir -p probe && mount -t tmpfs none probe"]
-        if subprocess.run(probe, cwd=here.directory, capture_output=True, check=False).returncode == 0:
-            script = f"beamwave={shlex.quote(str(here.program))}\n{script}"
-            return subprocess.run(
-                [*unshare, "sh", "-c", script],
-                cwd=here.directory,
-                capture_output=True,
-                text=True,
-                timeout=SECONDS,
-                check=False,
-            )
-    pytest.skip("nothing can be mounted here: needs root, or namespaces for users")
 
 
 def with_files_up_to(length):
@@ -90,7 +72,7 @@ def test_directories_that_are_missing_are_made(here):
 
 def test_a_read_only_file_system_is_named(here):
     here.scene("a", captured_beam())
-    ended = in_own_mounts(here, "mkdir disk && mount -t tmpfs -o ro none disk && $beamwave run a.nml --output disk")
+    ended = in_own_mounts(here, "mkdir disk && mount -t tmpfs -o ro none disk && beamwave run a.nml --output disk")
     assert_refused(ended, "disk/a.partial")
 
 
@@ -98,7 +80,7 @@ def test_a_read_only_file_system_is_named(here):
 def test_a_full_disk_leaves_no_half_written_result(here, size):
     here.scene("a", LARGE)
     script = f"""mkdir disk && mount -t tmpfs -o size={size} none disk
-    $beamwave run a.nml --output disk; status=$?
+    beamwave run a.nml --output disk; status=$?
     find disk -type f; exit $status"""
     ended = in_own_mounts(here, script)
     assert_refused(ended, "disk/a.partial", "disk full")

@@ -49,9 +49,11 @@ def value_text(value):
 class Workplace:
     """A directory in which the program runs; paths are relative to it, results go to `output/`."""
 
-    def __init__(self, program, directory):
+    def __init__(self, program, directory, launcher=(), environment=None):
         self.program = program
         self.directory = directory
+        self.launcher = launcher  # words before the program: mpirun and its options
+        self.environment = environment
 
     def write(self, name, text):
         """Write a file; return its name."""
@@ -70,13 +72,16 @@ class Workplace:
         if "stdout" in options:
             options["capture_output"] = False
             options.setdefault("stderr", subprocess.PIPE)
-        return subprocess.run([self.program, *map(str, words)], stdin=subprocess.DEVNULL, check=False, **options)
+        return subprocess.run(self.command(words), stdin=subprocess.DEVNULL, env=self.environment, check=False, **options)
 
     def start(self, *words, **options):
         """Start the program and leave it running."""
         options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, **options}
-        command = [self.program, *map(str, words)]
-        return subprocess.Popen(command, stdin=subprocess.DEVNULL, cwd=self.directory, **options)
+        options = {"cwd": self.directory, "env": self.environment, **options}
+        return subprocess.Popen(self.command(words), stdin=subprocess.DEVNULL, **options)
+
+    def command(self, words):
+        return [*self.launcher, self.program, *map(str, words)]
 
     def run(self, name, *options, status=0):
         """Run scene `name` and return its result."""

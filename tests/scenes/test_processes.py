@@ -1,0 +1,122 @@
+"""Processes that share a sweep give the bits of one, whoever does which case; only one of them speaks."""
+
+import re
+import signal
+import time
+
+import pytest
+import results
+from journals import cases_in
+from mounts import in_own_mounts
+from workplace import SECONDS, captured_beam
+
+SCENE = captured_beam(modes={"before": 30, "after": 30}, response={"duration": 0.5, "samples": 1024})
+SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 40}
+COUNTS = {"parameter": "modes%after", "values": [30, 4, 17]}
+LONG = {**SPEEDS, "count": 4000}
+DIVERGING = {**SPEEDS, "first": 300.0, "last": 0.0}
+
+
+def stopped_early(here, *words):
+    """Stop the long sweep after a while; the numbers of its finished cases."""
+    here.scene("a", SCENE, LONG)
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.3", *words)
+    assert ended.returncode == 5, ended.stderr
+    saved = cases_in(here.directory / "output/a.partial")
+    assert f"stopped with {len(saved)} of 4000 cases saved; the same command goes on from there" in ended.stderr
+    return saved
+
+
+@pytest.fixture(scope="module")
+def alone(shared):
+    """What one process gives."""
+    place = shared("alone")
+    place.scene("a", SCENE, SPEEDS, COUNTS)
+    place.scene("one", SCENE)
+    place.scene("b", captured_beam(response={"duration": 20.0, "samples": 512}), DIVERGING)
+    place.beamwave("run", "a.nml", "one.nml", "b.nml")
+    return place
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_any_number_of_processes_gives_the_same_bits(processes, alone, number):
+    here = processes(number)
+    ended = here.beamwave("run", *(alone.directory / f"{name}.nml" for name in ["a", "one", "b"]))
+    assert ended.returncode == 4
+    for name in ["a", "one", "b"]:
+        assert results.differences(here.result(name), alone.result(name)) == []
+    assert here.left() == ["a.nc", "b.nc", "one.nc"]
+    again = here.beamwave("run", alone.directory / "a.nml")
+    assert (again.returncode, again.stdout.count("nothing to do")) == (0, 1)
+
+
+def test_only_one_process_speaks(processes):
+    here = processes(3)
+    assert here.beamwave("--version").stdout.count("compiler") == 1
+    assert here.beamwave("describe", "beam").stdout.count("&beam") == 1
+    here.write("bad.nml", "&beam length = -1 /\n")
+    ended = here.beamwave("run", "bad.nml")
+    assert ended.returncode == 2
+    assert ended.stderr.count("bad.nml:1: beam%length") == 1
+    assert here.beamwave("walk").returncode == 2
+
+
+@pytest.mark.parametrize(("first", "second"), [(2, 1), (1, 2), (2, 3)])
+def test_work_goes_on_with_another_number_of_processes(processes, first, second):
+    saved = stopped_early(processes(first))
+    here = processes(second)
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 0, ended.stderr
+    assert f"{len(saved)} cases were taken over from an earlier run" in ended.stdout
+    assert here.left() == ["a.nc"]
+    clean = processes(1)
+    assert clean.beamwave("run", "a.nml", "--output", "clean").returncode == 0
+    assert results.differences(here.result("a"), here.result("a", "clean")) == []
+
+
+@pytest.mark.parametrize(("number", "statuses"), [(signal.SIGUSR1, [5]), (signal.SIGTERM, range(1, 256))])
+def test_a_signal_to_mpirun_saves_what_is_finished(processes, number, statuses):
+    here = processes(2)
+    here.scene("a", SCENE, {**LONG, "count": 400_000})
+    running = here.start("run", "a.nml")
+    partial = here.directory / "output/a.partial"
+    until = time.perf_counter() + SECONDS
+    while len(list(partial.glob("*.cases"))) < 2:
+        assert time.perf_counter() < until
+        time.sleep(0.01)
+    running.send_signal(number)
+    _, err = running.communicate(timeout=SECONDS)
+    assert running.returncode in statuses, err
+    assert "fault" not in err
+    assert cases_in(partial)
+    assert not (here.directory / "output/a.nc").exists()
+
+
+def test_a_full_disk_ends_all_with_3_and_keeps_what_is_finished(processes):
+    here = processes(2)
+    here.scene("a", SCENE, LONG)
+    script = """mkdir disk && mount -t tmpfs -o size=1M none disk
+    beamwave run a.nml --output disk; status=$?
+    cp -r disk kept; exit $status"""
+    ended = in_own_mounts(here, script)
+    assert ended.returncode == 3, ended.stderr
+    assert len(re.findall("disk/a.partial/.*: cannot be written: is the disk full", ended.stderr)) == 1
+    saved = cases_in(here.directory / "kept/a.partial")
+    assert f"{len(saved)} of 4000 cases are saved; the same command goes on from there" in ended.stderr
+    assert here.beamwave("run", "a.nml", "--output", "kept").returncode == 0
+
+
+def test_a_run_at_work_keeps_a_second_one_out(processes):
+    here = processes(2)
+    here.scene("a", SCENE, LONG)
+    running = here.start("run", "a.nml", "--max-seconds", "20")
+    lock = here.directory / "output/a.partial/000001.cases"
+    until = time.perf_counter() + SECONDS
+    while not lock.exists():
+        assert time.perf_counter() < until
+        time.sleep(0.01)
+    second = processes(1).beamwave("run", "a.nml")
+    assert second.returncode == 3
+    assert "another run is at work on this scene" in second.stderr
+    running.communicate(timeout=SECONDS)
+    assert running.returncode == 0
