@@ -16,11 +16,15 @@ module bw_commands
   use bw_scene_files, only: read_scenes
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
   use bw_stopwatch, only: wall_seconds
-  use bw_terminal_progress, only: terminal_progress, terminal_progress_to
+  use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
   use bw_text, only: string, text_of
+  use bw_time_estimate, only: estimated_seconds
   implicit none (type, external)
   private
   public :: run_command, check_command, describe_command, print_outcome, read_and_list
+
+  real(dp), parameter :: check_seconds = 2.0_dp        !! what `check` may take to try cases of all its scenes
+  real(dp), parameter :: most_check_seconds = 1.0_dp   !! and of one of them
 
 contains
 
@@ -119,10 +123,23 @@ contains
         call print_error(error)
         status = max(status, error%status)
       else if (.not. command%quiet) then
-        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//planned//cost_summary(layout))
+        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//planned//cost_summary(layout)// &
+                          time_summary(scenes(i), layout, check_seconds/count))
       end if
     end do
   end function check_command
+
+  function time_summary(scene, layout, budget) result(text)
+    !! What `check` says of the time.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    real(dp), intent(in) :: budget                 !! of the estimate itself, s
+    character(:), allocatable :: text
+    text = '  time       about '//duration_text(estimated_seconds(scene, layout, min(budget, most_check_seconds)))// &
+      ' on one core'
+    if (layout%cases > 1) text = text//', shared by the processes of beamwave-mpi'
+    text = text//new_line('a')
+  end function time_summary
 
   subroutine plan_tolerance(scene, text, error)
     !! How many modes a tolerance takes, where there is one case to ask for.

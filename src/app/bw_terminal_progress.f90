@@ -6,10 +6,10 @@ module bw_terminal_progress
   use bw_process, only: stop_signal
   use bw_progress, only: progress_type
   use bw_stopwatch, only: wall_seconds
-  use bw_text, only: text_of
+  use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: terminal_progress_to
+  public :: duration_text, terminal_progress_to
 
   real(dp), parameter :: quiet_seconds = 1.0_dp       !! shorter runs show nothing
   real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two pictures of the bar
@@ -86,6 +86,8 @@ contains
     new_part = (real(self%done - self%taken_over, dp) + fraction)/real(self%cases, dp)
     line = self%name//'  '//text_of(nint(100.0_dp*part))//' %'
     if (self%cases > 1) line = line//'  case '//text_of(self%done)//' of '//text_of(self%cases)
+    if (self%cases > 1 .and. self%done > self%taken_over) line = line//'  '// &
+      shortest(real(self%done - self%taken_over, dp)/(now - self%started), 3)//' cases/s'
     if (new_part > 0.0_dp) line = line//'  '//duration_text((now - self%started)*(1.0_dp - part)/new_part)//' left'
     if (self%on_terminal) then
       filled = min(bar_width, int(bar_width*part))
@@ -98,9 +100,12 @@ contains
   end subroutine show
 
   pure function duration_text(seconds) result(text)
+    !! As coarse as an estimate is.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
-    if (seconds < 120.0_dp) then
+    if (seconds < 1.0_dp) then
+      text = text_of(max(1, nint(1000.0_dp*seconds)))//' ms'
+    else if (seconds < 120.0_dp) then
       text = text_of(ceiling(seconds))//' s'
     else if (seconds < 7200.0_dp) then
       text = text_of(ceiling(seconds/60.0_dp))//' min'

@@ -3,16 +3,15 @@ module bw_report
   !! measured in the histories, and what to beware of.
   use bw_kinds, only: dp
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, right, seconds_text
+  use bw_columns, only: fixed, right
   use bw_event, only: event_words
   use bw_missing, only: is_missing
   use bw_result_values, only: named_value
-  use bw_stopwatch, only: stage_words
   use bw_text, only: shortest, text_of
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: case_report, case_line, case_heading, notes_report, stage_report
+  public :: case_report, case_line, case_heading, notes_report
 
   integer, parameter :: shown_modes = 10, shown_peaks = 10, shown_points = 5
 
@@ -155,18 +154,5 @@ contains
       first = last + 2
     end do
   end function notes_report
-
-  pure function stage_report(seconds) result(text)
-    !! Wall time by stage.
-    real(dp), intent(in) :: seconds(:)            !! (stages)
-    character(:), allocatable :: text
-    integer :: i
-    text = '  time       '
-    do i = 1, size(seconds)
-      if (i > 1) text = text//', '
-      text = text//trim(stage_words(i))//' '//seconds_text(seconds(i))
-    end do
-    text = text//new_line('a')
-  end function stage_report
 
 end module bw_report

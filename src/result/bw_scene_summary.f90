@@ -16,6 +16,9 @@ module bw_scene_summary
   integer(i8), parameter :: lapack_bytes = 140000000
     !! what OpenBLAS takes for itself at its first call; where it is refused it asks again without end
 
+  integer(i8), parameter :: block_bytes = 8000000
+    !! of cases that are written at a time
+
 contains
 
   pure function scene_heading(scene) result(text)
@@ -149,7 +152,9 @@ contains
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
-      '  result     '//bytes_text(result_bytes(layout))//new_line('a')
+      '  result     '//bytes_text(result_bytes(layout))
+    if (layout%cases > 0) text = text//', and as much again beside it until it is complete'
+    text = text//new_line('a')
   end function cost_summary
 
   pure integer(i8) function result_bytes(layout) result(bytes)
@@ -173,6 +178,7 @@ contains
     modal = int(max(layout%modes, layout%modes_before), i8)*(60 + 4*layout%points)
     bytes = 8*(2*histories + spectra + modal) + 20000000
     if (layout%peaks > 0) bytes = bytes + lapack_bytes
+    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 2*layout%cases
   end function working_bytes
 
   pure function bytes_text(bytes) result(text)

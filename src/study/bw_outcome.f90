@@ -3,11 +3,10 @@ module bw_outcome
   use bw_error, only: status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i8
   use bw_notes, only: notes_type
-  use bw_report, only: notes_report, stage_report
+  use bw_report, only: notes_report
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_summary, only: scene_heading, scene_summary
-  use bw_stopwatch, only: stopwatch
   use bw_text, only: text_of
   use bw_text_builder, only: text_builder
   implicit none (type, external)
@@ -49,14 +48,14 @@ contains
     if (len(text) > 0) text = text(:len(text) - 1)
   end function notes_text
 
-  subroutine set_report(self, scene, layout, body, taken_over, watch)
+  subroutine set_report(self, scene, layout, body, taken_over, times)
     !! What to print of a scene that is done.
     class(outcome_type), intent(inout) :: self
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: body          !! the case, or the table of cases
     integer(i8), intent(in) :: taken_over     !! cases that an earlier run had finished
-    type(stopwatch), intent(in) :: watch
+    character(*), intent(in) :: times         !! the table of stages
     type(text_builder) :: report
     call report%append(scene_heading(scene))
     call report%append(scene_summary(scene, layout))
@@ -64,7 +63,7 @@ contains
     if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
     call report%append_line('')
     call report%append(notes_report(self%notes_text()))
-    call report%append(stage_report(watch%seconds))
+    call report%append(times)
     call report%append_line('  result     '//self%file)
     self%report = report%text()
   end subroutine set_report

@@ -12,6 +12,7 @@ module bw_run_single
   use bw_result_file, only: create_result, result_file
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
+  use bw_stage_table, only: stage_table
   use bw_stopwatch, only: stage_write, stopwatch
   use bw_unfinished, only: unfinished_work
   implicit none (type, external)
@@ -70,7 +71,8 @@ contains
     if (allocated(error)) return
     if (.not. rename_file(unfinished%result_path(), outcome%file)) &
       call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there')
-    if (.not. allocated(error)) call outcome%set_report(scene, layout, case_report(result), 0_i8, watch)
+    if (.not. allocated(error)) call outcome%set_report(scene, layout, case_report(result), 0_i8, &
+      stage_table(watch, sum(watch%seconds), 1, 1_i8))
   end subroutine write_result
 
 end module bw_run_single

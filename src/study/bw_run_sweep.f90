@@ -5,13 +5,14 @@ module bw_run_sweep
   use bw_case_queue, only: case_queue, queue_of
   use bw_crew, only: crew_type
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_kinds, only: i1, i8
+  use bw_kinds, only: dp, i1, i8
   use bw_outcome, only: outcome_type
   use bw_posix, only: rename_file
   use bw_progress, only: progress_type
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_stopwatch, only: stage_write, stopwatch
+  use bw_stage_table, only: stage_table
+  use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
   use bw_text, only: text_of
   use bw_unfinished, only: unfinished_work
   implicit none (type, external)
@@ -24,6 +25,7 @@ module bw_run_sweep
     integer(i8) :: taken_over = 0             !! cases that an earlier run had finished
     integer(i8) :: finished = 0               !! all that are finished
     logical :: discarded = .false.            !! work of another scene or version lay there
+    real(dp) :: began = 0.0_dp                !! when its first case was handed out, s
     type(case_queue) :: queue
   end type sweep_state
 
@@ -55,7 +57,7 @@ contains
     else if (state%finished < state%cases) then
       call outcome%set_stopped(state%finished, state%cases)
     else
-      call complete(scene, layout, unfinished, state, watch, outcome, error)
+      call complete(scene, layout, unfinished, state, crew%processes, watch, outcome, error)
     end if
     call unfinished%release()
   end subroutine run_sweep
@@ -77,6 +79,7 @@ contains
     state%cases = layout%cases
     state%taken_over = state%cases - state%queue%left
     state%finished = state%taken_over
+    state%began = wall_seconds()
   end subroutine take_up
 
   subroutine work(scene, layout, path, text, crew, progress, state, watch, error)
@@ -91,20 +94,24 @@ contains
     type(stopwatch), intent(inout) :: watch
     type(error_type), allocatable, intent(out) :: error
     integer(i8) :: done
+    real(dp), allocatable :: totals(:)
     call crew%begin(state%queue)
     call run_cases(scene, layout, path, text, crew, progress, watch, done, error)
     state%finished = state%finished + done
-    call crew%end(watch%seconds, error)
+    totals = watch%totals()
+    call crew%end(totals, error)
+    call watch%set_totals(totals)
     call crew%attend(done)                    ! what others told last
     state%finished = state%finished + done
   end subroutine work
 
-  subroutine complete(scene, layout, unfinished, state, watch, outcome, error)
+  subroutine complete(scene, layout, unfinished, state, processes, watch, outcome, error)
     !! The result under its final name.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(unfinished_work), intent(inout) :: unfinished
     type(sweep_state), intent(in) :: state
+    integer, intent(in) :: processes
     type(stopwatch), intent(inout) :: watch
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
@@ -122,7 +129,8 @@ contains
       return
     end if
     call unfinished%discard()
-    call outcome%set_report(scene, layout, assembly%table%text(), state%taken_over, watch)
+    call outcome%set_report(scene, layout, assembly%table%text(), state%taken_over, &
+      stage_table(watch, wall_seconds() - state%began, processes, state%cases - state%taken_over))
     if (state%discarded) outcome%warnings = outcome%warnings// &
       'unfinished work of another scene or version lay there and was taken away'//new_line('a')
   end subroutine complete

@@ -68,7 +68,7 @@ def test_a_log_gets_plain_lines(here):
     lines = [line for line in ended.stderr.splitlines() if " %" in line]
     assert lines
     for line in lines:
-        assert re.fullmatch(r"a  \d+ %  case \d+ of 20000(  \d+ (s|min|h) left)?", line)
+        assert re.fullmatch(r"a  \d+ %  case \d+ of 20000(  [\d.]+ cases/s)?(  \d+ (ms|s|min|h) left)?", line)
     assert not re.search(r"[\r\x1b]", ended.stderr)
 
 

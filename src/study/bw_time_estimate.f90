@@ -1,0 +1,106 @@
+module bw_time_estimate
+  !! How long a scene will take: a few of its cases are run for a bounded time.
+  use bw_case_fields, only: case_length, fields_of
+  use bw_case_result, only: case_result
+  use bw_error, only: error_type
+  use bw_kinds, only: dp, i8
+  use bw_monitor, only: monitor_type
+  use bw_one_case, only: run_case
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count, case_scene
+  use bw_stopwatch, only: stopwatch, wall_seconds
+  implicit none (type, external)
+  private
+  public :: estimated_seconds
+
+  integer, parameter :: most_samples = 200
+  real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
+  real(dp), parameter :: file_seconds = 5.0e-3_dp          !! of a result's names and attributes; measured
+  real(dp), parameter :: put_seconds = 2.0e-5_dp           !! of a case into its journal and the result; measured
+  real(dp), parameter :: number_seconds = 1.5e-8_dp        !! of each of its numbers: written twice, read once; measured
+
+  type, extends(monitor_type) :: time_limit
+    !! Stops when the time is up, and remembers how much of the case was done.
+    real(dp) :: deadline = 0.0_dp
+    real(dp) :: fraction = 0.0_dp
+  contains
+    procedure :: advance
+    procedure :: stop_requested
+  end type time_limit
+
+contains
+
+  real(dp) function estimated_seconds(scene, layout, budget) result(seconds)
+    !! Wall time of all cases by one process on a core of its own, s.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    real(dp), intent(in) :: budget                !! what the estimate may take itself, s
+    real(dp) :: spent, began, elapsed, part
+    integer(i8) :: cases
+    integer :: samples
+    cases = case_count(scene)
+    began = wall_seconds()
+    call sample(scene, layout, 1_i8, began + budget, part, spent)         ! a first case finds caches and plans empty
+    seconds = spent/part
+    if (part >= 1.0_dp .and. cases > 1) then
+      samples = 0
+      seconds = 0.0_dp
+      do while (samples < min(cases, int(most_samples, i8)))
+        samples = samples + 1
+        call sample(scene, layout, place(samples, cases), began + 2.0_dp*budget, part, spent)
+        seconds = seconds + spent/part
+        elapsed = wall_seconds() - began
+        if (elapsed > budget) exit
+      end do
+      seconds = seconds/samples
+    end if
+    seconds = file_seconds + cases*(seconds + put_seconds + number_seconds*case_length(fields_of(layout)))
+  end function estimated_seconds
+
+  pure integer(i8) function place(sample, cases)
+    !! Which case is the n-th sample.
+    integer, intent(in) :: sample
+    integer(i8), intent(in) :: cases
+    real(dp) :: position
+    position = sample*golden
+    place = 1 + min(cases - 1, int((position - floor(position))*real(cases, dp), i8))
+  end function place
+
+  subroutine sample(scene, layout, index, deadline, part, spent)
+    !! Run a case, or the part of it that there is time for.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    integer(i8), intent(in) :: index
+    real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
+    real(dp), intent(out) :: part                 !! of the case that was done, above 0, at most 1
+    real(dp), intent(out) :: spent                !! s
+    type(time_limit) :: limit
+    type(stopwatch) :: watch
+    type(case_result) :: result
+    type(scene_type) :: one
+    type(error_type), allocatable :: error
+    real(dp) :: began
+    logical :: whole
+    began = wall_seconds()
+    limit%deadline = deadline
+    whole = .true.
+    call case_scene(scene, index, one, error)
+    if (.not. allocated(error)) call run_case(one, layout, watch, limit, result, whole)
+    spent = wall_seconds() - began
+    part = 1.0_dp
+    if (.not. whole) part = max(limit%fraction, 1.0e-6_dp)
+  end subroutine sample
+
+  subroutine advance(self, fraction)
+    class(time_limit), intent(inout) :: self
+    real(dp), intent(in) :: fraction
+    self%fraction = fraction
+  end subroutine advance
+
+  logical function stop_requested(self)
+    class(time_limit), intent(inout) :: self
+    stop_requested = wall_seconds() > self%deadline
+  end function stop_requested
+
+end module bw_time_estimate
