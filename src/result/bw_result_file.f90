@@ -4,6 +4,7 @@ module bw_result_file
   use bw_case_fields, only: case_field, case_length, fields_of, put_field
   use bw_case_result, only: case_result
   use bw_error, only: error_type
+  use bw_late_values, only: late_values
   use bw_netcdf, only: check, create_file
   use bw_result_definition, only: define_dimensions, define_variables, open_file
   use bw_result_header, only: put_global_attributes, put_coordinates, put_inputs, swept_names
@@ -33,6 +34,7 @@ contains
     type(result_layout), intent(in) :: layout
     type(result_file), intent(out) :: file
     type(error_type), allocatable, intent(out) :: error
+    type(late_values) :: late
     integer :: former
     file%path = path
     file%layout = layout
@@ -44,8 +46,9 @@ contains
     call put_global_attributes(file%id, path, scene, error)
     call define_dimensions(file%open_file, error)
     call define_variables(file%open_file, error)
-    call put_coordinates(file%id, path, scene, layout, error)
-    call put_inputs(file%id, path, scene, error)
+    call put_coordinates(file%id, path, scene, layout, late, error)
+    call put_inputs(file%id, path, scene, late, error)
+    call late%put_all(file%id, path, error)
     call find_variables(file, error)
     if (allocated(error)) call file%close()
   end subroutine create_result

@@ -3,6 +3,7 @@ module bw_result_header
   use bw_kinds, only: dp, i4, i8
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
+  use bw_late_values, only: late_values
   use bw_netcdf, only: check, define_variable, put_words, text_attribute
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
   use bw_scene, only: scene_type
@@ -12,7 +13,7 @@ module bw_result_header
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
   use netcdf, only: nf90_close, nf90_double, nf90_global, nf90_inq_dimid, nf90_int, nf90_noerr, nf90_nowrite, nf90_open, &
-    nf90_put_att, nf90_put_var
+    nf90_put_att
   implicit none (type, external)
   private
   public :: put_global_attributes, put_coordinates, put_inputs, swept_names, holds_scene, source_text
@@ -96,47 +97,50 @@ contains
       zone(1:3)//':'//zone(4:5)
   end function time_stamp
 
-  subroutine put_coordinates(file, path, scene, layout, error)
+  subroutine put_coordinates(file, path, scene, layout, late, error)
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
+    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     integer :: j
-    call put_numbers(file, path, layout, 'case', 'number of the case', error)
-    call put_numbers(file, path, layout, 'mode', 'mode number k', error)
-    call put_numbers(file, path, layout, 'mode_before', 'mode number k before the capture', error)
-    call put_numbers(file, path, layout, 'event', 'number of the event', error)
-    call put_numbers(file, path, layout, 'peak', 'number of the measured peak, by frequency', error)
-    call put_stages(file, path, error)
+    call put_numbers(file, path, layout, 'case', 'number of the case', late, error)
+    call put_numbers(file, path, layout, 'mode', 'mode number k', late, error)
+    call put_numbers(file, path, layout, 'mode_before', 'mode number k before the capture', late, error)
+    call put_numbers(file, path, layout, 'event', 'number of the event', late, error)
+    call put_numbers(file, path, layout, 'peak', 'number of the measured peak, by frequency', late, error)
+    call put_stages(file, path, late, error)
     if (has_dimension(layout, 'profile')) call put_axis(file, path, 'profile_position', 'profile', '1', &
-      'place along the beam, x/l', [(real(j, dp)/(layout%profile - 1), j=0, layout%profile - 1)], error)
+      'place along the beam, x/l', [(real(j, dp)/(layout%profile - 1), j=0, layout%profile - 1)], late, error)
     if (.not. has_dimension(layout, 'time')) return
-    call put_axis(file, path, 'point_position', 'point', '1', 'place along the beam, x/l', scene%response%points, error)
+    call put_axis(file, path, 'point_position', 'point', '1', 'place along the beam, x/l', scene%response%points, late, error)
     call put_axis(file, path, 'time', 'time', 's', 'time since the impact', &
-                  sample_times(scene%response%duration, scene%response%samples), error)
+                  sample_times(scene%response%duration, scene%response%samples), late, error)
     if (has_dimension(layout, 'frequency')) call put_axis(file, path, 'frequency', 'frequency', 'Hz', 'frequency', &
-      frequency_axis(scene%response%samples, scene%response%duration), error)
+      frequency_axis(scene%response%samples, scene%response%duration), late, error)
   end subroutine put_coordinates
 
-  subroutine put_numbers(file, path, layout, name, long_name, error)
+  subroutine put_numbers(file, path, layout, name, long_name, late, error)
     !! A coordinate that counts from 1.
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: name, long_name
+    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     integer :: dimension, variable, i
     if (.not. has_dimension(layout, name) .or. allocated(error)) return
     call check(nf90_inq_dimid(file, name, dimension), path, error)
     call define_variable(file, path, name, nf90_int, [dimension], '1', long_name, variable, error)
     if (allocated(error)) return
-    call check(nf90_put_var(file, variable, [(i, i=1, dimension_length(layout, name))]), path, error)
+    call late%add(variable, [(real(i, dp), i=1, dimension_length(layout, name))])
   end subroutine put_numbers
 
-  subroutine put_stages(file, path, error)
+  subroutine put_stages(file, path, late, error)
     integer, intent(in) :: file
     character(*), intent(in) :: path
+    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     integer :: dimension, variable, i
     call check(nf90_inq_dimid(file, 'stage', dimension), path, error)
@@ -144,20 +148,21 @@ contains
     call define_variable(file, path, 'stage', nf90_int, [dimension], '1', 'stage of the work', variable, error)
     if (allocated(error)) return
     call put_words(file, path, variable, stage_words, 1, error)
-    call check(nf90_put_var(file, variable, [(i, i=1, stage_count)]), path, error)
+    call late%add(variable, [(real(i, dp), i=1, stage_count)])
   end subroutine put_stages
 
-  subroutine put_axis(file, path, name, dimension_name, units, long_name, values, error)
+  subroutine put_axis(file, path, name, dimension_name, units, long_name, values, late, error)
     integer, intent(in) :: file
     character(*), intent(in) :: path, name, dimension_name, units, long_name
     real(dp), intent(in) :: values(:)
+    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     integer :: dimension, variable
     if (allocated(error)) return
     call check(nf90_inq_dimid(file, dimension_name, dimension), path, error)
     call define_variable(file, path, name, nf90_double, [dimension], units, long_name, variable, error, coordinate=.true.)
     if (allocated(error)) return
-    call check(nf90_put_var(file, variable, values), path, error)
+    call late%add(variable, values)
   end subroutine put_axis
 
   pure function swept_names(scene) result(names)
@@ -180,26 +185,28 @@ contains
     name = trim(input%group)//'_'//trim(input%name)
   end function input_variable
 
-  subroutine put_inputs(file, path, scene, error)
+  subroutine put_inputs(file, path, scene, late, error)
     !! Every number of the resolved scene, scalar or (case).
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
+    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     type(numeric_input), allocatable :: inputs(:)
     integer :: i
     inputs = numeric_inputs(scene)
     do i = 1, size(inputs)
       if (allocated(error)) return
-      call put_input(file, path, scene, inputs(i), error)
+      call put_input(file, path, scene, inputs(i), late, error)
     end do
   end subroutine put_inputs
 
-  subroutine put_input(file, path, scene, input, error)
+  subroutine put_input(file, path, scene, input, late, error)
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     type(numeric_input), intent(in) :: input
+    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     integer, allocatable :: dimensions(:)
     integer :: variable, kind
@@ -211,9 +218,9 @@ contains
                          error, coordinate=.true.)
     if (allocated(error)) return
     if (input%is_swept) then
-      call check(nf90_put_var(file, variable, [(input_in_case(scene, input, i), i=1, case_count(scene))]), path, error)
+      call late%add(variable, [(input_in_case(scene, input, i), i=1, case_count(scene))])
     else
-      call check(nf90_put_var(file, variable, input%value), path, error)
+      call late%add(variable, [input%value], is_scalar=.true.)
     end if
   end subroutine put_input
 

@@ -3,6 +3,7 @@ module bw_study_file
   !! written one after another. It lies under a temporary name until it is whole.
   use bw_kinds, only: dp
   use bw_error, only: error_type, fail, status_bad_file
+  use bw_late_values, only: late_values
   use bw_netcdf, only: check, create_file, define_variable, put_words
   use bw_posix, only: remove_file, rename_file
   use bw_result_header, only: put_global_attributes, put_inputs
@@ -39,11 +40,13 @@ contains
     character(*), intent(in) :: study               !! the command that makes it
     type(study_file), intent(out) :: file
     type(error_type), allocatable, intent(out) :: error
+    type(late_values) :: late
     file%path = path
     call create_file(path//unfinished, file%id, error)
     if (allocated(error)) return
     call put_global_attributes(file%id, path, scene, error, study)
-    call put_inputs(file%id, path, scene, error)
+    call put_inputs(file%id, path, scene, late, error)
+    call late%put_all(file%id, path, error)
     if (allocated(error)) call file%discard()
   end subroutine create_study
 
