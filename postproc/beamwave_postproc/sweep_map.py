@@ -13,13 +13,15 @@ from .result import NothingToDraw, require, require_numbers, swept_inputs, to_gr
 from .style import new_figure, styled
 
 MAX_MODES = 4
+SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
 
 
 @styled
 def sweep_map(ds: xr.Dataset) -> Figure:
     """Map `angular_frequency` (case, mode) of the lowest modes over the two swept inputs.
 
-    The input that varies fastest runs along x. Where a mode does not oscillate the map is hatched.
+    The input that varies fastest runs along x. Where a mode does not oscillate the map is hatched; where the angular
+    velocity is one of the inputs, the speed at which the first mode comes to a halt is a line.
     """
     require(ds, "angular_frequency")
     names = swept_inputs(ds)
@@ -34,6 +36,7 @@ def sweep_map(ds: xr.Dataset) -> Figure:
     for axes, mode in zip(fig.axes, modes):
         _draw_mode(fig, axes, grid["angular_frequency"].sel(mode=mode).transpose(*names))
         axes.set_title(f"mode {mode}")
+    _draw_critical_speed(fig.axes[0], ds, names)
     for axes in fig.axes[modes.size : rows * columns]:
         axes.set_visible(False)
     return fig
@@ -47,7 +50,8 @@ def _draw_mode(fig: Figure, axes: Axes, values: xr.DataArray) -> None:
     masked = np.ma.masked_invalid(values.values)
     if masked.mask.any():
         axes.patch.set(hatch="///", edgecolor="0.6")
-        axes.legend(handles=[Patch(facecolor="0.92", edgecolor="0.6", hatch="///", label="no oscillation")])
+        none = Patch(facecolor="0.92", edgecolor="0.6", hatch="///", label="no oscillation")
+        axes.legend(handles=[none], loc="upper right")
     if masked.count():
         mesh = axes.pcolormesh(x, y, masked, shading="nearest", cmap="cividis")
         fig.colorbar(mesh, ax=axes, label=axis_label(values))
@@ -55,6 +59,25 @@ def _draw_mode(fig: Figure, axes: Axes, values: xr.DataArray) -> None:
         set_scale("log" if _log_spaced(coordinate.values) else "linear")
     axes.set_xlabel(input_label(x))
     axes.set_ylabel(input_label(y))
+
+
+def _draw_critical_speed(axes: Axes, ds: xr.Dataset, names: list[str]) -> None:
+    """The line along which the angular velocity is the critical one of each value of the other input."""
+    if SPEED not in names or CRITICAL not in ds:
+        return
+    (other,) = (name for name in names if name != SPEED)
+    critical = to_grid(ds[[CRITICAL]])[CRITICAL].isel({SPEED: 0})  # the same at every angular velocity
+    speed = np.where(critical <= ds[SPEED].max(), critical, np.nan)
+    if not np.isfinite(speed).any():
+        return
+    along_x = names[1] == SPEED
+    line = (speed, critical[other]) if along_x else (critical[other], speed)
+    limits = axes.get_xlim(), axes.get_ylim()
+    axes.plot(*line, color="crimson", linewidth=2.0, label="critical speed")
+    axes.set(xlim=limits[0], ylim=limits[1])
+    shown = axes.get_legend()
+    handles = [*(shown.legend_handles if shown else []), axes.lines[-1]]
+    axes.legend(handles=handles, loc="upper right")
 
 
 def _log_spaced(values: np.ndarray) -> bool:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from beamwave_postproc import NothingToDraw, dispersion, open_result, sweep_map, swept_inputs, velocity_jump
 from beamwave_postproc.curves import curves_of, heading
@@ -49,3 +50,15 @@ def test_the_jump_gathers_at_the_tip_as_modes_are_added(paper_results):
     share = [np.mean(line.get_ydata() ** 2) for line in lines]
     tip = [line.get_ydata()[-1] for line in lines]
     assert (np.diff(share) < 0).all() and (np.diff(tip) > 0).all()
+
+
+def test_the_line_of_critical_speed_parts_what_oscillates_from_what_grows(grid_result):
+    with open_result(grid_result) as ds:
+        ratio, speed = ds["impact_mass_ratio"], ds["rotation_angular_velocity"]
+        first = ds["angular_frequency"].isel(mode=0)
+        at_rest = dict(zip(ratio.values[speed.values == 0.0], first.values[speed.values == 0.0]))  # h P², Eq. 31
+        critical = xr.DataArray([at_rest[value] for value in ratio.values], dims="case")
+        (line,) = sweep_map(ds.assign(critical_angular_velocity=critical)).axes[0].lines
+    drawn = dict(zip(line.get_ydata(), line.get_xdata()))
+    for value, omega, frequency in zip(ratio.values, speed.values, first.values):
+        assert np.isnan(frequency) == (omega > drawn[value])

@@ -20,7 +20,7 @@ DIVERGING = {**SPEEDS, "first": 300.0, "last": 0.0}
 def stopped_early(here, *words):
     """Stop the long sweep after a while; the numbers of its finished cases."""
     here.scene("a", SCENE, LONG)
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.3", *words)
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.2", *words)
     assert ended.returncode == 5, ended.stderr
     saved = cases_in(here.directory / "output/a.partial")
     assert f"stopped with {len(saved)} of 4000 cases saved; the same command goes on from there" in ended.stderr
@@ -119,4 +119,4 @@ def test_a_run_at_work_keeps_a_second_one_out(processes):
     assert second.returncode == 3
     assert "another run is at work on this scene" in second.stderr
     running.communicate(timeout=SECONDS)
-    assert running.returncode == 0
+    assert running.returncode in (0, 5)  # done, or its time was up

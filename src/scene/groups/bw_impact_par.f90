@@ -27,7 +27,7 @@ module bw_impact_par
     input_name('impact', 'mass', real_input, 'kg', not_negative, swept=.true., excludes='mass_ratio', &
                meaning='mass of the striking body'), &
     input_name('impact', 'mass_ratio', real_input, '1', not_negative, swept=.true., excludes='mass', &
-               meaning='the same over the mass of the beam'), &
+               meaning='mass over the mass of the beam'), &
     input_name('impact', 'approach_velocity', real_input, 'm s-1', any_number, '1', swept=.true., &
                meaning='its velocity before the impact, in the rotating frame'), &
     input_name('impact', 'restitution', real_input, '1', unit_interval, '0', swept=.true., &

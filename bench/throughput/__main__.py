@@ -1,0 +1,129 @@
+"""Measure round by round, each way once a round; medians of CPU seconds per case go into a table."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import multiprocessing
+import os
+import platform
+import re
+import statistics
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any, Callable
+
+import netCDF4
+import numpy as np
+
+from .jobs import JOBS, Job
+from .with_numpy import case, loop, pooled
+
+ROOT = Path(__file__).parents[2]
+DATA = Path(__file__).with_name("measured.json")
+WAYS = ["beamwave", "numpy loop", "pool of 2"]
+ROUNDS, NUMPY_PART = 3, 10  # numpy does a part of the cases, spread over all of them
+AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
+
+
+def cpu(work: Callable[[], Any]) -> float:
+    """CPU seconds of this process and of those that it started and that have ended."""
+    before = os.times()
+    work()
+    after = os.times()
+    return sum(after[:4]) - sum(before[:4])
+
+
+def beamwave(program: Path, job: Job, cases: int, directory: Path) -> float:
+    scene = directory / f"{job.name}.nml"
+    scene.write_text(job.scene(cases))
+    words = [program, "run", scene, "--output", directory, "--quiet"]
+    for old in directory.glob("*.nc"):
+        old.unlink()
+    return cpu(lambda: subprocess.run(words, check=True, stderr=subprocess.DEVNULL)) / cases
+
+
+def pool(job: Job, grid: list[tuple[float, float]]) -> float:
+    work = [(job, place) for place in grid]
+
+    def everything() -> None:
+        workers = multiprocessing.Pool(2)
+        workers.map(pooled, work, chunksize=max(1, len(work) // 20))
+        workers.close()
+        workers.join()
+
+    return cpu(everything) / len(grid)
+
+
+def check(job: Job, cases: int, directory: Path) -> float:
+    """The largest difference between both over the largest value; the job is the same."""
+    worst = 0.0
+    with netCDF4.Dataset(directory / f"{job.name}.nc") as file:
+        for index in np.linspace(0, cases - 1, 7).astype(int):
+            speed, ratio = job.grid(cases)[index]
+            for name, values in case(job, speed, ratio).items():
+                there = np.asarray(file[name][index])
+                worst = max(worst, np.abs(there - values).max() / np.abs(there).max())
+    assert worst < AGREEMENT, f"{job.name}: numpy and beamwave differ by {worst:.1e}"
+    return worst
+
+
+def measure(program: Path, small: bool) -> list[dict[str, Any]]:
+    rows = []
+    for job in JOBS:
+        cases = 100 if small else job.cases
+        part = job.grid(cases)[:: 1 if small else NUMPY_PART]
+        seconds: dict[str, list[float]] = {way: [] for way in WAYS}
+        with tempfile.TemporaryDirectory(dir="/dev/shm" if Path("/dev/shm").is_dir() else None) as name:
+            directory = Path(name)
+            for turn in range(1 if small else ROUNDS):
+                seconds["beamwave"].append(beamwave(program, job, cases, directory))
+                if turn == 0:
+                    worst = check(job, cases, directory)
+                seconds["numpy loop"].append(cpu(lambda: loop(job, part)) / len(part))
+                seconds["pool of 2"].append(pool(job, part))
+        medians = {way: float(f"{statistics.median(values):.3g}") for way, values in seconds.items()}
+        rows.append({"job": job.name, "what": job.what, "cases": cases, "difference": float(f"{worst:.1e}"), **medians})
+    return rows
+
+
+def machine(program: Path) -> str:
+    names = re.findall(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.split("\n")
+    return f"{names[0] if names else platform.machine()}; {version[0]}; numpy {np.__version__}"
+
+
+def table(measured: dict[str, Any]) -> str:
+    lines = [
+        f"{measured['machine']}, {measured['date']}",
+        "",
+        "| sweep over ω and γ | beamwave, cases/s | numpy loop | multiprocessing pool, per core | beamwave is faster by |",
+        "| --- | --- | --- | --- | --- |",
+    ]
+    for row in measured["rows"]:
+        rates = [1.0 / row[way] for way in WAYS]
+        times = f"{rates[0] / rates[1]:.1f}, {rates[0] / rates[2]:.1f}"
+        lines.append(f"| {row['what']} | {rates[0]:.0f} | {rates[1]:.0f} | {rates[2]:.0f} | {times} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    words = argparse.ArgumentParser(prog="bench/throughput.sh", description=__doc__)
+    words.add_argument("--small", action="store_true", help="few cases: does everything run?")
+    words.add_argument("--redraw", action="store_true", help="the table of the data that is there")
+    words.add_argument("--beamwave", type=Path, default=ROOT / "build/bin/beamwave", help="the program")
+    given = words.parse_args()
+    if given.redraw:
+        measured = json.loads(DATA.read_text())
+    else:
+        rows = measure(given.beamwave.resolve(), given.small)
+        measured = {"machine": machine(given.beamwave), "date": time.strftime("%Y-%m-%d"), "rows": rows}
+        if not given.small:
+            DATA.write_text(json.dumps(measured, indent=1, ensure_ascii=False) + "\n")
+    print(table(measured))
+
+
+if __name__ == "__main__":
+    main()
