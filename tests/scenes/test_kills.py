@@ -16,7 +16,7 @@ CASES = 400
 SCENE = captured_beam(modes={"before": 30, "after": 30}, response={"duration": 4.0, "samples": 1024})
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 150.0, "last": 0.0, "count": CASES // 8}
 RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 8}
-KILLS = 26  # with each number of processes
+KILLS = 25  # with each number of processes
 SEED = int(os.environ.get("BEAMWAVE_SEED", "20261121"))
 
 
