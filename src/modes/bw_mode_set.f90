@@ -34,6 +34,8 @@ module bw_mode_set
     real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ
     integer :: highest = 0                        !! the highest mode number that can be found
     real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
+    real(dp) :: decay = 0.0_dp
+      !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find

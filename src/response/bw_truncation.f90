@@ -135,16 +135,17 @@ contains
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
     first = count + 1
-    do
+    do while (first <= source%highest)
       last = min(2*max(first, run_length), source%highest)
       before = sums
       call add_window(source, force, sampled(first, last), last - first + 1, points, stretch, velocity, sums, shown)
-      if (last == source%highest) exit
       if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
           all(sums%growing - before%growing <= negligible*sums%growing) .and. &
           (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit
       first = last + 1
     end do
+    if (source%decay > 0.0_dp .and. first > source%highest) &
+      call extrapolate(source, force, points, stretch, velocity, sums, shown)
   end subroutine add_tail
 
   subroutine add_window(source, force, number, window, points, stretch, velocity, sums, shown)
@@ -174,6 +175,32 @@ contains
                           sums)
     end if
   end subroutine add_window
+
+  subroutine extrapolate(source, force, points, stretch, velocity, sums, shown)
+    !! The modes beyond the highest that can be found, as the last octave of those tells. Velocities fall as 1/k, whose
+    !! sum has no bound: their magnitudes then say nothing.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    class(mode_source), intent(in), optional :: shown
+    real(dp), parameter :: no_bound = 1.0e3_dp
+    type(deviation_type) :: octave(size(points))
+    real(dp) :: decay
+    integer :: k, first
+    first = source%highest/2 + 1
+    call add_window(source, force, [(k, k=first, source%highest)], source%highest - first + 1, points, stretch, velocity, &
+                    octave, shown)
+    decay = merge(1.0_dp, source%decay, velocity)
+    sums%square = sums%square + octave%square/(2.0_dp**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
+    if (velocity) then
+      sums%magnitude = sums%magnitude + no_bound*octave%magnitude
+    else
+      sums%magnitude = sums%magnitude + octave%magnitude/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
+    end if
+  end subroutine extrapolate
 
   pure function sampled(first, last) result(number)
     !! All mode numbers of a short window, runs of neighbours of a long one.

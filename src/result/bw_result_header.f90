@@ -7,6 +7,7 @@ module bw_result_header
   use bw_netcdf, only: check, define_variable, put_words, text_attribute
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
   use bw_scene, only: scene_type
+  use bw_scene_method, only: method_name
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: input_in_case, numeric_input, numeric_inputs, resolved_text
   use bw_stopwatch, only: stage_count, stage_words
@@ -61,7 +62,7 @@ contains
     if (present(study)) call put('study', study)
     call put('scene', resolved_text(scene))
     call put('effects', effects_text(scene))
-    call put('method', 'closed form')
+    call put('method', method_name(scene))
     call put('notes', '')
     call put('compiler', program_compiler//merge(', tuned for its processor', repeat(' ', 25), program_native))
     call put('libraries', program_libraries)
@@ -78,6 +79,8 @@ contains
     character(:), allocatable :: text
     text = ''
     if (allocated(scene%rotation)) text = text//' rotation'
+    if (allocated(scene%stiffening)) text = text//' stiffening'
+    if (allocated(scene%shear)) text = text//' shear'
     if (allocated(scene%damping)) text = text//' damping'
     if (allocated(scene%impact)) text = text//' impact'
     if (allocated(scene%capture)) text = text//' capture'

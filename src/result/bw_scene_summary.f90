@@ -7,6 +7,7 @@ module bw_scene_summary
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count
+  use bw_scene_method, only: changes_shapes
   use bw_text, only: shortest, text_of
   use bw_text_builder, only: text_builder
   implicit none (type, external)
@@ -42,7 +43,7 @@ contains
     call lines%append_line('  beam       length '//shortest(units%length, 6)//' m, mass '//shortest(units%mass, 6)// &
                            ' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
     call lines%append_line('  effects    '//effects_text(scene))
-    call lines%append_line('  method     closed form, '//modes_text(scene, layout))
+    call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
     text = lines%text()
@@ -55,6 +56,11 @@ contains
     text = ''
     if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
       scene%rotation%angular_velocity, ' rad/s')//trim(merge(' in plane    ', ' out of plane', scene%rotation%plane == 'in'))
+    if (allocated(scene%stiffening)) text = text//', stiffening (hub radius '// &
+      number_or_swept(scene, 'stiffening%hub_radius', scene%stiffening%hub_radius, ' m')//')'
+    if (allocated(scene%shear)) text = text//', shear (Poisson''s ratio '// &
+      number_or_swept(scene, 'shear%poisson_ratio', scene%shear%poisson_ratio, '')//', shear coefficient '// &
+      number_or_swept(scene, 'shear%shear_coefficient', scene%shear%shear_coefficient, '')//')'
     if (allocated(scene%damping)) text = text//damping_text(scene)
     if (allocated(scene%impact)) then
       text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
@@ -62,6 +68,9 @@ contains
         number_or_swept(scene, 'impact%restitution', scene%impact%restitution, '')//')'
       if (allocated(scene%capture)) then
         text = text//', capture'
+        if (scene%capture%rotary_inertia > 0.0_dp .or. is_swept(scene, 'capture%rotary_inertia')) text = text// &
+          ' of a body with rotary inertia '// &
+          number_or_swept(scene, 'capture%rotary_inertia', scene%capture%rotary_inertia, ' kg m2')
         if (allocated(scene%release)) text = text//', release at '// &
           number_or_swept(scene, 'release%time', scene%release%time, ' s')
       else
@@ -72,6 +81,13 @@ contains
     if (text == '') text = ', none: modes and wave velocities of the beam alone'
     text = text(3:)
   end function effects_text
+
+  pure function method_text(scene) result(text)
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    text = 'closed form'
+    if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
+  end function method_text
 
   function damping_text(scene) result(text)
     type(scene_type), intent(in) :: scene

@@ -12,7 +12,9 @@ module bw_input_table
   use bw_response_par, only: response_group, response_names
   use bw_rotation_par, only: rotation_group, rotation_names
   use bw_scene_par, only: scene_group, scene_names
+  use bw_shear_par, only: shear_group, shear_names
   use bw_spectrum_par, only: spectrum_group, spectrum_names
+  use bw_stiffening_par, only: stiffening_group, stiffening_names
   use bw_sweep_par, only: sweep_group, sweep_names
   implicit none (type, external)
   private
@@ -22,6 +24,8 @@ module bw_input_table
     scene_group, &
     beam_group, &
     rotation_group, &
+    stiffening_group, &
+    shear_group, &
     damping_group, &
     impact_group, &
     capture_group, &
@@ -36,6 +40,8 @@ module bw_input_table
     scene_names, &
     beam_names, &
     rotation_names, &
+    stiffening_names, &
+    shear_names, &
     damping_names, &
     impact_names, &
     capture_names, &

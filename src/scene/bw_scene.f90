@@ -12,7 +12,9 @@ module bw_scene
   use bw_rotation_par, only: build_rotation, rotation_par
   use bw_scene_messages, only: message_list
   use bw_scene_par, only: build_header, scene_par
+  use bw_shear_par, only: build_shear, shear_par
   use bw_spectrum_par, only: build_spectrum, spectrum_par
+  use bw_stiffening_par, only: build_stiffening, stiffening_par
   use bw_sweep_par, only: sweep_par
   implicit none (type, external)
   private
@@ -25,6 +27,8 @@ module bw_scene
     type(scene_par) :: header                     !! &scene
     type(beam_par) :: beam                        !! &beam
     type(rotation_par), allocatable :: rotation   !! &rotation; absent: the beam does not rotate
+    type(stiffening_par), allocatable :: stiffening   !! &stiffening; absent: no tension
+    type(shear_par), allocatable :: shear         !! &shear; absent: Euler–Bernoulli
     type(damping_par), allocatable :: damping     !! &damping; absent: undamped
     type(impact_par), allocatable :: impact       !! &impact; absent: modes and wave velocities only
     type(capture_par), allocatable :: capture     !! &capture; absent: the mass rebounds
@@ -50,6 +54,8 @@ contains
     call build_beam(scene%groups, scene%beam, messages)
     if (messages%count > before) return
     call build_rotation(scene%groups, scene%rotation)
+    call build_stiffening(scene%groups, scene%stiffening)
+    call build_shear(scene%groups, scene%shear)
     call build_damping(scene%groups, scene%damping)
     call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
     call build_capture(scene%groups, scene%capture)

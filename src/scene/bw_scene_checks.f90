@@ -11,6 +11,7 @@ module bw_scene_checks
   use bw_response_par, only: check_response
   use bw_scene_entries, only: place_of
   use bw_scene_messages, only: message_list
+  use bw_shear_par, only: check_shear
   use bw_spectrum_par, only: check_spectrum
   use bw_sweep_par, only: check_sweep
   use bw_text, only: text_of
@@ -34,6 +35,7 @@ contains
         call messages%add(0, '&'//trim(group_table(i)%name), 'is missing; accepted: a scene with this group')
       end if
     end do
+    call check_shear(groups, messages)
     call check_spectrum(groups, messages)
     call check_recontact(groups, messages)
   end subroutine check_groups

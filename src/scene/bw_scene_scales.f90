@@ -8,6 +8,7 @@ module bw_scene_scales
   use bw_representable, only: check_product
   use bw_scene, only: scene_type
   use bw_scene_messages, only: message_list
+  use bw_scene_method, only: check_method
   use bw_text, only: shortest
   implicit none (type, external)
   private
@@ -40,6 +41,7 @@ contains
       call check(scene, 'impact', at_least_1(scene%impact%mass*real(scene%impact%approach_velocity, qp)**2), &
                  'the kinetic energy of the mass', messages)
     end if
+    call check_method(scene, messages)
     if (allocated(scene%response)) call check_times(scene, highest, messages)
   end subroutine check_scales
 

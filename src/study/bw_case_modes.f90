@@ -1,18 +1,28 @@
 module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
   use bw_kinds, only: dp
-  use bw_case_result, only: case_result, add_note
+  use bw_beam_units, only: beam_units
+  use bw_case_result, only: case_result, add_note, case_not_converged
   use bw_closed_form, only: source_in_closed_form
   use bw_damping, only: law_of
+  use bw_damping_par, only: by_ratio
   use bw_double_double, only: dd
+  use bw_galerkin, only: galerkin_set, galerkin_source, galerkin_source_of
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_record_stretch, only: record_stretch
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
+  use bw_scene_operator, only: axial_strain, operator_of
+  use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: find_modes
+  public :: find_modes, extend_modes
+
+  integer, parameter, public :: first_modes = 64   !! of a scene with a tolerance: enough to know the peak of the motion
+  integer, parameter :: most_to_tolerance(2) = [400, 256]
+    !! modes without a closed form that a tolerance may take, without and with shear: about two seconds' work
 
 contains
 
@@ -24,42 +34,151 @@ contains
     class(mode_set), allocatable, intent(out) :: free, loaded
     class(mode_source), allocatable, intent(out) :: source   !! of beam and mass; absent: the mass is not captured
     class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
-    type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     real(dp), allocatable :: longest               ! absent: no history is asked for
-    call find_rotation(scene, result, omega)
+    if (changes_shapes(scene)) then
+      call find_galerkin(scene, result, alone, source)
+    else
+      call find_closed_form(scene, result, alone, source)
+    end if
     if (allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/result%units%time%hi)
-    alone = source_in_closed_form(0.0_dp, omega)
-    if (allocated(scene%damping)) alone%damping = law_of(scene%damping, result%units)
+    call set_damping(scene, result, alone)
+    call set_damping(scene, result, source)
     if (allocated(scene%capture)) then
-      source = source_in_closed_form(scene%impact%mass_ratio, omega)
       source%stretch = record_stretch(scene)
-      if (allocated(alone%damping)) source%damping = alone%damping
       call source%find(first_numbers(scene%modes%after), loaded, longest)
       result%modes = loaded
+      call note_coupling(scene, result)
       if (by_tolerance(scene%modes)) return
       call alone%find(first_numbers(scene%modes%before), free)
       result%before = free
     else
       call alone%find(first_numbers(scene%modes%before), free, longest)
       result%modes = free
+      call note_coupling(scene, result)
     end if
   end subroutine find_modes
 
-  subroutine find_rotation(scene, result, omega)
-    !! Rotation as far as it acts on modes in closed form.
+  subroutine set_damping(scene, result, source)
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(in) :: result
+    class(mode_source), allocatable, intent(inout) :: source
+    if (allocated(scene%damping) .and. allocated(source)) source%damping = law_of(scene%damping, result%units)
+  end subroutine set_damping
+
+  subroutine find_closed_form(scene, result, alone, loaded)
+    !! Rotation acts on modes in closed form in its own plane only.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
-    type(dd), allocatable, intent(out) :: omega
+    class(mode_source), allocatable, intent(out) :: alone, loaded
+    type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     result%can_grow = .true.
-    if (.not. allocated(scene%rotation)) return
-    result%can_grow = acts_in_plane(scene%rotation)
-    if (result%can_grow) then
-      omega = dimensionless_speed(scene%rotation, result%units)
-    else
-      call add_note(result, &
-        'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
+    if (allocated(scene%rotation)) then
+      result%can_grow = acts_in_plane(scene%rotation)
+      if (result%can_grow) omega = dimensionless_speed(scene%rotation, result%units)
+      if (.not. result%can_grow) call note_no_effect(result)
     end if
-  end subroutine find_rotation
+    alone = source_in_closed_form(0.0_dp, omega)
+    if (allocated(scene%capture)) loaded = source_in_closed_form(scene%impact%mass_ratio, omega)
+  end subroutine find_closed_form
+
+  subroutine find_galerkin(scene, result, alone, loaded)
+    !! As many as are summed, and as estimates of errors take.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    class(mode_source), allocatable, intent(out) :: alone, loaded
+    result%can_grow = .not. allocated(scene%stiffening)
+    if (allocated(scene%rotation)) then
+      result%can_grow = result%can_grow .and. acts_in_plane(scene%rotation)
+      if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) &
+        call note_no_effect(result)
+      call note_strain(scene, result)
+    end if
+    if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), loaded)
+    if (allocated(scene%release)) then
+      call solve(.false., max(scene%modes%before, enough_for_errors(scene)), alone)
+    else
+      call solve(.false., max(scene%modes%before, 1), alone)
+    end if
+  contains
+    subroutine solve(carries_mass, count, source)
+      logical, intent(in) :: carries_mass
+      integer, intent(in) :: count
+      class(mode_source), allocatable, intent(out) :: source
+      type(galerkin_source), allocatable :: found
+      allocate (found)
+      call galerkin_source_of(operator_of(scene, result%units, carries_mass), count, found)
+      if (.not. found%solved%resolved) call note_unresolved(result)
+      call move_alloc(found, source)
+    end subroutine solve
+  end subroutine find_galerkin
+
+  pure integer function enough_for_errors(scene) result(count)
+    !! Modes that an estimate of what is not summed looks at; more are judged from the last of them.
+    type(scene_type), intent(in) :: scene
+    integer :: most
+    count = 0
+    if (.not. allocated(scene%response)) return
+    count = first_modes
+    if (.not. allocated(scene%release)) return
+    most = max(scene%modes%before, scene%modes%after)
+    count = max(count, most, min(most_to_tolerance(2), 2*most))
+  end function enough_for_errors
+
+  subroutine extend_modes(scene, units, source, extended)
+    !! Twice as many modes, if there may be more: closed forms know them all.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(mode_source), intent(inout) :: source    !! of beam and mass
+    logical, intent(out) :: extended
+    integer :: most
+    extended = .false.
+    most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
+    select type (source)
+    type is (galerkin_source)
+      extended = source%highest < most
+      if (.not. extended) return
+      call galerkin_source_of(operator_of(scene, units, .true.), min(2*source%highest, most), source)
+      if (allocated(scene%damping)) source%damping = law_of(scene%damping, units)
+    end select
+  end subroutine extend_modes
+
+  subroutine note_coupling(scene, result)
+    !! Rayleigh's damping is diagonal in modes of the elastic stiffness alone, which tension and rotation change.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    real(dp), parameter :: nothing = 1.0e-9_dp     ! rounding of modes that are orthogonal
+    real(dp) :: ratio
+    if (.not. allocated(scene%damping)) return
+    if (by_ratio(scene%damping)) return
+    select type (modes => result%modes)
+    type is (galerkin_set)
+      ratio = modes%coupling(law_of(scene%damping, result%units))
+      if (ratio > nothing) call add_note(result, 'coupled damping: Rayleigh''s damping couples these modes and is taken '// &
+        'without that: at most '//shortest(ratio, 2)//' of what it takes from the modes themselves')
+    end select
+  end subroutine note_coupling
+
+  subroutine note_no_effect(result)
+    type(case_result), intent(inout) :: result
+    call add_note(result, &
+      'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
+  end subroutine note_no_effect
+
+  subroutine note_strain(scene, result)
+    !! Where rotation strains the beam beyond what linear theory holds for.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    real(dp), parameter :: most = 0.1_dp
+    if (axial_strain(scene, result%units) <= most) return
+    call add_note(result, 'outside linear theory: omega l/h sqrt(I/A) is '// &
+      shortest(axial_strain(scene, result%units), 3)//', above 0.1: rotation strains the beam by more than half a per cent')
+  end subroutine note_strain
+
+  subroutine note_unresolved(result)
+    type(case_result), intent(inout) :: result
+    result%status = case_not_converged
+    call add_note(result, 'not converged: the basis does not resolve the modes; their numbers cannot be trusted')
+  end subroutine note_unresolved
 
   pure function first_numbers(count) result(number)
     integer, intent(in) :: count

@@ -1,6 +1,7 @@
 module bw_histories
   !! The histories of a case: from the modes that a scene counts, or from as many as its tolerance takes.
   use bw_kinds, only: dp
+  use bw_case_modes, only: extend_modes, first_modes
   use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
   use bw_course_histories, only: last_sample, sum_courses
   use bw_continuum, only: continuum_velocity
@@ -22,7 +23,6 @@ module bw_histories
   private
   public :: respond, plan_count
 
-  integer, parameter :: first_modes = 64     !! enough to know the peak of the motion
   integer, parameter :: previewed = 1000     !! samples that show the peak well enough to plan with
   real(dp), parameter :: sum_share = 0.01_dp !! of a tolerance that the sum of the modes may take
   real(dp), parameter :: loosest = 1.0e-4_dp !! tolerance of a sum, over its own peak
@@ -33,7 +33,7 @@ contains
     !! Histories from the state after each event to the next, and how far they may be from those of infinitely many modes.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
-    class(mode_source), intent(in), optional :: source       !! modes of beam and mass; absent: the mass is not captured
+    class(mode_source), intent(inout), optional :: source    !! modes of beam and mass; absent: the mass is not captured
     class(mode_source), intent(in) :: alone                  !! modes of the beam alone
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
@@ -130,7 +130,7 @@ contains
     !! The continuum's modes, the first of them to learn the peak, then as many as the tolerance takes. Where 10⁷ do not
     !! reach it the histories are fill.
     type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source
+    class(mode_source), intent(inout) :: source
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
@@ -141,7 +141,7 @@ contains
     if (reached > scene%modes%tolerance) then
       result%status = case_not_converged
       result%response%finite_samples = 0
-      call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, reached)//'; the histories are fill')
+      call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, source, reached)//'; the histories are fill')
     else
       if (scene%response%velocity) rest = 1.0_dp      ! their velocity is no smaller than that of the first
       error = result%response%sum_error
@@ -155,12 +155,13 @@ contains
   subroutine choose_count(scene, source, grid, result, reached, rest)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source
+    class(mode_source), intent(inout) :: source
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
     real(dp), intent(out), optional :: rest     !! what the modes after the first are estimated to add, over the peak; at most 1
     real(dp) :: peak, force, longest, scale, tail
+    logical :: extended
     longest = grid%samples*grid%step%hi
     scale = abs(result%approach_velocity)*result%units%time%hi
     result%mode_count = first_modes
@@ -174,25 +175,31 @@ contains
       tail = maxval(tail_error(first_modes, source, force, points, longest, grid%samples, .false.))
       peak = max(0.5_dp*peak, peak - tail)
       if (present(rest)) rest = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
-      call modes_for(scene%modes%tolerance*peak, first_modes, source, force, points, longest, grid%samples, &
-                     result%mode_count, reached)
+      do
+        call modes_for(scene%modes%tolerance*peak, first_modes, source, force, points, longest, grid%samples, &
+                       result%mode_count, reached)
+        if (reached <= scene%modes%tolerance*peak) exit
+        call extend_modes(scene, result%units, source, extended)
+        if (.not. extended) exit
+      end do
     end associate
     reached = reached/peak
   end subroutine choose_count
 
-  pure function out_of_reach(tolerance, reached) result(text)
+  pure function out_of_reach(tolerance, source, reached) result(text)
     real(dp), intent(in) :: tolerance
-    real(dp), intent(in) :: reached             !! relative error of `most_modes` modes
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: reached             !! relative error of the most modes
     character(:), allocatable :: text
-    text = shortest(tolerance, 6)//' cannot be reached with '//text_of(most_modes)//' modes; accepted: '// &
+    text = shortest(tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, source%highest))//' modes; accepted: '// &
       shortest(1.05_dp*reached, 2)//' or more'
   end function out_of_reach
 
   subroutine plan_count(scene, source, result, error)
     !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
-    !! **Errors**: `status_bad_input` where no more than 10⁷ modes would do.
+    !! **Errors**: `status_bad_input` where more modes than there may be would be needed.
     type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
-    class(mode_source), intent(in) :: source    !! modes of beam and mass
+    class(mode_source), intent(inout) :: source    !! modes of beam and mass
     type(case_result), intent(inout) :: result
     type(error_type), allocatable, intent(out) :: error
     type(silent_monitor) :: monitor
@@ -207,7 +214,7 @@ contains
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
-              out_of_reach(scene%modes%tolerance, reached))
+              out_of_reach(scene%modes%tolerance, source, reached))
   end subroutine plan_count
 
   subroutine add_some(scene, source, first, last, grid, tolerance, monitor, result)

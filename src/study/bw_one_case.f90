@@ -18,6 +18,7 @@ module bw_one_case
   use bw_monitor, only: monitor_type
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
   use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -173,7 +174,8 @@ contains
         if (allocated(result%courses)) first = first_of_last(scene, result)
         call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
                            scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &
-                           scene%beam%length, scene%spectrum%max_peaks, .true., result%measured)
+                           scene%beam%length, scene%spectrum%max_peaks, .not. changes_shapes(scene), &
+                           result%measured)
       end if
     end associate
     if (.not. allocated(result%measured)) return

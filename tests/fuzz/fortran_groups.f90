@@ -16,6 +16,8 @@ contains
     case ('scene'); call read_header(lines, both)
     case ('beam'); call read_beam(lines, both)
     case ('rotation'); call read_rotation(lines, both)
+    case ('stiffening'); call read_stiffening(lines, both)
+    case ('shear'); call read_shear(lines, both)
     case ('damping'); call read_damping(lines, both)
     case ('impact'); call read_impact(lines, both)
     case ('capture'); call read_capture(lines, both)
@@ -71,6 +73,28 @@ contains
     call both%same_text('plane', lower(plane))
   end subroutine read_rotation
 
+  subroutine read_stiffening(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: hub_radius
+    namelist /stiffening/ hub_radius
+    hub_radius = unset
+    read (lines, nml=stiffening, iostat=both%stat)
+    call both%same_real('hub_radius', hub_radius)
+  end subroutine read_stiffening
+
+  subroutine read_shear(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: poisson_ratio, shear_coefficient
+    namelist /shear/ poisson_ratio, shear_coefficient
+    poisson_ratio = unset
+    shear_coefficient = unset
+    read (lines, nml=shear, iostat=both%stat)
+    call both%same_real('poisson_ratio', poisson_ratio)
+    call both%same_real('shear_coefficient', shear_coefficient)
+  end subroutine read_shear
+
   subroutine read_damping(lines, both)
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
@@ -105,13 +129,13 @@ contains
   end subroutine read_impact
 
   subroutine read_capture(lines, both)
-    !! A group without names; a namelist needs one.
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
-    integer :: none
-    namelist /capture/ none
-    none = 0
+    real(dp) :: rotary_inertia
+    namelist /capture/ rotary_inertia
+    rotary_inertia = unset
     read (lines, nml=capture, iostat=both%stat)
+    call both%same_real('rotary_inertia', rotary_inertia)
   end subroutine read_capture
 
   subroutine read_release(lines, both)

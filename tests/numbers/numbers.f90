@@ -4,6 +4,7 @@ program numbers
   use, intrinsic :: iso_fortran_env, only: output_unit
   use capture_numbers, only: measure_capture, measure_integrals
   use dispersion_numbers, only: measure_dispersion
+  use galerkin_numbers, only: measure_galerkin
   use limit_numbers, only: measure_limits
   use number_table, only: table_type
   use orthogonality_numbers, only: measure_orthogonality
@@ -30,6 +31,7 @@ program numbers
   call measure_dispersion(table)
   call measure_units(table)
   call measure_limits(table)
+  call measure_galerkin(table)
   call measure_spectrum(table)
   call measure_zeros(table)
   call measure_extended_precision(table)

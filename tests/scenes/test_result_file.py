@@ -49,6 +49,7 @@ INPUTS = {
     "impact_mass_ratio": 0.2,
     "impact_approach_velocity": 1.0,
     "impact_restitution": 0.0,
+    "capture_rotary_inertia": 0.0,
     "impact_profile_points": 201,
     "modes_before": 12,
     "modes_after": 10,

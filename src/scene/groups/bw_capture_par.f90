@@ -1,26 +1,33 @@
 module bw_capture_par
   !! `&capture`: the mass stays at the tip after the impact.
-  use bw_input_name, only: input_group, input_name
+  use bw_input_name, only: input_group, input_name, not_negative, real_input
   use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
   implicit none (type, external)
   private
   public :: build_capture
 
   type, public :: capture_par
-    !! Nothing to say yet beyond being there.
+    real(dp) :: rotary_inertia = 0.0_dp   !! J of the body about the tip [kg m²], ≥ 0; 0 for a point mass
   end type capture_par
 
   type(input_group), parameter, public :: capture_group = input_group( &
     'capture', needs='impact', absent='the mass rebounds')
 
-  type(input_name), parameter, public :: capture_names(0) = [input_name ::]
+  type(input_name), parameter, public :: capture_names(*) = [ &
+    input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., &
+               meaning='inertia of the captured body against turning about the tip')]
 
 contains
 
   pure subroutine build_capture(groups, capture)
     type(group_values), intent(in) :: groups(:)
     type(capture_par), allocatable, intent(out) :: capture   !! unallocated where the group is absent
-    if (position_of(groups, 'capture') > 0) allocate (capture)
+    integer :: i
+    i = position_of(groups, 'capture')
+    if (i == 0) return
+    allocate (capture)
+    capture%rotary_inertia = groups(i)%number('rotary_inertia')
   end subroutine build_capture
 
 end module bw_capture_par

@@ -1,0 +1,169 @@
+module bw_strain_system
+  !! A beam with tension, shear, and mass and inertia at its tip, in a basis of strains.
+  !!
+  !! The unknowns are the coefficients x = (a, b) of the curvature κ = Σa_jp_j and, with shear, of the shear strain
+  !! Σb_jp_j. From the clamped end ψ = ∫κ, v' = ψ (+ shear strain), v = ∫v', so
+  !!
+  !! - the elastic stiffness is diagonal, 1 for curvatures and s⁻² for shear strains: no locking;
+  !! - mass is M = BᵀB, the rows of B being the coefficients of v and of rψ, and √γ v(1) and √J ψ(1): exact;
+  !! - the tension's part is exact too, T being quadratic.
+  !!
+  !! With the modes' equation A x = β²M x, S = A + σM is positive definite for the shift σ chosen here, even beyond a
+  !! critical speed. With S = LLᵀ the singular values of B L⁻ᵀ are (β² + σ)^(−½) and its left singular vectors hold the
+  !! coefficients of v and ψ: neither M nor v is ever a difference of large numbers, and all modes keep their digits.
+  use bw_kinds, only: dp
+  use bw_beam_operator, only: beam_operator
+  use bw_double_double, only: dd, operator(*)
+  use bw_strain_basis, only: integral, integral_transposed, times_quadratic
+  implicit none (type, external)
+  private
+  public :: build_system
+
+  real(dp), parameter :: weak_turning = 0.25_dp
+    !! (rΩ)² up to which the turning of the sections out of plane leaves A positive definite: π²/4 at most
+
+  type, public :: strain_system
+    integer :: functions = 0                    !! n, of each strain
+    real(dp), allocatable :: stiffness(:, :)    !! S, (unknowns, unknowns)
+    real(dp), allocatable :: mass_root(:, :)    !! B, (rows, unknowns): n + 2 for v, then what there is of ψ, γ and J
+    integer :: turn_row = 0                     !! where the n + 1 rows of rψ begin; 0: none
+    integer :: tip_row = 0                      !! the row √γ v(1); 0: none
+    integer :: inertia_row = 0                  !! the row √J ψ(1); 0: none
+    type(dd) :: shift                           !! σ
+  end type strain_system
+
+  type :: shift_weights
+    !! By how much the rows of B enter S beyond A's own part, beside the shift.
+    real(dp) :: deflection = 0.0_dp, turning = 0.0_dp, inertia = 0.0_dp
+  end type shift_weights
+
+contains
+
+  pure subroutine build_system(operator, functions, system)
+    type(beam_operator), intent(in) :: operator
+    integer, intent(in) :: functions                 !! n ≥ 3
+    type(strain_system), intent(out) :: system
+    type(shift_weights) :: weights
+    integer :: strains, rows, j
+    strains = merge(2, 1, allocated(operator%shear))
+    system%functions = functions
+    call place_rows(operator, system, rows)
+    call choose_shift(operator, system%shift, weights)
+    allocate (system%stiffness(strains*functions, strains*functions), source=0.0_dp)
+    allocate (system%mass_root(rows, strains*functions), source=0.0_dp)
+    do j = 1, strains*functions
+      call set_column(operator, weights, j, system)
+    end do
+  end subroutine build_system
+
+  pure subroutine place_rows(operator, system, rows)
+    type(beam_operator), intent(in) :: operator
+    type(strain_system), intent(inout) :: system
+    integer, intent(out) :: rows
+    rows = system%functions + 2
+    if (allocated(operator%shear)) then
+      system%turn_row = rows + 1
+      rows = rows + system%functions + 1
+    end if
+    if (operator%gamma > 0.0_dp) then
+      rows = rows + 1
+      system%tip_row = rows
+    end if
+    if (allocated(operator%tip_inertia)) then
+      rows = rows + 1
+      system%inertia_row = rows
+    end if
+  end subroutine place_rows
+
+  pure subroutine choose_shift(operator, shift, weights)
+    !! In plane A = K − Ω²(v's part of M): σ = Ω² leaves K and Ω² times the other parts. Out of plane A = K − Ω²(ψ's part).
+    type(beam_operator), intent(in) :: operator
+    type(dd), intent(out) :: shift
+    type(shift_weights), intent(out) :: weights
+    real(dp) :: square
+    if (.not. allocated(operator%omega)) return
+    square = operator%omega%hi**2
+    if (operator%in_plane) then
+      shift = operator%omega*operator%omega
+      weights = shift_weights(0.0_dp, square, square)
+    else if (allocated(operator%shear)) then
+      if (square*operator%shear%rotary <= weak_turning) then
+        weights = shift_weights(0.0_dp, -square, 0.0_dp)
+      else
+        shift = operator%omega*operator%omega
+        weights = shift_weights(square, 0.0_dp, square)
+      end if
+    end if
+  end subroutine choose_shift
+
+  pure subroutine set_column(operator, weights, j, system)
+    !! Column j of S and B: strain j alone.
+    type(beam_operator), intent(in) :: operator
+    type(shift_weights), intent(in) :: weights
+    integer, intent(in) :: j
+    type(strain_system), intent(inout) :: system
+    real(dp), dimension(system%functions + 1) :: psi, slope, force, moment
+    real(dp) :: v(system%functions + 2), stiffness
+    integer :: n
+    n = system%functions
+    call strain_motion(n, j, psi, slope)
+    v = integral(slope)
+    stiffness = 1.0_dp
+    force = weights%deflection*integral_transposed(v)
+    moment = 0.0_dp
+    if (allocated(operator%tension)) force = force + times_quadratic(operator%tension, slope)
+    system%mass_root(:n + 2, j) = v
+    if (allocated(operator%shear)) then
+      if (j > n) stiffness = 1.0_dp/operator%shear%compliance
+      moment = weights%turning*operator%shear%rotary*psi
+      system%mass_root(system%turn_row:system%turn_row + n, j) = sqrt(operator%shear%rotary)*psi
+      system%stiffness(n + 1:, j) = force(:n)
+    end if
+    system%stiffness(:n, j) = integral_transposed(force + moment)
+    system%stiffness(j, j) = system%stiffness(j, j) + stiffness
+    call set_tip(operator, weights, j, slope(1), system)
+  end subroutine set_column
+
+  pure subroutine strain_motion(n, j, psi, slope)
+    !! ψ and v' of strain j: a curvature, or beyond n a shear strain.
+    integer, intent(in) :: n, j
+    real(dp), intent(out) :: psi(:), slope(:)        !! (n + 1)
+    real(dp) :: strain(n)
+    strain = 0.0_dp
+    strain(merge(j, j - n, j <= n)) = 1.0_dp
+    psi = 0.0_dp
+    if (j <= n) psi = integral(strain)
+    slope = psi
+    if (j > n) slope(:n) = strain
+  end subroutine strain_motion
+
+  pure subroutine set_tip(operator, weights, j, tip, system)
+    !! The rows of mass and inertia: v(1) = ∫v' is the first coefficient of v', and ψ(1) that of κ.
+    type(beam_operator), intent(in) :: operator
+    type(shift_weights), intent(in) :: weights
+    integer, intent(in) :: j
+    real(dp), intent(in) :: tip                      !! v(1) of strain j
+    type(strain_system), intent(inout) :: system
+    real(dp) :: others(3)                            ! v(1) of the strains that move the tip
+    integer :: n
+    n = system%functions
+    if (system%tip_row > 0) then
+      system%mass_root(system%tip_row, j) = sqrt(operator%gamma)*tip
+      others = tip_weights()
+      system%stiffness(:2, j) = system%stiffness(:2, j) + weights%deflection*operator%gamma*tip*others(:2)
+      if (system%turn_row > 0) system%stiffness(n + 1, j) = system%stiffness(n + 1, j) &
+        + weights%deflection*operator%gamma*tip*others(3)
+    end if
+    if (system%inertia_row > 0 .and. j == 1) then
+      system%mass_root(system%inertia_row, 1) = sqrt(operator%tip_inertia)
+      system%stiffness(1, 1) = system%stiffness(1, 1) + weights%inertia*operator%tip_inertia
+    end if
+  end subroutine set_tip
+
+  pure function tip_weights() result(weights)
+    !! v(1) = ½a_0 − a_1√3/6 + b_0.
+    real(dp) :: weights(3)
+    weights = [0.5_dp, -sqrt(3.0_dp)/6.0_dp, 1.0_dp]
+  end function tip_weights
+
+end module bw_strain_system

@@ -1,0 +1,64 @@
+module bw_shear_par
+  !! `&shear`: the beam shears, and its sections have inertia against turning (Timoshenko).
+  use bw_input_name, only: input_group, input_name, number_range, positive, real_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  implicit none (type, external)
+  private
+  public :: build_shear, check_shear
+
+  type, public :: shear_par
+    real(dp) :: poisson_ratio = 0.3_dp      !! ν
+    real(dp) :: shear_coefficient = 0.0_dp  !! κ, given or Cowper's for a solid circle
+  end type shear_par
+
+  type(input_group), parameter, public :: shear_group = input_group( &
+    'shear', absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
+    rules='`shear_coefficient` is 6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter` (Cowper 1966), nu being '// &
+    '`poisson_ratio`; any other section needs its own.')
+
+  type(input_name), parameter, public :: shear_names(*) = [ &
+    input_name('shear', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
+               swept=.true., meaning='Poisson''s ratio, from which the shear modulus follows'), &
+    input_name('shear', 'shear_coefficient', real_input, '1', positive, swept=.true., &
+               meaning='part of the section that counts against shear')]
+
+contains
+
+  pure subroutine check_shear(groups, messages)
+    !! Cowper's coefficient is that of a circle.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    integer :: shear, beam
+    shear = position_of(groups, 'shear')
+    beam = position_of(groups, 'beam')
+    if (shear == 0 .or. beam == 0) return
+    if (groups(shear)%given('shear_coefficient') .or. groups(beam)%given('diameter')) return
+    if (.not. (groups(beam)%given('area') .or. groups(beam)%given('second_moment'))) return
+    call messages%add(0, 'shear%shear_coefficient', 'is missing: the section is given by area and second_moment, '// &
+                      'which do not tell its shape; accepted: a real, > 0')
+  end subroutine check_shear
+
+  pure subroutine build_shear(groups, shear)
+    type(group_values), intent(in) :: groups(:)
+    type(shear_par), allocatable, intent(out) :: shear   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'shear')
+    if (i == 0) return
+    allocate (shear)
+    shear%poisson_ratio = groups(i)%number('poisson_ratio')
+    if (groups(i)%given('shear_coefficient')) then
+      shear%shear_coefficient = groups(i)%number('shear_coefficient')
+    else
+      shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
+    end if
+  end subroutine build_shear
+
+  elemental real(dp) function circle_coefficient(nu) result(coefficient)
+    !! Of a solid circle: G. R. Cowper, J. Appl. Mech. 33 (1966) 335.
+    real(dp), intent(in) :: nu
+    coefficient = 6.0_dp*(1.0_dp + nu)/(7.0_dp + 6.0_dp*nu)
+  end function circle_coefficient
+
+end module bw_shear_par

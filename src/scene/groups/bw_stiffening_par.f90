@@ -1,0 +1,33 @@
+module bw_stiffening_par
+  !! `&stiffening`: the tension that the rotation brings into the beam.
+  use bw_input_name, only: input_group, input_name, not_negative, real_input
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: build_stiffening
+
+  type, public :: stiffening_par
+    real(dp) :: hub_radius = 0.0_dp   !! distance of the root from the axis [m], ≥ 0
+  end type stiffening_par
+
+  type(input_group), parameter, public :: stiffening_group = input_group( &
+    'stiffening', needs='rotation', absent='no tension: rotation leaves the stiffness of the beam as it is')
+
+  type(input_name), parameter, public :: stiffening_names(*) = [ &
+    input_name('stiffening', 'hub_radius', real_input, 'm', not_negative, '0', swept=.true., &
+               meaning='distance of the root from the axis of rotation')]
+
+contains
+
+  pure subroutine build_stiffening(groups, stiffening)
+    type(group_values), intent(in) :: groups(:)
+    type(stiffening_par), allocatable, intent(out) :: stiffening   !! unallocated where the group is absent
+    integer :: i
+    i = position_of(groups, 'stiffening')
+    if (i == 0) return
+    allocate (stiffening)
+    stiffening%hub_radius = groups(i)%number('hub_radius')
+  end subroutine build_stiffening
+
+end module bw_stiffening_par

@@ -1,0 +1,128 @@
+"""Stiffening, shear and the rotary inertia of a captured body: the effects that change the shapes of the modes."""
+
+import re
+
+import numpy as np
+import pytest
+from conftest import PROJECT
+from results import FILL
+
+BEAM = "&beam length=1, diameter=0.037, density=7870, youngs_modulus=2e11 /\n"
+STRUCK = "&impact mass_ratio=0.2 /\n&modes before=30, after=30 /\n"
+HISTORY = "&response duration=0.1, samples=1024, velocity=.true. /\n"
+EFFECTS = {
+    "stiffening": "&rotation angular_velocity=50 /\n&stiffening hub_radius=0.2 /\n&capture /\n",
+    "stiffening_out": "&rotation angular_velocity=50, plane='out' /\n&stiffening /\n&capture /\n",
+    "shear": "&shear /\n&capture /\n",
+    "shear_in_plane": "&rotation angular_velocity=50 /\n&shear /\n&capture /\n",
+    "body_inertia": "&rotation angular_velocity=50 /\n&capture rotary_inertia=1e-3 /\n",
+    "all": "&rotation angular_velocity=50 /\n&stiffening /\n&shear /\n&capture rotary_inertia=1e-3 /\n",
+}
+
+
+@pytest.fixture(scope="module")
+def effects(shared):
+    """Results of the scenes of input/effects/ by name, and the rows of their reports."""
+    place = shared("effects")
+    names = ["stiffening", "shear", "body_inertia"]
+    ended = place.beamwave("run", *(PROJECT / f"input/effects/{name}.nml" for name in names))
+    assert (ended.returncode, ended.stderr) == (0, "")
+    return {name: place.result(name) for name in names}
+
+
+def promised(name):
+    """The numbers in the two comment lines of a scene, as they stand there."""
+    lines = (PROJECT / f"input/effects/{name}.nml").read_text(encoding="utf-8").splitlines()[:2]
+    assert all(line.startswith("! ") for line in lines)
+    return re.findall(r"\d+(?:\.\d+)?", " ".join(lines))
+
+
+def test_the_scenes_of_the_effects_show_what_they_promise(effects):
+    beta = {name: np.asarray(result["angular_frequency"]) for name, result in effects.items()}
+    plain = 46.6304239974881 * np.array([1.6163996601559350880, 7.3183726733425058470, 29.138585642520606567]) ** 2
+    assert promised("stiffening") == ["50", "1", f"{beta['stiffening'][0]:.1f}", f"{plain[0]:.1f}",
+                                      f"{np.sqrt(plain[0]**2 - 50**2):.1f}", f"{plain[0]:.1f}"]
+    drop = 100 * (1 - beta["shear"][[0, 2, 9]] / plain)
+    assert promised("shear") == ["1", f"{drop[0]:.2f}", f"{beta['shear'][0]:.2f}", f"{plain[0]:.2f}", "3", f"{drop[1]:.1f}",
+                                 f"{beta['shear'][2]:.0f}", f"{plain[1]:.0f}", "10", f"{drop[2]:.0f}",
+                                 f"{beta['shear'][9]:.0f}", f"{plain[2]:.0f}"]
+    body = beta["body_inertia"]
+    lost = 1 - effects["body_inertia"]["energy_after"][1] / effects["body_inertia"]["energy_before"][1]
+    assert promised("body_inertia")[:-1] == ["1", f"{body[0]:.2f}", f"{plain[0]:.2f}", "10", f"{body[9]:.0f}",
+                                             f"{100 * (1 - body[9] / plain[2]):.0f}", f"{plain[2]:.0f}", f"{100 * lost:.2f}"]
+
+
+@pytest.mark.parametrize("name", EFFECTS)
+def test_momentum_is_kept_and_energy_never_grows(here, name):
+    here.write("scene.nml", BEAM + EFFECTS[name] + STRUCK + HISTORY)
+    ended = here.beamwave("run", "scene.nml")
+    assert ended.returncode == 0
+    result = here.result("scene")
+    assert result.attributes["method"] == "galerkin"
+    # sums of 30 products of size 1
+    np.testing.assert_allclose(result["momentum_after"], result["momentum_before"], rtol=1e-12)
+    assert (np.diff([*result["energy_before"], result["energy_after"][-1]]) < 0).all()
+    assert (result["displacement_error"] < FILL).all()
+    assert (result["velocity_error"] < FILL).all()
+
+
+@pytest.mark.parametrize("name", ["stiffening", "shear", "body_inertia"])
+def test_a_faint_effect_changes_nothing(here, name):
+    faint = {"stiffening": "&rotation angular_velocity=1e-7 /\n&stiffening /\n&capture /\n",
+             "shear": "&shear shear_coefficient=1e12, poisson_ratio=0 /\n&capture /\n",
+             "body_inertia": "&capture rotary_inertia=1e-17 /\n"}
+    beam = BEAM if name != "shear" else BEAM.replace("0.037", "1e-7")
+    duration = HISTORY if name != "shear" else HISTORY.replace("0.1", "1e5")
+    here.write("with.nml", beam + faint[name] + STRUCK + duration)
+    here.write("without.nml", beam + "&capture /\n" + STRUCK + duration)
+    assert here.beamwave("run", "with.nml", "without.nml").returncode == 0
+    changed, plain = here.result("with"), here.result("without")
+    assert (changed.attributes["method"], plain.attributes["method"]) == ("galerkin", "closed form")
+    for variable in ["alpha", "angular_frequency", "phase_velocity", "group_velocity", "modal_mass_before", "impulse"]:
+        np.testing.assert_allclose(changed[variable], plain[variable], rtol=1e-10)
+    # beta t is 4e4 at the end for mode 30, of frequencies that agree to 1e-13
+    peak = np.abs(plain["displacement"]).max()
+    np.testing.assert_allclose(changed["displacement"], plain["displacement"], rtol=0, atol=1e-8 * peak)
+
+
+def test_without_their_equations_wave_numbers_are_not_measured(here):
+    here.write("scene.nml", BEAM + EFFECTS["stiffening"] + STRUCK + HISTORY + "&spectrum /\n")
+    assert here.beamwave("run", "scene.nml").returncode == 0
+    result = here.result("scene")
+    assert result["peak_count"] > 3
+    for name in ["measured_wavenumber", "measured_phase_velocity", "measured_group_velocity"]:
+        assert (result[name] == FILL).all()
+
+
+REFUSED = {
+    "&stiffening /": "scene.nml:2: &stiffening: needs &rotation, which is absent",
+    "&shear /\n&modes before=501 /": "scene.nml:3: modes%before: is 501, more than the basis",
+    "&shear poisson_ratio=0.51 /": "scene.nml:2: shear%poisson_ratio: ",
+}
+
+
+@pytest.mark.parametrize("groups", REFUSED)
+def test_what_these_effects_cannot_mean_is_refused(here, groups):
+    here.write("scene.nml", BEAM + groups + "\n")
+    ended = here.beamwave("check", "scene.nml")
+    assert ended.returncode == 2
+    assert REFUSED[groups] in ended.stderr
+
+
+def test_a_section_without_shape_needs_a_shear_coefficient(here):
+    here.write("scene.nml", BEAM.replace("diameter=0.037", "area=1e-3, second_moment=1e-7") + "&shear /\n")
+    assert "shear%shear_coefficient: is missing" in here.beamwave("check", "scene.nml").stderr
+
+
+def test_rotation_beyond_linear_theory_is_noted(here):
+    here.write("scene.nml", BEAM + "&rotation angular_velocity=600 /\n&stiffening /\n")
+    ended = here.beamwave("run", "scene.nml")
+    assert ended.returncode == 0
+    assert "outside linear theory" in ended.stderr
+
+
+def test_rayleigh_damping_says_what_it_leaves_out(here):
+    here.write("scene.nml", BEAM + "&rotation angular_velocity=500 /\n&stiffening /\n&damping stiffness_proportional=1e-4 /\n")
+    ended = here.beamwave("run", "scene.nml")
+    assert ended.returncode == 0
+    assert "coupled damping" in ended.stderr
