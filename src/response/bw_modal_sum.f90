@@ -16,6 +16,18 @@ module bw_modal_sum
 
   integer, parameter :: chunk_blocks = 32     !! tuned: the product's right side stays in the cache
 
+  interface
+    pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+      !! BLAS: C = alpha·AB + beta·C
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: transa, transb
+      integer, intent(in) :: m, n, k, lda, ldb, ldc
+      real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
+      real(dp), intent(inout) :: c(ldc, *)
+    end subroutine dgemm
+  end interface
+
 contains
 
   subroutine add_stable_modes(beta_squared, q, q_dot, shapes, grid, monitor, displacement, velocity)
@@ -25,8 +37,8 @@ contains
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
-    real(dp), intent(inout) :: displacement(:, :)   !! (samples, points)
-    real(dp), intent(inout), optional :: velocity(:, :)
+    real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
+    real(dp), intent(inout), optional, contiguous :: velocity(:, :)
     type(dd) :: beta(size(q)), cycles(size(q))
     real(dp), dimension(block_length(grid%samples), 2*size(q)) :: turn, turn_rate
     real(dp), dimension(size(q), chunk_blocks) :: state, state_dot
@@ -95,15 +107,22 @@ contains
   end subroutine states_at_blocks
 
   pure subroutine add_product(left, right, first, history)
-    real(dp), intent(in) :: left(:, :), right(:, :)
+    !! The product's columns are the blocks one after another: all but a last one that is cut short are added in place.
+    real(dp), intent(in), contiguous :: left(:, :), right(:, :)
     integer, intent(in) :: first                  !! samples before the first of the product
-    real(dp), intent(inout) :: history(:)
-    real(dp) :: product(size(left, 1), size(right, 2))
-    integer :: length
-    product = matmul(left, right)
-    length = min(size(product), size(history) - first)
-    history(first + 1:first + length) = history(first + 1:first + length) &
-      + reshape(product, [length])
+    real(dp), intent(inout), contiguous :: history(:)
+    real(dp) :: last(size(left, 1))
+    integer :: columns, length, modes, rest
+    length = size(left, 1)
+    modes = size(left, 2)
+    columns = min(size(right, 2), (size(history) - first)/length)
+    if (columns > 0) call dgemm('N', 'N', length, columns, modes, 1.0_dp, left, length, right, modes, 1.0_dp, &
+                                history(first + 1:first + length*columns), length)
+    if (columns == size(right, 2)) return
+    last = 0.0_dp
+    call dgemm('N', 'N', length, 1, modes, 1.0_dp, left, length, right(:, columns + 1:), modes, 1.0_dp, last, length)
+    rest = size(history) - first - length*columns
+    history(size(history) - rest + 1:) = history(size(history) - rest + 1:) + last(:rest)
   end subroutine add_product
 
 end module bw_modal_sum
