@@ -9,7 +9,7 @@ module bw_modal_sum
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_monitor, only: monitor_type
   use bw_time_grid, only: time_grid
-  use bw_turn, only: phase_angles
+  use bw_turn, only: turns
   implicit none (type, external)
   private
   public :: add_stable_modes
@@ -41,23 +41,21 @@ contains
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
     type(dd) :: beta(size(q)), cycles(size(q))
     real(dp), dimension(block_length(grid%samples), 2*size(q)) :: turn, turn_rate
-    real(dp), dimension(size(q), chunk_blocks) :: state, state_dot
-    real(dp) :: right(2*size(q), chunk_blocks)
-    integer :: b, first, blocks, length, n, p
-    n = size(q)
+    real(dp), dimension(chunk_blocks, size(q)) :: state, state_dot
+    real(dp) :: right(chunk_blocks, 2*size(q))
+    integer :: first, blocks, length, p
     length = size(turn, 1)
-    if (n == 0) return
+    if (size(q) == 0) return
     beta = sqrt(beta_squared)
     cycles = beta*(grid%step/(dd_pi*2.0_dp))
     call turns_in_block(beta%hi, cycles, turn, turn_rate)
     do first = 0, grid%samples - 1, length*chunk_blocks
       blocks = min(chunk_blocks, (grid%samples - first + length - 1)/length)
-      call states_at_blocks([(first + b*length, b=0, blocks - 1)], beta%hi, cycles, q, q_dot, state, state_dot)
+      call states_at_blocks(first, length, beta%hi, cycles, q, q_dot, state(:blocks, :), state_dot(:blocks, :))
       do p = 1, size(shapes, 2)
-        right(:n, :blocks) = spread(shapes(:, p), 2, blocks)*state(:, :blocks)
-        right(n + 1:, :blocks) = spread(shapes(:, p), 2, blocks)*state_dot(:, :blocks)
-        call add_product(turn, right(:, :blocks), first, displacement(:, p))
-        if (present(velocity)) call add_product(turn_rate, right(:, :blocks), first, velocity(:, p))
+        call set_right(shapes(:, p), state(:blocks, :), state_dot(:blocks, :), right)
+        call add_product(turn, right, blocks, first, displacement(:, p))
+        if (present(velocity)) call add_product(turn_rate, right, blocks, first, velocity(:, p))
       end do
       call monitor%advance(real(first, dp)/grid%samples)
       if (monitor%stop_requested()) return
@@ -75,53 +73,64 @@ contains
     real(dp), intent(in) :: beta(:)
     type(dd), intent(in) :: cycles(:)
     real(dp), intent(out) :: turn(:, :), turn_rate(:, :)
-    real(dp), dimension(size(beta)) :: angle, c, s
-    integer :: j, n
+    real(dp), dimension(size(turn, 1)) :: c, s
+    integer :: k, n
     n = size(beta)
-    do j = 1, size(turn, 1)
-      angle = phase_angles(cycles, j - 1)
-      c = cos(angle)
-      s = sin(angle)
-      turn(j, :n) = c
-      turn(j, n + 1:) = s/beta
-      turn_rate(j, :n) = -beta*s
-      turn_rate(j, n + 1:) = c
+    do k = 1, n
+      call turns(cycles(k), 0, 1, c, s)
+      turn(:, k) = c
+      turn(:, n + k) = s/beta(k)
+      turn_rate(:, k) = -beta(k)*s
+      turn_rate(:, n + k) = c
     end do
   end subroutine turns_in_block
 
-  pure subroutine states_at_blocks(start, beta, cycles, q, q_dot, state, state_dot)
+  pure subroutine states_at_blocks(first, length, beta, cycles, q, q_dot, state, state_dot)
     !! Modal state at the first sample of each block.
-    integer, intent(in) :: start(:)         !! samples before each block
+    integer, intent(in) :: first, length    !! samples before the first block, and in each
     real(dp), intent(in) :: beta(:), q(:), q_dot(:)
     type(dd), intent(in) :: cycles(:)
-    real(dp), intent(out) :: state(:, :), state_dot(:, :)
-    real(dp), dimension(size(q)) :: angle, c, s
-    integer :: b
-    do b = 1, size(start)
-      angle = phase_angles(cycles, start(b))
-      c = cos(angle)
-      s = sin(angle)
-      state(:, b) = q*c + q_dot*(s/beta)
-      state_dot(:, b) = q_dot*c - beta*q*s
+    real(dp), intent(out) :: state(:, :), state_dot(:, :)   !! (blocks, modes)
+    real(dp), dimension(size(state, 1)) :: c, s
+    integer :: k
+    do k = 1, size(q)
+      call turns(cycles(k), first, length, c, s)
+      state(:, k) = q(k)*c + (q_dot(k)/beta(k))*s
+      state_dot(:, k) = q_dot(k)*c - (beta(k)*q(k))*s
     end do
   end subroutine states_at_blocks
 
-  pure subroutine add_product(left, right, first, history)
+  pure subroutine set_right(shape, state, state_dot, right)
+    !! The right side of the product for one point.
+    real(dp), intent(in) :: shape(:)
+    real(dp), intent(in) :: state(:, :), state_dot(:, :)
+    real(dp), intent(inout) :: right(:, :)
+    integer :: blocks, k, n
+    blocks = size(state, 1)
+    n = size(shape)
+    do k = 1, n
+      right(:blocks, k) = shape(k)*state(:, k)
+      right(:blocks, n + k) = shape(k)*state_dot(:, k)
+    end do
+  end subroutine set_right
+
+  pure subroutine add_product(left, right, blocks, first, history)
     !! The product's columns are the blocks one after another: all but a last one that is cut short are added in place.
-    real(dp), intent(in), contiguous :: left(:, :), right(:, :)
-    integer, intent(in) :: first                  !! samples before the first of the product
+    real(dp), intent(in), contiguous :: left(:, :)    !! (samples of a block, terms)
+    real(dp), intent(in), contiguous :: right(:, :)   !! (blocks and more, terms)
+    integer, intent(in) :: blocks
+    integer, intent(in) :: first                      !! samples before the first of the product
     real(dp), intent(inout), contiguous :: history(:)
     real(dp) :: last(size(left, 1))
-    integer :: columns, length, modes, rest
+    integer :: length, rest, terms, whole
     length = size(left, 1)
-    modes = size(left, 2)
-    columns = min(size(right, 2), (size(history) - first)/length)
-    if (columns > 0) call dgemm('N', 'N', length, columns, modes, 1.0_dp, left, length, right, modes, 1.0_dp, &
-                                history(first + 1:first + length*columns), length)
-    if (columns == size(right, 2)) return
-    last = 0.0_dp
-    call dgemm('N', 'N', length, 1, modes, 1.0_dp, left, length, right(:, columns + 1:), modes, 1.0_dp, last, length)
-    rest = size(history) - first - length*columns
+    terms = size(left, 2)
+    whole = min(blocks, (size(history) - first)/length)
+    if (whole > 0) call dgemm('N', 'T', length, whole, terms, 1.0_dp, left, length, right, size(right, 1), 1.0_dp, &
+                              history(first + 1:first + length*whole), length)
+    if (whole == blocks) return
+    last = matmul(left, right(blocks, :))
+    rest = size(history) - first - length*whole
     history(size(history) - rest + 1:) = history(size(history) - rest + 1:) + last(:rest)
   end subroutine add_product
 

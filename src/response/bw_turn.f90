@@ -5,7 +5,7 @@ module bw_turn
   use bw_double_double, only: dd, dd_pi, operator(*)
   implicit none (type, external)
   private
-  public :: phase_angles, turn_fractions
+  public :: phase_angles, turn_fractions, turns
 
 contains
 
@@ -32,5 +32,42 @@ contains
     phase = turn_fractions(cycles*real(sample, dp))
     angle = 2.0_dp*dd_pi%hi*(phase%hi + phase%lo)
   end function phase_angles
+
+  pure subroutine turns(cycles, first, step, cosine, sine)
+    !! cos and sin of 2π·cycles·(first + j·step), j = 0, 1, …: products of a few fine turns and a few coarse ones.
+    !! **Errors**: 3 units in the last place of 1.
+    type(dd), intent(in) :: cycles                   !! turns per sample
+    integer, intent(in) :: first, step               !! samples
+    real(dp), intent(out) :: cosine(0:), sine(0:)
+    real(dp), dimension(0:nint(sqrt(real(size(cosine), dp)))) :: angle, c, s
+    real(dp) :: far(1), cosine_far, sine_far
+    integer :: i, j, fine, last
+    fine = size(angle)
+    angle = angles_at(cycles, [(j*step, j=0, fine - 1)])
+    c = cos(angle)
+    s = sin(angle)
+    do i = 0, size(cosine) - 1, fine
+      far = angles_at(cycles, [first + i*step])
+      cosine_far = cos(far(1))
+      sine_far = sin(far(1))
+      last = min(i + fine, size(cosine)) - 1
+      cosine(i:last) = cosine_far*c(:last - i) - sine_far*s(:last - i)
+      sine(i:last) = sine_far*c(:last - i) + cosine_far*s(:last - i)
+    end do
+  end subroutine turns
+
+  pure function angles_at(cycles, sample) result(angle)
+    !! 2π·cycles·sample less whole turns, rad.
+    type(dd), intent(in) :: cycles
+    integer, intent(in) :: sample(:)
+    real(dp) :: angle(size(sample))
+    type(dd) :: phase(size(sample))
+    integer :: j
+    do j = 1, size(sample)
+      phase(j) = cycles*real(sample(j), dp)
+    end do
+    phase = turn_fractions(phase)
+    angle = 2.0_dp*dd_pi%hi*(phase%hi + phase%lo)
+  end function angles_at
 
 end module bw_turn
