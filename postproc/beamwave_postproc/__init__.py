@@ -1,5 +1,6 @@
 """Pictures of what a beamwave result holds: functions from xarray datasets to matplotlib figures."""
 
+from .effect_table import changes
 from .film import save_film
 from .history import displacement, velocity
 from .jump import velocity_jump
@@ -16,6 +17,7 @@ __all__ = [
     "KINDS",
     "NotAResult",
     "NothingToDraw",
+    "changes",
     "dispersion",
     "displacement",
     "group_velocity",

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
+from .labels import flag_words
 from .style import GREY
 
 
@@ -55,7 +56,7 @@ def events_of(case: xr.Dataset) -> list[Event]:
     """Return the events of one case in the order of the file; an event without an end in the record ends never."""
     if "event_time" not in case or "event_kind" not in case:
         return []
-    meanings = _meanings(case["event_kind"])
+    meanings = {value: word.replace("_", " ") for value, word in flag_words(case["event_kind"]).items()}
     times, kinds = case["event_time"].values, case["event_kind"].values
     ends = case["event_end"].fillna(np.inf).values if "event_end" in case else times
     impulses = case["event_impulse"].fillna(0.0).values if "event_impulse" in case else np.zeros(times.size)
@@ -64,10 +65,3 @@ def events_of(case: xr.Dataset) -> list[Event]:
         for time, end, kind, impulse in zip(times, ends, kinds, impulses)
         if np.isfinite(time) and np.isfinite(kind)
     ]
-
-
-def _meanings(kind: xr.DataArray) -> dict[int, str]:
-    """CF flags of `event_kind`: value to word."""
-    words = str(kind.attrs.get("flag_meanings", "")).split()
-    values = np.atleast_1d(kind.attrs.get("flag_values", []))
-    return {int(value): word.replace("_", " ") for value, word in zip(values, words)}

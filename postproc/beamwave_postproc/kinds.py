@@ -7,7 +7,7 @@ from typing import Callable
 import xarray as xr
 from matplotlib.figure import Figure
 
-from . import history, jump, measured, prices, spectrum, sweep_map, waves
+from . import effect_table, history, jump, measured, prices, spectrum, sweep_map, waves
 from .result import NothingToDraw
 
 KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
@@ -20,6 +20,7 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "spectrum": spectrum.spectrum,
     **{f"measured_{name}": measured.measured_picture(name) for name in measured.QUANTITIES},
     "sweep_map": sweep_map.sweep_map,
+    "changes": effect_table.changes,
     "work_precision": prices.work_precision,
 }
 

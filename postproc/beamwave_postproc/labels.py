@@ -41,6 +41,12 @@ QUANTITIES = {
 PREFIXES = (("", 1.0), ("m", 1e3), ("µ", 1e6), ("n", 1e9), ("p", 1e12))
 
 
+def flag_words(variable: xr.DataArray) -> dict[int, str]:
+    """CF flags of a variable: value to word, as it stands in the file."""
+    words = str(variable.attrs.get("flag_meanings", "")).split()
+    return {int(value): word for value, word in zip(np.atleast_1d(variable.attrs.get("flag_values", [])), words)}
+
+
 def units_of(variable: xr.DataArray) -> str:
     """UDUNITS text of a variable's unit; '1' where it has none."""
     return str(variable.attrs.get("units", "1"))

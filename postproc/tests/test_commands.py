@@ -58,7 +58,7 @@ def test_a_file_is_drawn_beside_itself(modes_only, capsys):
 def test_a_full_result_gives_every_picture_but_the_map(full_result, tmp_path):
     assert cli.main([str(full_result), "--output", str(tmp_path / "new/pictures")]) == 0
     written = {path.name for path in (tmp_path / "new/pictures").glob("*.png")}
-    assert written == {f"struck_{kind}.png" for kind in KINDS if kind not in ("sweep_map", "work_precision")}
+    assert written == {f"struck_{kind}.png" for kind in KINDS if kind not in ("sweep_map", "work_precision", "changes")}
 
 
 def test_bad_files_are_named_and_good_ones_drawn(modes_only, text_file, tmp_path, capsys):

@@ -9,7 +9,7 @@ module bw_command_line
   public :: read_command_line, help_text
 
   type, public :: command_type
-    character(:), allocatable :: name             !! run, check, accuracy, describe, help, version
+    character(:), allocatable :: name             !! run, check, accuracy, effects, describe, help, version
     type(string), allocatable :: words(:)         !! paths of scenes, or the group to describe
     character(:), allocatable :: output           !! --output
     logical :: overwrite = .false.                !! --overwrite
@@ -33,7 +33,7 @@ contains
     command%name = command_name(argument(1))
     if (command%name == '') then
       call fail(error, status_bad_input, 'beamwave: '''//argument(1)// &
-                ''' is not a command; accepted: run, check, accuracy, describe, --help, --version')
+                ''' is not a command; accepted: run, check, accuracy, effects, describe, --help, --version')
       return
     end if
     i = 2
@@ -55,7 +55,7 @@ contains
     character(*), intent(in) :: word
     character(:), allocatable :: name
     select case (word)
-    case ('run', 'check', 'accuracy', 'describe'); name = word
+    case ('run', 'check', 'accuracy', 'effects', 'describe'); name = word
     case ('--help', '-h', 'help'); name = 'help'
     case ('--version', '-V', 'version'); name = 'version'
     case default; name = ''
@@ -132,8 +132,8 @@ contains
     character(*), intent(in) :: command, option
     select case (option)
     case ('--max-seconds'); takes = command == 'run'
-    case ('--output', '--overwrite'); takes = command == 'run' .or. command == 'accuracy'
-    case ('--quiet'); takes = command == 'run' .or. command == 'check' .or. command == 'accuracy'
+    case ('--output', '--overwrite'); takes = any(command == [character(8) :: 'run', 'accuracy', 'effects'])
+    case ('--quiet'); takes = any(command == [character(8) :: 'run', 'check', 'accuracy', 'effects'])
     case default; takes = .false.
     end select
   end function takes
@@ -143,7 +143,7 @@ contains
     character(:), allocatable :: text
     select case (command)
     case ('run'); text = '; accepted: --output DIR, --overwrite, --quiet, --max-seconds S'
-    case ('accuracy'); text = '; accepted: --output DIR, --overwrite, --quiet'
+    case ('accuracy', 'effects'); text = '; accepted: --output DIR, --overwrite, --quiet'
     case ('check'); text = '; accepted: --quiet'
     case default; text = ''
     end select
@@ -157,7 +157,7 @@ contains
     case ('run', 'check')
       if (size(command%words) == 0) call fail(error, status_bad_input, &
         'beamwave '//command%name//': a scene is missing; accepted: files, or directories of *.nml')
-    case ('accuracy')
+    case ('accuracy', 'effects')
       if (size(command%words) /= 1) call fail(error, status_bad_input, &
         'beamwave '//command%name//': accepted: one scene')
     case default
@@ -181,10 +181,11 @@ contains
       '  beamwave run PATH ...         run scenes; a directory stands for its *.nml'//nl// &
       '  beamwave check PATH ...       read and validate; say what would be simulated, how, and what it would take'//nl// &
       '  beamwave accuracy SCENE.nml   measure what accuracy costs on this scene'//nl// &
+      '  beamwave effects SCENE.nml    for each effect: on or off, what it changes, what it costs'//nl// &
       '  beamwave describe [GROUP]     every input name: type, unit, range, default, meaning'//nl// &
       '  beamwave --help | --version'//nl// &
       '  mpirun -n N beamwave-mpi run PATH ...   shares the cases of sweeps among N processes; the same words'//nl//nl// &
-      '  check takes --quiet; accuracy all of these but the last; run takes'//nl// &
+      '  check takes --quiet; accuracy and effects all of these but the last; run takes'//nl// &
       '    --output DIR       where results go (output)'//nl// &
       '    --overwrite        replace results of other scenes or versions'//nl// &
       '    --quiet            print warnings and errors only'//nl// &

@@ -6,7 +6,7 @@ module bw_main
   use bw_crew, only: crew_type
   use bw_error, only: error_type, status_bad_file, status_done
   use bw_process, only: leave, use_one_thread, watch_over_process
-  use bw_study_commands, only: accuracy_command
+  use bw_study_commands, only: study_command
   use bw_version_text, only: version_text
   implicit none (type, external)
   private
@@ -47,7 +47,7 @@ contains
     type(command_type), intent(in) :: command
     status = status_done
     select case (command%name)
-    case ('accuracy'); status = accuracy_command(command)
+    case ('accuracy', 'effects'); status = study_command(command)
     case ('check'); status = check_command(command)
     case ('describe'); status = describe_command(command)
     case ('version'); call print_report(version_text())

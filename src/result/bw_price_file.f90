@@ -3,8 +3,8 @@ module bw_price_file
   use bw_kinds, only: dp
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
-  use bw_price_list, only: by_counts, by_tolerances, digit_growth, digit_seconds, ladder_words, method_words, price_list, &
-    priced_stages, rung_words, work_slope
+  use bw_price_list, only: beyond_model, by_counts, by_tolerances, digit_growth, digit_seconds, ladder_words, method_words, &
+    price_list, priced_stages, rung_words, work_slope
   use bw_processor, only: processor_name
   use bw_stopwatch, only: stage_words
   use bw_study_file, only: study_file
@@ -95,6 +95,11 @@ contains
                           [list%converged_difference], error)
     call file%put_counts('converged_samples', '', 'number of samples at which that difference was taken', &
                          [list%checked_samples], error)
+    call file%put_numbers('model_error', '', '1', &
+                          'estimate of what the effects that are left out would change of the displacement, over the peak', &
+                          [maxval(list%model_errors)], error)
+    call file%put_counts('beyond_model', 'rung', '1 where the true error is smaller than that of the model', &
+                         merge(1, 0, beyond_model(list%rungs, maxval(list%model_errors))), error)
     call file%put_numbers('reachable_tolerance', '', '1', 'smallest tolerance in reach, where one that was tried is not', &
                           [list%reachable], error)
   end subroutine put_converged

@@ -2,10 +2,11 @@ module bw_price_list
   !! What accuracy costs on a scene: rungs of two ladders, one of tolerances, one of fixed counts of modes, each with its
   !! error and its seconds; and what can be read off them.
   use bw_kinds, only: dp
+  use bw_absent_effects, only: absent_words
   use bw_missing, only: is_missing, missing
   implicit none (type, external)
   private
-  public :: digit_seconds, digit_growth, work_slope, is_resolved
+  public :: beyond_model, digit_seconds, digit_growth, work_slope, is_resolved
 
   integer, parameter, public :: by_tolerances = 1, by_counts = 2, all_extended = 3
   character(*), parameter, public :: ladder_words(3) = [character(9) :: 'tolerance', 'counts', 'extended']   !! by number
@@ -41,6 +42,8 @@ module bw_price_list
     real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
     real(dp) :: converged_difference = missing !! largest difference from the direct sum over the peak; missing: not taken
     integer :: checked_samples = 0             !! samples at which it was taken
+    real(dp) :: model_errors(size(absent_words)) = 0.0_dp
+      !! what each effect that the scene leaves out would change, over the peak; estimates
     real(dp) :: reachable = missing            !! the smallest tolerance in reach; missing: all that were tried
   end type price_list
 
@@ -54,6 +57,14 @@ contains
     if (is_missing(rung%error) .or. rung%error == 0.0_dp) return
     is_resolved = rung%error > converged_error
   end function is_resolved
+
+  elemental logical function beyond_model(rung, model_error)
+    !! The rung's numbers are nearer to the model's answer than the model is to the beam.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: model_error       !! the largest of the list's
+    beyond_model = .false.
+    if (.not. is_missing(rung%error)) beyond_model = rung%error < model_error
+  end function beyond_model
 
   pure integer function next_rung(rungs, i)
     !! The next timed rung of the same ladder; 0 where there is none.

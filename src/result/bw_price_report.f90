@@ -1,10 +1,11 @@
 module bw_price_report
   !! The printed list of what accuracy costs.
   use bw_kinds, only: dp
+  use bw_absent_effects, only: absent_words
   use bw_columns, only: right
   use bw_missing, only: is_missing
-  use bw_price_list, only: all_extended, by_counts, by_tolerances, digit_growth, digit_seconds, method_words, price_list, &
-    priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
+  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, digit_growth, digit_seconds, method_words, &
+    price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
   use bw_processor, only: processor_name
   use bw_stopwatch, only: stage_words
   use bw_text, only: shortest, text_of
@@ -30,6 +31,7 @@ contains
     call report_ladder(list, all_extended, 'the finest of them with every root in extended precision', lines)
     call report_ladder(list, by_counts, 'before = after', lines)
     call report_slopes(list, lines)
+    call report_model(list, lines)
     text = lines%text()
   end function price_report
 
@@ -44,6 +46,26 @@ contains
     call lines%append_line('  At '//text_of(list%checked_samples)//' samples it is within '//small(list%converged_difference)// &
                            ' of a direct sum of the same modes in extended precision')
   end subroutine report_converged
+
+  subroutine report_model(list, lines)
+    !! Where the model's error is larger than the numerical one.
+    type(price_list), intent(in) :: list
+    type(text_builder), intent(inout) :: lines
+    integer :: largest, i
+    largest = maxloc(list%model_errors, dim=1)
+    if (list%model_errors(largest) == 0.0_dp) return
+    call lines%append_line('')
+    call lines%append_line('  The model: '//trim(absent_words(largest))//', which the scene leaves out, would change the '// &
+                           'displacement by about '//shortest(list%model_errors(largest), 2))
+    i = findloc(list%rungs%ladder == by_tolerances .and. beyond_model(list%rungs, list%model_errors(largest)), .true., &
+                dim=1)
+    if (i == 0) then
+      call lines%append_line('  times its peak (estimated). No tolerance has a true error as small as that.')
+    else
+      call lines%append_line('  times its peak (estimated). From tolerance '//shortest(list%rungs(i)%tolerance, 2)// &
+                             ' on the numerical error is smaller than the model''s.')
+    end if
+  end subroutine report_model
 
   subroutine report_ladder(list, ladder, title, lines)
     !! The rungs of one ladder, if it has any.

@@ -3,6 +3,7 @@ module bw_scene_summary
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
   use bw_damping_par, only: by_ratio
+  use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -46,6 +47,7 @@ contains
     call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
+    call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 

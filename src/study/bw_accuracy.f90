@@ -4,29 +4,24 @@ module bw_accuracy
   use bw_accuracy_ladder, only: ladder_of, leave_out_of_reach, scene_of_rung, take_errors, take_seconds
   use bw_case_result, only: case_done, case_result
   use bw_converged, only: converge, converged_run
-  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_not_trusted, status_stopped
-  use bw_existing_result, only: look_at_existing
+  use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
   use bw_missing, only: is_missing
+  use bw_model_error, only: model_errors
   use bw_monitor, only: part_monitor
   use bw_outcome, only: outcome_type
-  use bw_posix, only: make_directory
   use bw_price_file, only: put_prices
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long
   use bw_price_report, only: price_report
   use bw_progress, only: progress_type
-  use bw_report, only: notes_report
-  use bw_result_layout, only: layout_of
   use bw_scene, only: scene_type
-  use bw_scene_cases, only: case_count, case_scene
-  use bw_scene_summary, only: scene_heading, scene_summary
-  use bw_study_file, only: create_study, study_file
-  use bw_text, only: append, string, text_of
+  use bw_study_file, only: study_file
+  use bw_study_frame, only: begin_study, end_study, leave_study
+  use bw_text, only: append, string
   use bw_timed_runs, only: repeat_runs, run_once, timed_run
   implicit none (type, external)
   private
   public :: measure_accuracy
 
-  character(*), parameter :: study = 'accuracy'
   real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
   real(dp), parameter :: patience = 5.0_dp     !! s; finer rungs than one that takes longer are left out
   real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
@@ -55,23 +50,20 @@ contains
     type(scene_type) :: one
     logical :: whole
     call refuse(scene, error)
-    if (.not. allocated(error)) call case_scene(scene, 1_i8, one, error)
-    if (allocated(error)) return
-    outcome%file = directory//'/'//scene%name//'.accuracy.nc'
-    call look_at_existing(outcome%file, one, overwrite, outcome%was_there, error, study)
+    if (.not. allocated(error)) call begin_study('accuracy', scene, directory, overwrite, one, file, outcome, error)
     if (allocated(error) .or. outcome%was_there) return
-    call open_file(directory, outcome%file, one, file, error)
-    if (allocated(error)) return
     call progress%begin(scene%name, 1_i8, 0_i8)
     call measure(one, progress, state, whole, error)
     call progress%end()
-    if (allocated(error) .or. .not. whole) then
+    if (allocated(error)) then
       call file%discard()
-      if (.not. allocated(error)) call tell_stop(outcome)
-      return
+    else if (.not. whole) then
+      call leave_study(file, outcome)
+    else
+      if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
+      call put_prices(file, state%list, error)
+      call end_study(scene, one, price_report(state%list), state%notes, file, outcome, error)
     end if
-    if (size(scene%sweeps) > 0) call append(state%notes, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
-    call complete(one, file, state, outcome, error)
   end subroutine measure_accuracy
 
   subroutine refuse(scene, error)
@@ -87,19 +79,6 @@ contains
                 'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted)
     end if
   end subroutine refuse
-
-  subroutine open_file(directory, path, scene, file, error)
-    !! Before any work is done: a place that refuses the result refuses it now.
-    character(*), intent(in) :: directory, path
-    type(scene_type), intent(in) :: scene
-    type(study_file), intent(out) :: file
-    type(error_type), allocatable, intent(out) :: error
-    if (make_directory(directory)) then
-      call create_study(path, scene, study, file, error)
-    else
-      call fail(error, status_bad_file, directory//': the directory cannot be made')
-    end if
-  end subroutine open_file
 
   subroutine measure(scene, progress, state, whole, error)
     !! The converged run, the error of each rung, then all rungs in turn for their seconds.
@@ -124,7 +103,7 @@ contains
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)
     call repeat_runs(state%runs, budget, part, whole)
-    if (whole) call take_account(state)
+    if (whole) call take_account(scene, state)
   end subroutine measure
 
   subroutine run_rungs(progress, state, whole)
@@ -164,7 +143,8 @@ contains
     end do
   end subroutine leave_out
 
-  pure subroutine take_account(state)
+  pure subroutine take_account(scene, state)
+    type(scene_type), intent(in) :: scene
     type(study_state), intent(inout) :: state
     integer :: i
     do i = 1, size(state%runs)
@@ -177,6 +157,7 @@ contains
       list%converged_difference = converged%difference
       list%checked_samples = converged%checked_samples
       if (.not. converged%in_reach) list%reachable = converged%tolerance
+      list%model_errors = model_errors(scene, converged%result)
       do i = 1, size(converged%result%notes)
         call append(state%notes, converged%result%notes(i)%text)
       end do
@@ -185,37 +166,5 @@ contains
         call append(state%notes, 'estimate: a true error is above its estimate')
     end associate
   end subroutine take_account
-
-  subroutine complete(scene, file, state, outcome, error)
-    !! Write the file, and the report.
-    type(scene_type), intent(in) :: scene
-    type(study_file), intent(inout) :: file
-    type(study_state), intent(in) :: state
-    type(outcome_type), intent(inout) :: outcome
-    type(error_type), allocatable, intent(inout) :: error
-    character(*), parameter :: nl = new_line('a')
-    character(:), allocatable :: notes
-    integer :: i
-    notes = ''
-    outcome%warnings = ''
-    do i = 1, size(state%notes)
-      if (i > 1) notes = notes//nl
-      notes = notes//state%notes(i)%text
-      outcome%warnings = outcome%warnings//state%notes(i)%text//nl
-    end do
-    call put_prices(file, state%list, error)
-    call file%finish(notes, error)
-    if (allocated(error)) return
-    if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
-    outcome%report = scene_heading(scene)//scene_summary(scene, layout_of(scene))//price_report(state%list)//nl// &
-      notes_report(notes)//'  result     '//outcome%file//nl
-  end subroutine complete
-
-  pure subroutine tell_stop(outcome)
-    type(outcome_type), intent(inout) :: outcome
-    outcome%status = status_stopped
-    outcome%report = ''
-    outcome%warnings = outcome%file//': stopped; seconds cannot be taken up again, so the same command starts anew'//new_line('a')
-  end subroutine tell_stop
 
 end module bw_accuracy

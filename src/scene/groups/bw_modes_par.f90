@@ -23,7 +23,7 @@ module bw_modes_par
 
   integer, parameter, public :: shown_modes = 20      !! modes that a result holds where the sum has as many as it takes
   integer, parameter :: default_count = 20            !! where no history depends on it
-  real(dp), parameter :: default_tolerance = 1.0e-6_dp
+  real(dp), parameter, public :: default_tolerance = 1.0e-6_dp
   type(number_range), parameter :: counts = number_range(1.0_dp, 1e7_dp)
 
   type(input_group), parameter, public :: modes_group = input_group( &

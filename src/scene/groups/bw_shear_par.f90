@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear
+  public :: build_shear, check_shear, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -54,6 +54,11 @@ contains
       shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
     end if
   end subroutine build_shear
+
+  pure type(shear_par) function usual_shear() result(shear)
+    !! What a scene gets that names the group alone: a solid circle's.
+    shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
+  end function usual_shear
 
   elemental real(dp) function circle_coefficient(nu) result(coefficient)
     !! Of a solid circle: G. R. Cowper, J. Appl. Mech. 33 (1966) 335.

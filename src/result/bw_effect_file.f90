@@ -1,0 +1,89 @@
+module bw_effect_file
+  !! The variables of DIR/<scene>.effects.nc.
+  use bw_kinds, only: dp
+  use bw_effect_list, only: compared_modes, effect_list, effect_row, effect_words, state_words
+  use bw_error, only: error_type
+  use bw_missing, only: is_missing, missing
+  use bw_processor, only: processor_name
+  use bw_study_file, only: study_file
+  implicit none (type, external)
+  private
+  public :: put_effects
+
+  character(*), parameter :: by_mode = 'effect mode'
+
+contains
+
+  subroutine put_effects(file, list, error)
+    type(study_file), intent(in) :: file
+    type(effect_list), intent(in) :: list
+    type(error_type), allocatable, intent(inout) :: error
+    call file%put_text('machine', processor_name(), error)
+    call file%put_text('remarks', remarks_of(list%rows), error)
+    call file%put_axis('effect', size(list%rows), 'effect', error, effect_words)
+    call file%put_axis('mode', compared_modes, 'mode number k', error)
+    call file%put_flags('effect_state', 'effect', 'whether the scene has the effect', list%rows%state, state_words, error)
+    call file%put_counts('matters_from_mode', 'effect', &
+                         'first mode whose frequency the effect changes by more than the tolerance; 0 where none', &
+                         list%rows%matters_from, error)
+    call file%put_numbers('frequency_tolerance', '', '1', 'change of a frequency above which an effect matters', &
+                          [list%tolerance], error)
+    call put_modes(file, list%rows, error)
+    call put_costs(file, list%rows, error)
+  end subroutine put_effects
+
+  subroutine put_modes(file, rows, error)
+    !! Frequencies with and without, and what that changes.
+    type(study_file), intent(in) :: file
+    type(effect_row), intent(in) :: rows(:)
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    call file%put_numbers('angular_frequency_with', by_mode, 'rad s-1', 'angular frequency with the effect', &
+                          [(rows(i)%with%angular_frequency, i=1, size(rows))], error)
+    call file%put_numbers('angular_frequency_without', by_mode, 'rad s-1', 'angular frequency without the effect', &
+                          [(rows(i)%without%angular_frequency, i=1, size(rows))], error)
+    call file%put_numbers('frequency_change', by_mode, '1', 'relative change of the angular frequency by the effect', &
+                          [(rows(i)%frequency_change, i=1, size(rows))], error)
+    call file%put_numbers('phase_velocity_change', by_mode, '1', 'relative change of the phase velocity by the effect', &
+                          [(rows(i)%phase_velocity_change, i=1, size(rows))], error)
+    call file%put_numbers('group_velocity_change', by_mode, '1', 'relative change of the group velocity by the effect', &
+                          [(rows(i)%group_velocity_change, i=1, size(rows))], error)
+  end subroutine put_modes
+
+  subroutine put_costs(file, rows, error)
+    !! What the effect changes in the response, and what it costs.
+    type(study_file), intent(in) :: file
+    type(effect_row), intent(in) :: rows(:)
+    type(error_type), allocatable, intent(inout) :: error
+    call file%put_numbers('response_change', 'effect', '1', &
+                          'largest change of the displacement by the effect over the peak of the scene''s own', &
+                          rows%response_change, error)
+    call file%put_numbers('seconds_with', 'effect', 's', 'wall time of a case with the effect, median of the repeats', &
+                          rows%seconds_with, error)
+    call file%put_numbers('seconds_without', 'effect', 's', 'wall time of a case without the effect, median of the repeats', &
+                          rows%seconds_without, error)
+    call file%put_numbers('cost', 'effect', '1', 'wall time with the effect over that without it', &
+                          ratio(rows%seconds_with, rows%seconds_without), error)
+  end subroutine put_costs
+
+  elemental real(dp) function ratio(above, below)
+    real(dp), intent(in) :: above, below
+    ratio = missing
+    if (is_missing(above) .or. is_missing(below)) return
+    if (below > 0.0_dp) ratio = above/below
+  end function ratio
+
+  pure function remarks_of(rows) result(text)
+    !! One line for each effect that has a remark.
+    type(effect_row), intent(in) :: rows(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(rows)
+      if (rows(i)%remark == '') cycle
+      if (text /= '') text = text//new_line('a')
+      text = text//trim(effect_words(rows(i)%effect))//': '//rows(i)%remark
+    end do
+  end function remarks_of
+
+end module bw_effect_file

@@ -1,0 +1,86 @@
+"""What a scene does not name is not entered: instructions counted by valgrind."""
+
+import re
+from pathlib import Path
+
+import callgrind
+import pytest
+from workplace import captured_beam
+
+SOURCE = Path(__file__).parents[2] / "src"
+
+# Modules of each effect that the paper's scene lacks. The modules of src/effects that are here in neither table fail.
+ABSENT = {
+    "stiffening": ["bw_stiffening"],
+    "shear": ["bw_shear"],
+    "damping": ["bw_damping", "bw_damped_modes"],
+    "body inertia": ["bw_body_inertia"],
+    "release": ["bw_release", "bw_release_error"],
+    "recontact": ["bw_recontact", "bw_held_modes", "bw_signal"],
+    "Galerkin": ["bw_galerkin", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
+}
+COMMON = ["bw_beam_units", "bw_rotation", "bw_beam_operator", "bw_scene_operator"]
+HINT = ("__bw_absent_effects_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out
+EIGENSOLVER = re.compile(r"d((sy|sb|sp|st|pt|ge|gg|hs)\w*(ev|gv|eqr|edc|ebz|ein|emr|trd)\w*|gesdd|gesvd|bdsdc|bdsqr)_")
+
+
+@pytest.fixture(scope="module")
+def profile(shared):
+    """A run of the paper's scene."""
+    if callgrind.missing():
+        pytest.skip(callgrind.missing())
+    here = shared("counted")
+    scene = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 0.02, "samples": 256})
+    here.scene("paper", scene)
+    found = callgrind.entered(here, "run", "paper.nml")
+    if found is None:
+        pytest.skip("valgrind does not know an instruction of this build, which is tuned for its processor")
+    return found
+
+
+def modules_of(folder):
+    return {path.stem for path in (SOURCE / folder).glob("*.f90")}
+
+
+def callers_outside(profile, module):
+    """Who enters a module, itself and the hint apart."""
+    own = f"__{module}_MOD_"
+    outside = set()
+    for procedure in profile.procedures:
+        if procedure.startswith(own):
+            outside |= profile.callers.get(procedure, {"?"})
+    return {caller for caller in outside if not caller.startswith((own, *HINT))}
+
+
+def test_the_modules_of_effects_are_all_known_here():
+    known = {module for modules in ABSENT.values() for module in modules}
+    assert modules_of("effects") <= known | set(COMMON)
+    assert known <= modules_of("effects") | modules_of("modes") | modules_of("events") | modules_of("response")
+
+
+def test_a_run_is_seen_procedure_by_procedure(profile):
+    for module in ("bw_closed_form", "bw_rotation", "bw_impact", "bw_hint"):
+        assert any(procedure.startswith(f"__{module}_MOD_") for procedure in profile.procedures), module
+
+
+@pytest.mark.parametrize("effect", ABSENT)
+def test_an_absent_effect_is_not_entered(profile, effect):
+    for module in ABSENT[effect]:
+        assert not callers_outside(profile, module), module
+
+
+def test_no_eigensolver_and_no_svd_of_lapack_is_entered(profile):
+    assert not [procedure for procedure in profile.procedures if EIGENSOLVER.fullmatch(procedure)]
+
+
+def test_an_effect_that_is_there_is_seen(shared):
+    # else the tests above could not fail
+    if callgrind.missing():
+        pytest.skip(callgrind.missing())
+    here = shared("counted_shear")
+    here.scene("shear", captured_beam(modes={"before": 3, "after": 3}, shear={}))
+    found = callgrind.entered(here, "run", "shear.nml")
+    if found is None:
+        pytest.skip("valgrind does not know an instruction of this build, which is tuned for its processor")
+    assert callers_outside(found, "bw_shear") and callers_outside(found, "bw_strain_modes")
+    assert [procedure for procedure in found.procedures if EIGENSOLVER.fullmatch(procedure)]

@@ -1,0 +1,186 @@
+"""`beamwave effects`: what each effect changes, from runs with it and without it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import results
+import xarray as xr
+from workplace import captured_beam
+
+REFERENCES = Path(__file__).parents[1] / "reference/paper_effects.txt"
+WORDS = (
+    "rotation",
+    "rotation_with_tension",
+    "out_of_plane",
+    "stiffening",
+    "shear",
+    "damping",
+    "body_inertia",
+    "capture",
+    "release",
+    "recontact",
+)
+OFF, ON, NOT_COMBINED = 1, 2, 3
+PAPER = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 0.05, "samples": 512})
+
+
+@pytest.fixture(scope="module")
+def studied(shared):
+    """The paper's scene, studied."""
+    here = shared("effects")
+    here.scene("paper", PAPER)
+    ended = here.beamwave("effects", "paper.nml")
+    assert ended.returncode == 0, ended.stderr
+    with xr.open_dataset(here.directory / "output/paper.effects.nc") as ds:
+        return here, ended, ds.load()
+
+
+def row(ds, effect):
+    return ds.sel(effect=WORDS.index(effect) + 1)
+
+
+def test_the_file_opens_with_its_words_and_without_a_number_that_is_none(studied):
+    here, _, ds = studied
+    assert ds["effect"].attrs["flag_meanings"].split() == list(WORDS)
+    assert ds["effect_state"].attrs["flag_meanings"] == "off on not_combined"
+    assert ds.attrs["study"] == "effects" and ds.attrs["Conventions"] == "CF-1.11"
+    raw = results.read(here.directory / "output/paper.effects.nc")
+    for name, variable in raw.variables.items():
+        assert "units" in variable.attributes and "long_name" in variable.attributes, name
+        assert np.isfinite(variable.values).all(), name
+
+
+def test_what_is_on_off_and_impossible_is_told_apart(studied):
+    _, _, ds = studied
+    states = dict(zip(WORDS, ds["effect_state"].values))
+    assert {name for name, state in states.items() if state == ON} == {"rotation", "capture"}
+    assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
+    assert "recontact: excludes &capture" in ds.attrs["remarks"]
+    assert "shear: tried with poisson_ratio = 0.3" in ds.attrs["remarks"]
+    assert np.isnan(row(ds, "recontact")["frequency_change"]).all()
+
+
+def reference(**row):
+    """The one row of a table of 40 digits that has these values."""
+    lines = [line.split() for line in REFERENCES.read_text().splitlines() if not line.startswith("#")]
+    rows = [dict(zip(lines[0], map(float, line))) for line in lines[1:]]
+    (found,) = [line["angular_frequency"] for line in rows if row.items() <= line.items()]
+    return found
+
+
+def test_the_three_facts_of_the_paper_s_beam(studied):
+    """Rotation lowers mode 1 by 9 %, with its tension mode 1 rises by 2 %, shear takes 12 % off mode 10."""
+    _, _, ds = studied
+    turning = {"omega": 50.0, "tension": 0.0, "shear": 0.0}
+    facts = (
+        ("rotation", 1, turning, {**turning, "omega": 0.0}, -0.09),
+        ("rotation_with_tension", 1, {**turning, "tension": 1.0}, {**turning, "omega": 0.0}, 0.02),
+        ("shear", 10, {**turning, "shear": 1.0}, turning, -0.12),
+    )
+    for effect, mode, with_it, without, rough in facts:
+        there = row(ds, effect).sel(mode=mode)
+        expected = reference(k=mode, **with_it), reference(k=mode, **without)
+        # What the Galerkin basis promises, and closed forms keep.
+        assert float(there["angular_frequency_with"]) == pytest.approx(expected[0], rel=1e-10), effect
+        assert float(there["angular_frequency_without"]) == pytest.approx(expected[1], rel=1e-10), effect
+        change = float(there["frequency_change"])
+        assert change == pytest.approx(expected[0] / expected[1] - 1, abs=1e-9), effect
+        assert change == pytest.approx(rough, abs=0.005), effect
+
+
+def test_the_numbers_are_those_of_running_both_scenes(studied):
+    here, _, ds = studied
+    here.scene("with", PAPER)
+    here.scene("without", captured_beam(rotation=None, modes=PAPER["modes"], response=PAPER["response"]))
+    one, other = here.run("with"), here.run("without")
+    found = row(ds, "rotation")
+    for result, name in ((one, "angular_frequency_with"), (other, "angular_frequency_without")):
+        np.testing.assert_array_equal(found[name].values, result["angular_frequency"][:10])
+    difference = np.abs(one["displacement"] - other["displacement"]).max() / np.abs(one["displacement"]).max()
+    assert float(found["response_change"]) == pytest.approx(difference, rel=1e-12)  # a few roundings
+    for name in ("phase_velocity", "group_velocity"):
+        change = one[name][:10] / other[name][:10] - 1
+        np.testing.assert_allclose(found[f"{name}_change"], change, atol=1e-14)
+
+
+def test_an_effect_matters_from_the_first_mode_that_it_changes_by_more_than_the_tolerance(here):
+    here.scene("slow", captured_beam(rotation={"angular_velocity": 1.0}))
+    assert here.beamwave("effects", "slow.nml").returncode == 0
+    with xr.open_dataset(here.directory / "output/slow.effects.nc") as ds:
+        assert float(ds["frequency_tolerance"]) == 1e-6
+        rotation = row(ds, "rotation")
+        first = int(rotation["matters_from_mode"])
+        larger = np.abs(rotation["frequency_change"].values) > 1e-6
+    # 1 rad/s takes (1/121.8)²/2 = 3.4e-5 off mode 1, (1/849)²/2 = 7e-7 off mode 2.
+    assert first == 1 and larger.tolist() == [True] + 9 * [False]
+
+
+def test_counts_are_held_against_the_error_that_they_leave(studied):
+    here, _, ds = studied
+    run = here.run("paper")
+    left = np.max(run["displacement_error"]) / np.abs(run["displacement"]).max()
+    assert float(ds["frequency_tolerance"]) == pytest.approx(left, rel=1e-12)
+
+
+def test_the_report_holds_a_row_for_each_effect_and_the_time_it_costs(studied):
+    _, ended, ds = studied
+    for word in WORDS:
+        assert f"\n  {word.replace('_', ' ')} " in ended.stdout
+    assert "matters from mode 1 on" in ended.stdout and "excludes &capture" in ended.stdout
+    measured = ds["effect_state"] != NOT_COMBINED
+    assert (ds["seconds_with"][measured] > 0).all() and (ds["seconds_without"][measured] > 0).all()
+    np.testing.assert_allclose(ds["cost"], ds["seconds_with"] / ds["seconds_without"])
+
+
+def test_a_study_that_is_there_is_left_alone(studied):
+    here, _, _ = studied
+    again = here.beamwave("effects", "paper.nml")
+    assert again.returncode == 0 and "nothing to do" in again.stdout
+    here.scene("paper", captured_beam())
+    other = here.beamwave("effects", "paper.nml")
+    assert other.returncode == 3 and "--overwrite" in other.stderr
+
+
+def test_effects_that_are_on_are_taken_off(here):
+    scene = captured_beam(stiffening={}, shear={}, damping={"ratio": 0.02}, capture={"rotary_inertia": 1e-3})
+    scene = {**scene, "release": {"time": 0.01}, "response": {"duration": 0.02, "samples": 64}}
+    here.scene("all", scene)
+    assert here.beamwave("effects", "all.nml").returncode == 0
+    with xr.open_dataset(here.directory / "output/all.effects.nc") as ds:
+        states = dict(zip(WORDS, ds["effect_state"].values))
+        assert {name for name, state in states.items() if state == OFF} == {"out_of_plane"}
+        assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
+        # A ratio ζ takes ζ²/2 off the frequency of bending alone, more off that of mode 1, which rotation has lowered.
+        assert float(row(ds, "damping")["frequency_change"].sel(mode=5)) == pytest.approx(-2e-4, rel=0.1)
+        # A release changes no mode of beam and mass, and the motion after it.
+        assert (row(ds, "release")["frequency_change"] == 0).all() and float(row(ds, "release")["response_change"]) > 0
+
+
+def test_a_rebound_is_studied_beside_a_capture_and_contacts(here):
+    scene = captured_beam(capture=None, response={"duration": 0.01, "samples": 64})
+    here.scene("rebound", {**scene, "modes": {"before": 5}})
+    assert here.beamwave("effects", "rebound.nml").returncode == 0
+    with xr.open_dataset(here.directory / "output/rebound.effects.nc") as ds:
+        states = dict(zip(WORDS, ds["effect_state"].values))
+        assert states["capture"] == OFF and states["recontact"] == OFF
+        assert states["release"] == states["body_inertia"] == NOT_COMBINED
+        assert np.isnan(ds["frequency_change"].sel(mode=slice(6, 10))).all()
+
+
+def test_of_a_sweep_the_first_case_is_studied_and_that_is_said(here):
+    sweep = {"parameter": "rotation%angular_velocity", "values": [50.0, 10.0]}
+    here.scene("sweep", captured_beam(rotation={}), sweep)
+    ended = here.beamwave("effects", "sweep.nml")
+    assert ended.returncode == 0 and "the first of 2 cases" in ended.stdout
+    with xr.open_dataset(here.directory / "output/sweep.effects.nc") as ds:
+        assert float(ds["rotation_angular_velocity"]) == 50.0
+
+
+def test_wrong_words_are_refused(here):
+    here.scene("a", captured_beam())
+    assert here.beamwave("effects").returncode == 2
+    assert here.beamwave("effects", "a.nml", "a.nml").returncode == 2
+    assert here.beamwave("effects", "a.nml", "--max-seconds", "1").returncode == 2
+    assert here.beamwave("effects", "absent.nml").returncode == 3
+    assert here.left(".") == ["a.nml"]
