@@ -9,7 +9,7 @@ module bw_case_journal
   private
 
   integer(i8), parameter :: mark = 7311138210646680930_i8   !! 'beamwave' as a word: how every record begins
-  integer, parameter :: header_length = 5                   !! mark, case, numbers, length of the notes, parity
+  integer, parameter :: header_length = 5                   !! mark, case, numbers, length of the notes, parity of all but the mark
   integer, parameter :: word = 8                            !! bytes
 
   type, public :: journal_writer
@@ -71,8 +71,9 @@ contains
     associate (body => self%record(header_length + 1:header_length + words))
       body(:n) = transfer(numbers, body, n)
       body(n + 1:) = transfer(text//repeat(' ', word), body, words - n)
-      self%record(:header_length) = [mark, index, n, len(text, i8), iparity(body)]
+      self%record(:header_length) = [mark, index, n, len(text, i8), 0_i8]
     end associate
+    self%record(header_length) = iparity(self%record(2:header_length + words))
     done = write_words(self%descriptor, self%record(:header_length + words))
   end function put
 
@@ -143,8 +144,8 @@ contains
     read (self%unit, pos=self%position - word*(self%header(3) + size(text)), iostat=stat) numbers, text
     sound = stat == 0
     if (.not. sound) return
-    parity = ieor(iparity(transfer(numbers, parity, size(numbers))), iparity(text))
-    sound = parity == self%header(5)
+    parity = ieor(iparity(self%header(2:)), ieor(iparity(transfer(numbers, parity, size(numbers))), iparity(text)))
+    sound = parity == 0
     if (sound .and. size(text) > 0) call split(text_of_words(text, self%header(4)), notes)
   end function take
 
