@@ -1,0 +1,99 @@
+"""Every numeric name that sets no axis of the result can be swept; its cases are the scenes with those values."""
+
+import re
+
+import pytest
+from workplace import PAPER_BEAM, captured_beam, namelist
+
+SETS_AXES = {"response", "spectrum", "sweep"}  # groups, and one name beside them
+RESPONSE = {"duration": 0.02, "samples": 16, "points": [1.0]}
+SQUARE = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "area": 1e-3, "second_moment": 1e-7}
+REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
+CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
+SCENES = {  # a scene in which the name means something, and two values
+    "beam%length": (CAPTURE, [0.9, 1.1]),
+    "beam%density": (CAPTURE, [7000.0, 8000.0]),
+    "beam%youngs_modulus": (CAPTURE, [1e11, 2e11]),
+    "beam%diameter": (CAPTURE, [0.02, 0.03]),
+    "beam%area": ({**CAPTURE, "beam": SQUARE}, [1e-3, 2e-3]),
+    "beam%second_moment": ({**CAPTURE, "beam": SQUARE}, [1e-7, 2e-7]),
+    "rotation%angular_velocity": (CAPTURE, [0.0, 30.0]),
+    "stiffening%hub_radius": ({**CAPTURE, "stiffening": {}}, [0.0, 0.5]),
+    "shear%poisson_ratio": ({**CAPTURE, "shear": {}}, [0.25, 0.35]),
+    "shear%shear_coefficient": ({**CAPTURE, "shear": {}}, [0.8, 0.9]),
+    "damping%ratio": ({**CAPTURE, "damping": {"ratio": 0.1}}, [0.0, 0.02]),
+    "damping%mass_proportional": ({**CAPTURE, "damping": {"mass_proportional": 1.0}}, [0.0, 2.0]),
+    "damping%stiffness_proportional": ({**CAPTURE, "damping": {"mass_proportional": 1.0}}, [0.0, 1e-6]),
+    "impact%mass": ({**CAPTURE, "impact": {"mass": 1.0}}, [1.0, 2.0]),
+    "impact%mass_ratio": (CAPTURE, [0.1, 0.3]),
+    "impact%approach_velocity": (CAPTURE, [0.5, 2.0]),
+    "impact%restitution": (REBOUND, [0.0, 1.0]),
+    "capture%rotary_inertia": (CAPTURE, [0.0, 1e-3]),
+    "release%time": ({**CAPTURE, "release": {"time": 0.01}}, [0.005, 0.015]),
+    "recontact%max_contacts": ({**REBOUND, "recontact": {}}, [1, 3]),
+    "modes%before": (CAPTURE, [4, 9]),
+    "modes%after": (CAPTURE, [5, 7]),
+    "modes%tolerance": ({**CAPTURE, "modes": {}}, [1e-2, 1e-4]),
+}
+
+
+@pytest.fixture(scope="module")
+def described(shared):
+    """Every name of the program with its type."""
+    here = shared("described")
+    found = {}
+    for part in here.beamwave("describe").stdout.split("\n## &")[1:]:
+        group = re.match(r"\w+", part)[0]
+        for name, kind in re.findall(r"^\| `(\w+)`\s*\| (.*?)\s*\|", part, re.MULTILINE):
+            found[f"{group}%{name}"] = kind
+    return found
+
+
+def is_swept(name, kind):
+    return kind in {"real", "whole number"} and name.split("%")[0] not in SETS_AXES and name != "impact%profile_points"
+
+
+def with_value(scene, name, value):
+    group, key = name.split("%")
+    return {**scene, group: {**scene.get(group, {}), key: value}}
+
+
+def test_every_name_that_may_be_swept_has_a_scene_here(described):
+    assert {name for name, kind in described.items() if is_swept(name, kind)} == SCENES.keys()
+
+
+def test_a_sweep_over_any_name_is_its_cases(shared):
+    here = shared("names")
+    for number, (name, (scene, values)) in enumerate(SCENES.items()):
+        here.write(f"all/n{number}.nml", namelist(scene, {"parameter": name, "values": values}))
+        for case, value in enumerate(values):
+            here.write(f"all/n{number}_{case}.nml", namelist(with_value(scene, name, value)))
+    ended = here.beamwave("run", "all")
+    assert ended.returncode == 0, ended.stderr
+    for number, (name, (_, values)) in enumerate(SCENES.items()):
+        swept = here.result(f"n{number}")
+        assert swept[name.replace("%", "_")].tolist() == values
+        for case in range(len(values)):
+            alone = here.result(f"n{number}_{case}")
+            for variable, (_, numbers, _) in alone.variables.items():
+                there = swept[variable]
+                if "case" in swept.variables[variable].dimensions:
+                    there = there[case]
+                if there.shape == numbers.shape and variable != "stage_seconds":
+                    assert there.tobytes() == numbers.tobytes(), (name, variable)
+
+
+def test_other_names_are_refused_with_the_reason(described, here):
+    refused = {name: kind for name, kind in described.items() if not is_swept(name, kind) and name[:6] != "sweep%"}
+    assert len(refused) > 5
+    for name in refused:
+        group = name.split("%")[0]
+        extra = {} if group in {"response", *CAPTURE} else {group: {}}
+        here.write(f"all/{name.replace('%', '_')}.nml",
+                   namelist({**CAPTURE, **extra}, {"parameter": name, "values": [1, 2]}))
+    ended = here.beamwave("run", "all")
+    assert ended.returncode == 2
+    for name in refused:
+        said = [line for line in ended.stderr.splitlines() if line.startswith(f"all/{name.replace('%', '_')}.nml:")]
+        assert any("sweep%parameter" in line and "accepted" in line for line in said), (name, said)
+    assert not (here.directory / "output").exists()
