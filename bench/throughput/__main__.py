@@ -6,8 +6,6 @@ import argparse
 import json
 import multiprocessing
 import os
-import platform
-import re
 import statistics
 import subprocess
 import tempfile
@@ -18,12 +16,17 @@ from typing import Any, Callable
 import netCDF4
 import numpy as np
 
+from common.command import PROJECT
+from common.document import put_section
+from common.machine import describe
+
+from . import sweeps
 from .jobs import JOBS, Job
+from .section import FIRST, WAYS, section
 from .with_numpy import case, loop, pooled
 
-ROOT = Path(__file__).parents[2]
 DATA = Path(__file__).with_name("measured.json")
-WAYS = ["beamwave", "numpy loop", "pool of 2"]
+MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None  # no disk is measured
 ROUNDS, NUMPY_PART = 3, 10  # numpy does a part of the cases, spread over all of them
 AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
 
@@ -76,7 +79,7 @@ def measure(program: Path, small: bool) -> list[dict[str, Any]]:
         cases = 100 if small else job.cases
         part = job.grid(cases)[:: 1 if small else NUMPY_PART]
         seconds: dict[str, list[float]] = {way: [] for way in WAYS}
-        with tempfile.TemporaryDirectory(dir="/dev/shm" if Path("/dev/shm").is_dir() else None) as name:
+        with tempfile.TemporaryDirectory(dir=MEMORY) as name:
             directory = Path(name)
             for turn in range(1 if small else ROUNDS):
                 seconds["beamwave"].append(beamwave(program, job, cases, directory))
@@ -89,40 +92,34 @@ def measure(program: Path, small: bool) -> list[dict[str, Any]]:
     return rows
 
 
-def machine(program: Path) -> str:
-    names = re.findall(r"^model name\s*: (.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
-    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.split("\n")
-    return f"{names[0] if names else platform.machine()}; {version[0]}; numpy {np.__version__}"
-
-
-def table(measured: dict[str, Any]) -> str:
-    lines = [
-        f"{measured['machine']}, {measured['date']}",
-        "",
-        "| sweep over ω and γ | beamwave, cases/s | numpy loop | multiprocessing pool, per core | beamwave is faster by |",
-        "| --- | --- | --- | --- | --- |",
-    ]
-    for row in measured["rows"]:
-        rates = [1.0 / row[way] for way in WAYS]
-        times = f"{rates[0] / rates[1]:.1f}, {rates[0] / rates[2]:.1f}"
-        lines.append(f"| {row['what']} | {rates[0]:.0f} | {rates[1]:.0f} | {rates[2]:.0f} | {times} |")
-    return "\n".join(lines)
-
-
 def main() -> None:
     words = argparse.ArgumentParser(prog="bench/throughput.sh", description=__doc__)
     words.add_argument("--small", action="store_true", help="few cases: does everything run?")
-    words.add_argument("--redraw", action="store_true", help="the table of the data that is there")
-    words.add_argument("--beamwave", type=Path, default=ROOT / "build/bin/beamwave", help="the program")
+    words.add_argument("--redraw", action="store_true", help="the section of the data that is there")
+    words.add_argument("--only", choices=["rows", "ranks", "memory", "predictions"], help="measure one part; keep the others")
+    words.add_argument("--beamwave", type=Path, default=PROJECT / "build/bin/beamwave", help="the program")
     given = words.parse_args()
-    if given.redraw:
-        measured = json.loads(DATA.read_text())
-    else:
-        rows = measure(given.beamwave.resolve(), given.small)
-        measured = {"machine": machine(given.beamwave), "date": time.strftime("%Y-%m-%d"), "rows": rows}
-        if not given.small:
-            DATA.write_text(json.dumps(measured, indent=1, ensure_ascii=False) + "\n")
-    print(table(measured))
+    program = given.beamwave.resolve()
+    measured = json.loads(DATA.read_text(encoding="utf-8"))
+    if not given.redraw:
+        parts = [given.only] if given.only else ["rows", "ranks", "memory", "predictions"]
+        about = {**describe(program, ("numpy",)), "date": time.strftime("%Y-%m-%d")}
+        for part in parts:
+            measured[part] = {"about": about, "rows": part_of(part, program, given.small)}
+    if given.small:
+        print(section(measured))
+        return
+    DATA.write_text(json.dumps(measured, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    put_section(PROJECT / "docs/numbers.md", FIRST, section(measured))
+    print(section(measured))
+
+
+def part_of(part: str, program: Path, small: bool) -> list[dict[str, Any]]:
+    """Measure one part."""
+    if part == "rows":
+        return measure(program, small)
+    with tempfile.TemporaryDirectory(dir=MEMORY) as name:
+        return getattr(sweeps, part)(program, Path(name), small)
 
 
 if __name__ == "__main__":

@@ -71,3 +71,19 @@ def test_a_careful_sum_gains_digits_with_modes(small_run):
     _, measured, _ = small_run("peers")
     worse, better = (row["error"] for row in measured["rows"] if row["peer"] == "numpy, direct sum")
     assert better < worse / 5  # three times the modes; the tail falls with their square
+
+
+def test_the_section_of_throughput_holds_the_committed_numbers():
+    section = importlib.import_module("throughput.section")
+    document = importlib.import_module("common.document")
+    measured = json.loads((PROJECT / "bench/throughput/measured.json").read_text())
+    written = document.section(PROJECT / "docs/numbers.md", section.FIRST)
+    assert written == section.section(measured).strip(), "bench/throughput.sh --redraw writes it anew"
+
+
+def test_a_small_throughput_measures_every_part(program):
+    words = [sys.executable, "-m", "throughput", "--small", "--beamwave", program]
+    ended = subprocess.run(words, cwd=PROJECT / "bench", capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    for part in ["numpy loop", "very small cases", "`beamwave check` expects"]:
+        assert part in ended.stdout

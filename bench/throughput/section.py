@@ -1,0 +1,57 @@
+"""The section of docs/numbers.md."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from common.document import pairs, table
+
+FIRST = "<!-- throughput: bench/throughput.sh writes from here -->"
+WAYS = ["beamwave", "numpy loop", "pool of 2"]
+
+HEAD = """## Throughput of sweeps
+
+Made by `bench/throughput.sh` ([bench/](../bench/README.md) says how). Cases per second of a core, from CPU seconds, start-up and
+writing the result included; the pool's are those of each of its processes."""
+
+
+def section(measured: dict[str, Any]) -> str:
+    """All that was measured, each part with where."""
+    parts = [HEAD]
+    for name, draw in DRAWN.items():
+        if measured.get(name, {}).get("rows"):
+            parts += [draw(measured[name]["rows"]), pairs(measured[name]["about"])]
+    return "\n\n".join(parts)
+
+
+def rates(rows: list[dict[str, Any]]) -> str:
+    lines = [["sweep over ω and γ", "beamwave, cases/s", "numpy loop", "multiprocessing pool", "beamwave is faster by"]]
+    for row in rows:
+        speed = [1.0 / row[way] for way in WAYS]
+        lines.append([row["what"], *(f"{value:.0f}" for value in speed), f"{speed[0] / speed[1]:.1f}, {speed[0] / speed[2]:.1f}"])
+    return table(lines)
+
+
+def ranks(rows: list[dict[str, Any]]) -> str:
+    one = rows[0]["wall"]
+    lines = [["processes", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
+    for row in rows:
+        numbers = [row["ranks"], row["cases"], row["start_wall"], row["wall"], row["cpu"], f"{row['wall'] / one:.2f}"]
+        lines.append([str(number) for number in numbers])
+    return "Histories of 4096 samples in `beamwave-mpi`; start-up is what 20 cases take, and is taken off.\n\n" + table(lines)
+
+
+def memory(rows: list[dict[str, Any]]) -> str:
+    lines = [["cases", "CPU, s", "peak, MB"], *([str(row["cases"]), f"{row['cpu']:g}", f"{row['peak_mb']:g}"] for row in rows)]
+    return "Memory of a sweep of very small cases (one mode) against their number.\n\n" + table(lines)
+
+
+def predictions(rows: list[dict[str, Any]]) -> str:
+    lines = [["scene", "check says, s", "run took, s", "CPU, s", "says over took"]]
+    for row in rows:
+        numbers = [row["expected"], row["wall"], row["cpu"], float(f"{row['expected'] / row['wall']:.2g}")]
+        lines.append([row["scene"], *(f"{number:g}" for number in numbers)])
+    return "The wall time that `beamwave check` expects beside the run's, start-up included.\n\n" + table(lines)
+
+
+DRAWN = {"rows": rates, "ranks": ranks, "memory": memory, "predictions": predictions}
