@@ -24,21 +24,25 @@ class Event(NamedTuple):
 def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> None:
     """Draw a line at each `event_time` (s, times `factor`) of `cases`; in `words`, name each kind once."""
     named: set[str] = set()
+    room = -np.inf  # where the last word ends, in pixels
     for time, kinds in sorted(_kinds_by_time(cases).items()):
         axes.axvline(time * factor, color=GREY, linewidth=0.9, linestyle=(0, (1, 2)), zorder=0)
         name = ", ".join(kinds)
         if words and name not in named:
             named.add(name)
-            axes.annotate(
+            start = float(axes.get_xaxis_transform().transform((time * factor, 1.0))[0])
+            row = int(start < room)  # a word that would cover the one before it stands below it
+            word = axes.annotate(
                 name,
                 (time * factor, 1.0),
                 xycoords=axes.get_xaxis_transform(),
-                xytext=(3, -2),
+                xytext=(3, -2 - 11 * row),
                 textcoords="offset points",
                 va="top",
                 fontsize="small",
                 color="0.3",
             )
+            room = max(room, word.get_window_extent().x1)
 
 
 def _kinds_by_time(cases: list[xr.Dataset]) -> dict[float, list[str]]:

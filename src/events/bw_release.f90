@@ -3,7 +3,9 @@ module bw_release
   !! the beam alone by its projection with the beam's own weight ρA. The mass leaves with the velocity of the tip.
   !!
   !! Energies are those that a rotating frame keeps: kinetic and elastic, less ½ω² times the second moment of what
-  !! turns in the plane of the motion. What a projection on finitely many modes loses is never negative but by that part.
+  !! turns in the plane of the motion, and with tension the work against the centrifugal force along the beam. What a body
+  !! has of that leaves with it, and so does its spin. What a projection on finitely many modes loses is never negative but
+  !! by the part in the plane of rotation.
   use bw_course, only: beam_energy
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
@@ -28,14 +30,15 @@ contains
     real(dp), intent(in) :: q(:), rate(:)        !! their state
     class(mode_set), intent(in) :: free          !! modes of the beam alone
     real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
-    real(dp) :: tip_displacement, tip_velocity
+    real(dp) :: tip_displacement, tip_velocity, body(2)
     tip_displacement = dot_product(loaded%tip, q)
     tip_velocity = dot_product(loaded%tip, rate)
     allocate (release%q(free%count), release%rate(free%count))
     release%q = free%overlap_of_beam(loaded, q)/free%modal_mass
     release%rate = free%overlap_of_beam(loaded, rate)/free%modal_mass
-    release%energy_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, speed)
-    release%kinetic_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, 0.0_dp)
+    body = loaded%body_energy(q, rate)
+    release%energy_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, speed) + sum(body)
+    release%kinetic_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, 0.0_dp) + body(1)
     associate (event => release%event)
       event%kind = release_event
       event%energy_before = beam_energy(loaded, q, rate)

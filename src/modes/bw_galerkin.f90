@@ -8,24 +8,34 @@ module bw_galerkin
   use bw_double_double, only: dd, to_dd, operator(*), operator(-), operator(/)
   use bw_local_waves, only: find_waves
   use bw_mode_set, only: mode_set, mode_source
-  use bw_strain_basis, only: basis_values, tip_value
+  use bw_missing, only: missing
+  use bw_strain_basis, only: basis_values, integral, tip_value
   use bw_strain_modes, only: solve_strain_modes, strain_modes
   implicit none (type, external)
   private
   public :: galerkin_modes, galerkin_source_of
+
+  type :: tip_body
+    !! What the energy of the body at the tip takes, beside its mass.
+    real(dp) :: inertia = 0.0_dp                   !! J in m_i l²
+    real(dp) :: spin_squared = 0.0_dp              !! Ω² out of plane, where it acts on the turning; else 0
+    real(dp) :: pull = 0.0_dp                      !! T(1), tension that the body's mass brings
+    real(dp) :: compliance = 0.0_dp                !! s² of the beam
+  end type tip_body
 
   type, extends(mode_set), public :: galerkin_set
     !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
     real(dp), allocatable :: deflection(:, :)      !! coefficients of Φ, (functions, n)
     real(dp), allocatable :: turning(:, :)         !! coefficients of rψ; unallocated without shear, (functions, n)
     real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
-    logical :: resolved = .false.                  !! the basis could hold the modes
+    type(tip_body) :: body
   contains
     procedure :: shapes => galerkin_shapes
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => galerkin_elastic
     procedure :: coupling
+    procedure :: body_energy => energy_of_body
   end type galerkin_set
 
   type, extends(mode_source), public :: galerkin_source
@@ -47,10 +57,15 @@ contains
     type(strain_modes) :: modes
     integer :: rows
     call solve_strain_modes(operator, count, modes)
-    rows = modes%system%functions + 2
     set%count = count
     set%gamma = operator%gamma
+    set%body = body_of(operator)
     set%resolved = modes%resolved
+    if (.not. set%resolved) then
+      call leave_empty(set)
+      return
+    end if
+    rows = modes%system%functions + 2
     set%deflection = modes%motion(:rows, :)
     if (modes%system%turn_row > 0) &
       set%turning = modes%motion(modes%system%turn_row:modes%system%turn_row + rows - 2, :)
@@ -62,6 +77,25 @@ contains
     call find_waves(operator, set%beta_squared, set%alpha, set%phase_velocity, set%group_velocity)
     set%critical_speed = critical_speed_of(operator)
   end subroutine galerkin_modes
+
+  pure subroutine leave_empty(set)
+    !! A set whose modes could not be found: arrays of the right lengths, in which nothing moves.
+    type(galerkin_set), intent(inout) :: set
+    integer :: n
+    n = set%count
+    allocate (set%alpha(n), set%phase_velocity(n), set%group_velocity(n), source=missing)
+    allocate (set%modal_mass(n), source=1.0_dp)
+    allocate (set%tip(n), set%deflection(2, n), set%strain(2, n), source=0.0_dp)
+    allocate (set%beta_squared(n), source=dd())
+  end subroutine leave_empty
+
+  pure type(tip_body) function body_of(operator) result(body)
+    type(beam_operator), intent(in) :: operator
+    if (allocated(operator%tip_inertia)) body%inertia = operator%tip_inertia
+    if (allocated(operator%omega) .and. .not. operator%in_plane) body%spin_squared = operator%omega%hi**2
+    if (allocated(operator%tension)) body%pull = sum(operator%tension)
+    if (allocated(operator%shear)) body%compliance = operator%shear%compliance
+  end function body_of
 
   pure function tip_values(gamma, modes) result(tip)
     !! v(1) of modes of norm 1, from the row of the tip mass or from the coefficients, whichever is sharper.
@@ -86,6 +120,7 @@ contains
       scale = 1.0_dp/norm2(set%deflection(:, k))
       set%modal_mass(k) = scale**2
       if (mod(k, 2) == 0 .neqv. set%tip(k) > 0.0_dp) scale = -scale
+      if (scale < 0.0_dp) set%strain(:, k) = -set%strain(:, k)
       set%tip(k) = scale*set%tip(k)
       set%deflection(:, k) = scale*set%deflection(:, k)
       if (allocated(set%turning)) set%turning(:, k) = scale*set%turning(:, k)
@@ -159,6 +194,33 @@ contains
     end do
   end function coupling
 
+  pure function energy_of_body(self, q, rate) result(energy)
+    !! ½J(ψ̇² [− Ω²ψ²]) at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards.
+    class(galerkin_set), intent(in) :: self
+    real(dp), intent(in) :: q(:), rate(:)          !! (modes)
+    real(dp) :: energy(2)
+    real(dp) :: strain(size(self%strain, 1))
+    integer :: n
+    n = size(self%deflection, 1) - 2
+    strain = matmul(self%strain, sqrt(self%modal_mass)*q)
+    associate (body => self%body, tip_rate => dot_product(self%strain(1, :), sqrt(self%modal_mass)*rate))
+      energy(1) = 0.5_dp*body%inertia*tip_rate**2            ! ψ(1) is the first coefficient of the curvature
+      energy(2) = 0.5_dp*body%pull*slope_square(n, strain, body%compliance) &
+        - 0.5_dp*body%inertia*body%spin_squared*strain(1)**2
+    end associate
+  end function energy_of_body
+
+  pure real(dp) function slope_square(n, strain, compliance)
+    !! ∫v'² dξ, v' = ψ and the shear strain.
+    integer, intent(in) :: n                       !! functions of each strain
+    real(dp), intent(in) :: strain(:)              !! (n), or (2n) with shear
+    real(dp), intent(in) :: compliance             !! s²
+    real(dp) :: slope(n + 1)
+    slope = integral(strain(:n))
+    if (size(strain) > n) slope(:n) = slope(:n) + sqrt(compliance)*strain(n + 1:)
+    slope_square = sum(slope**2)
+  end function slope_square
+
   pure function products(onto, from, amplitude) result(sums)
     real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
     real(dp), intent(in) :: amplitude(:)
@@ -204,6 +266,7 @@ contains
       found%count = size(number)
       found%gamma = all%gamma
       found%resolved = all%resolved
+      found%body = all%body
       found%critical_speed = all%critical_speed
       found%alpha = all%alpha(number)
       found%beta_squared = all%beta_squared(number)

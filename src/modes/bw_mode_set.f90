@@ -21,12 +21,14 @@ module bw_mode_set
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
+    logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
     procedure(shapes_interface), deferred :: shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone
     procedure(elastic_interface), deferred :: elastic
     procedure :: damp
+    procedure :: body_energy => no_body_energy
   end type mode_set
 
   type, abstract, public :: mode_source
@@ -91,6 +93,16 @@ contains
     type(damping_law), intent(in), optional :: law      !! absent: they stay undamped
     if (present(law)) self%damping = law%rates(self%elastic())
   end subroutine damp
+
+  pure function no_body_energy(self, q, rate) result(energy)
+    !! Energy of what the tip carries, beside that of its mass moving with the deflection: kinetic, and potential. A point
+    !! mass has none where there is no tension.
+    class(mode_set), intent(in) :: self
+    real(dp), intent(in) :: q(:), rate(:)         !! state of the modes, (modes)
+    real(dp) :: energy(2)
+    energy = 0.0_dp
+    if (self%count + size(q) + size(rate) == 0) return     ! it depends on none of them
+  end function no_body_energy
 
   subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes)
     !! What a sum over modes asks of them, and no more: a source may find it for less than a whole set.

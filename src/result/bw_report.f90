@@ -21,6 +21,8 @@ contains
     type(case_result), intent(in) :: result
     character(:), allocatable :: text
     type(text_builder) :: lines
+    text = ''
+    if (result%mode_count == 0) return             ! a note says why
     call report_modes(result, lines)
     if (allocated(result%impact)) call report_impact(result, lines)
     if (allocated(result%response)) call report_histories(result, lines)
@@ -61,26 +63,40 @@ contains
     !! The jump, and the balance of every event.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after
     real(dp) :: state(3)
-    integer :: i
     state = [named_value(result, 'impulse'), named_value(result, 'mass_velocity'), named_value(result, 'tip_velocity')]
     call lines%append_line('')
     call lines%append_line('  Just after the impact: impulse '//shortest(state(1), 6)//' N s, mass '// &
                            shortest(state(2), 6)//' m/s, tip '//shortest(state(3), 6)//' m/s')
+    call report_events(result, lines)
+  end subroutine report_impact
+
+  subroutine report_events(result, lines)
+    !! The balance of every event, and their times where not all are at t = 0.
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time
+    integer, parameter :: width = 14
+    logical :: timed
+    integer :: i
+    time = named_value(result, 'event_time')
+    timed = any(time > 0.0_dp)
     call lines%append_line('')
-    call lines%append_line('  event      energy before    energy after  momentum before  momentum after')
-    call lines%append_line('                         J               J           kg m/s          kg m/s')
+    call lines%append_line('  event   '//repeat(right('time', width), merge(1, 0, timed))// &
+                           '   energy before    energy after  momentum before  momentum after')
+    call lines%append_line('          '//repeat(right('s', width), merge(1, 0, timed))// &
+                           '               J               J           kg m/s          kg m/s')
     energy_before = named_value(result, 'energy_before')
     energy_after = named_value(result, 'energy_after')
     momentum_before = named_value(result, 'momentum_before')
     momentum_after = named_value(result, 'momentum_after')
     do i = 1, size(result%events)
-      call lines%append_line('  '//event_words(result%events(i)%kind)//right(fixed(energy_before(i)), 16)// &
-                             right(fixed(energy_after(i)), 16)//right(fixed(momentum_before(i)), 17)// &
-                             right(fixed(momentum_after(i)), 16))
+      call lines%append('  '//event_words(result%events(i)%kind))
+      if (timed) call lines%append(right(shortest(time(i), 7), width))
+      call lines%append_line(right(fixed(energy_before(i)), 16)//right(fixed(energy_after(i)), 16)// &
+                             right(fixed(momentum_before(i)), 17)//right(fixed(momentum_after(i)), 16))
     end do
-  end subroutine report_impact
+  end subroutine report_events
 
   subroutine report_histories(result, lines)
     !! The largest displacement at each point, and how far it may be from the answer of infinitely many modes.

@@ -21,6 +21,11 @@ contains
     type(case_result), intent(in) :: result
     type(variable_row), intent(in) :: row
     real(dp), allocatable :: values(:)
+    if (result%mode_count == 0) then
+      ! nothing of the case was found
+      values = spread(missing, 1, merge(result%modes%count, 1, row%dimensions == 'mode'))
+      return
+    end if
     select case (row%dimensions)
     case ('mode')
       if (row%name == 'modal_velocity') then

@@ -2,7 +2,7 @@ module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
-  use bw_case_result, only: case_result, add_note, case_not_converged
+  use bw_case_result, only: case_result, add_note, case_done, case_not_converged
   use bw_closed_form, only: source_in_closed_form
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
@@ -130,15 +130,18 @@ contains
     type(beam_units), intent(in) :: units
     class(mode_source), intent(inout) :: source    !! of beam and mass
     logical, intent(out) :: extended
+    type(galerkin_source) :: more
     integer :: most
     extended = .false.
     most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
     select type (source)
     type is (galerkin_source)
-      extended = source%highest < most
+      if (source%highest >= most) return
+      call galerkin_source_of(operator_of(scene, units, .true.), min(2*source%highest, most), more)
+      extended = more%solved%resolved
       if (.not. extended) return
-      call galerkin_source_of(operator_of(scene, units, .true.), min(2*source%highest, most), source)
-      if (allocated(scene%damping)) source%damping = law_of(scene%damping, units)
+      if (allocated(scene%damping)) more%damping = law_of(scene%damping, units)
+      source = more
     end select
   end subroutine extend_modes
 
@@ -176,8 +179,9 @@ contains
 
   subroutine note_unresolved(result)
     type(case_result), intent(inout) :: result
+    if (result%status == case_done) call add_note(result, &
+      'not converged: the polynomials of the Galerkin basis do not resolve the modes; every number of the case is fill')
     result%status = case_not_converged
-    call add_note(result, 'not converged: the basis does not resolve the modes; their numbers cannot be trusted')
   end subroutine note_unresolved
 
   pure function first_numbers(count) result(number)

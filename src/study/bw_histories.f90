@@ -43,7 +43,11 @@ contains
     if (.not. allocated(scene%response)) return
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     allocate (result%response)
-    if (by_tolerance(scene%modes)) then
+    if (result%status /= case_done) then
+      call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
+      result%response%finite_samples = 0
+      call finish_histories(1.0_dp, result%response)
+    else if (by_tolerance(scene%modes)) then
       call sum_to_tolerance(scene, source, grid, monitor, result)
     else if (allocated(result%courses)) then
       call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)

@@ -104,7 +104,7 @@ contains
     unit = result%units%mass*result%approach_velocity**2
     call add_note(result, 'energy of the release: the mass leaves with '//shortest(release%kinetic_leaving*unit, 4)// &
                   ' J of motion ('//shortest(release%energy_leaving*unit, 4)//' J with what the centrifugal force '// &
-                  'takes off in the plane of rotation) of '//shortest(release%event%energy_before*unit, 4)// &
+                  'does) of '//shortest(release%event%energy_before*unit, 4)// &
                   ' J in all; the modes of the beam alone miss '//shortest(release%energy_lost*unit, 2)//' J')
   end subroutine note_release
 

@@ -44,10 +44,13 @@ contains
     result%units = units_of(scene%beam)
     call find_modes(scene, result, free, loaded, source, alone)
     call note_growth(result)
-    result%mode_count = result%modes%count
     call watch%lap(stage_modes)
-    call apply_events(scene, free, loaded, result)
-    call follow_events(scene, free, loaded, result)
+    allocate (result%events(0))
+    if (result%status == case_done) then
+      result%mode_count = result%modes%count
+      call apply_events(scene, free, loaded, result)
+      call follow_events(scene, free, loaded, result)
+    end if
     call watch%lap(stage_events)
     call respond(scene, free, loaded, source, alone, monitor, result, whole)
     if (.not. whole) return
@@ -67,7 +70,9 @@ contains
     class(mode_set), allocatable :: free, loaded
     class(mode_source), allocatable :: source, alone     ! of beam and mass, of the beam alone
     result%units = units_of(scene%beam)
+    count = 0
     call find_modes(scene, result, free, loaded, source, alone)
+    if (result%status /= case_done) return         ! the run says so
     result%approach_velocity = scene%impact%approach_velocity
     call plan_count(scene, source, result, error)
     count = result%mode_count

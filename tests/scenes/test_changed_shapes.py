@@ -121,8 +121,69 @@ def test_rotation_beyond_linear_theory_is_noted(here):
     assert "outside linear theory" in ended.stderr
 
 
-def test_rayleigh_damping_says_what_it_leaves_out(here):
-    here.write("scene.nml", BEAM + "&rotation angular_velocity=500 /\n&stiffening /\n&damping stiffness_proportional=1e-4 /\n")
+def ritz_damping(omega, gamma, inertia, mass_part, stiffness_part, count):
+    """Damping c_k of the modes, and the largest ratio of what couples two of them: dense matrices of the functions
+    xi^2 P_j(2 xi - 1), with tension where there is no `inertia` of the body."""
+    point, weight = np.polynomial.legendre.leggauss(60)
+    point, weight = np.append((point + 1) / 2, 1.0), np.append(weight / 2, 0.0)
+    functions = [np.polynomial.Polynomial([0, 0, 1]) * np.polynomial.Legendre.basis(j, [0, 1]).convert(
+        kind=np.polynomial.Polynomial) for j in range(18)]
+    value, slope, curvature = (np.array([f.deriv(d)(point) if d else f(point) for f in functions]) for d in range(3))
+    mass = (value * weight) @ value.T + gamma * np.outer(value[:, -1], value[:, -1])
+    elastic = (curvature * weight) @ curvature.T
+    operator = elastic - omega**2 * mass
+    if inertia:
+        mass = mass + inertia * np.outer(slope[:, -1], slope[:, -1])
+    else:
+        operator = operator + (slope * weight * omega**2 * ((1 - point**2) / 2 + gamma)) @ slope.T
+    root = np.linalg.inv(np.linalg.cholesky(mass))
+    modes = root.T @ np.linalg.eigh(root @ operator @ root.T)[1][:, :count]
+    damping = mass_part * np.eye(count) + stiffness_part * modes.T @ elastic @ modes
+    own = np.diag(damping)
+    return own, np.max(np.abs(damping - np.diag(own)) / np.sqrt(np.outer(own, own)))
+
+
+COUPLED = {"tension": ("&stiffening /\n&capture /\n", 0.0), "body": ("&capture rotary_inertia=0.05 /\n", 0.05)}
+
+
+@pytest.mark.parametrize("effect", COUPLED)
+def test_rayleigh_damping_is_the_diagonal_and_says_what_it_leaves_out(here, effect):
+    groups, inertia = COUPLED[effect]
+    h, mass = 0.037 / 4 * np.sqrt(2e11 / 7870), 7870 * np.pi / 4 * 0.037**2
+    here.write("scene.nml", BEAM + "&rotation angular_velocity=300 /\n" + groups + "&impact mass_ratio=0.2 /\n"
+               "&damping mass_proportional=1, stiffness_proportional=2e-5 /\n&modes before=6, after=6 /\n")
     ended = here.beamwave("run", "scene.nml")
     assert ended.returncode == 0
-    assert "coupled damping" in ended.stderr
+    rate, ratio = ritz_damping(300 / h, 0.2, inertia / mass, 1 / h, 2e-5 * h, 6)
+    swings = here.result("scene")["angular_frequency"] < FILL
+    assert swings.sum() >= 4
+    # 18 functions whose powers of xi lose some eight digits
+    np.testing.assert_allclose(here.result("scene")["growth_rate"][swings], -rate[swings] * h / 2, rtol=1e-6)
+    said = float(re.search(r"coupled damping: .* at most (\S+) of", ended.stderr).group(1))
+    assert said == pytest.approx(ratio, rel=0.06)  # two digits are printed
+    assert 0.01 < ratio < 1
+
+
+def test_damping_that_couples_nothing_says_nothing(here):
+    here.write("scene.nml", BEAM + "&shear /\n&damping stiffness_proportional=1e-6 /\n")
+    assert "coupled damping" not in here.beamwave("run", "scene.nml").stderr
+
+
+def test_modes_that_the_basis_cannot_hold_are_fill(here):
+    """At 1e9 rad/s bending is left to a layer of 7e-8 of the beam: no polynomials are enough, and no time is lost on them."""
+    here.write("scene.nml", BEAM + "&rotation angular_velocity=50 /\n&stiffening /\n&capture /\n" + STRUCK + HISTORY
+               + "&spectrum /\n&sweep parameter='rotation%angular_velocity', values=50, 1e9 /\n")
+    ended = here.beamwave("run", "scene.nml")
+    assert ended.returncode == 4
+    assert "not converged" in ended.stderr
+    result = here.result("scene")
+    np.testing.assert_array_equal(result["case_status"], [0, 2])
+    np.testing.assert_array_equal(result["mode_count"], [30, 0])
+    for name in ["alpha", "angular_frequency", "growth_rate", "modal_mass_before", "modal_velocity", "impulse", "event_time",
+                 "velocity_jump", "displacement", "velocity", "displacement_error", "amplitude"]:
+        assert (result[name][1] == FILL).all(), name
+        assert (result[name][0] < FILL).any(), name
+    # the other case is what it is alone
+    here.write("alone.nml", BEAM + "&rotation angular_velocity=50 /\n&stiffening /\n&capture /\n" + STRUCK + HISTORY)
+    assert here.beamwave("run", "alone.nml").returncode == 0
+    np.testing.assert_array_equal(here.result("alone")["displacement"], result["displacement"][0])

@@ -66,6 +66,30 @@ def test_generalised_momentum_is_kept_and_energy_lost_by_truncation_alone(here, 
     assert lost[2] < 1e-6
 
 
+LEAVING = {  # what else the body takes with it, and how fast the loss falls with the count
+    "tension": ({"stiffening": {"hub_radius": 0.2}}, 2.0),
+    "shear": ({"shear": {}}, 0.7),
+    "spin": ({"capture": {"rotary_inertia": 0.01}}, 0.7),
+    "all": ({"stiffening": {}, "shear": {}, "capture": {"rotary_inertia": 1e-3}}, 0.7),
+}
+
+
+@pytest.mark.parametrize("plane", ["in", "out"])
+@pytest.mark.parametrize("effect", LEAVING)
+def test_spin_and_the_work_against_tension_leave_with_the_body(here, effect, plane):
+    """Then nothing is lost but by truncation: as n^-3, or as n^-1 where the tip's moment or shear ends of a sudden."""
+    groups, power = LEAVING[effect]
+    lost = []
+    for count in [20, 80]:
+        modes = {"before": count, "after": 20}
+        here.scene("a", released_beam(modes=modes, rotation={"angular_velocity": 50.0, "plane": plane}, **groups))
+        result = here.run("a", "--overwrite")
+        np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-11)
+        np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-10)
+        lost.append(1 - result["energy_after"][2] / result["energy_before"][2])
+    assert 0 < lost[1] < lost[0] / 4**power
+
+
 def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
     here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
     kept = here.run("a")
