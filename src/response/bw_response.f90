@@ -33,6 +33,7 @@ module bw_response
     real(dp), allocatable :: velocity_error(:)      !! m/s, (points)
     real(dp) :: mode_seconds = 0.0_dp             !! wall time of finding the modes that were streamed
     real(dp) :: sum_error = 0.0_dp                !! of the sums of modes, as a part of the largest value at any point
+    integer :: transformed = 0                    !! modes that were summed by the transform
     integer :: finite_samples = 0                 !! samples before the first overflow; all where there is none
     integer :: failing_mode = 0                   !! the mode that overflows first; 0 where none does
   end type response_type
@@ -111,6 +112,7 @@ contains
     turns = turns_in_record(sqrt(max(0.0_dp, beta_squared%hi)), grid)
     choice = chosen_sum(count(turns), grid%samples, histories_of(response), sum_tolerance)
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
+    if (choice%transform) response%transformed = response%transformed + count(turns)
     if (.not. choice%transform) then
       call by_products(numbers_of(beta_squared%hi > 0.0_dp))
     else if (all(turns)) then

@@ -43,6 +43,7 @@ contains
     if (monitor%stop_requested()) return
     call transform_source(source, force, turning, last, points, grid, choice, monitor, response)
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
+    response%transformed = response%transformed + (last - turning + 1)
   end subroutine add_modes_of_source
 
   integer function first_turning(source, first, last, grid) result(k)

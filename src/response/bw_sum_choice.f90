@@ -9,7 +9,7 @@ module bw_sum_choice
   use bw_spreading_kernel, only: transform_error
   implicit none (type, external)
   private
-  public :: chosen_sum, error_of_sum, grid_for_width
+  public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
 
   type, public :: sum_choice
     logical :: transform = .false.    !! by the non-uniform transform
@@ -77,6 +77,19 @@ contains
       end if
     end do
   end function grid_for_width
+
+  pure real(dp) function sum_seconds(modes, samples, histories, tolerance) result(seconds)
+    !! What the chosen sum takes, by the model.
+    integer, intent(in) :: modes, samples, histories
+    real(dp), intent(in) :: tolerance
+    type(sum_choice) :: choice
+    choice = chosen_sum(modes, samples, histories, tolerance)
+    if (choice%transform) then
+      seconds = transform_seconds(modes, histories, choice%width, choice%half)
+    else
+      seconds = product_seconds(modes, samples, histories)
+    end if
+  end function sum_seconds
 
   pure real(dp) function product_seconds(modes, samples, histories) result(seconds)
     integer, intent(in) :: modes, samples, histories

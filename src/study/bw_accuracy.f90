@@ -23,7 +23,7 @@ module bw_accuracy
   public :: measure_accuracy
 
   real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
-  real(dp), parameter :: patience = 5.0_dp     !! s; finer rungs than one that takes longer are left out
+  real(dp), parameter :: patience = 5.0_dp     !! s; a rung that takes longer is run once, and finer ones are left out
   real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
 
   type :: study_state
@@ -77,6 +77,9 @@ contains
     else if (.not. allocated(scene%capture)) then
       call fail(error, status_bad_input, scene%file//': &capture: is absent: a rebound belongs to its truncation (its '// &
                 'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted)
+    else if (allocated(scene%release)) then
+      call fail(error, status_bad_input, scene%file//': &release: the velocity of the mass that leaves converges too '// &
+                'slowly for a converged answer'//accepted//' and without &release')
     end if
   end subroutine refuse
 
@@ -98,7 +101,7 @@ contains
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
-    call leave_out_of_reach(state%runs, state%list%rungs)
+    call leave_out_of_reach(state%converged%tolerance, state%runs, state%list%rungs)
     call run_rungs(progress, state, whole)
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)
@@ -126,7 +129,10 @@ contains
         if (.not. whole) return
         call take_errors(run%scene, result, state%converged, rung)
         run%is_timed = rung%status /= rung_out_of_reach
-        if (first%seconds%total() > patience) call leave_out(state, i)
+        if (first%seconds%total() <= patience) cycle
+        call leave_out(state, i)
+        if (run%is_timed) run = first            ! nor is it run again
+        run%is_timed = .false.
       end associate
     end do
   end subroutine run_rungs

@@ -9,10 +9,8 @@ module bw_accuracy_ladder
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
     rung_out_of_reach, rung_too_long, rung_type
   use bw_refined_count, only: refined_count
-  use bw_response, only: sum_tolerance
   use bw_scene, only: scene_type
   use bw_scene_variant, only: with_counts, with_tolerance
-  use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_timed_runs, only: timed_run
   implicit none (type, external)
   private
@@ -55,16 +53,20 @@ contains
     end if
   end function scene_of_rung
 
-  subroutine leave_out_of_reach(runs, rungs)
+  subroutine leave_out_of_reach(reachable, runs, rungs)
     !! Tolerances that the program refuses are not run.
+    real(dp), intent(in) :: reachable          !! the finest tolerance in reach
     type(timed_run), intent(inout) :: runs(:)
     type(rung_type), intent(inout) :: rungs(:)
     type(error_type), allocatable :: error
     integer :: i, count
     do i = 1, size(rungs)
       if (is_missing(rungs(i)%tolerance)) cycle
-      call plan_case(runs(i)%scene, count, error)
-      runs(i)%is_timed = .not. allocated(error)
+      runs(i)%is_timed = rungs(i)%tolerance >= reachable
+      if (runs(i)%is_timed .and. rungs(i)%ladder == all_extended) then
+        call plan_case(runs(i)%scene, count, error)
+        runs(i)%is_timed = .not. allocated(error)
+      end if
       if (.not. runs(i)%is_timed) rungs(i)%status = rung_out_of_reach
       if (runs(i)%is_timed .and. rungs(i)%ladder == all_extended .and. count > most_extended) then
         runs(i)%is_timed = .false.
@@ -83,7 +85,7 @@ contains
     if (result%status == case_not_converged) rung%status = rung_out_of_reach
     if (result%status == case_not_converged) return
     rung%refined_count = refined_count(scene, result%mode_count)
-    rung%method = method_of(scene, result%mode_count)
+    rung%method = merge(by_transform, by_products, result%response%transformed > 0)
     if (result%status == case_diverged) rung%status = rung_diverged
     rung%error = true_error(result, converged)
     if (.not. allocated(result%response%displacement_error)) return
@@ -104,15 +106,6 @@ contains
       error = maxval(abs(rung/converged%peak - fine/converged%peak))
     end associate
   end function true_error
-
-  pure integer function method_of(scene, count) result(method)
-    type(scene_type), intent(in) :: scene
-    integer, intent(in) :: count
-    type(sum_choice) :: choice
-    choice = chosen_sum(count, scene%response%samples, size(scene%response%points)*merge(2, 1, scene%response%velocity), &
-                        sum_tolerance)
-    method = merge(by_transform, by_products, choice%transform)
-  end function method_of
 
   pure subroutine take_seconds(run, rung)
     !! Medians and quartiles of the repeats.

@@ -16,6 +16,7 @@ module bw_converged
   use bw_one_case, only: plan_case, run_case
   use bw_result_layout, only: layout_of
   use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
   use bw_time_grid, only: time_grid, time_grid_of
@@ -28,7 +29,6 @@ module bw_converged
   integer, parameter, public :: most_extended = 500000    !! modes; extended precision for more would take longer than all the rungs
   integer, parameter :: batch = 4096            !! modes held at a time
   real(dp), parameter :: endless = huge(1.0_dp) !! a record that calls for extended precision in every root
-  integer, parameter :: halvings = 12           !! of the range of tolerances: to a hundredth of a decade
 
   type, public :: converged_run
     type(case_result) :: result
@@ -83,27 +83,14 @@ contains
     real(dp), intent(out) :: tolerance
     type(error_type), allocatable, intent(out) :: error
     real(dp), parameter :: coarsest = 0.5_dp
-    real(dp), parameter :: margin = 1.2_dp      ! a plan knows the peak from fewer samples than a run
-    real(dp) :: fine, middle
-    integer :: count, i
+    real(dp), parameter :: margin = 1.02_dp     ! what is reached is rounded elsewhere
+    real(dp) :: reached
+    integer :: count
     tolerance = converged_tolerance
-    call plan_case(with_tolerance(scene, tolerance), count, error)
-    if (.not. allocated(error)) return
-    tolerance = coarsest
-    call plan_case(with_tolerance(scene, tolerance), count, error)
-    if (allocated(error)) return
-    fine = converged_tolerance
-    do i = 1, halvings
-      middle = sqrt(fine*tolerance)
-      call plan_case(with_tolerance(scene, middle), count, error)
-      if (allocated(error)) then
-        fine = middle
-      else
-        tolerance = middle
-      end if
-    end do
-    if (allocated(error)) deallocate (error)
-    tolerance = margin*tolerance
+    call plan_case(with_tolerance(scene, tolerance), count, error, reached)
+    if (.not. allocated(error) .or. reached > coarsest) return
+    deallocate (error)
+    tolerance = margin*reached
   end subroutine find_reach
 
   subroutine check(scene, monitor, run, whole)
@@ -115,7 +102,7 @@ contains
     type(dd), allocatable :: direct(:, :)
     integer, allocatable :: sample(:)
     integer :: p
-    if (allocated(scene%damping) .or. allocated(scene%release)) return
+    if (allocated(scene%damping) .or. changes_shapes(scene)) return
     if (run%result%status /= case_done .or. run%result%mode_count > most_extended .or. run%peak == 0.0_dp) return
     sample = spread_samples(scene%response%samples)
     call sum_directly(scene, run%result%mode_count, sample, monitor, direct, whole)

@@ -10,7 +10,7 @@ module bw_one_case
   use bw_continuum, only: continuum_capture, continuum_impact, continuum_velocity
   use bw_error, only: error_type
   use bw_event, only: event_type
-  use bw_histories, only: plan_count, respond
+  use bw_histories, only: respond
   use bw_impact, only: strike
   use bw_later_events, only: follow_events
   use bw_measured, only: measure_waves
@@ -22,6 +22,7 @@ module bw_one_case
   use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
+  use bw_tolerance_sum, only: plan_count
   implicit none (type, external)
   private
   public :: run_case, plan_case
@@ -60,12 +61,13 @@ contains
     call watch%lap(stage_spectrum)
   end subroutine run_case
 
-  subroutine plan_case(scene, count, error)
+  subroutine plan_case(scene, count, error, reached)
     !! How many modes a scene with a tolerance will sum.
     !! **Errors**: `status_bad_input` where the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
+    real(dp), intent(out), optional :: reached     !! the estimated error over the peak
     type(case_result) :: result
     class(mode_set), allocatable :: free, loaded
     class(mode_source), allocatable :: source, alone     ! of beam and mass, of the beam alone
@@ -74,7 +76,7 @@ contains
     call find_modes(scene, result, free, loaded, source, alone)
     if (result%status /= case_done) return         ! the run says so
     result%approach_velocity = scene%impact%approach_velocity
-    call plan_count(scene, source, result, error)
+    call plan_count(scene, source, result, error, reached)
     count = result%mode_count
   end subroutine plan_case
 

@@ -9,6 +9,7 @@ module bw_refined_count
   use bw_root_list, only: root_values, solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
   implicit none (type, external)
   private
   public :: refined_count
@@ -24,11 +25,12 @@ contains
     type(beam_units) :: units
     type(dd), allocatable :: omega
     integer :: first, k
+    refined = 0
+    if (changes_shapes(scene)) return        ! modes without a closed form have no roots
     units = units_of(scene%beam)
     if (allocated(scene%rotation)) then
       if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, units)
     end if
-    refined = 0
     do first = 1, count, batch
       refined = refined + coarse_roots([(k, k=first, min(first + batch - 1, count))], scene%impact%mass_ratio, omega, &
                                        record_stretch(scene)*(scene%response%duration/units%time%hi))

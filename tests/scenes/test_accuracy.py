@@ -169,6 +169,7 @@ def test_a_result_of_a_run_is_not_taken_for_a_study(here):
 REFUSED = {
     "no history": (captured_beam(), "&response"),
     "a rebound": (captured_beam(capture=None, response={"duration": 0.05, "samples": 16}), "&capture"),
+    "a release": (captured_beam(release={"time": 0.02}, response={"duration": 0.05, "samples": 16}), "&release"),
     "no impact": (captured_beam(capture=None, impact=None), "&response"),
 }
 

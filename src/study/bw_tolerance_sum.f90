@@ -1,0 +1,180 @@
+module bw_tolerance_sum
+  !! A history within a tolerance: how many modes of the continuum it takes, and their sum.
+  use bw_kinds, only: dp
+  use bw_case_modes, only: extend_modes, first_modes
+  use bw_case_result, only: case_result, add_note, case_not_converged
+  use bw_double_double, only: operator(*)
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_mode_choice, only: modes_for, most_modes
+  use bw_mode_set, only: mode_source
+  use bw_input_values, only: position_of
+  use bw_monitor, only: monitor_type, part_monitor, silent_monitor
+  use bw_response, only: finish_histories, histories_of, response_type, start_histories, sum_tolerance
+  use bw_streamed_modes, only: add_modes_of_source
+  use bw_sum_choice, only: sum_seconds
+  use bw_scene, only: scene_type
+  use bw_text, only: shortest, text_of
+  use bw_time_grid, only: time_grid, time_grid_of
+  use bw_truncation, only: tail_error
+  implicit none (type, external)
+  private
+  public :: sum_to_tolerance, plan_count, force_of
+
+  integer, parameter :: previewed = 1000     !! samples that show the peak well enough to plan with it
+  real(dp), parameter :: sum_share = 0.01_dp !! of a tolerance that the sum of the modes may take
+  real(dp), parameter :: loosest = 1.0e-4_dp !! tolerance of a sum, over its own peak
+
+contains
+
+  subroutine sum_to_tolerance(scene, source, grid, monitor, result)
+    !! As many of the continuum's modes as the tolerance takes. Where 10⁷ do not reach it the histories are fill.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(inout) :: source
+    type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor
+    type(case_result), intent(inout) :: result
+    real(dp) :: reached, rest
+    call choose_count(scene, source, grid, result, reached, rest)
+    call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
+    if (reached > scene%modes%tolerance) then
+      result%status = case_not_converged
+      result%response%finite_samples = 0
+      call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, source, reached)//'; the histories are fill')
+    else
+      if (scene%response%velocity) rest = 1.0_dp      ! their velocity is no smaller than that of the first
+      call sum_in_parts(scene, source, grid, rest, monitor, result)
+    end if
+    call finish_histories(result%units%time%hi, result%response)
+  end subroutine sum_to_tolerance
+
+  subroutine sum_in_parts(scene, source, grid, rest, monitor, result)
+    !! All modes in one sum, or the first, which make the motion, apart from the many that add little and need fewer
+    !! digits: whichever is faster.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: rest                !! what the modes after the first add, over the peak
+    class(monitor_type), intent(inout) :: monitor
+    type(case_result), intent(inout) :: result
+    real(dp) :: coarse, error
+    integer :: histories
+    coarse = min(loosest, max(sum_tolerance, sum_share*scene%modes%tolerance/rest))
+    histories = histories_of(result%response)
+    associate (samples => grid%samples, count => result%mode_count)
+      if (sum_seconds(count, samples, histories, sum_tolerance) <= &
+          sum_seconds(first_modes, samples, histories, sum_tolerance) &
+          + sum_seconds(count - first_modes, samples, histories, coarse)) then
+        call add_some(scene, source, 1, count, grid, sum_tolerance, monitor, result)
+      else
+        call add_some(scene, source, 1, first_modes, grid, sum_tolerance, monitor, result)
+        error = result%response%sum_error
+        call add_some(scene, source, first_modes + 1, count, grid, coarse, monitor, result)
+        result%response%sum_error = error + rest*(result%response%sum_error - error)
+      end if
+    end associate
+  end subroutine sum_in_parts
+
+  subroutine choose_count(scene, source, grid, result, reached, rest)
+    !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(inout) :: source
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(inout) :: result
+    real(dp), intent(out) :: reached            !! the estimated error over the peak
+    real(dp), intent(out) :: rest               !! what the modes after the first are estimated to add, over the peak; at most 1
+    real(dp) :: peak, force, longest, tail
+    logical :: extended
+    longest = grid%samples*grid%step%hi
+    result%mode_count = first_modes
+    reached = 0.0_dp
+    rest = 1.0_dp
+    if (result%approach_velocity == 0.0_dp) return
+    call preview(scene, source, grid, result, peak)
+    if (peak == 0.0_dp) return
+    associate (points => scene%response%points)
+      force = force_of(scene)
+      tail = maxval(tail_error(first_modes, source, force, points, longest, grid%samples, .false.))
+      peak = max(0.5_dp*peak, peak - tail)
+      rest = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
+      do
+        call modes_for(scene%modes%tolerance*peak, first_modes, source, force, points, longest, grid%samples, &
+                       result%mode_count, reached)
+        if (reached <= scene%modes%tolerance*peak) exit
+        call extend_modes(scene, result%units, source, extended)
+        if (.not. extended) exit
+      end do
+    end associate
+    reached = reached/peak
+  end subroutine choose_count
+
+  subroutine preview(scene, source, grid, result, peak)
+    !! The largest displacement of the first modes, in l²/h times the approach velocity, at some of the samples; at all
+    !! of them where a mode grows, whose peak is at the end.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    real(dp), intent(out) :: peak
+    type(response_type) :: response
+    type(silent_monitor) :: monitor
+    type(time_grid) :: coarse
+    integer :: stride
+    stride = (grid%samples - 1)/previewed + 1
+    if (any(result%modes%beta_squared%hi <= 0.0_dp)) stride = 1
+    coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
+    call start_histories(coarse, size(scene%response%points), .false., response)
+    call add_modes_of_source(source, force_of(scene), 1, first_modes, scene%response%points, coarse, &
+                             result%units%time%hi, sum_tolerance, monitor, response)
+    peak = maxval(abs(response%displacement(:response%finite_samples, :)))
+  end subroutine preview
+
+  pure function out_of_reach(tolerance, source, reached) result(text)
+    real(dp), intent(in) :: tolerance
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: reached             !! relative error of the most modes
+    character(:), allocatable :: text
+    text = shortest(tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, source%highest))//' modes; accepted: '// &
+      shortest(1.05_dp*reached, 2)//' or more'
+  end function out_of_reach
+
+  subroutine plan_count(scene, source, result, error, estimate)
+    !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
+    !! **Errors**: `status_bad_input` where more modes than there may be would be needed.
+    type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
+    class(mode_source), intent(inout) :: source    !! modes of beam and mass
+    type(case_result), intent(inout) :: result
+    type(error_type), allocatable, intent(out) :: error
+    real(dp), intent(out), optional :: estimate    !! of the error over the peak
+    real(dp) :: reached, rest
+    integer :: line
+    call choose_count(scene, source, time_grid_of(scene%response%duration, scene%response%samples, result%units%time), &
+                      result, reached, rest)
+    if (present(estimate)) estimate = reached
+    if (reached <= scene%modes%tolerance) return
+    line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
+    call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
+              out_of_reach(scene%modes%tolerance, source, reached))
+  end subroutine plan_count
+
+  subroutine add_some(scene, source, first, last, grid, tolerance, monitor, result)
+    !! Modes `first` … `last` of the continuum.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source
+    integer, intent(in) :: first, last
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: tolerance           !! of the sum
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_result), intent(inout) :: result
+    type(part_monitor) :: part
+    part = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
+    call add_modes_of_source(source, force_of(scene)*(result%approach_velocity*result%units%time%hi), first, last, &
+                             scene%response%points, grid, result%units%time%hi, tolerance, part, result%response)
+  end subroutine add_some
+
+  pure real(dp) function force_of(scene)
+    !! Modal velocities of the continuum are this times Φ_k(1)/M_k and the approach velocity.
+    type(scene_type), intent(in) :: scene
+    force_of = (1.0_dp + scene%impact%restitution)*scene%impact%mass_ratio
+  end function force_of
+
+end module bw_tolerance_sum
