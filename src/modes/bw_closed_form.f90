@@ -4,11 +4,12 @@ module bw_closed_form
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
   use bw_far_terms, only: far_terms
   use bw_frequency_equation, only: highest_mode, root_type
+  use bw_kept_modes, only: chunk, kept_modes, kept_set, solve_shapes
   use bw_mode_set, only: mode_set, mode_source, terms_of_set
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refined_root
-  use bw_root_list, only: light_modes, near_modes, root_values, solve_roots
-  use bw_shape, only: shape_type, shapes_of, shape_values
+  use bw_root_list, only: light_modes, near_modes, root_values
+  use bw_shape, only: shape_type, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
@@ -25,12 +26,11 @@ module bw_closed_form
 
   type, extends(mode_source), public :: closed_form_source
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; absent: none
+    type(kept_modes), pointer :: kept => null()    !! what cases share; not associated: nothing is kept
   contains
     procedure :: find => find_in_closed_form
     procedure :: terms => terms_in_closed_form
   end type closed_form_source
-
-  integer, parameter :: chunk = 256                  !! tuned: modes whose arrays stay in the fastest cache
 
 contains
 
@@ -53,33 +53,59 @@ contains
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(closed_form_set), intent(out) :: modes
-    integer :: first, n
-    n = size(number)
+    type(dd) :: alpha(chunk)
+    integer :: first, last
+    call size_set(size(number), gamma, modes)
+    do first = 1, size(number), chunk
+      last = min(first + chunk - 1, size(number))
+      associate (shape => modes%shape(first:last), root => alpha(:last - first + 1))
+        call solve_shapes(number(first:last), gamma, shape)
+        root = root_values(shape%root)
+        call refine_roots(shape%root, root, omega, longest)
+        call set_some(first, last, root, omega, modes)
+      end associate
+    end do
+  end subroutine set_modes
+
+  pure subroutine set_kept_modes(kept, omega, longest, modes)
+    !! The same of modes whose shapes are known.
+    type(kept_set), intent(inout) :: kept
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    type(closed_form_set), intent(out) :: modes
+    type(dd) :: alpha(size(kept%shape))
+    integer :: first, last
+    call size_set(size(kept%shape), kept%gamma, modes)
+    modes%kept_as = kept%number
+    modes%shape = kept%shape
+    call kept%roots(omega, longest, alpha)
+    do first = 1, modes%count, chunk
+      last = min(first + chunk - 1, modes%count)
+      call set_some(first, last, alpha(first:last), omega, modes)
+    end do
+  end subroutine set_kept_modes
+
+  pure subroutine size_set(n, gamma, modes)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: gamma
+    type(closed_form_set), intent(inout) :: modes
     modes%count = n
     modes%gamma = gamma
     allocate (modes%shape(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
     allocate (modes%phase_velocity(n), modes%group_velocity(n))
-    do first = 1, n, chunk
-      call set_some(number, first, min(first + chunk - 1, n), omega, longest, modes)
-    end do
-  end subroutine set_modes
+  end subroutine size_set
 
-  pure subroutine set_some(number, first, last, omega, longest, modes)
-    !! Modes `first` … `last` of the set.
-    integer, intent(in) :: number(:), first, last
+  pure subroutine set_some(first, last, alpha, omega, modes)
+    !! Modes `first` … `last` of a set whose shapes are there.
+    integer, intent(in) :: first, last
+    type(dd), intent(in) :: alpha(:)
     type(dd), intent(in), optional :: omega
-    real(dp), intent(in), optional :: longest
     type(closed_form_set), intent(inout) :: modes
-    type(root_type) :: root(last - first + 1)
-    type(dd), dimension(last - first + 1) :: alpha, square
-    root = solve_roots(number(first:last), modes%gamma)
+    type(dd) :: square(last - first + 1)
     associate (shape => modes%shape(first:last), beta_squared => modes%beta_squared(first:last))
-      shape = shapes_of(root)
       modes%alpha(first:last) = shape%alpha
       modes%tip(first:last) = shape%tip
       modes%modal_mass(first:last) = shape%modal_mass
-      alpha = root_values(root)
-      call refine_roots(root, alpha, omega, longest)
       square = alpha*alpha
       if (present(omega)) then
         beta_squared = (square - omega)*(square + omega)   ! α⁴ − ω² without cancellation, Eq. 2
@@ -155,8 +181,17 @@ contains
     class(mode_set), allocatable, intent(out) :: modes
     real(dp), intent(in), optional :: longest
     type(closed_form_set), allocatable :: found
+    integer :: place
+    logical :: is_kept
     allocate (found)
-    call set_modes(number, self%gamma, self%omega, longest, found)
+    is_kept = .false.
+    if (associated(self%kept)) is_kept = self%kept%takes(number)
+    if (is_kept) then
+      call self%kept%place(size(number), self%gamma, place)
+      call set_kept_modes(self%kept%sets(place), self%omega, longest, found)
+    else
+      call set_modes(number, self%gamma, self%omega, longest, found)
+    end if
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_in_closed_form

@@ -8,9 +8,19 @@ module bw_half_spectrum
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: samples_of_half_spectra, next_fast_half
+  public :: next_fast_half
 
   include 'fftw3.f03'
+
+  type, public :: half_spectrum_plan
+    !! FFTW's plan for one length, made when it is first needed.
+    private
+    integer :: half = 0
+    type(c_ptr) :: plan = c_null_ptr
+  contains
+    procedure :: samples => samples_of_half_spectra
+    final :: destroy
+  end type half_spectrum_plan
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: block = 256            !! tuned: factors of one block stay in the fastest cache
@@ -33,26 +43,33 @@ contains
     end do
   end function next_fast_half
 
-  subroutine samples_of_half_spectra(half, spectra)
+  subroutine samples_of_half_spectra(self, half, spectra)
     !! In: G_m, m = 0 … M/2, real and imaginary parts in turn. Out: x_j = Re(G_0) + 2 Re Σ_{0<m<M/2} G_m e^(2πi jm/M)
     !! + (−1)^j Re(G_{M/2}), j = 0 … M − 1, and two numbers without meaning.
     !! Planned with FFTW_ESTIMATE: measured plans differ from run to run, and so would the last bits.
+    class(half_spectrum_plan), intent(inout) :: self
     integer, intent(in) :: half                        !! M/2
     real(dp), intent(inout), target :: spectra(:, :)   !! (M + 2, histories), histories not far apart
     complex(c_double_complex), pointer :: before(:), after(:)      ! one place under two names: in place
-    type(c_ptr) :: plan
     integer :: h
     call pack_halves(half, spectra)
-    call c_f_pointer(c_loc(spectra(1, 1)), before, [half])
-    call c_f_pointer(c_loc(spectra(1, 1)), after, [half])
-    plan = fftw_plan_dft_1d(int(half, c_int), before, after, FFTW_BACKWARD, FFTW_ESTIMATE)
     do h = 1, size(spectra, 2)
       call c_f_pointer(c_loc(spectra(1, h)), before, [half])
       call c_f_pointer(c_loc(spectra(1, h)), after, [half])
-      call fftw_execute_dft(plan, before, after)
+      if (self%half /= half) then
+        call destroy(self)
+        self%plan = fftw_plan_dft_1d(int(half, c_int), before, after, FFTW_BACKWARD, FFTW_ESTIMATE)
+        self%half = half
+      end if
+      call fftw_execute_dft(self%plan, before, after)
     end do
-    call fftw_destroy_plan(plan)
   end subroutine samples_of_half_spectra
+
+  subroutine destroy(self)
+    type(half_spectrum_plan), intent(inout) :: self
+    if (self%half /= 0) call fftw_destroy_plan(self%plan)
+    self%half = 0
+  end subroutine destroy
 
   pure subroutine pack_halves(half, spectra)
     !! Z_m = A + B and Z_{M/2−m} = conj(A − B) with A = G_m + conj(G_{M/2−m}) and

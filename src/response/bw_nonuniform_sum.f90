@@ -15,7 +15,7 @@ module bw_nonuniform_sum
   !! doi:10.1137/18M120885X.
   use bw_kinds, only: dp, i8
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
-  use bw_half_spectrum, only: samples_of_half_spectra
+  use bw_half_spectrum, only: half_spectrum_plan
   use bw_monitor, only: monitor_type
   use bw_spread, only: spread_modes
   use bw_spreading_kernel, only: kernel_damping, kernel_of, spreading_kernel
@@ -27,15 +27,18 @@ module bw_nonuniform_sum
 
   integer, parameter :: batch = 256                !! tuned: modes whose places and coefficients stay in the cache
   integer, parameter :: most_points = 16           !! tuned: whose coefficients of a batch stay in the cache
+  integer, parameter :: most_kept = 2**20          !! numbers of the grids that a sum keeps for the next, 8 MB
   integer, parameter :: most_numbers = 2**23       !! of the grids in memory at a time, 64 MB; a single grid may be more
 
   type, public :: nonuniform_sum
-    !! A sum under way: modes are added in as many parts as one likes, and turned into samples once.
+    !! A sum under way: modes are added in as many parts as one likes, and turned into samples once. Opened again, it
+    !! keeps the kernel, the plan and the memory of the last sum as far as they serve.
     private
     integer :: half = 0                            !! points of half the grid of frequencies
     integer :: points = 0                          !! of the beam
     type(time_grid) :: grid
     type(spreading_kernel) :: kernel
+    type(half_spectrum_plan) :: plan
     real(dp), allocatable :: spectra(:, :)
       !! (2·(half + 1 + width), points), real and imaginary parts in turn; twice as many with velocities
     real(dp), allocatable :: start(:), start_dot(:)   !! the sum at t = 0, (points)
@@ -43,12 +46,14 @@ module bw_nonuniform_sum
     procedure :: open => open_sum
     procedure :: add => add_modes
     procedure :: close => close_sum
+    procedure :: shrink
   end type nonuniform_sum
 
 contains
 
-  subroutine transform_stable_modes(beta_squared, q, q_dot, shapes, grid, width, half, monitor, displacement, velocity)
+  subroutine transform_stable_modes(sum, beta_squared, q, q_dot, shapes, grid, width, half, monitor, displacement, velocity)
     !! Adds the motion that starts from the modal state (q, q_dot) at t = 0; leaves early if the monitor asks for it.
+    type(nonuniform_sum), intent(inout) :: sum      !! any, also one that was used
     type(dd), intent(in) :: beta_squared(:)         !! β² > 0, (modes)
     real(dp), intent(in) :: q(:), q_dot(:)          !! modal displacements and velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
@@ -58,7 +63,6 @@ contains
     class(monitor_type), intent(inout) :: monitor
     real(dp), intent(inout) :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
-    type(nonuniform_sum) :: sum
     integer :: first, group, k, last, points
     points = size(shapes, 2)
     group = points_at_once(half, grid%samples, points, present(velocity))
@@ -78,6 +82,7 @@ contains
         call sum%close(displacement(:, first:last))
       end if
     end do
+    call sum%shrink()
   end subroutine transform_stable_modes
 
   pure integer function points_at_once(half, samples, points, with_velocity) result(group)
@@ -123,13 +128,20 @@ contains
     integer :: zero
     zero = self%kernel%width + 1                    ! real part at frequency 0
     call fold_ends(self%half, self%kernel%width, self%spectra)
-    call samples_of_half_spectra(self%half, self%spectra(zero:zero + 2*self%half + 1, :))
+    call self%plan%samples(self%half, self%spectra(zero:zero + 2*self%half + 1, :))
     call add_samples(self%kernel, self%half, self%spectra(zero:zero + 2*self%half - 1, :self%points), self%start, &
                      displacement)
     if (present(velocity)) call add_samples(self%kernel, self%half, &
                                             self%spectra(zero:zero + 2*self%half - 1, self%points + 1:), &
                                             self%start_dot, velocity)
   end subroutine close_sum
+
+  subroutine shrink(self)
+    !! Give back the memory of large grids.
+    class(nonuniform_sum), intent(inout) :: self
+    if (.not. allocated(self%spectra)) return
+    if (size(self%spectra) > most_kept) deallocate (self%spectra)
+  end subroutine shrink
 
   subroutine add_modes(self, beta, q_dot, shapes, q)
     !! Adds modes to the grids of displacements and, where they are asked for, of velocities.

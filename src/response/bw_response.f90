@@ -13,7 +13,7 @@ module bw_response
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
-  use bw_nonuniform_sum, only: transform_stable_modes
+  use bw_nonuniform_sum, only: nonuniform_sum, transform_stable_modes
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   use bw_time_grid, only: time_grid
   implicit none (type, external)
@@ -40,7 +40,7 @@ module bw_response
 
 contains
 
-  subroutine free_motion(modes, q_dot, points, grid, unit_time, with_velocity, monitor, response)
+  subroutine free_motion(modes, q_dot, points, grid, unit_time, with_velocity, monitor, response, kept)
     !! The motion that starts from rest position with given modal velocities.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q_dot(:)             !! modal velocities at t = 0, m/s, (modes)
@@ -50,8 +50,9 @@ contains
     logical, intent(in) :: with_velocity
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(out) :: response
+    type(nonuniform_sum), intent(inout), optional :: kept    !! of another motion, whose plans may serve again
     call start_histories(grid, size(points), with_velocity, response)
-    call add_motion(modes, q_dot*unit_time, points, grid, unit_time, monitor, response)
+    call add_motion(modes, q_dot*unit_time, points, grid, unit_time, monitor, response, kept=kept)
     call finish_histories(unit_time, response)
   end subroutine free_motion
 
@@ -66,7 +67,7 @@ contains
     response%finite_samples = grid%samples
   end subroutine start_histories
 
-  subroutine add_motion(modes, rate, points, grid, unit_time, monitor, response, displaced)
+  subroutine add_motion(modes, rate, points, grid, unit_time, monitor, response, displaced, kept)
     !! Add modes that start from any state; velocities are in m per unit of time until the histories are finished.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)              !! modal velocities at t = 0, m per l²/h, (modes)
@@ -76,6 +77,8 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
+    type(nonuniform_sum), intent(inout), optional :: kept    !! as that of `free_motion`
+    type(nonuniform_sum) :: own
     real(dp) :: shapes(modes%count, size(points)), q(modes%count)
     shapes = modes%shapes(points)
     q = 0.0_dp
@@ -84,7 +87,11 @@ contains
       call add_damped(modes%beta_squared, modes%damping, q, rate, shapes, grid, unit_time, monitor, response)
       response%sum_error = response%sum_error + error_of_sum(sum_choice(), grid%samples)
     else
-      call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, response)
+      if (present(kept)) then
+        call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, kept, response)
+      else
+        call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, own, response)
+      end if
       call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
     end if
   end subroutine add_motion
@@ -99,13 +106,14 @@ contains
     response%velocity(response%finite_samples + 1:, :) = missing
   end subroutine finish_histories
 
-  subroutine add_stable(beta_squared, q, rate, shapes, grid, monitor, response)
+  subroutine add_stable(beta_squared, q, rate, shapes, grid, monitor, sum, response)
     !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
     !! products, whose error follows its motion and not its amplitude.
     type(dd), intent(in) :: beta_squared(:)
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: sum
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
     logical :: turns(size(q))
@@ -132,7 +140,7 @@ contains
     subroutine by_transform(beta_squared, q, rate, shapes)
       type(dd), intent(in) :: beta_squared(:)
       real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
-      call transform_stable_modes(beta_squared, q, rate, shapes, grid, choice%width, choice%half, monitor, &
+      call transform_stable_modes(sum, beta_squared, q, rate, shapes, grid, choice%width, choice%half, monitor, &
                                   response%displacement, response%velocity)
     end subroutine by_transform
   end subroutine add_stable

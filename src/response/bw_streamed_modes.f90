@@ -19,7 +19,7 @@ module bw_streamed_modes
 
 contains
 
-  subroutine add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, monitor, response)
+  subroutine add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, monitor, response, kept)
     !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform
     !! where that is faster, but for those that turn less than once in the record and for damped ones.
     class(mode_source), intent(in) :: source
@@ -31,6 +31,8 @@ contains
     real(dp), intent(in) :: tolerance            !! of the transform, over the peak of what it adds
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
+    type(nonuniform_sum), intent(inout), optional :: kept    !! of another motion, whose plans may serve again
+    type(nonuniform_sum) :: own
     type(sum_choice) :: choice
     integer :: turning
     turning = last + 1
@@ -41,7 +43,11 @@ contains
     call add_sets(source, force, first, turning - 1, points, grid, unit_time, monitor, response)
     if (turning > last) return
     if (monitor%stop_requested()) return
-    call transform_source(source, force, turning, last, points, grid, choice, monitor, response)
+    if (present(kept)) then
+      call transform_source(source, force, turning, last, points, grid, choice, monitor, kept, response)
+    else
+      call transform_source(source, force, turning, last, points, grid, choice, monitor, own, response)
+    end if
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
     response%transformed = response%transformed + (last - turning + 1)
   end subroutine add_modes_of_source
@@ -88,7 +94,7 @@ contains
     end do
   end subroutine add_sets
 
-  subroutine transform_source(source, force, first, last, points, grid, choice, monitor, response)
+  subroutine transform_source(source, force, first, last, points, grid, choice, monitor, sum, response)
     !! Where the grids of all points are too many to hold, all modes are solved again for every group of points.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
@@ -97,8 +103,8 @@ contains
     type(time_grid), intent(in) :: grid
     type(sum_choice), intent(in) :: choice
     class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: sum
     type(response_type), intent(inout) :: response
-    type(nonuniform_sum) :: sum
     real(dp) :: drive(part), started
     real(dp), allocatable :: shapes(:, :)
     type(dd) :: beta(part)
@@ -126,6 +132,7 @@ contains
         call sum%close(response%displacement(:, p:e))
       end if
     end do
+    call sum%shrink()
   end subroutine transform_source
 
   pure real(dp) function record_of(source, grid) result(longest)

@@ -5,6 +5,7 @@ module bw_case_loop
   use bw_case_result, only: case_result
   use bw_crew, only: crew_type
   use bw_error, only: error_type, fail, status_bad_file
+  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
   use bw_one_case, only: run_case
@@ -58,6 +59,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(crew_monitor) :: monitor
     type(case_keeper) :: keeper
+    type(kept_work) :: kept
     integer(i8) :: first, last, i
     monitor%progress => progress
     monitor%crew => crew
@@ -69,7 +71,7 @@ contains
       call crew%next(first, last)
       if (first > last) exit
       do i = first, last
-        call run_one(scene, layout, i, monitor, keeper, watch, error)
+        call run_one(scene, layout, i, monitor, keeper, kept, watch, error)
         if (allocated(error)) call crew%stop()
         if (monitor%stop_requested()) exit
       end do
@@ -79,13 +81,14 @@ contains
     done = monitor%done
   end subroutine run_cases
 
-  subroutine run_one(scene, layout, i, monitor, keeper, watch, error)
+  subroutine run_one(scene, layout, i, monitor, keeper, kept, watch, error)
     !! One case into the journal, unless it is stopped on the way.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: i
     type(crew_monitor), intent(inout) :: monitor
     type(case_keeper), intent(inout) :: keeper
+    type(kept_work), intent(inout) :: kept
     type(stopwatch), intent(inout) :: watch
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
@@ -94,7 +97,7 @@ contains
     if (monitor%stop_requested()) return
     call case_scene(scene, i, one, error)
     if (allocated(error)) return
-    call run_case(one, layout, watch, monitor, result, whole)
+    call run_case(one, layout, watch, monitor, kept, result, whole)
     if (.not. whole) return
     call keeper%keep(i, result, error)
     if (allocated(error)) return

@@ -3,11 +3,12 @@ module bw_case_modes
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
   use bw_case_result, only: case_result, add_note, case_done, case_not_converged
-  use bw_closed_form, only: source_in_closed_form
+  use bw_closed_form, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_double_double, only: dd
   use bw_galerkin, only: galerkin_set, galerkin_source, galerkin_source_of
+  use bw_kept_modes, only: kept_modes
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_record_stretch, only: record_stretch
@@ -26,7 +27,7 @@ module bw_case_modes
 
 contains
 
-  subroutine find_modes(scene, result, free, loaded, source, alone)
+  subroutine find_modes(scene, result, free, loaded, source, alone, kept)
     !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force. Where a
     !! tolerance says how many are summed, there are none before the capture, and the first few stand for those after it.
     type(scene_type), intent(in) :: scene
@@ -34,11 +35,13 @@ contains
     class(mode_set), allocatable, intent(out) :: free, loaded
     class(mode_source), allocatable, intent(out) :: source   !! of beam and mass; absent: the mass is not captured
     class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
+    type(kept_modes), intent(inout), target, optional :: kept
+      !! what cases share, for as long as the sources live; absent: nothing is kept
     real(dp), allocatable :: longest               ! absent: no history is asked for
     if (changes_shapes(scene)) then
       call find_galerkin(scene, result, alone, source)
     else
-      call find_closed_form(scene, result, alone, source)
+      call find_closed_form(scene, result, kept, alone, source)
     end if
     if (allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/result%units%time%hi)
     call set_damping(scene, result, alone)
@@ -65,10 +68,11 @@ contains
     if (allocated(scene%damping) .and. allocated(source)) source%damping = law_of(scene%damping, result%units)
   end subroutine set_damping
 
-  subroutine find_closed_form(scene, result, alone, loaded)
+  subroutine find_closed_form(scene, result, kept, alone, loaded)
     !! Rotation acts on modes in closed form in its own plane only.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
+    type(kept_modes), intent(inout), target, optional :: kept
     class(mode_source), allocatable, intent(out) :: alone, loaded
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     result%can_grow = .true.
@@ -77,8 +81,18 @@ contains
       if (result%can_grow) omega = dimensionless_speed(scene%rotation, result%units)
       if (.not. result%can_grow) call note_no_effect(result)
     end if
-    alone = source_in_closed_form(0.0_dp, omega)
-    if (allocated(scene%capture)) loaded = source_in_closed_form(scene%impact%mass_ratio, omega)
+    call take_source(0.0_dp, alone)
+    if (allocated(scene%capture)) call take_source(scene%impact%mass_ratio, loaded)
+  contains
+    subroutine take_source(gamma, source)
+      real(dp), intent(in) :: gamma
+      class(mode_source), allocatable, intent(out) :: source
+      type(closed_form_source), allocatable :: found
+      allocate (found)
+      found = source_in_closed_form(gamma, omega)
+      if (present(kept)) found%kept => kept
+      call move_alloc(found, source)
+    end subroutine take_source
   end subroutine find_closed_form
 
   subroutine find_galerkin(scene, result, alone, loaded)

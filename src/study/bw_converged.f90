@@ -2,6 +2,7 @@ module bw_converged
   !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
   !! estimate, and where the motion is that of undamped modes in closed form, by a direct sum in extended precision at
   !! some samples. test_bw_converged compares it with residues summed in 45 digits.
+  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
@@ -50,6 +51,7 @@ contains
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: fine
+    type(kept_work) :: kept
     type(stopwatch) :: watch
     integer :: count
     whole = .true.
@@ -60,7 +62,7 @@ contains
     call plan_case(fine, count, error)
     if (allocated(error)) return
     fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
-    call run_case(fine, layout_of(fine), watch, monitor, run%result, whole)
+    call run_case(fine, layout_of(fine), watch, monitor, kept, run%result, whole)
     if (.not. whole) return
     if (run%result%status == case_not_converged) then
       call fail(error, status_not_trusted, scene%file//': no converged run: '// &

@@ -7,7 +7,8 @@ module bw_histories
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
-  use bw_response, only: free_motion, start_histories, sum_tolerance
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
   use bw_scene, only: scene_type
   use bw_reach, only: stretch_type
   use bw_release_error, only: release_error
@@ -21,13 +22,14 @@ module bw_histories
 
 contains
 
-  subroutine respond(scene, free, loaded, source, alone, monitor, result, whole)
+  subroutine respond(scene, free, loaded, source, alone, monitor, sum, result, whole)
     !! Histories from the state after each event to the next, and how far they may be from those of infinitely many modes.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
     class(mode_source), intent(inout), optional :: source    !! modes of beam and mass; absent: the mass is not captured
     class(mode_source), intent(in) :: alone                  !! modes of the beam alone
     class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: sum               !! any, also one that another case has used
     type(case_result), intent(inout) :: result
     logical, intent(out) :: whole                            !! false where the monitor asked to stop before the end
     type(time_grid) :: grid
@@ -40,14 +42,14 @@ contains
       result%response%finite_samples = 0
       call finish_histories(1.0_dp, result%response)
     else if (by_tolerance(scene%modes)) then
-      call sum_to_tolerance(scene, source, grid, monitor, result)
+      call sum_to_tolerance(scene, source, grid, monitor, sum, result)
     else if (allocated(result%courses)) then
       call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
       call sum_courses(free, loaded, scene%response%points, grid, monitor, result)
       result%response%sum_error = sum_tolerance
     else
       call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
-                       result%units%time%hi, scene%response%velocity, monitor, result%response)
+                       result%units%time%hi, scene%response%velocity, monitor, result%response, sum)
     end if
     whole = .not. monitor%stop_requested()
     if (.not. whole) return

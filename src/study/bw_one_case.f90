@@ -3,15 +3,15 @@ module bw_one_case
   use bw_kinds, only: dp
   use bw_amplitude_spectrum, only: amplitude_spectrum
   use bw_beam_units, only: units_of
-  use bw_capture, only: capture_type, capture_mass
+  use bw_blow, only: blow_type, continuum_blow
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_result, add_note, case_done
   use bw_course_histories, only: last_sample
-  use bw_continuum, only: continuum_capture, continuum_impact, continuum_velocity
   use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_histories, only: respond
-  use bw_impact, only: strike
+  use bw_kept_blows, only: find_blow, kept_blows
+  use bw_kept_work, only: kept_work
   use bw_later_events, only: follow_events
   use bw_measured, only: measure_waves
   use bw_mode_set, only: mode_set, mode_source
@@ -29,12 +29,13 @@ module bw_one_case
 
 contains
 
-  subroutine run_case(scene, layout, watch, monitor, result, whole)
+  subroutine run_case(scene, layout, watch, monitor, kept, result, whole)
     !! The way the data goes.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout) :: monitor
+    type(kept_work), intent(inout), target :: kept !! what other cases have found
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was summed
     class(mode_set), allocatable :: free, loaded
@@ -43,17 +44,17 @@ contains
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source, alone)
+    call find_modes(scene, result, free, loaded, source, alone, kept%modes)
     call note_growth(result)
     call watch%lap(stage_modes)
     allocate (result%events(0))
     if (result%status == case_done) then
       result%mode_count = result%modes%count
-      call apply_events(scene, free, loaded, result)
+      call apply_events(scene, free, loaded, kept%blows, result)
       call follow_events(scene, free, loaded, result)
     end if
     call watch%lap(stage_events)
-    call respond(scene, free, loaded, source, alone, monitor, result, whole)
+    call respond(scene, free, loaded, source, alone, monitor, kept%sum, result, whole)
     if (.not. whole) return
     call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
@@ -91,54 +92,28 @@ contains
       shortest(result%modes%critical_speed%hi*result%units%frequency, 6)//' rad/s')
   end subroutine note_growth
 
-  subroutine apply_events(scene, free, loaded, result)
+  subroutine apply_events(scene, free, loaded, kept, result)
     !! The impact, and the capture if the mass stays.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded
+    type(kept_blows), intent(inout) :: kept
     type(case_result), intent(inout) :: result
-    type(capture_type) :: capture
+    type(blow_type) :: blow
     if (.not. allocated(scene%impact)) return
     result%approach_velocity = scene%impact%approach_velocity
-    associate (gamma => scene%impact%mass_ratio, e => scene%impact%restitution)
-      if (.not. present(free)) then
-        result%impact = continuum_impact(gamma, e)
-        result%modal_velocity = continuum_velocity(result%modes, gamma, e)
-        result%events = [result%impact%event, continuum_capture(gamma, e)]
+    associate (gamma => scene%impact%mass_ratio, e => scene%impact%restitution, points => scene%impact%profile_points)
+      if (present(free)) then
+        call find_blow(free, loaded, gamma, e, points, kept, blow)
       else
-        result%impact = strike(free, gamma, e)
-        result%modal_velocity = result%impact%modal_velocity
-        result%events = [result%impact%event]
-        if (present(loaded)) then
-          capture = capture_mass(free, result%impact, loaded)
-          result%modal_velocity = capture%modal_velocity
-          result%events = [result%events, capture%event]
-        end if
+        call continuum_blow(result%modes, gamma, e, points, blow)
       end if
+      result%impact = blow%impact
+      call move_alloc(blow%modal_velocity, result%modal_velocity)
+      call move_alloc(blow%velocity_jump, result%velocity_jump)
+      call move_alloc(blow%events, result%events)
       if (present(loaded) .and. e > 0.0_dp) call note_added_energy(scene, result)
     end associate
-    call set_velocity_jump(scene, free, result)
   end subroutine apply_events
-
-  subroutine set_velocity_jump(scene, free, result)
-    !! Fig. 3; of infinitely many modes only the tip jumps.
-    type(scene_type), intent(in) :: scene
-    class(mode_set), intent(in), optional :: free
-    type(case_result), intent(inout) :: result
-    real(dp) :: profile(scene%impact%profile_points)
-    integer, parameter :: most_numbers = 2000000   ! of shapes held at a time
-    integer :: block, first, j, last
-    profile = [(real(j, dp)/(size(profile) - 1), j=0, size(profile) - 1)]
-    result%velocity_jump = 0.0_dp*profile
-    if (present(free)) then
-      block = max(1, most_numbers/free%count)
-      do first = 1, size(profile), block
-        last = min(first + block - 1, size(profile))
-        result%velocity_jump(first:last) = matmul(result%impact%modal_velocity, free%shapes(profile(first:last)))
-      end do
-    else
-      result%velocity_jump(size(profile)) = result%impact%tip_velocity
-    end if
-  end subroutine set_velocity_jump
 
   subroutine note_added_energy(scene, result)
     !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.

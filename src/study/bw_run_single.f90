@@ -2,6 +2,7 @@ module bw_run_single
   !! A scene without sweeps: one case, straight into its file.
   use bw_case_result, only: case_done, case_result
   use bw_error, only: error_type, fail, status_bad_file
+  use bw_kept_work, only: kept_work
   use bw_kinds, only: i1, i8
   use bw_notes, only: notes_type
   use bw_one_case, only: run_case
@@ -30,6 +31,7 @@ contains
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
+    type(kept_work) :: kept
     type(stopwatch) :: watch
     integer(i1) :: nothing(0)
     logical :: whole
@@ -37,7 +39,7 @@ contains
     if (allocated(error)) return
     call unfinished%survey(nothing)
     call progress%begin(scene%name, 1_i8, 0_i8)
-    call run_case(scene, layout, watch, progress, result, whole)
+    call run_case(scene, layout, watch, progress, kept, result, whole)
     call progress%end()
     if (.not. whole) then
       call outcome%set_stopped(0_i8, 1_i8)

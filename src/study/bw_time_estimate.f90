@@ -3,6 +3,7 @@ module bw_time_estimate
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
+  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
   use bw_one_case, only: run_case
@@ -15,6 +16,7 @@ module bw_time_estimate
   public :: estimated_seconds
 
   integer, parameter :: most_samples = 200
+  real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: file_seconds = 5.0e-3_dp          !! of a result's names and attributes; measured
   real(dp), parameter :: put_seconds = 2.0e-5_dp           !! of a case into its journal and the result; measured
@@ -37,18 +39,24 @@ contains
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                !! what the estimate may take itself, s
     real(dp) :: spent, began, elapsed, part
-    integer(i8) :: cases
+    type(kept_work) :: kept
+    integer(i8) :: cases, index
     integer :: samples
+    logical :: is_quick
     cases = case_count(scene)
     began = wall_seconds()
-    call sample(scene, layout, 1_i8, began + budget, part, spent)         ! a first case finds caches and plans empty
+    call sample(scene, layout, 1_i8, began + budget, kept, part, spent)   ! a first case finds caches and plans empty
     seconds = spent/part
     if (part >= 1.0_dp .and. cases > 1) then
       samples = 0
+      is_quick = spent < quick*budget
       seconds = 0.0_dp
       do while (samples < min(cases, int(most_samples, i8)))
         samples = samples + 1
-        call sample(scene, layout, place(samples, cases), began + 2.0_dp*budget, part, spent)
+        index = place(samples, cases)
+        ! a case shares work with the one before it
+        if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, kept, part, spent)
+        call sample(scene, layout, index, began + 2.0_dp*budget, kept, part, spent)
         seconds = seconds + spent/part
         elapsed = wall_seconds() - began
         if (elapsed > budget) exit
@@ -67,12 +75,13 @@ contains
     place = 1 + min(cases - 1, int((position - floor(position))*real(cases, dp), i8))
   end function place
 
-  subroutine sample(scene, layout, index, deadline, part, spent)
+  subroutine sample(scene, layout, index, deadline, kept, part, spent)
     !! Run a case, or the part of it that there is time for.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: index
     real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
+    type(kept_work), intent(inout) :: kept
     real(dp), intent(out) :: part                 !! of the case that was done, above 0, at most 1
     real(dp), intent(out) :: spent                !! s
     type(time_limit) :: limit
@@ -86,7 +95,7 @@ contains
     limit%deadline = deadline
     whole = .true.
     call case_scene(scene, index, one, error)
-    if (.not. allocated(error)) call run_case(one, layout, watch, limit, result, whole)
+    if (.not. allocated(error)) call run_case(one, layout, watch, limit, kept, result, whole)
     spent = wall_seconds() - began
     part = 1.0_dp
     if (.not. whole) part = max(limit%fraction, 1.0e-6_dp)

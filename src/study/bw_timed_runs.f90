@@ -1,6 +1,7 @@
 module bw_timed_runs
   !! How long cases take, one beside the other: they are run in turn, round after round, so that what else the machine
   !! does falls on all of them alike.
+  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp
   use bw_case_result, only: case_result
   use bw_monitor, only: monitor_type, part_monitor
@@ -30,9 +31,10 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                 !! false where the monitor asked to stop; nothing is booked then
+    type(kept_work) :: kept
     type(stopwatch) :: watch
     integer :: i
-    call run_case(run%scene, layout_of(run%scene), watch, monitor, result, whole)
+    call run_case(run%scene, layout_of(run%scene), watch, monitor, kept, result, whole)
     if (.not. whole) return
     call run%seconds%add(sum(watch%seconds))
     do i = 1, stage_count

@@ -9,6 +9,7 @@ module bw_tolerance_sum
   use bw_mode_set, only: mode_source
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: finish_histories, histories_of, response_type, start_histories, sum_tolerance
   use bw_streamed_modes, only: add_modes_of_source
   use bw_sum_choice, only: sum_seconds
@@ -26,12 +27,13 @@ module bw_tolerance_sum
 
 contains
 
-  subroutine sum_to_tolerance(scene, source, grid, monitor, result)
+  subroutine sum_to_tolerance(scene, source, grid, monitor, sum, result)
     !! As many of the continuum's modes as the tolerance takes. Where 10⁷ do not reach it the histories are fill.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(inout) :: source
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: sum   !! kept from motion to motion
     type(case_result), intent(inout) :: result
     real(dp) :: reached, rest
     call choose_count(scene, source, grid, result, reached, rest)
@@ -42,12 +44,12 @@ contains
       call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, source, reached)//'; the histories are fill')
     else
       if (scene%response%velocity) rest = 1.0_dp      ! their velocity is no smaller than that of the first
-      call sum_in_parts(scene, source, grid, rest, monitor, result)
+      call sum_in_parts(scene, source, grid, rest, monitor, sum, result)
     end if
     call finish_histories(result%units%time%hi, result%response)
   end subroutine sum_to_tolerance
 
-  subroutine sum_in_parts(scene, source, grid, rest, monitor, result)
+  subroutine sum_in_parts(scene, source, grid, rest, monitor, sum, result)
     !! All modes in one sum, or the first, which make the motion, apart from the many that add little and need fewer
     !! digits: whichever is faster.
     type(scene_type), intent(in) :: scene
@@ -55,6 +57,7 @@ contains
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: rest                !! what the modes after the first add, over the peak
     class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: sum   !! kept from motion to motion
     type(case_result), intent(inout) :: result
     real(dp) :: coarse, error
     integer :: histories
@@ -64,11 +67,11 @@ contains
       if (sum_seconds(count, samples, histories, sum_tolerance) <= &
           sum_seconds(first_modes, samples, histories, sum_tolerance) &
           + sum_seconds(count - first_modes, samples, histories, coarse)) then
-        call add_some(scene, source, 1, count, grid, sum_tolerance, monitor, result)
+        call add_some(scene, source, 1, count, grid, sum_tolerance, monitor, sum, result)
       else
-        call add_some(scene, source, 1, first_modes, grid, sum_tolerance, monitor, result)
+        call add_some(scene, source, 1, first_modes, grid, sum_tolerance, monitor, sum, result)
         error = result%response%sum_error
-        call add_some(scene, source, first_modes + 1, count, grid, coarse, monitor, result)
+        call add_some(scene, source, first_modes + 1, count, grid, coarse, monitor, sum, result)
         result%response%sum_error = error + rest*(result%response%sum_error - error)
       end if
     end associate
@@ -156,7 +159,7 @@ contains
               out_of_reach(scene%modes%tolerance, source, reached))
   end subroutine plan_count
 
-  subroutine add_some(scene, source, first, last, grid, tolerance, monitor, result)
+  subroutine add_some(scene, source, first, last, grid, tolerance, monitor, sum, result)
     !! Modes `first` … `last` of the continuum.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
@@ -164,11 +167,12 @@ contains
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: tolerance           !! of the sum
     class(monitor_type), intent(inout), target :: monitor
+    type(nonuniform_sum), intent(inout) :: sum
     type(case_result), intent(inout) :: result
     type(part_monitor) :: part
     part = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
     call add_modes_of_source(source, force_of(scene)*(result%approach_velocity*result%units%time%hi), first, last, &
-                             scene%response%points, grid, result%units%time%hi, tolerance, part, result%response)
+                             scene%response%points, grid, result%units%time%hi, tolerance, part, result%response, sum)
   end subroutine add_some
 
   pure real(dp) function force_of(scene)

@@ -2,6 +2,7 @@ module random_cases
   !! Random scenes, run one after the other; the seed is printed once for each test.
   use, intrinsic :: iso_fortran_env, only: output_unit
   use bw_case_result, only: case_result
+  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
   use bw_one_case, only: run_case
@@ -31,13 +32,14 @@ contains
     real(dp), intent(in), optional :: velocity_factor
     type(scene_type) :: one
     type(result_layout) :: layout
+    type(kept_work) :: kept
     type(stopwatch) :: watch
     type(silent_monitor) :: monitor
     logical :: whole
     one = scene
     if (present(velocity_factor)) one%impact%approach_velocity = velocity_factor*one%impact%approach_velocity
     layout = layout_of(one)
-    call run_case(one, layout, watch, monitor, outcome, whole)
+    call run_case(one, layout, watch, monitor, kept, outcome, whole)
   end subroutine run_scene
 
 end module random_cases
