@@ -41,6 +41,8 @@ def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bo
                 va="top",
                 fontsize="small",
                 color="0.3",
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},  # the lines of other events pass behind it
+                zorder=4,
             )
             room = max(room, word.get_window_extent().x1)
 
