@@ -13,7 +13,7 @@ module bw_report
   private
   public :: case_report, case_line, case_heading, notes_report
 
-  integer, parameter :: shown_modes = 10, shown_peaks = 10, shown_points = 5
+  integer, parameter :: shown_modes = 10, shown_peaks = 10, shown_events = 20, shown_points = 5
 
 contains
 
@@ -72,31 +72,45 @@ contains
   end subroutine report_impact
 
   subroutine report_events(result, lines)
-    !! The balance of every event, and their times where not all are at t = 0.
+    !! The balance of every event; their times where not all are at t = 0, their ends where one lasts.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
-    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time
+    real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time
     integer, parameter :: width = 14
-    logical :: timed
+    integer :: timed, lasting                     ! columns: 0 or 1
     integer :: i
     time = named_value(result, 'event_time')
-    timed = any(time > 0.0_dp)
+    end_time = named_value(result, 'event_end')
+    timed = merge(1, 0, any(end_time > 0.0_dp))
+    lasting = merge(1, 0, any(end_time > time))
     call lines%append_line('')
-    call lines%append_line('  event   '//repeat(right('time', width), merge(1, 0, timed))// &
+    call lines%append_line('  event   '//repeat(right('time', width), timed)//repeat(right('until', width), lasting)// &
                            '   energy before    energy after  momentum before  momentum after')
-    call lines%append_line('          '//repeat(right('s', width), merge(1, 0, timed))// &
+    call lines%append_line('          '//repeat(right('s', width), timed + lasting)// &
                            '               J               J           kg m/s          kg m/s')
     energy_before = named_value(result, 'energy_before')
     energy_after = named_value(result, 'energy_after')
     momentum_before = named_value(result, 'momentum_before')
     momentum_after = named_value(result, 'momentum_after')
-    do i = 1, size(result%events)
+    do i = 1, min(shown_events, size(result%events))
       call lines%append('  '//event_words(result%events(i)%kind))
-      if (timed) call lines%append(right(shortest(time(i), 7), width))
+      if (timed == 1) call lines%append(right(shortest(time(i), 7), width))
+      if (lasting == 1) call lines%append(right(until(time(i), end_time(i)), width))
       call lines%append_line(right(fixed(energy_before(i)), 16)//right(fixed(energy_after(i)), 16)// &
                              right(fixed(momentum_before(i)), 17)//right(fixed(momentum_after(i)), 16))
     end do
+    if (size(result%events) > shown_events) then
+      call lines%append_line('  ...     '//text_of(size(result%events))//' in the file')
+    end if
   end subroutine report_events
+
+  pure function until(time, end_time) result(text)
+    !! The end of an event; nothing where it takes no time.
+    real(dp), intent(in) :: time, end_time        !! s
+    character(:), allocatable :: text
+    text = ''
+    if (end_time > time) text = shortest(end_time, 7)
+  end function until
 
   subroutine report_histories(result, lines)
     !! The largest displacement at each point, and how far it may be from the answer of infinitely many modes.

@@ -9,8 +9,6 @@ module bw_stage_table
   private
   public :: stage_table
 
-  real(dp), parameter :: idle_seconds = 1.0e-6_dp   !! of the processor for a call: a stage that takes less has nothing to do in this scene
-
 contains
 
   pure function stage_table(watch, elapsed, processes, cases) result(text)
@@ -26,7 +24,7 @@ contains
     wall = max(elapsed*processes, sum(watch%seconds), tiny(1.0_dp))
     call lines%append_line('  stage           wall       CPU   share     calls   cases/s')
     do i = 1, stage_count
-      if (watch%cpu(i) <= idle_seconds*watch%calls(i)) cycle
+      if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
       call lines%append_line(row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
     end do
     call lines%append_line(row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))

@@ -53,13 +53,13 @@ contains
       call apply_events(scene, free, loaded, kept%blows, result)
       call follow_events(scene, free, loaded, result)
     end if
-    call watch%lap(stage_events)
+    if (allocated(scene%impact)) call watch%lap(stage_events)
     call respond(scene, free, loaded, source, alone, monitor, kept%sum, result, whole)
     if (.not. whole) return
-    call watch%lap(stage_response)
+    if (allocated(scene%response)) call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
     call take_spectrum(scene, layout, result)
-    call watch%lap(stage_spectrum)
+    if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
   end subroutine run_case
 
   subroutine plan_case(scene, count, error, reached)

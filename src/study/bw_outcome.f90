@@ -62,7 +62,7 @@ contains
     call report%append(body)
     if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
     call report%append_line('')
-    call report%append(notes_report(self%notes_text()))
+    if (len(self%notes_text()) > 0) call report%append_line(notes_report(self%notes_text()))
     call report%append(times)
     call report%append_line('  result     '//self%file)
     self%report = report%text()

@@ -87,6 +87,20 @@ def test_when_the_contacts_asked_for_are_used_up_it_is_said(here):
     assert "max_contacts" not in here.run("b").attributes["notes"]
 
 
+def test_the_report_lists_the_first_twenty_events_and_their_times(here):
+    here.scene("a", struck_beam(0.2, recontact={}))
+    report = here.beamwave("run", "a.nml").stdout
+    start, end = contacts(here.result("a"))
+    heading = next(line for line in report.splitlines() if line.startswith("  event "))
+    assert heading.split()[1:3] == ["time", "until"]
+    rows = [line.split()[1:] for line in report.splitlines() if line.startswith("  contact ")]
+    assert len(rows) == 19 < len(start)
+    assert f"{1 + len(start)} in the file" in report
+    for row, begins, ends in zip(rows, start, end):
+        assert float(row[0]) == float(f"{begins:.7g}")
+        assert (len(row) == 6) == (ends > begins)
+
+
 def test_a_sweep_holds_cases_with_different_numbers_of_contacts(here):
     sweep = {"parameter": "impact%restitution", "values": [0.0, 0.2, 0.9]}
     here.scene("a", struck_beam(0.0, recontact={}), sweep)
