@@ -21,9 +21,13 @@ class Event(NamedTuple):
     impulse: float
 
 
-def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> None:
-    """Draw a line at each `event_time` (s, times `factor`) of `cases`; in `words`, name each kind once."""
+ROW = 11  # height of a row of words, points
+
+
+def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> int:
+    """Draw a line at each `event_time` (s, times `factor`) of `cases`; in `words`, name each kind once, in how many rows."""
     named: set[str] = set()
+    rows = 0
     room = -np.inf  # where the last word ends, in pixels
     for time, kinds in sorted(_kinds_by_time(cases).items()):
         axes.axvline(time * factor, color=GREY, linewidth=0.9, linestyle=(0, (1, 2)), zorder=0)
@@ -36,15 +40,26 @@ def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bo
                 name,
                 (time * factor, 1.0),
                 xycoords=axes.get_xaxis_transform(),
-                xytext=(3, -2 - 11 * row),
+                xytext=(3, -2 - ROW * row),
                 textcoords="offset points",
                 va="top",
                 fontsize="small",
                 color="0.3",
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},  # the lines of other events pass behind it
-                zorder=4,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
+                zorder=0.5,  # before the lines of other events, behind the histories
             )
             room = max(room, word.get_window_extent().x1)
+            rows = max(rows, row + 1)
+    return rows
+
+
+def leave_room(axes: Axes, rows: int) -> None:
+    """Raise the top of the axis for what `mark_events` wrote; the usual margin is as high as one row."""
+    height = axes.bbox.height * 72 / axes.figure.dpi
+    scale = axes.yaxis.get_transform()
+    low, high = scale.transform(np.array(axes.get_ylim()))
+    share = ROW * max(rows - 1, 0) / height
+    axes.set_ylim(top=float(scale.inverted().transform(np.array([low + (high - low) / (1 - share)]))[0]))
 
 
 def _kinds_by_time(cases: list[xr.Dataset]) -> dict[float, list[str]]:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .curves import Curve, curves_of, heading
-from .events import mark_events
+from .events import leave_room, mark_events
 from .growth import grows, samples_held, scale_for_growth
 from .labels import axis_label, rough, si_prefix, units_of
 from .legend import add_legend
@@ -41,10 +41,9 @@ def _history(ds: xr.Dataset, name: str, position: float | None) -> Figure:
     prefix, factor = si_prefix(ds["time"].values, units_of(ds["time"]))
     held = max(samples_held(curve.data, name) for curve in curves)
     _limit_time(fig.axes[-1], ds["time"].values[:held] * factor)
-    for axes in fig.axes:
-        mark_events(axes, [curve.data for curve in curves], factor, words=axes is fig.axes[0])
     for axes, values in zip(fig.axes, rows):
         _scale_values(axes, values, [grows(curve.data) for curve in curves])
+        leave_room(axes, mark_events(axes, [curve.data for curve in curves], factor, words=axes is fig.axes[0]))
     fig.axes[-1].set_xlabel(axis_label(ds["time"], prefix))
     notes = (heading(ds, *SHARED_INPUTS), thinned(ds, points), _growth_note(curves, name), _error(curves, name, points))
     add_legend(fig.axes[0], "; ".join(filter(None, notes)), above=True)

@@ -49,6 +49,21 @@ def test_each_kind_of_event_is_named_once(full_result):
     assert [text.get_text() for text in axes.texts] == ["impact", "contact"]
 
 
+def test_words_in_two_rows_stand_above_the_history(full_result):
+    with open_result(full_result) as ds:
+        crowded = ds.drop_vars(["event", "event_time", "event_kind"]).assign(
+            event_time=("event", [0.0, 0.01]), event_kind=("event", [1.0, 4.0], ds["event_kind"].attrs)
+        )
+        fig = displacement(crowded)
+    axes = fig.axes[0]
+    fig.canvas.draw()
+    lowest = min(word.get_window_extent().y0 for word in axes.texts)
+    history = axes.lines[0]
+    top = axes.transData.transform(np.column_stack([history.get_xdata(), history.get_ydata()]))[:, 1].max()
+    rows = {round(word.get_window_extent().y0) for word in axes.texts}
+    assert len(rows) == 2 and top < lowest
+
+
 def test_a_result_without_events_has_a_history_without_marks(full_result):
     with open_result(full_result) as ds:
         axes = displacement(ds.drop_vars(["event_time", "event_kind"])).axes[0]
