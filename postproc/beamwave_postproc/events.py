@@ -55,10 +55,12 @@ def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bo
 
 def leave_room(axes: Axes, rows: int) -> None:
     """Raise the top of the axis for what `mark_events` wrote; the usual margin is as high as one row."""
+    if rows < 2:
+        return
     height = axes.bbox.height * 72 / axes.figure.dpi
     scale = axes.yaxis.get_transform()
     low, high = scale.transform(np.array(axes.get_ylim()))
-    share = ROW * max(rows - 1, 0) / height
+    share = ROW * (rows - 1) / height
     axes.set_ylim(top=float(scale.inverted().transform(np.array([low + (high - low) / (1 - share)]))[0]))
 
 
