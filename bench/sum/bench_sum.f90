@@ -65,7 +65,8 @@ contains
     integer :: e, k
     choice = chosen_sum(n, samples, 2, tolerance, must_transform=.true.)
     displacement = 0.0_dp
-    call sum%open(time_grid_of(duration, samples, to_dd(1.0_dp)), choice%width, choice%half, 2, .false.)
+    call sum%open(time_grid_of(duration, samples, to_dd(1.0_dp)), choice%width, choice%half, 2, &
+                  with_velocity=.false., moved=.false.)
     do k = 1, n, part
       e = min(k + part - 1, n)
       values(:e - k + 1)%hi = beta(1, k:e)

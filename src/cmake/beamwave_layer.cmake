@@ -28,6 +28,14 @@ function(beamwave_see target)
   endforeach()
 endfunction()
 
+# beamwave_short_arrays(<source> …): files of this folder whose work arrays are short, a few hundred numbers, and asked for
+# so often that the heap would take longer than their use.
+function(beamwave_short_arrays)
+  if(CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
+    set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_OPTIONS -fstack-arrays)
+  endif()
+endfunction()
+
 # beamwave_wide_vectors(<source> …): files of this folder whose loops are worth the widest registers there are.
 function(beamwave_wide_vectors)
   if(BEAMWAVE_NATIVE AND BEAMWAVE_HAS_WIDE_VECTORS)

@@ -12,7 +12,7 @@ module bw_spreading_kernel
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: kernel_of, kernel_damping, transform_error
+  public :: kernel_of, kernel_factors, transform_error
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: cells = 16       !! polynomials per spacing of the grid
@@ -22,8 +22,9 @@ module bw_spreading_kernel
   type, public :: spreading_kernel
     integer :: width = 0                         !! w, even
     real(dp) :: sharpness = 0.0_dp               !! b
+    real(dp) :: peak = 0.0_dp                    !! I₀(b)
     real(dp), allocatable :: table(:, :, :, :)
-      !! (vector, 0:degree, vectors, cells): coefficients of the powers of the place in the cell, −1 … 1; 0 beyond w
+      !! (vector, 0:degree, cells, vectors): coefficients of the powers of the place in the cell, −1 … 1; 0 beyond w
   end type spreading_kernel
 
 contains
@@ -34,24 +35,33 @@ contains
     real(dp), intent(in) :: oversampling    !! grid points per sample wanted, > 1
     real(dp), dimension(0:degree) :: node
     real(dp) :: powers(0:degree, 0:degree), values(width, 0:degree), coefficients(width, 0:degree)
-    integer :: cell, first, i, j, last
+    integer :: cell, i, j
     kernel%width = width
     kernel%sharpness = pi*width*(1.0_dp - 0.5_dp/oversampling)
-    allocate (kernel%table(vector, 0:degree, (width + vector - 1)/vector, cells), source=0.0_dp)
+    kernel%peak = sum(unscaled(kernel, [0.0_dp]))
+    allocate (kernel%table(vector, 0:degree, cells, (width + vector - 1)/vector), source=0.0_dp)
     node = [(cos((j + 0.5_dp)*pi/(degree + 1)), j=0, degree)]
-    powers = power_coefficients(node)/peak(kernel)
-    do cell = 1, cells
+    powers = power_coefficients(node)/kernel%peak
+    do cell = 1, cells/2
       do j = 0, degree
-        values(:, j) = [((cell - 0.5_dp + 0.5_dp*node(j))/cells + 0.5_dp*width - i, i=1, width)]
+        values(:, j) = unscaled(kernel, [((cell - 0.5_dp + 0.5_dp*node(j))/cells + 0.5_dp*width - i, i=1, width)])
       end do
-      values = reshape(unscaled(kernel, reshape(values, [size(values)])), shape(values))
       coefficients = matmul(values, powers)
-      do first = 1, width, vector
-        last = min(first + vector - 1, width)
-        kernel%table(:last - first + 1, :, (first + vector - 1)/vector, cell) = coefficients(first:last, :)
-      end do
+      call set_cell(coefficients, kernel%table(:, :, cell, :))
+      coefficients(:, 1::2) = -coefficients(:, 1::2)            ! the kernel is even
+      call set_cell(coefficients(width:1:-1, :), kernel%table(:, :, cells + 1 - cell, :))
     end do
   end function kernel_of
+
+  pure subroutine set_cell(coefficients, table)
+    real(dp), intent(in) :: coefficients(:, 0:)             !! (width, 0:degree)
+    real(dp), intent(inout) :: table(:, 0:, :)              !! (vector, 0:degree, vectors)
+    integer :: first, last
+    do first = 1, size(coefficients, 1), vector
+      last = min(first + vector - 1, size(coefficients, 1))
+      table(:last - first + 1, :, (first + vector - 1)/vector) = coefficients(first:last, :)
+    end do
+  end subroutine set_cell
 
   pure function power_coefficients(node) result(matrix)
     !! Row: value at a Chebyshev node; column: what it adds to the coefficient of a power in the interpolating
@@ -85,20 +95,13 @@ contains
     values = bessel_series(0.25_dp*kernel%sharpness**2*max(0.0_dp, 1.0_dp - (2.0_dp*x/kernel%width)**2))
   end function unscaled
 
-  pure real(dp) function peak(kernel)
-    !! I₀(b)
-    type(spreading_kernel), intent(in) :: kernel
-    peak = sum(unscaled(kernel, [0.0_dp]))
-  end function peak
-
   pure function bessel_series(y) result(sum)
     !! I₀(2√y) = Σ yᵐ/(m!)², all terms positive; y ≤ 1000.
     real(dp), intent(in) :: y(:)
     real(dp) :: sum(size(y))
-    integer, parameter :: last_term = 90    ! the one after it is below 1e-17 of the sum
     integer :: m
     sum = 1.0_dp
-    do m = last_term, 1, -1
+    do m = 10 + nint(3.0_dp*sqrt(maxval(y))), 1, -1          ! those after it are together below 1e-17 of the sum
       sum = 1.0_dp + sum*y*(1.0_dp/real(m*m, dp))
     end do
   end function bessel_series
@@ -116,21 +119,24 @@ contains
     error = 3.0_dp*aliasing + 6.0_dp*epsilon(s)*exp(pi*width*(1.0_dp - 0.5_dp/oversampling) - s)
   end function transform_error
 
-  pure function kernel_damping(kernel, first, count, grid) result(transform)
-    !! The transform of the kernel, \( w\sinh(s)/(s I_0(b)) \), \( s = \sqrt{b^2 - (\pi w j/M)^2} \), at samples
-    !! j = first, first + 1, …; (count).
+  pure subroutine kernel_factors(kernel, first, step, grid, factor)
+    !! What undoes the kernel: one over its transform \( w\sinh(s)/(s I_0(b)) \), \( s = \sqrt{b^2 - (\pi w j/M)^2} \), at
+    !! samples j = first, first + step, …
     type(spreading_kernel), intent(in) :: kernel
-    integer, intent(in) :: first, count
+    integer, intent(in) :: first, step
     integer, intent(in) :: grid                  !! M, points of the grid
-    real(dp) :: transform(count)
-    real(dp) :: s, unit
-    integer :: j
+    real(dp), intent(out) :: factor(:)
+    real(dp) :: fall(size(factor)), s(size(factor))
+    real(dp) :: least, scale, unit
+    integer :: i
     unit = pi*kernel%width/grid
-    do j = 1, count
-      s = sqrt(kernel%sharpness**2 - (unit*(first + j - 1))**2)
-      transform(j) = (1.0_dp - exp(-2.0_dp*s))*exp(s - kernel%sharpness)/s
+    least = exp(-2.0_dp*kernel%sharpness)
+    scale = 2.0_dp*kernel%peak*exp(-kernel%sharpness)/kernel%width
+    do i = 1, size(factor)
+      s(i) = sqrt(kernel%sharpness**2 - (unit*(first + step*(i - 1)))**2)
     end do
-    transform = transform*(0.5_dp*kernel%width*exp(kernel%sharpness)/peak(kernel))
-  end function kernel_damping
+    fall = exp(s - kernel%sharpness)
+    factor = scale*s*fall/(fall*fall - least)
+  end subroutine kernel_factors
 
 end module bw_spreading_kernel

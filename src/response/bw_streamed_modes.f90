@@ -111,11 +111,11 @@ contains
     integer :: e, group, i, k, n, p
     logical :: with_velocity
     with_velocity = allocated(response%velocity)
-    group = points_at_once(choice%half, grid%samples, size(points), with_velocity)
+    group = points_at_once(choice%half, grid%samples, size(points), merge(2, 1, with_velocity))
     allocate (shapes(part, group))
     do p = 1, size(points), group
       e = min(p + group - 1, size(points))
-      call sum%open(grid, choice%width, choice%half, e - p + 1, with_velocity)
+      call sum%open(grid, choice%width, choice%half, e - p + 1, with_velocity, moved=.false.)
       do k = first, last, part
         n = min(part, last - k + 1)
         started = wall_seconds()

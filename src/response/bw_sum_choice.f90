@@ -5,7 +5,7 @@ module bw_sum_choice
   !! Widths of the kernel trade with the fineness of the grid: the widths are tried in turn, each with the smallest
   !! grid that keeps the tolerance.
   use bw_kinds, only: dp
-  use bw_half_spectrum, only: next_fast_half
+  use bw_sine_sum, only: next_fast_half
   use bw_spreading_kernel, only: transform_error
   implicit none (type, external)
   private
@@ -14,7 +14,7 @@ module bw_sum_choice
   type, public :: sum_choice
     logical :: transform = .false.    !! by the non-uniform transform
     integer :: width = 0              !! of its kernel
-    integer :: half = 0               !! points of half its grid of frequencies
+    integer :: half = 0               !! half the points of its grid of frequencies
   end type sum_choice
 
   real(dp), parameter :: rounding = 8.0_dp*epsilon(1.0_dp)   ! of the products, over the peak
@@ -65,7 +65,7 @@ contains
   end function error_of_sum
 
   pure integer function grid_for_width(width, samples, tolerance) result(half)
-    !! Points of half the smallest fast grid within the tolerance; 0 where none is.
+    !! Half the points of the smallest fast grid within the tolerance; 0 where none is.
     integer, intent(in) :: width, samples
     real(dp), intent(in) :: tolerance
     half = next_fast_half(max(width, samples/2 + 1))
