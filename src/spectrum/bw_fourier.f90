@@ -8,20 +8,55 @@ module bw_fourier
 
   include 'fftw3.f03'
 
+  type, public :: real_fourier
+    !! The transform X_m = Σ_j x_j e^(−2πi mj/N), m = 0 … N/2, of many records of one length: FFTW's plan takes longer to
+    !! make than a short transform.
+    real(c_double), allocatable :: samples(:)                      !! x, (N); lost in `transform`
+    complex(c_double_complex), allocatable :: spectrum(:)          !! X, (0:N/2)
+    type(c_ptr), private :: plan = c_null_ptr
+  contains
+    procedure :: prepare
+    procedure :: transform
+    final :: destroy
+  end type real_fourier
+
 contains
 
-  function real_transform(samples) result(spectrum)
-    !! X_m = Σ_j x_j e^(−2πi mj/N), m = 0 … N/2; (0:N/2).
+  subroutine prepare(self, length)
+    !! Make room and a plan for records of this length, unless they are there.
     !! Planned with FFTW_ESTIMATE: measured plans differ from run to run, and so would the last bits.
+    class(real_fourier), intent(inout) :: self
+    integer, intent(in) :: length                 !! N ≥ 1
+    if (allocated(self%samples)) then
+      if (size(self%samples) == length) return
+      deallocate (self%samples, self%spectrum)
+    end if
+    call destroy(self)
+    allocate (self%samples(length), self%spectrum(0:length/2))
+    self%plan = fftw_plan_dft_r2c_1d(int(length, c_int), self%samples, self%spectrum, FFTW_ESTIMATE)
+  end subroutine prepare
+
+  subroutine transform(self)
+    !! From `samples` to `spectrum`.
+    class(real_fourier), intent(inout) :: self    !! prepared
+    call fftw_execute_dft_r2c(self%plan, self%samples, self%spectrum)
+  end subroutine transform
+
+  subroutine destroy(self)
+    type(real_fourier), intent(inout) :: self
+    if (c_associated(self%plan)) call fftw_destroy_plan(self%plan)
+    self%plan = c_null_ptr
+  end subroutine destroy
+
+  function real_transform(samples) result(spectrum)
+    !! The transform of one record, (0:N/2).
     real(dp), intent(in) :: samples(:)            !! the record, (N), N ≥ 1
     complex(dp), allocatable :: spectrum(:)
-    real(c_double), allocatable :: copy(:)
-    type(c_ptr) :: plan
-    allocate (copy(size(samples)), spectrum(0:size(samples)/2))
-    plan = fftw_plan_dft_r2c_1d(int(size(samples), c_int), copy, spectrum, FFTW_ESTIMATE)
-    copy = samples
-    call fftw_execute_dft_r2c(plan, copy, spectrum)
-    call fftw_destroy_plan(plan)
+    type(real_fourier) :: fourier
+    call fourier%prepare(size(samples))
+    fourier%samples = samples
+    call fourier%transform()
+    allocate (spectrum(0:size(samples)/2), source=fourier%spectrum)
   end function real_transform
 
 end module bw_fourier

@@ -1,7 +1,7 @@
 module bw_one_case
   !! One case from scene to result: modes, events, response, spectrum.
   use bw_kinds, only: dp
-  use bw_amplitude_spectrum, only: amplitude_spectrum
+  use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_beam_units, only: units_of
   use bw_blow, only: blow_type, continuum_blow
   use bw_case_modes, only: find_modes
@@ -58,7 +58,7 @@ contains
     if (.not. whole) return
     if (allocated(scene%response)) call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
-    call take_spectrum(scene, layout, result)
+    call take_spectrum(scene, layout, kept%spectrum, result)
     if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
   end subroutine run_case
 
@@ -132,10 +132,11 @@ contains
       ' of its energy')
   end subroutine note_added_energy
 
-  subroutine take_spectrum(scene, layout, result)
+  subroutine take_spectrum(scene, layout, plan, result)
     !! Amplitude spectra of all points; waves measured from the tip and midpoint histories alone.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
+    type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(inout) :: result
     integer :: p, first
     if (.not. allocated(scene%spectrum)) return
@@ -145,7 +146,7 @@ contains
       else
         allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
         do p = 1, size(histories, 2)
-          result%amplitude(:, p) = amplitude_spectrum(histories(:, p), scene%spectrum%window)
+          result%amplitude(:, p) = amplitude_spectrum(histories(:, p), scene%spectrum%window, plan)
         end do
       end if
       if (layout%middle == 0 .or. layout%tip == 0) then
