@@ -7,7 +7,7 @@ module bw_case_fields
   use bw_missing, only: missing
   use bw_result_layout, only: dimension_length, has_dimension, result_layout
   use bw_result_table, only: is_held, variable_row, variable_table
-  use bw_result_values, only: value_of
+  use bw_result_values, only: key_of, put_value, value_key
   implicit none (type, external)
   private
   public :: fields_of, case_length, put_field, put_all_fields
@@ -20,8 +20,12 @@ module bw_case_fields
     logical :: is_integer = .false.
     integer(i8) :: first = 1           !! where its numbers begin among those of the case
     integer(i8) :: length = 1          !! how many it has
-    type(variable_row) :: row          !! of the table of variables; its name is empty for histories and integers
+    type(value_key), private :: key    !! of a variable of the table
+    integer, private :: other = 0      !! place among `other_names`; 0: a variable of the table
   end type case_field
+
+  character(*), parameter :: other_names(*) = [character(12) :: 'displacement', 'velocity', 'amplitude', 'event_kind', &
+    'peak_count', 'mode_count', 'case_status']      !! of histories and integers
 
 contains
 
@@ -57,7 +61,8 @@ contains
     else
       call add(layout, fields, row%name, trim(row%dimensions))
     end if
-    fields(size(fields))%row = row
+    fields(size(fields))%key = key_of(row)
+    fields(size(fields))%other = 0
   end subroutine add_row
 
   pure subroutine add_integer(layout, fields, name, dimension)
@@ -77,6 +82,7 @@ contains
     character(*), intent(in), optional :: fastest, slowest      !! names of its dimensions
     type(case_field) :: field
     field%name = name
+    field%other = findloc(other_names == name, .true., dim=1)
     if (present(fastest)) then
       field%rank = 1
       field%lengths(1) = dimension_length(layout, fastest)
@@ -115,24 +121,21 @@ contains
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: field
     real(dp), intent(out), contiguous :: numbers(:)       !! (field%length)
-    if (field%row%name /= '') then
-      call copy(value_of(result, field%row), missing, numbers)
-    else
-      select case (field%name)
-      case ('displacement'); call copy_matrix(result%response%displacement, numbers)
-      case ('velocity'); call copy_matrix(result%response%velocity, numbers)
-      case ('amplitude'); call copy_matrix(result%amplitude, numbers)
-      case ('event_kind'); call copy(real(result%events%kind, dp), real(no_event, dp), numbers)
-      case ('peak_count'); numbers = result%measured%peak_count
-      case ('mode_count'); numbers = result%mode_count
-      case default; numbers = result%status
-      end select
-    end if
+    select case (field%other)     ! by places in other_names
+    case (0); call put_value(result, field%key, numbers)
+    case (1); call copy_matrix(result%response%displacement, numbers)
+    case (2); call copy_matrix(result%response%velocity, numbers)
+    case (3); call copy_matrix(result%amplitude, numbers)
+    case (4); call copy(result%events%kind, no_event, numbers)
+    case (5); numbers = result%measured%peak_count
+    case (6); numbers = result%mode_count
+    case default; numbers = result%status
+    end select
   end subroutine put_field
 
   pure subroutine copy(values, fill, numbers)
     !! Values, and fill behind them.
-    real(dp), intent(in) :: values(:), fill
+    integer, intent(in) :: values(:), fill
     real(dp), intent(out) :: numbers(:)
     integer :: n
     n = min(size(values), size(numbers))

@@ -1,90 +1,160 @@
 module bw_result_values
   !! The values of the table's variables in a case, in SI units.
+  !!
+  !! A sweep asks for them case by case: which value a row names is found out once (`key_of`), and values go straight
+  !! to where they are kept.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
   use bw_case_result, only: case_result
   use bw_double_double, only: dd, sqrt, operator(-)
+  use bw_event, only: event_type
   use bw_measured, only: measured_type
-  use bw_missing, only: missing, is_missing
+  use bw_missing, only: missing
   use bw_modal_flow, only: slow_exponent, turning_square
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
   use bw_result_table, only: variable_row, variable_table
   implicit none (type, external)
   private
-  public :: value_of, named_value
+  public :: key_of, put_value, named_value
+
+  enum, bind(c)
+    !! Whose values they are.
+    enumerator :: of_modes = 1, of_modes_before, of_events, of_peaks, of_errors, of_impact
+  end enum
+
+  type, public :: value_key
+    !! Which value of a case a row of the table names.
+    private
+    integer :: source = 0
+    integer :: what = 0          !! place among the names of its source
+  end type value_key
+
+  character(*), parameter :: modal_names(*) = [character(17) :: 'alpha', 'wavenumber', 'angular_frequency', 'growth_rate', &
+    'modal_mass', 'modal_velocity', 'phase_velocity', 'group_velocity']
+  character(*), parameter :: event_names(*) = [character(15) :: 'event_impulse', 'energy_before', 'energy_after', &
+    'momentum_before', 'momentum_after', 'event_time', 'event_end']
+  character(*), parameter :: measured_names(*) = [character(32) :: 'measured_angular_frequency', &
+    'measured_angular_frequency_error', 'measured_wavenumber', 'measured_wavenumber_error', 'measured_phase_velocity', &
+    'measured_phase_velocity_error', 'measured_group_velocity', 'measured_group_velocity_error']
+  character(*), parameter :: error_names(*) = [character(18) :: 'displacement_error', 'velocity_error']
+  character(*), parameter :: impact_names(*) = [character(32) :: 'velocity_jump', 'impulse', 'mass_velocity', &
+    'tip_velocity', 'critical_angular_velocity', 'critical_angular_velocity_before']
+  character(*), parameter :: before = '_before'
 
 contains
 
-  pure function value_of(result, row) result(values)
-    !! SI values of a variable that `is_held`, (its dimension) or (1).
-    type(case_result), intent(in) :: result
+  pure type(value_key) function key_of(row) result(key)
+    !! Where to look for a variable that `is_held`.
     type(variable_row), intent(in) :: row
-    real(dp), allocatable :: values(:)
-    if (result%mode_count == 0) then
-      ! nothing of the case was found
-      values = spread(missing, 1, merge(result%modes%count, 1, row%dimensions == 'mode'))
-      return
-    end if
     select case (row%dimensions)
-    case ('mode')
-      if (row%name == 'modal_velocity') then
-        values = result%modal_velocity*result%approach_velocity
-      else
-        values = modal_value(result%units, result%modes, row%name)
-      end if
-    case ('mode_before')
-      if (row%name == 'modal_velocity_before') then
-        values = result%impact%modal_velocity*result%approach_velocity
-      else
-        values = modal_value(result%units, result%before, row%name(:index(row%name, '_before') - 1))
-      end if
-    case ('event'); values = event_value(result, row%name)
-    case ('peak'); values = measured_value(result%measured, row%name)
-    case ('point'); values = error_value(result%response, row%name)
-    case default; values = impact_value(result, row%name)
+    case ('mode'); key = value_key(of_modes, place(modal_names, row%name))
+    case ('mode_before'); key = value_key(of_modes_before, place(modal_names, row%name(:index(row%name, before) - 1)))
+    case ('event'); key = value_key(of_events, place(event_names, row%name))
+    case ('peak'); key = value_key(of_peaks, place(measured_names, row%name))
+    case ('point'); key = value_key(of_errors, place(error_names, row%name))
+    case default; key = value_key(of_impact, place(impact_names, row%name))
     end select
-  end function value_of
+  end function key_of
+
+  pure integer function place(names, name)
+    character(*), intent(in) :: names(:), name
+    place = findloc(names == name, .true., dim=1)
+  end function place
+
+  pure subroutine put_value(result, key, values)
+    !! SI values of a variable; fill behind them, and of all of a case of which nothing was found.
+    type(case_result), intent(in) :: result
+    type(value_key), intent(in) :: key
+    real(dp), intent(out), contiguous :: values(:)     !! its dimension, or 1
+    integer :: n
+    n = 0
+    if (result%mode_count > 0) then
+      n = min(value_count(result, key), size(values))
+      select case (key%source)
+      case (of_modes); call put_modal(result, result%modes, result%modal_velocity, key%what, values(:n))
+      case (of_modes_before); call put_modal(result, result%before, result%impact%modal_velocity, key%what, values(:n))
+      case (of_events); call put_event(result, result%events(:n), key%what, values(:n))
+      case (of_peaks); call put_measured(result%measured, key%what, values(:n))
+      case (of_errors); call put_error(result%response, key%what, values(:n))
+      case default; call put_impact(result, key%what, values(:n))
+      end select
+    end if
+    values(n + 1:) = missing
+  end subroutine put_value
+
+  pure integer function value_count(result, key) result(n)
+    !! How many values a case has; none where a history has no estimate.
+    type(case_result), intent(in) :: result
+    type(value_key), intent(in) :: key
+    n = 1
+    select case (key%source)
+    case (of_modes); n = result%modes%count
+    case (of_modes_before); n = result%before%count
+    case (of_events); n = size(result%events)
+    case (of_peaks); n = size(result%measured%angular_frequency)
+    case (of_errors)
+      n = 0
+      if (key%what == 1 .and. allocated(result%response%displacement_error)) n = size(result%response%displacement_error)
+      if (key%what == 2 .and. allocated(result%response%velocity_error)) n = size(result%response%velocity_error)
+    case default
+      if (key%what == 1) n = size(result%velocity_jump)
+    end select
+  end function value_count
 
   pure function named_value(result, name) result(values)
-    !! `value_of` by the name of the variable.
+    !! SI values of a variable by its name, (its dimension) or (1).
     type(case_result), intent(in) :: result
-    character(*), intent(in) :: name              !! a name of the table
+    character(*), intent(in) :: name              !! a name of the table, held by the scene's result
     real(dp), allocatable :: values(:)
     type(variable_row), allocatable :: table(:)
+    type(value_key) :: key
+    integer :: n
     table = variable_table()
-    values = value_of(result, table(findloc(table%name == name, .true., dim=1)))
+    key = key_of(table(findloc(table%name == name, .true., dim=1)))
+    n = merge(result%modes%count, 1, key%source == of_modes)
+    if (result%mode_count > 0) n = value_count(result, key)
+    allocate (values(n))
+    call put_value(result, key, values)
   end function named_value
 
-  pure function modal_value(units, modes, name) result(values)
-    type(beam_units), intent(in) :: units
-    class(mode_set), intent(in) :: modes
-    character(*), intent(in) :: name
-    real(dp), allocatable :: values(:)
-    select case (name)
-    case ('alpha'); values = modes%alpha
-    case ('wavenumber'); values = modes%alpha/units%length
-    case ('angular_frequency'); values = scaled(turning_frequency(modes), units%frequency)
-    case ('growth_rate'); values = growth_rate(modes)*units%frequency
-    case ('modal_mass'); values = modes%modal_mass*units%mass
-    case ('phase_velocity'); values = scaled(modes%phase_velocity, units%velocity)
-    case default; values = scaled(modes%group_velocity, units%velocity)
-    end select
-  end function modal_value
-
-  pure function impact_value(result, name) result(values)
+  pure subroutine put_modal(result, modes, modal_velocity, what, values)
     type(case_result), intent(in) :: result
-    character(*), intent(in) :: name
-    real(dp), allocatable :: values(:)
-    select case (name)
-    case ('velocity_jump'); values = result%velocity_jump*result%approach_velocity
-    case ('impulse'); values = [result%impact%impulse*(result%units%mass*result%approach_velocity)]
-    case ('mass_velocity'); values = [result%impact%mass_velocity*result%approach_velocity]
-    case ('tip_velocity'); values = [result%impact%tip_velocity*result%approach_velocity]
-    case ('critical_angular_velocity'); values = [critical_speed(result, result%modes)]
-    case default; values = [critical_speed(result, result%before)]
-    end select
-  end function impact_value
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: modal_velocity(:)     !! of these modes, in V; absent: nothing strikes the beam
+    integer, intent(in) :: what
+    real(dp), intent(out), contiguous :: values(:)
+    integer :: n
+    n = size(values)
+    associate (units => result%units)
+      select case (what)          ! by places in modal_names
+      case (1); values = modes%alpha(:n)
+      case (2); values = modes%alpha(:n)/units%length
+      case (3); call put_frequency(modes, units%frequency, values)
+      case (4); call put_growth_rate(modes, units%frequency, values)
+      case (5); values = modes%modal_mass(:n)*units%mass
+      case (6); values = modal_velocity(:n)*result%approach_velocity
+      case (7); values = scaled(modes%phase_velocity(:n), units%velocity)
+      case default; values = scaled(modes%group_velocity(:n), units%velocity)
+      end select
+    end associate
+  end subroutine put_modal
+
+  pure subroutine put_impact(result, what, values)
+    type(case_result), intent(in) :: result
+    integer, intent(in) :: what
+    real(dp), intent(out), contiguous :: values(:)
+    associate (speed => result%approach_velocity)
+      select case (what)          ! by places in impact_names
+      case (1); values = result%velocity_jump(:size(values))*speed
+      case (2); values = result%impact%impulse*(result%units%mass*speed)
+      case (3); values = result%impact%mass_velocity*speed
+      case (4); values = result%impact%tip_velocity*speed
+      case (5); values = critical_speed(result, result%modes)
+      case default; values = critical_speed(result, result%before)
+      end select
+    end associate
+  end subroutine put_impact
 
   pure real(dp) function critical_speed(result, modes) result(speed)
     !! rad/s; missing where rotation does not act in the plane of the motion.
@@ -94,82 +164,96 @@ contains
     if (result%can_grow) speed = modes%critical_speed%hi*result%units%frequency
   end function critical_speed
 
-  pure function event_value(result, name) result(values)
+  pure subroutine put_event(result, events, what, values)
     type(case_result), intent(in) :: result
-    character(*), intent(in) :: name
-    real(dp), allocatable :: values(:)
+    type(event_type), intent(in) :: events(:)
+    integer, intent(in) :: what
+    real(dp), intent(out), contiguous :: values(:)
     real(dp) :: momentum, energy
     momentum = result%units%mass*result%approach_velocity
     energy = momentum*result%approach_velocity
-    associate (events => result%events)
-      select case (name)
-      case ('event_impulse'); values = events%impulse*momentum
-      case ('energy_before'); values = events%energy_before*energy
-      case ('energy_after'); values = events%energy_after*energy
-      case ('momentum_before'); values = events%momentum_before*momentum
-      case ('momentum_after'); values = events%momentum_after*momentum
-      case ('event_time'); values = events%time
-      case default; values = events%end_time
-      end select
-    end associate
-  end function event_value
-
-  pure function error_value(response, name) result(values)
-    !! Empty where a history has no estimate.
-    type(response_type), intent(in) :: response
-    character(*), intent(in) :: name
-    real(dp), allocatable :: values(:)
-    allocate (values(0))
-    if (name == 'displacement_error' .and. allocated(response%displacement_error)) values = response%displacement_error
-    if (name == 'velocity_error' .and. allocated(response%velocity_error)) values = response%velocity_error
-  end function error_value
-
-  pure function measured_value(measured, name) result(values)
-    type(measured_type), intent(in) :: measured
-    character(*), intent(in) :: name
-    real(dp), allocatable :: values(:)
-    select case (name)
-    case ('measured_angular_frequency'); values = measured%angular_frequency
-    case ('measured_angular_frequency_error'); values = measured%angular_frequency_error
-    case ('measured_wavenumber'); values = measured%wavenumber
-    case ('measured_wavenumber_error'); values = measured%wavenumber_error
-    case ('measured_phase_velocity'); values = measured%phase_velocity
-    case ('measured_phase_velocity_error'); values = measured%phase_velocity_error
-    case ('measured_group_velocity'); values = measured%group_velocity
-    case default; values = measured%group_velocity_error
+    select case (what)          ! by places in event_names
+    case (1); values = events%impulse*momentum
+    case (2); values = events%energy_before*energy
+    case (3); values = events%energy_after*energy
+    case (4); values = events%momentum_before*momentum
+    case (5); values = events%momentum_after*momentum
+    case (6); values = events%time
+    case default; values = events%end_time
     end select
-  end function measured_value
+  end subroutine put_event
+
+  pure subroutine put_error(response, what, values)
+    type(response_type), intent(in) :: response
+    integer, intent(in) :: what
+    real(dp), intent(out), contiguous :: values(:)
+    if (size(values) == 0) return
+    if (what == 1) then           ! by places in error_names
+      values = response%displacement_error(:size(values))
+    else
+      values = response%velocity_error(:size(values))
+    end if
+  end subroutine put_error
+
+  pure subroutine put_measured(measured, what, values)
+    type(measured_type), intent(in) :: measured
+    integer, intent(in) :: what
+    real(dp), intent(out), contiguous :: values(:)
+    integer :: n
+    n = size(values)
+    select case (what)          ! by places in measured_names
+    case (1); values = measured%angular_frequency(:n)
+    case (2); values = measured%angular_frequency_error(:n)
+    case (3); values = measured%wavenumber(:n)
+    case (4); values = measured%wavenumber_error(:n)
+    case (5); values = measured%phase_velocity(:n)
+    case (6); values = measured%phase_velocity_error(:n)
+    case (7); values = measured%group_velocity(:n)
+    case default; values = measured%group_velocity_error(:n)
+    end select
+  end subroutine put_measured
 
   elemental real(dp) function scaled(value, unit)
     !! What does not exist stays missing.
     real(dp), intent(in) :: value, unit
     scaled = missing
-    if (.not. is_missing(value)) scaled = value*unit
+    if (value /= missing) scaled = value*unit
   end function scaled
 
-  pure function turning_frequency(modes) result(values)
+  pure subroutine put_frequency(modes, unit, values)
     !! √(β² − c²/4) where it is real, 0 at the critical speed.
     class(mode_set), intent(in) :: modes
-    real(dp) :: values(modes%count)
+    real(dp), intent(in) :: unit
+    real(dp), intent(out), contiguous :: values(:)
     if (allocated(modes%damping)) then
-      values = frequency_of(turning_square(modes%beta_squared, modes%damping))
+      values = scaled(frequency_of(turning_square(modes%beta_squared, modes%damping)), unit)
     else
-      values = frequency_of(modes%beta_squared)
+      values = scaled(frequency_of(modes%beta_squared), unit)
     end if
-  end function turning_frequency
+  end subroutine put_frequency
 
-  pure function growth_rate(modes) result(values)
+  pure subroutine put_growth_rate(modes, unit, values)
     !! The real part of the slower eigenvalue; of undamped modes |β| where β² < 0, and 0 elsewhere.
     class(mode_set), intent(in) :: modes
-    real(dp) :: values(modes%count)
-    type(dd) :: rate(modes%count)
+    real(dp), intent(in) :: unit
+    real(dp), intent(out), contiguous :: values(:)
     if (allocated(modes%damping)) then
-      rate = slow_exponent(modes%beta_squared, modes%damping)
+      associate (rate => slow_exponent(modes%beta_squared, modes%damping))
+        values = rate%hi*unit
+      end associate
     else
-      rate = sqrt(-modes%beta_squared)        ! 0 of a negative number
+      values = growth_of(modes%beta_squared)*unit
     end if
-    values = rate%hi
-  end function growth_rate
+  end subroutine put_growth_rate
+
+  elemental real(dp) function growth_of(square) result(rate)
+    type(dd), intent(in) :: square
+    type(dd) :: root
+    rate = 0.0_dp
+    if (square%hi >= 0.0_dp) return
+    root = sqrt(-square)
+    rate = root%hi
+  end function growth_of
 
   elemental real(dp) function frequency_of(square) result(beta)
     type(dd), intent(in) :: square
