@@ -1,6 +1,7 @@
 module bw_scene_cases
   !! The cases of a scene with sweeps: the product of their values, the first sweep varying slowest.
   use bw_error, only: error_type, fail, status_bad_input, status_fault
+  use bw_input_values, only: input_value
   use bw_kinds, only: i8
   use bw_scene, only: build_scene, scene_type
   use bw_scene_checks, only: settle_groups
@@ -42,7 +43,7 @@ contains
     !! The scene of one case, checked, without sweeps. Cheap: nothing is read again.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
-    type(scene_type), intent(out) :: one
+    type(scene_type), intent(inout) :: one        !! empty, or another case of this scene, which is turned into this one
     type(error_type), allocatable, intent(out) :: error
       !! `status_bad_input` where this combination of values makes no sense
     type(message_list) :: messages
@@ -59,24 +60,39 @@ contains
     !! Put the values of one case in their places.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: positions(:)           !! (n_sweeps)
-    type(scene_type), intent(out) :: one
+    type(scene_type), intent(inout) :: one        !! as that of `case_scene`
     type(message_list), intent(inout) :: messages
-    integer :: g, v
-    one%file = scene%file
-    one%name = scene%name
-    one%groups = scene%groups
-    allocate (one%sweeps(0))
+    integer :: g
+    if (.not. allocated(one%groups)) then
+      one%file = scene%file
+      one%name = scene%name
+      one%groups = scene%groups
+      allocate (one%sweeps(0))
+    end if
     do g = 1, size(one%groups)
-      do v = 1, size(one%groups(g)%values)
-        associate (value => one%groups(g)%values(v))
-          if (value%sweep == 0) cycle
-          value%number = scene%sweeps(value%sweep)%values(positions(value%sweep))
-          value%sweep = 0
-        end associate
-      end do
+      call take_values(scene, scene%groups(g)%values, positions, one%groups(g)%values)
     end do
     call complete(one, messages)
   end subroutine take_case
+
+  pure subroutine take_values(scene, given, positions, values)
+    !! The numbers of a group, as they were before any was settled. Texts and lists are those of all cases.
+    type(scene_type), intent(in) :: scene
+    type(input_value), intent(in) :: given(:)     !! of all cases
+    integer, intent(in) :: positions(:)
+    type(input_value), intent(inout) :: values(:)
+    integer :: v
+    do v = 1, size(values)
+      values(v)%known = given(v)%known
+      values(v)%redundant = given(v)%redundant
+      values(v)%sweep = 0
+      if (given(v)%sweep == 0) then
+        values(v)%number = given(v)%number
+      else
+        values(v)%number = scene%sweeps(given(v)%sweep)%values(positions(given(v)%sweep))
+      end if
+    end do
+  end subroutine take_values
 
   pure subroutine complete(scene, messages)
     !! From checked values to the components of a scene; report what does not fit together.

@@ -60,6 +60,7 @@ contains
     type(crew_monitor) :: monitor
     type(case_keeper) :: keeper
     type(kept_work) :: kept
+    type(scene_type) :: one
     integer(i8) :: first, last, i
     monitor%progress => progress
     monitor%crew => crew
@@ -71,7 +72,7 @@ contains
       call crew%next(first, last)
       if (first > last) exit
       do i = first, last
-        call run_one(scene, layout, i, monitor, keeper, kept, watch, error)
+        call run_one(scene, layout, i, one, monitor, keeper, kept, watch, error)
         if (allocated(error)) call crew%stop()
         if (monitor%stop_requested()) exit
       end do
@@ -81,18 +82,18 @@ contains
     done = monitor%done
   end subroutine run_cases
 
-  subroutine run_one(scene, layout, i, monitor, keeper, kept, watch, error)
+  subroutine run_one(scene, layout, i, one, monitor, keeper, kept, watch, error)
     !! One case into the journal, unless it is stopped on the way.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: i
+    type(scene_type), intent(inout) :: one       !! the case before this one
     type(crew_monitor), intent(inout) :: monitor
     type(case_keeper), intent(inout) :: keeper
     type(kept_work), intent(inout) :: kept
     type(stopwatch), intent(inout) :: watch
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
-    type(scene_type) :: one
     logical :: whole
     if (monitor%stop_requested()) return
     call case_scene(scene, i, one, error)
