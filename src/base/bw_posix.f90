@@ -1,13 +1,12 @@
 module bw_posix
   !! The few calls of the operating system that Fortran lacks.
-  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_loc, c_null_char, c_null_funptr, c_null_ptr, c_funptr, &
+  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_null_funptr, c_null_ptr, c_funptr, &
     c_ptr, c_size_t
-  use bw_kinds, only: i8
   use bw_text, only: string
   implicit none (type, external)
   private
   public :: make_directory, rename_file, remove_file, remove_directory, is_terminal, file_exists, is_directory, files_in
-  public :: write_text, lock_file, new_file, write_words, close_descriptor, pause
+  public :: write_text, lock_file, close_descriptor, pause
 
   integer(c_int), parameter, public :: standard_output = 1, standard_error = 2
   integer(c_int), parameter :: f_ok = 0
@@ -49,13 +48,6 @@ module bw_posix
       character(c_char), intent(in) :: bytes(*)
       integer(c_size_t), value :: count
     end function c_write
-    integer(c_size_t) function c_write_words(descriptor, words, count) bind(c, name='write')
-      import :: c_int, c_ptr, c_size_t
-      implicit none (type, external)
-      integer(c_int), value :: descriptor
-      type(c_ptr), value :: words
-      integer(c_size_t), value :: count
-    end function c_write_words
     integer(c_int) function c_usleep(microseconds) bind(c, name='usleep')
       import :: c_int
       implicit none (type, external)
@@ -127,29 +119,6 @@ contains
       first = first + int(count)
     end do
   end function write_text
-
-  integer function new_file(path) result(descriptor)
-    !! An empty file, open for `write_words`; -1 where it cannot be made.
-    character(*), intent(in) :: path
-    descriptor = c_creat(path//c_null_char, int(o'666', c_int))     ! less the caller's umask
-  end function new_file
-
-  logical function write_words(descriptor, words) result(written)
-    !! Write to an open descriptor, at once and whole: what is written survives the process.
-    integer, intent(in) :: descriptor           !! of `new_file`
-    integer(i8), intent(in), contiguous, target :: words(:)
-    integer(i8) :: first
-    integer(c_size_t) :: bytes, count
-    bytes = 8*size(words, kind=c_size_t)
-    first = 1
-    count = c_write_words(int(descriptor, c_int), c_loc(words), bytes)
-    do while (count > 0 .and. count < bytes .and. mod(count, 8_c_size_t) == 0)     ! a very long write, or a disk filling up
-      first = first + count/8
-      bytes = bytes - count
-      count = c_write_words(int(descriptor, c_int), c_loc(words(first)), bytes)
-    end do
-    written = count == bytes
-  end function write_words
 
   subroutine close_descriptor(descriptor)
     !! Close a file, or give a lock back.

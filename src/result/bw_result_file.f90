@@ -1,7 +1,8 @@
 module bw_result_file
   !! The result of a scene: one NetCDF-4 file. Every number of every case is written once, by blocks of cases.
   use bw_kinds, only: dp, i4, i8
-  use bw_case_fields, only: case_field, case_length, fields_of, put_field
+  use bw_case_fields, only: case_field, fields_of, put_field
+  use bw_case_block, only: case_block
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_late_values, only: late_values
@@ -80,17 +81,16 @@ contains
     end do
   end subroutine put_case
 
-  subroutine put_cases(self, first, numbers, error)
+  subroutine put_cases(self, first, block, error)
     !! Consecutive cases of a sweep.
     class(result_file), intent(in) :: self
     integer(i8), intent(in) :: first                      !! number of the first of them
-    real(dp), intent(in), contiguous :: numbers(:, :)     !! (case_length, cases)
-    type(error_type), allocatable, intent(out) :: error
+    type(case_block), intent(in) :: block
+    type(error_type), allocatable, intent(inout) :: error
     integer :: i
     do i = 1, size(self%fields)
-      associate (field => self%fields(i))
-        call put_variable(self, i, first, size(numbers, 2), &
-                          numbers(field%first:field%first + field%length - 1, :), error)
+      associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%held)
+        call put_variable(self, i, first, block%held, block%numbers(begin:begin + length - 1), error)
       end associate
     end do
   end subroutine put_cases

@@ -3,8 +3,9 @@ module bw_case_journal
   !! the process, however that ends. A journal is written by one process and never changed afterwards; only its last
   !! record can be torn. The first record holds no case but the text of the work that the journal belongs to.
   use bw_kinds, only: dp, i8
-  use bw_posix, only: close_descriptor, new_file, write_words
+  use bw_posix, only: close_descriptor
   use bw_text, only: append, string
+  use bw_word_file, only: new_file, open_for_reading, read_words, words_in_file, write_words
   implicit none (type, external)
   private
 
@@ -24,10 +25,11 @@ module bw_case_journal
 
   type, public :: journal_reader
     private
-    integer :: unit = -1
-    integer(i8) :: position = 1                             !! of the next record, bytes
-    integer(i8) :: size = 0                                 !! of the file, bytes
+    integer :: descriptor = -1
+    integer(i8) :: position = 1                             !! of the next record, in words
+    integer(i8) :: size = 0                                 !! of the file when it was looked at last, words
     integer(i8) :: header(header_length) = 0                !! of the record at hand
+    integer(i8), allocatable :: body(:)                     !! of that record, kept from case to case
   contains
     procedure :: open => open_reader
     procedure :: next
@@ -64,10 +66,7 @@ contains
     end do
     n = size(numbers, kind=i8)
     words = n + words_of(len(text, i8))
-    if (allocated(self%record)) then
-      if (size(self%record, kind=i8) < header_length + words) deallocate (self%record)
-    end if
-    if (.not. allocated(self%record)) allocate (self%record(header_length + words))
+    call make_room(self%record, header_length + words)
     associate (body => self%record(header_length + 1:header_length + words))
       body(:n) = transfer(numbers, body, n)
       body(n + 1:) = transfer(text//repeat(' ', word), body, words - n)
@@ -76,6 +75,17 @@ contains
     self%record(header_length) = iparity(self%record(2:header_length + words))
     done = write_words(self%descriptor, self%record(:header_length + words))
   end function put
+
+  pure subroutine make_room(words, least)
+    !! Room for so many words at least, whose values mean nothing.
+    integer(i8), allocatable, intent(inout) :: words(:)
+    integer(i8), intent(in) :: least
+    if (allocated(words)) then
+      if (size(words, kind=i8) >= least) return
+      deallocate (words)
+    end if
+    allocate (words(least))
+  end subroutine make_room
 
   pure integer(i8) function words_of(letters)
     !! How many words hold so many letters.
@@ -97,12 +107,11 @@ contains
     type(string), allocatable :: notes(:)
     real(dp) :: nothing(0)
     integer(i8) :: index
-    integer :: stat
     same = .false.
-    open (newunit=self%unit, file=path, status='old', action='read', access='stream', form='unformatted', iostat=stat)
-    if (stat /= 0) return
+    self%descriptor = open_for_reading(path)
+    if (self%descriptor < 0) return
     self%position = 1
-    inquire (unit=self%unit, size=self%size)
+    self%size = 0
     if (self%next(index)) same = index == 0 .and. self%header(3) == 0
     if (same) same = self%take(nothing, notes)
     if (same) same = text_of_lines(notes) == work//new_line('a')
@@ -110,23 +119,24 @@ contains
   end function open_reader
 
   logical function next(self, index) result(found)
-    !! Go to the next whole record.
+    !! Go to the next record that is whole by now.
     class(journal_reader), intent(inout) :: self
     integer(i8), intent(out) :: index                       !! of its case
-    integer(i8) :: length
-    integer :: stat
+    integer(i8) :: header(header_length), length
     index = 0
     found = .false.
-    if (self%position + word*header_length > self%size + 1) return
-    read (self%unit, pos=self%position, iostat=stat) self%header
-    if (stat /= 0) return
-    if (self%header(1) /= mark .or. any(self%header(2:4) < 0)) return
-    if (any(self%header(3:4) > self%size)) return           ! so that the next line cannot overflow
-    length = word*(header_length + self%header(3) + words_of(self%header(4)))
+    if (self%position + header_length > self%size + 1) self%size = words_in_file(self%descriptor)
+    if (self%position + header_length > self%size + 1) return
+    if (.not. read_words(self%descriptor, self%position, header)) return
+    if (header(1) /= mark .or. any(header(2:4) < 0)) return
+    if (any(header(3:4) > word*self%size)) return           ! so that the next line cannot overflow
+    length = header_length + header(3) + words_of(header(4))
+    if (self%position + length > self%size + 1) self%size = words_in_file(self%descriptor)
     found = self%position + length <= self%size + 1
     if (.not. found) return
     self%position = self%position + length
-    index = self%header(2)
+    self%header = header
+    index = header(2)
   end function next
 
   logical function take(self, numbers, notes) result(sound)
@@ -134,19 +144,18 @@ contains
     class(journal_reader), intent(inout) :: self
     real(dp), intent(out) :: numbers(:)
     type(string), allocatable, intent(out) :: notes(:)
-    integer(i8), allocatable :: text(:)
-    integer(i8) :: parity
-    integer :: stat
+    integer(i8) :: n, words
     allocate (notes(0))
-    sound = size(numbers, kind=i8) == self%header(3)
+    n = self%header(3)
+    sound = size(numbers, kind=i8) == n
     if (.not. sound) return
-    allocate (text(words_of(self%header(4))))
-    read (self%unit, pos=self%position - word*(self%header(3) + size(text)), iostat=stat) numbers, text
-    sound = stat == 0
+    words = n + words_of(self%header(4))
+    call make_room(self%body, words)
+    sound = read_words(self%descriptor, self%position - words, self%body(:words))
+    if (sound) sound = ieor(iparity(self%header(2:)), iparity(self%body(:words))) == 0
     if (.not. sound) return
-    parity = ieor(iparity(self%header(2:)), ieor(iparity(transfer(numbers, parity, size(numbers))), iparity(text)))
-    sound = parity == 0
-    if (sound .and. size(text) > 0) call split(text_of_words(text, self%header(4)), notes)
+    numbers = transfer(self%body(:n), numbers, n)
+    if (words > n) call split(text_of_words(self%body(n + 1:words), self%header(4)), notes)
   end function take
 
   pure function text_of_words(words, length) result(text)
@@ -182,8 +191,8 @@ contains
 
   subroutine close_reader(self)
     class(journal_reader), intent(inout) :: self
-    integer :: stat
-    close (self%unit, iostat=stat)
+    call close_descriptor(self%descriptor)
+    self%descriptor = -1
   end subroutine close_reader
 
 end module bw_case_journal

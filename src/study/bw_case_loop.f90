@@ -1,5 +1,6 @@
 module bw_case_loop
   !! The cases of a sweep, done by one of the processes that share them and kept in its journal.
+  use bw_assembly, only: assembly_type
   use bw_case_fields, only: case_field, case_length, fields_of, put_all_fields
   use bw_case_journal, only: journal_writer
   use bw_case_result, only: case_result
@@ -46,7 +47,7 @@ module bw_case_loop
 
 contains
 
-  subroutine run_cases(scene, layout, path, work, crew, progress, watch, done, error)
+  subroutine run_cases(scene, layout, path, work, crew, progress, watch, done, error, assembly)
     !! Do cases as long as there are any. The caller has called `crew%begin` and calls `crew%end`.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -57,6 +58,7 @@ contains
     type(stopwatch), intent(inout) :: watch
     integer(i8), intent(out) :: done             !! cases done, by this process and by those that told it so far
     type(error_type), allocatable, intent(out) :: error
+    type(assembly_type), intent(inout), optional :: assembly   !! of the leader: the result under way
     type(crew_monitor) :: monitor
     type(case_keeper) :: keeper
     type(kept_work) :: kept
@@ -72,17 +74,30 @@ contains
       call crew%next(first, last)
       if (first > last) exit
       do i = first, last
-        call run_one(scene, layout, i, one, monitor, keeper, kept, watch, error)
+        call run_one(scene, layout, i, one, monitor, keeper, kept, watch, error, assembly)
         if (allocated(error)) call crew%stop()
         if (monitor%stop_requested()) exit
       end do
       call monitor%listen()
+      if (present(assembly)) call follow_others(assembly, monitor, watch, error)
+      if (allocated(error)) call crew%stop()
     end do
     call keeper%journal%close()
     done = monitor%done
   end subroutine run_cases
 
-  subroutine run_one(scene, layout, i, one, monitor, keeper, kept, watch, error)
+  subroutine follow_others(assembly, monitor, watch, error)
+    !! What the others have done goes into the result while they do more.
+    type(assembly_type), intent(inout) :: assembly
+    type(crew_monitor), intent(inout) :: monitor
+    type(stopwatch), intent(inout) :: watch
+    type(error_type), allocatable, intent(inout) :: error
+    call watch%start()
+    call assembly%follow(error, monitor)
+    call watch%lap(stage_write)
+  end subroutine follow_others
+
+  subroutine run_one(scene, layout, i, one, monitor, keeper, kept, watch, error, assembly)
     !! One case into the journal, unless it is stopped on the way.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -93,6 +108,7 @@ contains
     type(kept_work), intent(inout) :: kept
     type(stopwatch), intent(inout) :: watch
     type(error_type), allocatable, intent(out) :: error
+    type(assembly_type), intent(inout), optional :: assembly
     type(case_result) :: result
     logical :: whole
     if (monitor%stop_requested()) return
@@ -102,9 +118,10 @@ contains
     if (.not. whole) return
     call keeper%keep(i, result, error)
     if (allocated(error)) return
-    call watch%lap(stage_write)
     call monitor%crew%case_done()
     monitor%done = monitor%done + 1
+    if (present(assembly)) call assembly%take(i, keeper%numbers, result%notes, error)
+    call watch%lap(stage_write)
     call monitor%progress%cases_done(1_i8)
   end subroutine run_one
 

@@ -1,6 +1,6 @@
 module bw_run_sweep
   !! A sweep: its cases are shared by all processes of a crew, and the leader puts the result together.
-  use bw_assembly, only: assemble, assembly_type
+  use bw_assembly, only: assembly_type
   use bw_case_loop, only: run_cases
   use bw_case_queue, only: case_queue, queue_of
   use bw_crew, only: crew_type
@@ -42,31 +42,41 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(sweep_state) :: state
     type(stopwatch) :: watch
+    type(assembly_type), allocatable :: assembly      ! of the leader
     integer :: number
     number = 0
-    if (crew%leads()) call take_up(layout, unfinished, state, number, error)
+    if (crew%leads()) then
+      allocate (assembly)
+      call take_up(scene, layout, unfinished, crew%processes, state, assembly, number, error)
+    end if
     call crew%agree(number)
+    if (number == 0 .and. crew%leads()) call unfinished%release()
     if (number == 0) return
     if (crew%leads()) call progress%begin(scene%name, state%cases, state%taken_over)
-    call work(scene, layout, unfinished%journal(number + crew%number), unfinished%work, crew, progress, state, watch, error)
+    call work(scene, layout, unfinished%journal(number + crew%number), unfinished%work, crew, progress, state, watch, error, &
+              assembly)
     if (.not. crew%leads()) return
     call progress%end()
+    if (allocated(error) .or. state%finished < state%cases) call assembly%abandon(unfinished)
     if (allocated(error)) then
       error%message = error%message//new_line('a')//outcome%file//': '//text_of(state%finished)//' of '// &
         text_of(state%cases)//' cases are saved; the same command goes on from there'
     else if (state%finished < state%cases) then
       call outcome%set_stopped(state%finished, state%cases)
     else
-      call complete(scene, layout, unfinished, state, crew%processes, watch, outcome, error)
+      call complete(scene, layout, unfinished, state, crew%processes, watch, assembly, outcome, error)
     end if
     call unfinished%release()
   end subroutine run_sweep
 
-  subroutine take_up(layout, unfinished, state, number, error)
-    !! What is finished already, what is left to do, and the number of the first new journal.
+  subroutine take_up(scene, layout, unfinished, processes, state, assembly, number, error)
+    !! What is finished already, what is left to do, the number of the first new journal, and a result without cases.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(unfinished_work), intent(inout) :: unfinished
+    integer, intent(in) :: processes
     type(sweep_state), intent(inout) :: state
+    type(assembly_type), intent(inout) :: assembly
     integer, intent(inout) :: number
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: done(:)
@@ -74,6 +84,8 @@ contains
     if (allocated(error)) return
     allocate (done(layout%cases), source=0_i1)
     call unfinished%survey(done, state%discarded)
+    call assembly%begin(scene, layout, unfinished, unfinished%next_number(), processes, error)
+    if (allocated(error)) return
     number = unfinished%next_number()
     state%queue = queue_of(done)
     state%cases = layout%cases
@@ -82,7 +94,7 @@ contains
     state%began = wall_seconds()
   end subroutine take_up
 
-  subroutine work(scene, layout, path, text, crew, progress, state, watch, error)
+  subroutine work(scene, layout, path, text, crew, progress, state, watch, error, assembly)
     !! All cases that are left, unless they are stopped.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -93,10 +105,11 @@ contains
     type(sweep_state), intent(inout) :: state
     type(stopwatch), intent(inout) :: watch
     type(error_type), allocatable, intent(out) :: error
+    type(assembly_type), intent(inout), optional :: assembly
     integer(i8) :: done
     real(dp), allocatable :: totals(:)
     call crew%begin(state%queue)
-    call run_cases(scene, layout, path, text, crew, progress, watch, done, error)
+    call run_cases(scene, layout, path, text, crew, progress, watch, done, error, assembly)
     state%finished = state%finished + done
     totals = watch%totals()
     call crew%end(totals, error)
@@ -105,7 +118,7 @@ contains
     state%finished = state%finished + done
   end subroutine work
 
-  subroutine complete(scene, layout, unfinished, state, processes, watch, outcome, error)
+  subroutine complete(scene, layout, unfinished, state, processes, watch, assembly, outcome, error)
     !! The result under its final name.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -113,11 +126,12 @@ contains
     type(sweep_state), intent(in) :: state
     integer, intent(in) :: processes
     type(stopwatch), intent(inout) :: watch
+    type(assembly_type), intent(inout) :: assembly
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
-    type(assembly_type) :: assembly
     call watch%start()
-    call assemble(scene, layout, unfinished, assembly, error)
+    call assembly%complete(unfinished, error)
+    if (allocated(error)) call assembly%abandon(unfinished)
     if (allocated(error)) return
     call outcome%set_notes(assembly%notes, layout, assembly%not_trusted)
     call watch%lap(stage_write)
