@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 PROJECT = Path(__file__).parents[2]
-BENCHES = ("peers", "growth")
+BENCHES = ("peers", "growth", "effects")
 sys.path.insert(0, str(PROJECT / "bench"))
 
 
@@ -87,3 +87,13 @@ def test_a_small_throughput_measures_every_part(program):
     assert ended.returncode == 0, ended.stderr
     for part in ["numpy loop", "very small cases", "`beamwave check` expects"]:
         assert part in ended.stdout
+
+
+def test_effects_are_counted_or_said_not_to_be(small_run):
+    _, measured, output = small_run("effects")
+    paper, shear = measured["rows"]
+    assert (paper["method"], shear["method"]) == ("closed form", "galerkin")
+    if paper["instructions"] is None:  # no valgrind, or it does not know the instructions of this build
+        assert "| – " in (output / "numbers.md").read_text()
+    else:
+        assert 0 < paper["instructions"] < shear["instructions"]
