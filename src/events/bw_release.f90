@@ -14,6 +14,15 @@ module bw_release
   private
   public :: release_mass, mass_energy
 
+  type, public :: tip_rest
+    !! Of infinitely many modes at the release: what those that are not there add. Units of bw_course.
+    integer :: count = 0                         !! modes that were looked at
+    real(dp) :: displacement = 0.0_dp            !! of the tip, by those of them that are not there
+    real(dp) :: velocity = 0.0_dp
+    real(dp) :: uncertainty = 0.0_dp             !! of that velocity, by modes that were not looked at
+    real(dp) :: energy = 0.0_dp                  !! of beam and body, by all modes
+  end type tip_rest
+
   type, public :: release_type
     !! The state just after the release; units of bw_course.
     real(dp), allocatable :: q(:), rate(:)       !! of the beam alone, (modes)
@@ -25,17 +34,27 @@ module bw_release
 
 contains
 
-  pure type(release_type) function release_mass(loaded, q, rate, free, speed) result(release)
+  pure type(release_type) function release_mass(loaded, q, rate, free, speed, rest) result(release)
+    !! Displacement and velocity of the beam go on as they were, the mass leaves with the tip's velocity. Where modes far
+    !! above those of the beam alone are not there, all of them together are the blow −γφ_i(1) times what they add at the
+    !! tip (bw_tip_rest).
     class(mode_set), intent(in) :: loaded        !! modes of beam and mass
     real(dp), intent(in) :: q(:), rate(:)        !! their state
     class(mode_set), intent(in) :: free          !! modes of the beam alone
     real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
+    type(tip_rest), intent(in), optional :: rest !! absent: the modes are what there is, however few
     real(dp) :: tip_displacement, tip_velocity, body(2)
     tip_displacement = dot_product(loaded%tip, q)
     tip_velocity = dot_product(loaded%tip, rate)
     allocate (release%q(free%count), release%rate(free%count))
     release%q = free%overlap_of_beam(loaded, q)/free%modal_mass
     release%rate = free%overlap_of_beam(loaded, rate)/free%modal_mass
+    if (present(rest)) then
+      release%q = release%q - loaded%gamma*rest%displacement*free%tip/free%modal_mass
+      release%rate = release%rate - loaded%gamma*rest%velocity*free%tip/free%modal_mass
+      tip_displacement = tip_displacement + rest%displacement
+      tip_velocity = tip_velocity + rest%velocity
+    end if
     body = loaded%body_energy(q, rate)
     release%energy_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, speed) + sum(body)
     release%kinetic_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, 0.0_dp) + body(1)
@@ -43,6 +62,10 @@ contains
       event%kind = release_event
       event%energy_before = beam_energy(loaded, q, rate)
       event%energy_after = beam_energy(free, release%q, release%rate) + release%energy_leaving
+      if (present(rest)) then                    ! infinitely many modes of the beam alone hold what is not leaving
+        event%energy_before = rest%energy
+        event%energy_after = rest%energy
+      end if
       event%momentum_before = dot_product(first_seen(loaded, free), rate)/free%tip(1)
       event%momentum_after = free%modal_mass(1)*release%rate(1)/free%tip(1) + loaded%gamma*tip_velocity
       release%energy_lost = event%energy_before - event%energy_after

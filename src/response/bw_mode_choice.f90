@@ -4,14 +4,19 @@ module bw_mode_choice
   !! The estimated error falls nearly as a power of their number, but for a plateau where the mass is light. So a straight
   !! line through the logarithms of two tries finds the next one: each try samples some hundred modes, and three or four
   !! are cheaper than a bisection.
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_source
+  use bw_reach, only: stretch_type
+  use bw_release_error, only: release_tail
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
   public :: modes_for
 
   integer, parameter, public :: most_modes = 10000000
+  integer, parameter, public :: most_released = 10000
+    !! modes that a state is handed on to when the mass leaves, each from each: the square of their number, some seconds
   real(dp), parameter :: aim = 0.93_dp          !! of the bound, for the next try
   real(dp), parameter :: near = 0.85_dp         !! of the bound, tuned: no try follows; 6 % of the modes are one too many
   integer, parameter :: fineness = 32           !! as near as the modes that are sampled tell
@@ -25,23 +30,32 @@ module bw_mode_choice
 
 contains
 
-  subroutine modes_for(bound, fewest, source, force, points, longest, samples, count, reached)
-    !! The least number of modes, nearly, whose estimated truncation error is within a bound at every point.
+  subroutine modes_for(bound, fewest, source, force, points, longest, samples, count, reached, alone, released)
+    !! The least number of modes, nearly, whose estimated truncation error is within a bound at every point. After a
+    !! release they are those of the beam alone.
     real(dp), intent(in) :: bound             !! of the displacement, in the unit of `force` times l²/h
     integer, intent(in) :: fewest             !! never less than this
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force             !! see `tail_error`
     real(dp), intent(in) :: points(:), longest
     integer, intent(in) :: samples
-    integer, intent(out) :: count             !! `most_modes`, or all there are, where more would be needed
+    integer, intent(out) :: count             !! the most there may be, where more would be needed
     real(dp), intent(out) :: reached          !! the estimate for `count` modes
+    class(mode_source), intent(in), optional :: alone   !! modes of the beam alone, and
+    type(dd), intent(in), optional :: released          !! when the mass left, l²/h; `longest` is then counted from there
     type(try_type) :: few, enough, try, last
     integer :: most, tries
     most = min(most_modes, source%highest)
+    if (present(alone)) most = min(most_released, source%highest, alone%highest)
     tries = 0
     try%count = fewest
     do
-      try%error = maxval(tail_error(try%count, source, force, points, longest, samples, .false.))
+      if (present(alone)) then
+        try%error = maxval(release_tail(try%count, source, alone, force, released, points, &
+                                        stretch_type(0.0_dp, longest, samples), .false.))
+      else
+        try%error = maxval(tail_error(try%count, source, force, points, longest, samples, .false.))
+      end if
       tries = tries + 1
       if (try%error <= bound) enough = try
       if (try%error > bound) then

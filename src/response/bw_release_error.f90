@@ -4,22 +4,55 @@ module bw_release_error
   !! The mass leaves with the velocity that finitely many modes give the tip; what they lack of it the beam keeps in all
   !! its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after the
   !! release is found in the same way, and the amplitudes of its difference add up as those of bw_truncation do; modes
-  !! beyond these are taken with the amplitudes that the continuum has before the release.
+  !! beyond these are taken with the amplitudes that the continuum has before the release. Where there are no more modes,
+  !! what the tip's velocity lacks is judged without them (bw_tip_rest).
   use bw_course, only: move
   use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
   use bw_reach, only: damped_reach, stretch_type, turns
+  use bw_release, only: tip_rest
+  use bw_tip_rest, only: find_tip_rest
   use bw_truncation, only: add_tail, deviation_type, largest
   implicit none (type, external)
   private
-  public :: release_error
+  public :: release_error, release_tail, blow_reach
 
   integer, parameter :: fewest = 256              !! modes of the better state
   integer, parameter :: most_more = 6000          !! at most so many more: the projection takes the square of their number
   real(dp), parameter :: margin = 1.25_dp         !! empirical: for what the better state lacks itself
 
 contains
+
+  function release_tail(count, loaded, alone, force, released, points, stretch, velocity) result(error)
+    !! Estimates of what the modes of the beam alone beyond the first `count` add after the release, (points), where
+    !! those start with all that the tip's velocity gives them (bw_tip_rest). The release hands the motion of short waves
+    !! on to modes of nearly the same number, which then move as far as those of beam and mass did.
+    integer, intent(in) :: count
+    class(mode_source), intent(in) :: loaded, alone
+    real(dp), intent(in) :: force                 !! as that of `release_error`, and the others
+    type(dd), intent(in) :: released
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp) :: error(size(points))
+    type(deviation_type) :: sums(size(points))
+    call add_tail(count, loaded, force, points, stretch_type(released%hi, released%hi + stretch%end, stretch%samples), &
+                  velocity, sums, shown=alone)
+    error = margin*largest(sums, stretch%samples)
+  end function release_tail
+
+  function blow_reach(free, points, stretch, velocity) result(reach)
+    !! How far a blow of 1 at its tip drives the beam alone at most, (points).
+    class(mode_set), intent(in) :: free
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp) :: reach(size(points))
+    type(deviation_type) :: sums(size(points))
+    call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, points, stretch, velocity, sums)
+    reach = sums%growing + sums%magnitude
+  end function blow_reach
 
   function release_error(q, rate, loaded, alone, count, force, released, points, stretch, velocity) result(error)
     !! Estimates of the largest error over the samples after the release, (points).
@@ -35,6 +68,7 @@ contains
     real(dp) :: error(size(points))
     class(mode_set), allocatable :: many, free
     type(deviation_type) :: sums(size(points))
+    type(tip_rest) :: rest
     real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
     integer :: k, n
     n = max(count, size(q))
@@ -52,6 +86,10 @@ contains
     call add_tail(n, loaded, force, points, stretch_type(released%hi, released%hi + stretch%end, stretch%samples), velocity, &
                   sums, shown=alone)
     error = margin*largest(sums, stretch%samples)
+    if (n < 4*max(count, size(q)) .and. n == min(loaded%highest, alone%highest)) then
+      call find_tip_rest(loaded, force, n, released, 0.0_dp, rest)
+      error = error + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
+    end if
   end function release_error
 
   pure subroutine add_state(modes, q, rate, points, stretch, velocity, sums)

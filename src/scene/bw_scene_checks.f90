@@ -111,7 +111,7 @@ contains
     captured = struck .and. position_of(groups, 'capture') > 0
     associate (modes => groups(position_of(groups, 'modes')))
       call settle_modes(modes, struck .and. .not. captured, captured, position_of(groups, 'response') > 0, &
-                        position_of(groups, 'release') > 0, messages)
+                        messages)
     end associate
   end subroutine settle_groups
 

@@ -138,11 +138,22 @@ contains
     count = max(count, most, min(most_to_tolerance(2), 2*most))
   end function enough_for_errors
 
-  subroutine extend_modes(scene, units, source, extended)
+  subroutine extend_modes(scene, units, source, alone, extended)
     !! Twice as many modes, if there may be more: closed forms know them all.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(mode_source), intent(inout) :: source    !! of beam and mass
+    class(mode_source), intent(inout) :: alone     !! of the beam alone, which move after a release
+    logical, intent(out) :: extended
+    call extend_source(scene, units, .true., source, extended)
+    if (extended .and. allocated(scene%release)) call extend_source(scene, units, .false., alone, extended)
+  end subroutine extend_modes
+
+  subroutine extend_source(scene, units, carries_mass, source, extended)
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    logical, intent(in) :: carries_mass
+    class(mode_source), intent(inout) :: source
     logical, intent(out) :: extended
     type(galerkin_source) :: more
     integer :: most
@@ -151,13 +162,13 @@ contains
     select type (source)
     type is (galerkin_source)
       if (source%highest >= most) return
-      call galerkin_source_of(operator_of(scene, units, .true.), min(2*source%highest, most), more)
+      call galerkin_source_of(operator_of(scene, units, carries_mass), min(2*source%highest, most), more)
       extended = more%solved%resolved
       if (.not. extended) return
       if (allocated(scene%damping)) more%damping = law_of(scene%damping, units)
       source = more
     end select
-  end subroutine extend_modes
+  end subroutine extend_source
 
   subroutine note_coupling(scene, result)
     !! Rayleigh's damping is diagonal in modes of the elastic stiffness alone, which tension and rotation change.

@@ -11,7 +11,7 @@ module bw_course_histories
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: sum_courses, last_sample
+  public :: sum_courses, add_course, take, last_sample
 
   real(dp), parameter :: same_instant = epsilon(1.0_dp)   !! of the time: it is given in binary64
 
@@ -92,6 +92,7 @@ contains
   end function first_sample
 
   pure subroutine take(part, first, last, whole)
+    !! Histories of a part of the samples into those of all.
     type(response_type), intent(in) :: part
     integer, intent(in) :: first, last
     type(response_type), intent(inout) :: whole

@@ -12,6 +12,7 @@ module bw_histories
   use bw_scene, only: scene_type
   use bw_reach, only: stretch_type
   use bw_release_error, only: release_error
+  use bw_released_motion, only: released_error
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_tolerance_sum, only: force_of, sum_to_tolerance
@@ -27,7 +28,7 @@ contains
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
     class(mode_source), intent(inout), optional :: source    !! modes of beam and mass; absent: the mass is not captured
-    class(mode_source), intent(in) :: alone                  !! modes of the beam alone
+    class(mode_source), intent(inout) :: alone               !! modes of the beam alone
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: sum               !! any, also one that another case has used
     type(case_result), intent(inout) :: result
@@ -42,7 +43,7 @@ contains
       result%response%finite_samples = 0
       call finish_histories(1.0_dp, result%response)
     else if (by_tolerance(scene%modes)) then
-      call sum_to_tolerance(scene, source, grid, monitor, sum, result)
+      call sum_to_tolerance(scene, source, alone, grid, monitor, sum, result)
     else if (allocated(result%courses)) then
       call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
       call sum_courses(free, loaded, scene%response%points, grid, monitor, result)
@@ -95,13 +96,18 @@ contains
       associate (gamma => scene%impact%mass_ratio, points => scene%response%points)
         force = force_of(scene)
         if (by_tolerance(scene%modes)) then
-          values = tail_error(result%mode_count, source, force, points, longest, grid%samples, velocity)
+          values = tail_error(result%mode_count, source, force, points, longest, samples, velocity)
         else
           values = truncation_error(result%modes, result%modal_velocity &
                                     - continuum_velocity(result%modes, gamma, scene%impact%restitution), &
                                     source, force, points, longest, samples, velocity)
         end if
-        if (allocated(result%courses)) values = max(values, after_release(scene, source, alone, force, grid, result, velocity))
+        if (.not. allocated(result%courses)) return
+        if (allocated(result%tip_rest)) then
+          values = max(values, released_error(source, alone, force, points, grid, result, velocity))
+        else if (.not. by_tolerance(scene%modes)) then
+          values = max(values, after_release(scene, source, alone, force, grid, result, velocity))
+        end if
       end associate
     end function errors
   end subroutine estimate_errors

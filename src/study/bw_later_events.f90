@@ -14,7 +14,7 @@ module bw_later_events
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: follow_events
+  public :: follow_events, end_capture
 
 contains
 
@@ -23,46 +23,59 @@ contains
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
     type(case_result), intent(inout) :: result
-    if (allocated(scene%release)) call release_in_time(scene, free, loaded, result)
+    if (allocated(scene%release)) call release_in_time(scene, result, free, loaded)
     if (allocated(scene%recontact)) call meet_again(scene, free, result)
   end subroutine follow_events
 
-  subroutine release_in_time(scene, free, loaded, result)
-    !! A release within the record, and within the range of numbers.
+  subroutine release_in_time(scene, result, free, loaded)
+    !! A release within the record, and within the range of numbers. Where a tolerance asks for as many modes as it takes,
+    !! only its time is known yet.
     type(scene_type), intent(in) :: scene
-    class(mode_set), intent(in) :: free, loaded
     type(case_result), intent(inout) :: result
-    type(release_type) :: release
-    type(course_type) :: first
+    class(mode_set), intent(in), optional :: free, loaded
     type(dd) :: time
-    if (allocated(scene%response)) then
-      if (scene%release%time >= scene%response%duration) then
-        call add_note(result, 'release: comes after the end of the record, which shows nothing of it')
-        return
-      end if
-    end if
+    real(dp), dimension(result%modes%count) :: q, rate
     time = to_dd(scene%release%time)/result%units%time
-    if (leaves_range(loaded, time)) then
-      call add_note(result, 'release: by then the motion has grown out of the range of numbers')
-      return
-    end if
-    first = course_type(loaded_modes, dd(), 0.0_dp*result%modal_velocity, result%modal_velocity)
-    release = release_from(first)
-    result%courses = [first, course_type(free_modes, time, release%q, release%rate)]
-    release%event%time = scene%release%time
-    release%event%end_time = scene%release%time
-    result%events = [result%events, release%event]
-    call note_release(release, result)
-  contains
-    type(release_type) function release_from(course)
-      type(course_type), intent(in) :: course
-      real(dp) :: q(loaded%count), rate(loaded%count)
-      q = course%q
-      rate = course%rate
-      call move(loaded, time, q, rate)
-      release_from = release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units))
-    end function release_from
+    if (.not. is_in_record(scene, time, result)) return
+    result%courses = [course_type(loaded_modes, dd()), course_type(free_modes, time)]
+    if (.not. present(free)) return
+    q = 0.0_dp
+    rate = result%modal_velocity
+    result%courses(1)%q = q
+    result%courses(1)%rate = rate
+    call move(loaded, time, q, rate)
+    call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units)), result)
   end subroutine release_in_time
+
+  logical function is_in_record(scene, time, result)
+    !! Whether a release comes before the record ends, and before a growing mode leaves the range of numbers.
+    type(scene_type), intent(in) :: scene
+    type(dd), intent(in) :: time                 !! of the release, l²/h
+    type(case_result), intent(inout) :: result
+    is_in_record = .true.
+    if (allocated(scene%response)) is_in_record = scene%release%time < scene%response%duration
+    if (.not. is_in_record) then
+      call add_note(result, 'release: comes after the end of the record, which shows nothing of it')
+    else if (leaves_range(result%modes, time)) then
+      is_in_record = .false.
+      call add_note(result, 'release: by then the motion has grown out of the range of numbers')
+    end if
+  end function is_in_record
+
+  subroutine end_capture(scene, release, result)
+    !! What a release leaves is the start of the second course.
+    type(scene_type), intent(in) :: scene
+    type(release_type), intent(in) :: release
+    type(case_result), intent(inout) :: result
+    type(event_type) :: event
+    result%courses(2)%q = release%q
+    result%courses(2)%rate = release%rate
+    event = release%event
+    event%time = scene%release%time
+    event%end_time = scene%release%time
+    result%events = [result%events, event]
+    call note_release(release, result)
+  end subroutine end_capture
 
   subroutine meet_again(scene, free, result)
     !! Contacts of a mass that rebounded.
@@ -100,12 +113,15 @@ contains
     !! Where the energy went.
     type(release_type), intent(in) :: release
     type(case_result), intent(inout) :: result
+    character(:), allocatable :: text
     real(dp) :: unit
     unit = result%units%mass*result%approach_velocity**2
-    call add_note(result, 'energy of the release: the mass leaves with '//shortest(release%kinetic_leaving*unit, 4)// &
-                  ' J of motion ('//shortest(release%energy_leaving*unit, 4)//' J with what the centrifugal force '// &
-                  'does) of '//shortest(release%event%energy_before*unit, 4)// &
-                  ' J in all; the modes of the beam alone miss '//shortest(release%energy_lost*unit, 2)//' J')
+    text = 'energy of the release: the mass leaves with '//shortest(release%kinetic_leaving*unit, 4)// &
+      ' J of motion ('//shortest(release%energy_leaving*unit, 4)//' J with what the centrifugal force does) of '// &
+      shortest(release%event%energy_before*unit, 4)//' J in all'
+    if (.not. allocated(result%tip_rest)) &
+      text = text//'; the modes of the beam alone miss '//shortest(release%energy_lost*unit, 2)//' J'
+    call add_note(result, text)
   end subroutine note_release
 
 end module bw_later_events

@@ -73,11 +73,13 @@ contains
     class(mode_set), allocatable :: free, loaded
     class(mode_source), allocatable :: source, alone     ! of beam and mass, of the beam alone
     result%units = units_of(scene%beam)
+    allocate (result%notes(0))
     count = 0
     call find_modes(scene, result, free, loaded, source, alone)
     if (result%status /= case_done) return         ! the run says so
     result%approach_velocity = scene%impact%approach_velocity
-    call plan_count(scene, source, result, error, reached)
+    call follow_events(scene, free, loaded, result)
+    call plan_count(scene, source, alone, result, error, reached)
     count = result%mode_count
   end subroutine plan_case
 

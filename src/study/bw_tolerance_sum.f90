@@ -3,13 +3,15 @@ module bw_tolerance_sum
   use bw_kinds, only: dp
   use bw_case_modes, only: extend_modes, first_modes
   use bw_case_result, only: case_result, add_note, case_not_converged
+  use bw_course_histories, only: add_course, last_sample, take
   use bw_double_double, only: operator(*)
   use bw_error, only: error_type, fail, status_bad_input
-  use bw_mode_choice, only: modes_for, most_modes
-  use bw_mode_set, only: mode_source
+  use bw_mode_choice, only: modes_for, most_modes, most_released
+  use bw_mode_set, only: mode_set, mode_source
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_released_motion, only: peak_released, plan_released, release_continuum
   use bw_response, only: finish_histories, histories_of, response_type, start_histories, sum_tolerance
   use bw_streamed_modes, only: add_modes_of_source
   use bw_sum_choice, only: sum_seconds
@@ -27,27 +29,69 @@ module bw_tolerance_sum
 
 contains
 
-  subroutine sum_to_tolerance(scene, source, grid, monitor, sum, result)
+  subroutine sum_to_tolerance(scene, source, alone, grid, monitor, sum, result)
     !! As many of the continuum's modes as the tolerance takes. Where 10⁷ do not reach it the histories are fill.
     type(scene_type), intent(in) :: scene
-    class(mode_source), intent(inout) :: source
+    class(mode_source), intent(inout) :: source  !! modes of beam and mass
+    class(mode_source), intent(inout) :: alone   !! modes of the beam alone
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: sum   !! kept from motion to motion
     type(case_result), intent(inout) :: result
     real(dp) :: reached, rest
-    call choose_count(scene, source, grid, result, reached, rest)
+    call choose_count(scene, source, alone, grid, result, reached, rest)
+    if (scene%response%velocity) rest = 1.0_dp        ! velocities after the first modes are no smaller than theirs
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
     if (reached > scene%modes%tolerance) then
       result%status = case_not_converged
       result%response%finite_samples = 0
-      call add_note(result, 'tolerance: '//out_of_reach(scene%modes%tolerance, source, reached)//'; the histories are fill')
+      call add_note(result, 'tolerance: '//out_of_reach(scene, source, reached)//'; the histories are fill')
+      call finish_histories(result%units%time%hi, result%response)
+    else if (allocated(result%courses)) then
+      call sum_around_release(scene, source, alone, grid, rest, monitor, sum, result)
     else
-      if (scene%response%velocity) rest = 1.0_dp      ! their velocity is no smaller than that of the first
       call sum_in_parts(scene, source, grid, rest, monitor, sum, result)
+      call finish_histories(result%units%time%hi, result%response)
     end if
-    call finish_histories(result%units%time%hi, result%response)
   end subroutine sum_to_tolerance
+
+  subroutine sum_around_release(scene, source, alone, grid, rest, monitor, sum, result)
+    !! The captured motion up to the last sample before the release, then that of the beam alone.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source, alone
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: rest                 !! as that of `sum_in_parts`
+    class(monitor_type), intent(inout), target :: monitor
+    type(nonuniform_sum), intent(inout) :: sum
+    type(case_result), intent(inout) :: result   !! its histories are started
+    class(mode_set), allocatable :: free
+    type(response_type) :: whole
+    type(part_monitor) :: part
+    type(time_grid) :: early
+    early = captured_part(grid, result)
+    whole = result%response
+    part = part_monitor(monitor, 0.0_dp, real(early%samples, dp)/grid%samples)
+    call start_histories(early, size(scene%response%points), scene%response%velocity, result%response)
+    call sum_in_parts(scene, source, early, rest, part, sum, result)
+    call finish_histories(result%units%time%hi, result%response)
+    if (monitor%stop_requested()) return
+    call take(result%response, 1, early%samples, whole)
+    whole%sum_error = max(sum_tolerance, result%response%sum_error)
+    whole%mode_seconds = result%response%mode_seconds
+    whole%transformed = result%response%transformed
+    result%response = whole
+    call release_continuum(scene, source, alone, force_of(scene), grid, result, free)
+    call add_course(result%courses(2), free, grid%samples, scene%response%points, grid, monitor, result)
+    call finish_histories(1.0_dp, result%response)
+  end subroutine sum_around_release
+
+  pure type(time_grid) function captured_part(grid, result) result(early)
+    !! Samples before a release; all where there is none.
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    early = grid
+    if (allocated(result%courses)) early%samples = last_sample(result%courses, 1, grid)
+  end function captured_part
 
   subroutine sum_in_parts(scene, source, grid, rest, monitor, sum, result)
     !! All modes in one sum, or the first, which make the motion, apart from the many that add little and need fewer
@@ -77,38 +121,58 @@ contains
     end associate
   end subroutine sum_in_parts
 
-  subroutine choose_count(scene, source, grid, result, reached, rest)
+  subroutine choose_count(scene, source, alone, grid, result, reached, rest)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
-    class(mode_source), intent(inout) :: source
+    class(mode_source), intent(inout) :: source, alone
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
     real(dp), intent(out) :: rest               !! what the modes after the first are estimated to add, over the peak; at most 1
+    type(time_grid) :: early
     real(dp) :: peak, force, longest, tail
     logical :: extended
-    longest = grid%samples*grid%step%hi
+    early = captured_part(grid, result)
+    longest = early%samples*early%step%hi
     result%mode_count = first_modes
+    result%released_count = first_modes
     reached = 0.0_dp
     rest = 1.0_dp
-    if (result%approach_velocity == 0.0_dp) return
-    call preview(scene, source, grid, result, peak)
-    if (peak == 0.0_dp) return
+    force = force_of(scene)
+    if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp) return
     associate (points => scene%response%points)
-      force = force_of(scene)
-      tail = maxval(tail_error(first_modes, source, force, points, longest, grid%samples, .false.))
+      call preview(scene, source, early, result, peak)
+      if (allocated(result%courses)) &
+        peak = max(peak, peak_released(first_modes, source, alone, force, points, grid, previewed, result))
+      if (peak == 0.0_dp) return
+      tail = maxval(tail_error(first_modes, source, force, points, longest, early%samples, .false.))
       peak = max(0.5_dp*peak, peak - tail)
       rest = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
       do
-        call modes_for(scene%modes%tolerance*peak, first_modes, source, force, points, longest, grid%samples, &
-                       result%mode_count, reached)
+        call plan_all(scene%modes%tolerance*peak, source, alone, force, points, grid, early, result, reached)
         if (reached <= scene%modes%tolerance*peak) exit
-        call extend_modes(scene, result%units, source, extended)
+        call extend_modes(scene, result%units, source, alone, extended)
         if (.not. extended) exit
       end do
     end associate
     reached = reached/peak
   end subroutine choose_count
+
+  subroutine plan_all(bound, source, alone, force, points, grid, early, result, reached)
+    !! Counts for the captured motion, and for that after a release.
+    real(dp), intent(in) :: bound               !! of the displacement, V l²/h
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force, points(:)
+    type(time_grid), intent(in) :: grid, early
+    type(case_result), intent(inout) :: result
+    real(dp), intent(out) :: reached            !! estimated error, V l²/h
+    real(dp) :: after
+    call modes_for(bound, first_modes, source, force, points, early%samples*early%step%hi, early%samples, &
+                   result%mode_count, reached)
+    if (.not. allocated(result%courses)) return
+    call plan_released(bound, first_modes, source, alone, force, points, grid, result, after)
+    reached = max(reached, after)
+  end subroutine plan_all
 
   subroutine preview(scene, source, grid, result, peak)
     !! The largest displacement of the first modes, in l²/h times the approach velocity, at some of the samples; at all
@@ -131,32 +195,34 @@ contains
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end subroutine preview
 
-  pure function out_of_reach(tolerance, source, reached) result(text)
-    real(dp), intent(in) :: tolerance
+  pure function out_of_reach(scene, source, reached) result(text)
+    type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: reached             !! relative error of the most modes
     character(:), allocatable :: text
-    text = shortest(tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, source%highest))//' modes; accepted: '// &
-      shortest(1.05_dp*reached, 2)//' or more'
+    text = shortest(scene%modes%tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, source%highest))//' modes'
+    if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
+    text = text//'; accepted: '//shortest(1.05_dp*reached, 2)//' or more'
   end function out_of_reach
 
-  subroutine plan_count(scene, source, result, error, estimate)
+  subroutine plan_count(scene, source, alone, result, error, estimate)
     !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
     !! **Errors**: `status_bad_input` where more modes than there may be would be needed.
     type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
     class(mode_source), intent(inout) :: source    !! modes of beam and mass
+    class(mode_source), intent(inout) :: alone     !! modes of the beam alone
     type(case_result), intent(inout) :: result
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: estimate    !! of the error over the peak
     real(dp) :: reached, rest
     integer :: line
-    call choose_count(scene, source, time_grid_of(scene%response%duration, scene%response%samples, result%units%time), &
-                      result, reached, rest)
+    call choose_count(scene, source, alone, &
+                      time_grid_of(scene%response%duration, scene%response%samples, result%units%time), result, reached, rest)
     if (present(estimate)) estimate = reached
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
-              out_of_reach(scene%modes%tolerance, source, reached))
+              out_of_reach(scene, source, reached))
   end subroutine plan_count
 
   subroutine add_some(scene, source, first, last, grid, tolerance, monitor, sum, result)

@@ -66,9 +66,6 @@ CONFLICTS = {
     "release of a mass that was not captured": captured_beam(
         capture=None, modes={"before": 5, "after": 5}, release={"time": 0.01}
     ),
-    "a release to a tolerance": captured_beam(
-        modes=None, release={"time": 0.01}, response={"duration": 0.1, "samples": 64}
-    ),
     "recontact of a captured mass": captured_beam(recontact={}, response={"duration": 0.1, "samples": 64}),
     "contacts without an end of the search": captured_beam(
         capture=None, modes={"before": 5, "after": 5}, recontact={}

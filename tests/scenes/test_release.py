@@ -1,5 +1,7 @@
 """A captured mass leaves again: what is continuous, what is kept, what is lost, and the limits of its time."""
 
+import re
+
 import numpy as np
 import pytest
 from closed_form import CapturedBeam, roots, shapes
@@ -141,6 +143,63 @@ def test_estimates_hold_against_many_more_modes(here):
     error = np.abs(few["displacement"] - many["displacement"]).max(axis=1)
     assert (few["displacement_error"] >= error).all()
     assert (few["displacement_error"] <= 10 * error).all()
+
+
+def by_tolerance(tolerance, **groups):
+    return {**released_beam(**groups), "modes": {"tolerance": tolerance}}
+
+
+def reference(name):
+    """The rows of a table of the independent scripts."""
+    lines = (PROJECT / "tests/reference" / name).read_text().splitlines()
+    head, *rows = [line.split() for line in lines if not line.startswith("#")]
+    return [dict(zip(head, map(float, row))) for row in rows]
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_a_tolerance_is_kept_after_a_release(here, tolerance):
+    """Against very many modes, each handed on to each: what is known of the modes far above has no part in them."""
+    here.scene("a", by_tolerance(tolerance))
+    result = here.run("a")
+    peak = np.abs(result["displacement"]).max()
+    for row in reference("released_motion.txt"):
+        assert (row["gamma"], row["omega"], row["leaves"]) == (0.2, 50.0, LEAVES)
+        point, sample = RESPONSE["points"].index(row["xi"]), round(row["time"] / 0.00025)
+        error = abs(result["displacement"][point, sample] - row["displacement"])
+        assert error <= min(tolerance * peak, result["displacement_error"][point])
+    assert (result["displacement_error"] <= tolerance * peak).all()
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)  # nothing is lost
+    np.testing.assert_allclose(result["momentum_after"][2], result["momentum_before"][2], rtol=1e-7)
+
+
+FINER = {
+    "light": {"impact": {"mass_ratio": 0.02}},
+    "heavy": {"impact": {"mass_ratio": 5.0}},
+    "restitution": {"impact": {"restitution": 0.5}},
+    "growing": {"rotation": {"angular_velocity": 140.0}},
+    "damped": {"damping": {"ratio": 1e-4}},
+    "soon": {"release": {"time": 1e-3}},
+}
+
+
+@pytest.mark.parametrize("groups", FINER.values(), ids=FINER.keys())
+def test_estimates_of_a_tolerance_hold_against_a_finer_one(here, groups):
+    here.scene("a", by_tolerance(2e-6, **groups))
+    here.scene("b", by_tolerance(2e-8, **groups))
+    coarse, fine = here.run("a"), here.run("b")
+    error = np.abs(coarse["displacement"] - fine["displacement"]).max(axis=1)
+    assert (error + fine["displacement_error"] <= 2e-6 * np.abs(fine["displacement"]).max()).all()
+    assert (error <= coarse["displacement_error"]).all()
+    assert (coarse["displacement_error"] <= 10 * error).all()
+
+
+def test_a_release_that_a_tolerance_cannot_follow_names_one_that_it_can(here):
+    """A few hundred modes with tension know the velocity of the tip to 1e-3."""
+    here.scene("a", by_tolerance(1e-4, shear={}))
+    refused = here.beamwave("run", "a.nml")
+    assert refused.returncode == 2
+    named = re.search(r"modes%tolerance: 1e-4 cannot be reached .*; accepted: (\S+) or more", refused.stderr)
+    assert 1e-4 < float(named[1]) < 1e-2
 
 
 def test_the_scene_shows_what_its_head_says(here):

@@ -31,8 +31,7 @@ module bw_modes_par
     rules='Give counts, or a tolerance. '// &
     'With `&capture` there are two sets of modes; where one count is given, the other is the same. Without it '// &
     'there is one set: its count is `before`, and `after`, if given, is the same. A rebound belongs to its '// &
-    'truncation, its impulse going to 0 as modes are added, so that no count can be chosen for it; nor for a '// &
-    'release, whose error falls too slowly.')
+    'truncation, its impulse going to 0 as modes are added, so that no count can be chosen for it.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -44,29 +43,21 @@ module bw_modes_par
 
 contains
 
-  pure subroutine settle_modes(modes, rebound, captured, response, released, messages)
+  pure subroutine settle_modes(modes, rebound, captured, response, messages)
     !! Fill in the counts that follow from others; say which are missing.
     type(group_values), intent(inout) :: modes
     logical, intent(in) :: rebound    !! an impact without capture
     logical, intent(in) :: captured
     logical, intent(in) :: response   !! a history is asked for
-    logical, intent(in) :: released   !! a captured mass leaves again
     type(message_list), intent(inout) :: messages
     if (any(modes%values%given .and. .not. modes%values%known)) return
     if (modes%given('tolerance')) then
       if (.not. (captured .and. response)) call messages%add(modes%line_of('tolerance'), 'modes%tolerance', &
         'needs &capture and &response: it is an error of their history; accepted: counts, as before and after')
-      if (captured .and. response .and. released) call messages%add(modes%line_of('tolerance'), 'modes%tolerance', &
-        'excludes &release: the velocity of the mass that leaves converges too slowly; accepted: counts, as before '// &
-        'and after')
       return
     end if
     if (.not. (modes%given('before') .or. modes%given('after'))) then
-      if (response .and. released) then
-        call ask_for_counts('&response with &release', 'the velocity of the mass that leaves converges too slowly '// &
-                            'for a tolerance', messages)
-        return
-      else if (response .and. captured) then
+      if (response .and. captured) then
         call modes%settle('tolerance', default_tolerance, 0)
         return
       else if (response .and. rebound) then

@@ -1,0 +1,163 @@
+module bw_released_motion
+  !! The motion after a release within a tolerance: how many modes of the beam alone it takes, how many of beam and mass the
+  !! velocity of the tip when the mass leaves, and the state that it starts from.
+  use bw_kinds, only: dp
+  use bw_case_result, only: case_result
+  use bw_course, only: move
+  use bw_course_histories, only: last_sample
+  use bw_double_double, only: operator(*)
+  use bw_later_events, only: end_capture
+  use bw_mode_choice, only: modes_for
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: silent_monitor
+  use bw_reach, only: stretch_type
+  use bw_release, only: release_mass
+  use bw_release_error, only: blow_reach, release_tail
+  use bw_response, only: add_motion, response_type, start_histories
+  use bw_rotation, only: speed_in_plane
+  use bw_scene, only: scene_type
+  use bw_time_grid, only: time_grid
+  use bw_tip_rest, only: find_tip_rest
+  implicit none (type, external)
+  private
+  public :: plan_released, peak_released, released_error, release_continuum
+
+  real(dp), parameter :: tail_share = 0.8_dp    !! of a tolerance that may be missing of the beam's modes; the rest is the tip's
+  real(dp), parameter :: tip_share = 0.25_dp    !! of what is missing of the modes, that the tip's need not be below
+  real(dp), parameter :: least_share = 0.05_dp  !! of what the tip's may be, below which nothing is gained
+
+contains
+
+  pure type(stretch_type) function stretch_after(grid, result) result(stretch)
+    !! The record after the release, times from there.
+    type(time_grid), intent(in) :: grid         !! of the whole record
+    type(case_result), intent(in) :: result
+    integer :: before
+    before = last_sample(result%courses, 1, grid)
+    stretch = stretch_type(0.0_dp, grid%samples*grid%step%hi - result%courses(2)%start%hi, grid%samples - before)
+  end function stretch_after
+
+  subroutine plan_released(bound, fewest, source, alone, force, points, grid, result, reached)
+    !! `released_count` and `tip_rest` of the result.
+    real(dp), intent(in) :: bound               !! of the displacement, in V l²/h
+    integer, intent(in) :: fewest               !! modes at least
+    class(mode_source), intent(in) :: source    !! of beam and mass
+    class(mode_source), intent(in) :: alone     !! of the beam alone
+    real(dp), intent(in) :: force               !! the continuum's modal velocities are force·Φ_k(1)/M_k
+    real(dp), intent(in) :: points(:)
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(inout) :: result
+    real(dp), intent(out) :: reached            !! estimated error, V l²/h
+    real(dp) :: tail
+    call plan_share(tail_share*bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, &
+                    reached)
+    if (tail + reached > bound) &                ! the tip takes more than its share: the others make do with the rest
+      call plan_share(max(0.0_dp, bound - reached), (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, &
+                      result, tail, reached)
+    reached = tail + reached
+  end subroutine plan_released
+
+  subroutine plan_share(tail_bound, tip_bound, fewest, source, alone, force, points, grid, result, tail, tip)
+    !! Counts within bounds for each; where they cannot be kept, those that come nearest.
+    real(dp), intent(in) :: tail_bound, tip_bound
+    integer, intent(in) :: fewest
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force, points(:)
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(inout) :: result
+    real(dp), intent(out) :: tail               !! estimated error by modes of the beam alone that are left out, V l²/h
+    real(dp), intent(out) :: tip                !! and by the velocity of the tip when the mass leaves
+    class(mode_set), allocatable :: free
+    type(stretch_type) :: stretch
+    real(dp) :: strength
+    stretch = stretch_after(grid, result)
+    call modes_for(tail_bound, fewest, source, force, points, stretch%end, stretch%samples, result%released_count, tail, &
+                   alone, result%courses(2)%start)
+    call alone%find(numbers(fewest), free)
+    strength = source%gamma*maxval(blow_reach(free, points, stretch, .false.))
+    if (.not. allocated(result%tip_rest)) allocate (result%tip_rest)
+    call find_tip_rest(source, force, result%released_count, result%courses(2)%start, &
+                       min(tip_bound, max(least_share*tip_bound, tip_share*tail))/strength, result%tip_rest)
+    tip = strength*result%tip_rest%uncertainty
+  end subroutine plan_share
+
+  function released_error(source, alone, force, points, grid, result, velocity) result(error)
+    !! Estimates of the largest error of the samples after the release, V l²/h or V, (points).
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force, points(:)    !! as those of `plan_released`
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    logical, intent(in) :: velocity             !! of the velocity, else of the displacement
+    real(dp) :: error(size(points))
+    class(mode_set), allocatable :: free
+    associate (stretch => stretch_after(grid, result))
+      call alone%find(numbers(result%released_count), free)
+      error = release_tail(result%released_count, source, alone, force, result%courses(2)%start, points, stretch, velocity) &
+        + source%gamma*result%tip_rest%uncertainty*blow_reach(free, points, stretch, velocity)
+    end associate
+  end function released_error
+
+  subroutine release_continuum(scene, source, alone, force, grid, result, free)
+    !! The release as infinitely many modes have it, but for those of the beam alone beyond `released_count`.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(inout) :: result
+    class(mode_set), allocatable, intent(out) :: free    !! modes that move after it
+    class(mode_set), allocatable :: loaded
+    real(dp), dimension(result%released_count) :: q, rate
+    call find_state(source, force, grid, result, loaded, q, rate)
+    call alone%find(numbers(size(q)), free, grid%samples*grid%step%hi)
+    call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
+                                         result%tip_rest), result)
+  end subroutine release_continuum
+
+  subroutine find_state(source, force, grid, result, loaded, q, rate)
+    !! Beam and mass when it leaves, in V l²/h and V.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    class(mode_set), allocatable, intent(out) :: loaded
+    real(dp), intent(out) :: q(:), rate(:)
+    call source%find(numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi))
+    q = 0.0_dp
+    rate = force*loaded%tip/loaded%modal_mass
+    call move(loaded, result%courses(2)%start, q, rate)
+  end subroutine find_state
+
+  real(dp) function peak_released(count, source, alone, force, points, grid, most, result) result(peak)
+    !! The largest displacement after the release as few modes show it, V l²/h: at some samples, at all where a mode grows.
+    integer, intent(in) :: count                !! of the modes
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force, points(:)
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: most                 !! samples, nearly
+    type(case_result), intent(in) :: result
+    class(mode_set), allocatable :: loaded, free
+    type(response_type) :: response
+    type(silent_monitor) :: monitor
+    type(time_grid) :: coarse
+    real(dp) :: q(count), rate(count)
+    integer :: samples, stride
+    call find_state(source, force, grid, result, loaded, q, rate)
+    call alone%find(numbers(count), free, grid%samples*grid%step%hi)
+    samples = grid%samples - last_sample(result%courses, 1, grid)
+    stride = (samples - 1)/most + 1
+    if (any(free%beta_squared%hi <= 0.0_dp)) stride = 1
+    coarse = time_grid((samples - 1)/stride + 1, grid%step*real(stride, dp))
+    call start_histories(coarse, size(points), .false., response)
+    call add_motion(free, free%overlap_of_beam(loaded, rate)/free%modal_mass, points, coarse, result%units%time%hi, monitor, &
+                    response, displaced=free%overlap_of_beam(loaded, q)/free%modal_mass)
+    peak = maxval(abs(response%displacement(:response%finite_samples, :)))
+  end function peak_released
+
+  pure function numbers(count) result(number)
+    integer, intent(in) :: count
+    integer :: number(count)
+    integer :: k
+    number = [(k, k=1, count)]
+  end function numbers
+
+end module bw_released_motion
