@@ -11,7 +11,7 @@ module bw_scene_checks
   use bw_response_par, only: check_response
   use bw_scene_entries, only: place_of
   use bw_scene_messages, only: message_list
-  use bw_shear_par, only: check_shear
+  use bw_shear_par, only: check_shear, settle_shear
   use bw_spectrum_par, only: check_spectrum
   use bw_sweep_par, only: check_sweep
   use bw_text, only: text_of
@@ -107,6 +107,7 @@ contains
     type(message_list), intent(inout) :: messages
     logical :: struck, captured
     call settle_damping(groups)
+    call settle_shear(groups)
     struck = position_of(groups, 'impact') > 0
     captured = struck .and. position_of(groups, 'capture') > 0
     associate (modes => groups(position_of(groups, 'modes')))

@@ -109,6 +109,21 @@ def test_what_these_effects_cannot_mean_is_refused(here, groups):
     assert REFUSED[groups] in ended.stderr
 
 
+def test_the_coefficient_of_a_circle_is_an_input_of_the_resolved_scene(here):
+    here.write("a.nml", BEAM + "&shear poisson_ratio=0.25 /\n&modes before=3 /\n")
+    first = here.run("a")
+    assert first["shear_shear_coefficient"] == 6 * 1.25 / (7 + 6 * 0.25)  # Cowper, in binary64
+    here.write("b.nml", first.attributes["scene"])
+    again = here.run("b")
+    assert again.attributes["scene"] == first.attributes["scene"]
+    np.testing.assert_array_equal(again["angular_frequency"], first["angular_frequency"])
+    sweep = "&sweep parameter='shear%poisson_ratio', values=0.25, 0.3 /\n"
+    here.write("c.nml", BEAM + "&shear /\n&modes before=3 /\n" + sweep)
+    materials = here.run("c")  # each its own, which the ratio tells
+    assert "shear_shear_coefficient" not in materials.variables
+    np.testing.assert_array_equal(materials["angular_frequency"][0], first["angular_frequency"])
+
+
 def test_a_section_without_shape_needs_a_shear_coefficient(here):
     here.write("scene.nml", BEAM.replace("diameter=0.037", "area=1e-3, second_moment=1e-7") + "&shear /\n")
     assert "shear%shear_coefficient: is missing" in here.beamwave("check", "scene.nml").stderr

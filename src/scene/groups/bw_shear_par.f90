@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear, usual_shear
+  public :: build_shear, check_shear, settle_shear, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -40,15 +40,30 @@ contains
                       'which do not tell its shape; accepted: a real, > 0')
   end subroutine check_shear
 
+  pure subroutine settle_shear(groups)
+    !! The coefficient of a circle is that of its material, but where a sweep goes through materials.
+    type(group_values), intent(inout) :: groups(:)
+    integer :: shear, beam
+    shear = position_of(groups, 'shear')
+    beam = position_of(groups, 'beam')
+    if (shear == 0 .or. beam == 0) return
+    if (groups(shear)%given('shear_coefficient') .or. .not. groups(beam)%given('diameter')) return
+    associate (ratio => groups(shear)%values(groups(shear)%at('poisson_ratio')))
+      if (ratio%known .and. ratio%sweep == 0) &
+        call groups(shear)%settle('shear_coefficient', circle_coefficient(ratio%number), 0)
+    end associate
+  end subroutine settle_shear
+
   pure subroutine build_shear(groups, shear)
-    type(group_values), intent(in) :: groups(:)
+    !! Poisson's ratio and the coefficient, given or settled.
+    type(group_values), intent(in) :: groups(:)          !! settled
     type(shear_par), allocatable, intent(out) :: shear   !! unallocated where the group is absent
     integer :: i
     i = position_of(groups, 'shear')
     if (i == 0) return
     allocate (shear)
     shear%poisson_ratio = groups(i)%number('poisson_ratio')
-    if (groups(i)%given('shear_coefficient')) then
+    if (groups(i)%known('shear_coefficient')) then
       shear%shear_coefficient = groups(i)%number('shear_coefficient')
     else
       shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
