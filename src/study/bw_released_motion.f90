@@ -52,7 +52,7 @@ contains
     call plan_share(tail_share*bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, &
                     reached)
     if (tail + reached > bound) &                ! the tip takes more than its share: the others make do with the rest
-      call plan_share(max(0.0_dp, bound - reached), (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, &
+      call plan_share(max(least_share*bound, bound - reached), (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, &
                       result, tail, reached)
     reached = tail + reached
   end subroutine plan_released
