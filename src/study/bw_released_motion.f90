@@ -48,16 +48,18 @@ contains
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! estimated error, V l²/h
-    real(dp) :: tail
-    call plan_share(tail_share*bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, &
-                    reached)
-    if (tail + reached > bound) &                ! the tip takes more than its share: the others make do with the rest
-      call plan_share(max(least_share*bound, bound - reached), (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, &
-                      result, tail, reached)
-    reached = tail + reached
+    real(dp) :: tail, tip
+    call plan_share(tail_share*bound)
+    if (tail + tip > bound) call plan_share(max(least_share*bound, bound - tip))    ! what the tip leaves of it
+    reached = tail + tip
+  contains
+    subroutine plan_share(tail_bound)
+      real(dp), intent(in) :: tail_bound
+      call plan_counts(tail_bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, tip)
+    end subroutine plan_share
   end subroutine plan_released
 
-  subroutine plan_share(tail_bound, tip_bound, fewest, source, alone, force, points, grid, result, tail, tip)
+  subroutine plan_counts(tail_bound, tip_bound, fewest, source, alone, force, points, grid, result, tail, tip)
     !! Counts within bounds for each; where they cannot be kept, those that come nearest.
     real(dp), intent(in) :: tail_bound, tip_bound
     integer, intent(in) :: fewest
@@ -79,7 +81,7 @@ contains
     call find_tip_rest(source, force, result%released_count, result%courses(2)%start, &
                        min(tip_bound, max(least_share*tip_bound, tip_share*tail))/strength, result%tip_rest)
     tip = strength*result%tip_rest%uncertainty
-  end subroutine plan_share
+  end subroutine plan_counts
 
   function released_error(source, alone, force, points, grid, result, velocity) result(error)
     !! Estimates of the largest error of the samples after the release, V l²/h or V, (points).
