@@ -16,7 +16,7 @@ module bw_held_modes
     class(mode_set), allocatable :: free       !! modes of the beam alone
     real(dp), allocatable :: mixing(:, :)      !! how much of each is in a mode, (free modes, modes)
   contains
-    procedure :: shapes => held_shapes
+    procedure :: some_shapes => held_shapes
     procedure :: overlap_with_mass => held_overlap_with_mass
     procedure :: overlap_of_beam => held_overlap_of_beam
     procedure :: elastic => held_elastic
@@ -123,11 +123,12 @@ contains
     rate = matmul(self%mixing, z_rate)
   end subroutine give_state
 
-  pure function held_shapes(self, xi) result(values)
+  pure function held_shapes(self, first, last, xi) result(values)
     class(held_set), intent(in) :: self
+    integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
-    real(dp) :: values(self%count, size(xi))
-    values = matmul(transpose(self%mixing), self%free%shapes(xi))
+    real(dp) :: values(last - first + 1, size(xi))
+    values = matmul(transpose(self%mixing(:, first:last)), self%free%shapes(xi))
   end function held_shapes
 
   pure function held_overlap_of_beam(self, from, amplitude) result(sums)

@@ -4,21 +4,21 @@ module bw_closed_form
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
   use bw_far_terms, only: far_terms
   use bw_frequency_equation, only: highest_mode, root_type
-  use bw_kept_modes, only: chunk, kept_modes, kept_set, solve_shapes
+  use bw_kept_modes, only: chunk, kept_modes, kept_set
   use bw_mode_set, only: mode_set, mode_source, terms_of_set
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refined_root
-  use bw_root_list, only: light_modes, near_modes, root_values
-  use bw_shape, only: shape_type, shape_values
+  use bw_root_list, only: light_modes, near_modes, root_values, solve_roots
+  use bw_shape, only: shape_type, shapes_of, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
   public :: closed_form_modes, source_in_closed_form
 
   type, extends(mode_set), public :: closed_form_set
-    type(shape_type), allocatable :: shape(:)      !! (n)
+    type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
   contains
-    procedure :: shapes => closed_form_shapes
+    procedure :: some_shapes => closed_form_shapes
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => closed_form_elastic
@@ -53,17 +53,17 @@ contains
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(closed_form_set), intent(out) :: modes
+    type(shape_type) :: shape(chunk)
     type(dd) :: alpha(chunk)
-    integer :: first, last
+    integer :: first, last, m
     call size_set(size(number), gamma, modes)
     do first = 1, size(number), chunk
       last = min(first + chunk - 1, size(number))
-      associate (shape => modes%shape(first:last), root => alpha(:last - first + 1))
-        call solve_shapes(number(first:last), gamma, shape)
-        root = root_values(shape%root)
-        call refine_roots(shape%root, root, omega, longest)
-        call set_some(first, last, root, omega, modes)
-      end associate
+      m = last - first + 1
+      shape(:m) = shapes_of(solve_roots(number(first:last), gamma))
+      alpha(:m) = root_values(shape(:m)%root)
+      call refine_roots(shape(:m)%root, alpha(:m), omega, longest)
+      call set_some(first, last, shape(:m), alpha(:m), omega, modes)
     end do
   end subroutine set_modes
 
@@ -77,11 +77,10 @@ contains
     integer :: first, last
     call size_set(size(kept%shape), kept%gamma, modes)
     modes%kept_as = kept%number
-    modes%shape = kept%shape
     call kept%roots(omega, longest, alpha)
     do first = 1, modes%count, chunk
       last = min(first + chunk - 1, modes%count)
-      call set_some(first, last, alpha(first:last), omega, modes)
+      call set_some(first, last, kept%shape(first:last), alpha(first:last), omega, modes)
     end do
   end subroutine set_kept_modes
 
@@ -91,18 +90,20 @@ contains
     type(closed_form_set), intent(inout) :: modes
     modes%count = n
     modes%gamma = gamma
-    allocate (modes%shape(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
+    allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
     allocate (modes%phase_velocity(n), modes%group_velocity(n))
   end subroutine size_set
 
-  pure subroutine set_some(first, last, alpha, omega, modes)
-    !! Modes `first` … `last` of a set whose shapes are there.
+  pure subroutine set_some(first, last, shape, alpha, omega, modes)
+    !! Modes `first` … `last` of a set.
     integer, intent(in) :: first, last
+    type(shape_type), intent(in) :: shape(:)
     type(dd), intent(in) :: alpha(:)
     type(dd), intent(in), optional :: omega
     type(closed_form_set), intent(inout) :: modes
     type(dd) :: square(last - first + 1)
-    associate (shape => modes%shape(first:last), beta_squared => modes%beta_squared(first:last))
+    associate (beta_squared => modes%beta_squared(first:last))
+      modes%root(first:last) = shape%root
       modes%alpha(first:last) = shape%alpha
       modes%tip(first:last) = shape%tip
       modes%modal_mass(first:last) = shape%modal_mass
@@ -128,15 +129,18 @@ contains
     where (is_coarse(root%rest, alpha%hi, omega, longest)) alpha = refined_root(root)
   end subroutine refine_roots
 
-  pure function closed_form_shapes(self, xi) result(values)
+  pure function closed_form_shapes(self, first, last, xi) result(values)
     class(closed_form_set), intent(in) :: self
+    integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
-    real(dp) :: values(self%count, size(xi))
-    integer :: first, last, p
-    do first = 1, self%count, chunk
-      last = min(first + chunk - 1, self%count)
+    real(dp) :: values(last - first + 1, size(xi))
+    type(shape_type) :: shape(chunk)
+    integer :: k, n, p
+    do k = first, last, chunk
+      n = min(chunk, last - k + 1)
+      shape(:n) = shapes_of(self%root(k:k + n - 1))
       do p = 1, size(xi)
-        values(first:last, p) = shape_values(self%shape(first:last), xi(p))
+        values(k - first + 1:k - first + n, p) = shape_values(shape(:n), xi(p))
       end do
     end do
   end function closed_form_shapes
@@ -146,9 +150,15 @@ contains
     class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(self%count)
+    integer :: first, last
     select type (from)
     class is (closed_form_set)
-      sums = overlap_with_tip_mass(self%shape, from%shape, amplitude)
+      associate (free => shapes_in_parts(from%root))
+        do first = 1, self%count, chunk
+          last = min(first + chunk - 1, self%count)
+          sums(first:last) = overlap_with_tip_mass(shapes_of(self%root(first:last)), free, amplitude)
+        end do
+      end associate
     class default
       error stop 'bw_closed_form: modes found in different ways have no overlap'
     end select
@@ -159,13 +169,30 @@ contains
     class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(self%count)
+    integer :: first, last
     select type (from)
     class is (closed_form_set)
-      sums = overlap_without_mass(self%shape, from%shape, amplitude)
+      associate (shape => shapes_in_parts(from%root))
+        do first = 1, self%count, chunk
+          last = min(first + chunk - 1, self%count)
+          sums(first:last) = overlap_without_mass(shapes_of(self%root(first:last)), shape, amplitude)
+        end do
+      end associate
     class default
       error stop 'bw_closed_form: modes found in different ways have no overlap'
     end select
   end function overlap_of_beam
+
+  pure function shapes_in_parts(root) result(shape)
+    !! `shapes_of` of many, whose work then takes no memory.
+    type(root_type), intent(in) :: root(:)
+    type(shape_type) :: shape(size(root))
+    integer :: first, last
+    do first = 1, size(root), chunk
+      last = min(first + chunk - 1, size(root))
+      shape(first:last) = shapes_of(root(first:last))
+    end do
+  end function shapes_in_parts
 
   pure type(closed_form_source) function source_in_closed_form(gamma, omega) result(source)
     real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0

@@ -30,7 +30,7 @@ module bw_galerkin
     real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
     type(tip_body) :: body
   contains
-    procedure :: shapes => galerkin_shapes
+    procedure :: some_shapes => galerkin_shapes
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => galerkin_elastic
@@ -135,15 +135,16 @@ contains
     beta_squared = to_dd(1.0_dp)/(p*p) - shift
   end function squares_of
 
-  pure function galerkin_shapes(self, xi) result(values)
+  pure function galerkin_shapes(self, first, last, xi) result(values)
     class(galerkin_set), intent(in) :: self
+    integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
-    real(dp) :: values(self%count, size(xi))
+    real(dp) :: values(last - first + 1, size(xi))
     integer :: p
-    values = matmul(transpose(self%deflection), basis_values(size(self%deflection, 1), xi))
+    values = matmul(transpose(self%deflection(:, first:last)), basis_values(size(self%deflection, 1), xi))
     do p = 1, size(xi)
       if (xi(p) == 0.0_dp) values(:, p) = 0.0_dp
-      if (xi(p) == 1.0_dp) values(:, p) = self%tip
+      if (xi(p) == 1.0_dp) values(:, p) = self%tip(first:last)
     end do
   end function galerkin_shapes
 

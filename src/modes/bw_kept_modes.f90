@@ -9,7 +9,6 @@ module bw_kept_modes
   use bw_shape, only: shape_type, shapes_of
   implicit none (type, external)
   private
-  public :: solve_shapes
 
   integer, parameter, public :: chunk = 256      !! tuned: modes whose arrays stay in the fastest cache
   integer, parameter :: most_sets = 128          !! kept at a time

@@ -24,7 +24,8 @@ module bw_mode_set
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
-    procedure(shapes_interface), deferred :: shapes
+    procedure(shapes_interface), deferred :: some_shapes
+    procedure :: shapes => all_shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone
     procedure(elastic_interface), deferred :: elastic
@@ -46,13 +47,14 @@ module bw_mode_set
   end type mode_source
 
   abstract interface
-    pure function shapes_interface(self, xi) result(values)
-      !! Φ_k(ξ) at points of the beam.
+    pure function shapes_interface(self, first, last, xi) result(values)
+      !! Φ_k(ξ) of modes `first` … `last` of the set, at points of the beam.
       import :: mode_set, dp
       implicit none (type, external)
       class(mode_set), intent(in) :: self
+      integer, intent(in) :: first, last
       real(dp), intent(in) :: xi(:)               !! 0 ≤ ξ ≤ 1, (points)
-      real(dp) :: values(self%count, size(xi))    !! (modes, points)
+      real(dp) :: values(last - first + 1, size(xi))   !! (modes, points)
     end function shapes_interface
 
     pure function overlap_interface(self, from, amplitude) result(sums)
@@ -87,6 +89,14 @@ module bw_mode_set
   end interface
 
 contains
+
+  pure function all_shapes(self, xi) result(values)
+    !! Φ_k(ξ) at points of the beam.
+    class(mode_set), intent(in) :: self
+    real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
+    real(dp) :: values(self%count, size(xi))      !! (modes, points)
+    values = self%some_shapes(1, self%count, xi)
+  end function all_shapes
 
   pure subroutine damp(self, law)
     !! Damp the modes that were found.

@@ -20,7 +20,7 @@ contains
   pure function overlap_with_tip_mass(loaded, free, amplitude) result(sums)
     !! Σ_i (∫Φ̄_kφ_i dξ + γΦ̄_k(1)φ_i(1)) a_i: Eq. 26 times M̄_k.
     !! **Errors**: within 1e-13 of the sum of the terms' magnitudes.
-    type(shape_type), intent(in) :: loaded(:)     !! modes Φ̄_k with the mass, from the first
+    type(shape_type), intent(in) :: loaded(:)     !! modes Φ̄_k with the mass, any
     type(shape_type), intent(in) :: free(:)       !! modes φ_i without it, γ = 0, from the first
     real(dp), intent(in) :: amplitude(:)          !! a_i, (size(free))
     real(dp) :: sums(size(loaded))
@@ -29,7 +29,7 @@ contains
 
   pure function overlap_without_mass(onto, from, amplitude) result(sums)
     !! Σ_i ∫Φ_kφ_i dξ a_i: the beam's part alone.
-    type(shape_type), intent(in) :: onto(:)       !! modes Φ_k, from the first; these or the others are without mass
+    type(shape_type), intent(in) :: onto(:)       !! modes Φ_k, any; these or the others are without mass
     type(shape_type), intent(in) :: from(:)       !! modes φ_i, from the first
     real(dp), intent(in) :: amplitude(:)          !! a_i, (size(from))
     real(dp) :: sums(size(onto))
@@ -50,15 +50,16 @@ contains
     type(shape_type), intent(in) :: loaded(:), free(:)
     real(dp), intent(in) :: weight(:), own(:)
     real(dp) :: sums(size(loaded))
-    integer :: k, common
+    integer :: k
     if (.not. carries_mass(loaded)) then
-      common = min(size(loaded), size(free))
       sums = 0.0_dp
-      sums(:common) = own(:common)
+      do k = 1, size(loaded)
+        if (loaded(k)%root%k <= size(own)) sums(k) = own(loaded(k)%root%k)
+      end do
       return
     end if
     do k = 1, size(loaded)
-      sums(k) = loaded(k)%tip_force/loaded(k)%alpha*accurate_sum(free%tip*weight/differences(loaded, free, k))
+      sums(k) = loaded(k)%tip_force/loaded(k)%alpha*accurate_sum(free%tip*weight/differences(loaded(k), free))
     end do
   end function weighted_sums
 
@@ -67,21 +68,23 @@ contains
     type(shape_type), intent(in) :: free(:), loaded(:)
     real(dp), intent(in) :: amplitude(:)          !! a_k, (size(loaded))
     real(dp) :: sums(size(free)), gap(size(loaded))
-    integer :: i
+    integer :: i, k
     do i = 1, size(free)
       gap = far_difference(free(i), loaded)
-      if (i <= size(loaded)) gap(i) = fourth_power_difference(free(i)%root, loaded(i)%root)
+      k = free(i)%root%k
+      if (k <= size(loaded)) gap(k) = fourth_power_difference(free(i)%root, loaded(k)%root)
       sums(i) = free(i)%tip*accurate_sum(loaded%tip_force*loaded%alpha**3*amplitude/gap)
     end do
   end function sums_over_loaded
 
-  pure function differences(loaded, free, k) result(values)
+  pure function differences(loaded, free) result(values)
     !! α_i⁴ − ᾱ_k⁴ for all i.
-    type(shape_type), intent(in) :: loaded(:), free(:)
-    integer, intent(in) :: k
+    type(shape_type), intent(in) :: loaded, free(:)
     real(dp) :: values(size(free))
-    values = far_difference(free, loaded(k))
-    if (k <= size(free)) values(k) = fourth_power_difference(free(k)%root, loaded(k)%root)
+    values = far_difference(free, loaded)
+    associate (k => loaded%root%k)
+      if (k <= size(free)) values(k) = fourth_power_difference(free(k)%root, loaded%root)
+    end associate
   end function differences
 
   elemental real(dp) function far_difference(free, loaded) result(value)

@@ -10,10 +10,10 @@ module bw_response
   use bw_growing_modes, only: add_growing_mode, find_overflow
   use bw_missing, only: missing
   use bw_modal_flow, only: fast_exponent, slow_exponent
-  use bw_modal_sum, only: add_stable_modes
   use bw_mode_set, only: mode_set
-  use bw_monitor, only: monitor_type
-  use bw_nonuniform_sum, only: nonuniform_sum, transform_stable_modes
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_set_sum, only: add_products, add_transformed, modes_at_once, numbers_between, numbers_of, state_of
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   use bw_time_grid, only: time_grid
   implicit none (type, external)
@@ -74,25 +74,21 @@ contains
     real(dp), intent(in) :: points(:)            !! ξ, (points)
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: unit_time            !! l²/h, s
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response
     real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
     type(nonuniform_sum), intent(inout), optional :: kept    !! as that of `free_motion`
     type(nonuniform_sum) :: own
-    real(dp) :: shapes(modes%count, size(points)), q(modes%count)
-    shapes = modes%shapes(points)
-    q = 0.0_dp
-    if (present(displaced)) q = displaced
     if (allocated(modes%damping)) then
-      call add_damped(modes%beta_squared, modes%damping, q, rate, shapes, grid, unit_time, monitor, response)
+      call add_damped(modes, displaced, rate, points, grid, unit_time, monitor, response)
       response%sum_error = response%sum_error + error_of_sum(sum_choice(), grid%samples)
     else
       if (present(kept)) then
-        call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, kept, response)
+        call add_stable(modes, displaced, rate, points, grid, monitor, kept, response)
       else
-        call add_stable(modes%beta_squared, q, rate, shapes, grid, monitor, own, response)
+        call add_stable(modes, displaced, rate, points, grid, monitor, own, response)
       end if
-      call add_growing(modes%beta_squared, q, rate, shapes, grid, unit_time, response)
+      call add_growing(modes, displaced, rate, points, grid, unit_time, response)
     end if
   end subroutine add_motion
 
@@ -106,47 +102,60 @@ contains
     response%velocity(response%finite_samples + 1:, :) = missing
   end subroutine finish_histories
 
-  subroutine add_stable(beta_squared, q, rate, shapes, grid, monitor, sum, response)
+  subroutine add_stable(modes, displaced, rate, points, grid, monitor, sum, response)
     !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
     !! products, whose error follows its motion and not its amplitude.
-    type(dd), intent(in) :: beta_squared(:)
-    real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:), points(:)
     type(time_grid), intent(in) :: grid
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: sum
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
-    logical :: turns(size(q))
-    turns = turns_in_record(sqrt(max(0.0_dp, beta_squared%hi)), grid)
+    logical :: turns(modes%count)
+    turns = turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), grid)
     choice = chosen_sum(count(turns), grid%samples, histories_of(response), sum_tolerance)
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
-    if (choice%transform) response%transformed = response%transformed + count(turns)
-    if (.not. choice%transform) then
-      call by_products(numbers_of(beta_squared%hi > 0.0_dp))
-    else if (all(turns)) then
-      call by_transform(beta_squared, q, rate, shapes)      ! as below, without copies
+    if (choice%transform) then
+      response%transformed = response%transformed + count(turns)
+      call add_transformed(modes, turns, choice, displaced, rate, points, grid, monitor, sum, response%displacement, &
+                           response%velocity)
+      if (monitor%stop_requested()) return
+      turns = modes%beta_squared%hi > 0.0_dp .and. .not. turns
     else
-      associate (k => numbers_of(turns))
-        call by_transform(beta_squared(k), q(k), rate(k), shapes(k, :))
-      end associate
-      call by_products(numbers_of(beta_squared%hi > 0.0_dp .and. .not. turns))
+      turns = modes%beta_squared%hi > 0.0_dp
     end if
-  contains
-    subroutine by_products(k)
-      integer, intent(in) :: k(:)
-      call add_stable_modes(beta_squared(k), q(k), rate(k), shapes(k, :), grid, monitor, response%displacement, &
-                            response%velocity)
-    end subroutine by_products
-    subroutine by_transform(beta_squared, q, rate, shapes)
-      type(dd), intent(in) :: beta_squared(:)
-      real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
-      call transform_stable_modes(sum, beta_squared, q, rate, shapes, grid, choice%width, choice%half, monitor, &
-                                  response%displacement, response%velocity)
-    end subroutine by_transform
+    if (any(turns)) call add_products(modes, turns, displaced, rate, points, grid, monitor, response%displacement, &
+                                     response%velocity)
   end subroutine add_stable
 
-  subroutine add_damped(beta_squared, c, q, rate, shapes, grid, unit_time, monitor, response)
-    !! Damped modes; of those that grow, A e^(st) is the motion of an undamped mode with β² = −s².
+  subroutine add_damped(modes, displaced, rate, points, grid, unit_time, monitor, response)
+    !! Damped modes, of many no more at a time than whose shapes may be held.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:), points(:)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type), intent(inout) :: response
+    type(part_monitor) :: part
+    integer, allocatable :: k(:)
+    integer :: first, last, n
+    n = modes_at_once(size(points))
+    do first = 1, modes%count, n
+      last = min(first + n - 1, modes%count)
+      k = numbers_between(first, last)
+      part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
+      call add_some_damped(k, modes%beta_squared(k), modes%damping(k), state_of(k, displaced), rate(k), &
+                           modes%some_shapes(first, last, points), grid, unit_time, part, response)
+      if (monitor%stop_requested()) return
+    end do
+  end subroutine add_damped
+
+  subroutine add_some_damped(number, beta_squared, c, q, rate, shapes, grid, unit_time, monitor, response)
+    !! Of those that grow, A e^(st) is the motion of an undamped mode with β² = −s².
+    integer, intent(in) :: number(:)             !! of the modes
     type(dd), intent(in) :: beta_squared(:)
     real(dp), intent(in) :: c(:), q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
@@ -154,7 +163,6 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     integer, allocatable :: k(:)
-    integer :: finite
     type(dd), allocatable :: up(:)
     real(dp), allocatable :: down(:), growing(:)
     call add_damped_modes(beta_squared, c, q, rate, shapes, grid, monitor, response%displacement, response%velocity)
@@ -163,10 +171,8 @@ contains
     up = slow_exponent(beta_squared(k), c(k))
     down = fast_exponent(beta_squared(k), c(k))
     growing = (rate(k) - down*q(k))/(up%hi - down)
-    finite = response%finite_samples
-    call add_growing(-(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, response)
-    if (response%finite_samples < finite) response%failing_mode = k(response%failing_mode)
-  end subroutine add_damped
+    call add_some_growing(number(k), -(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, response)
+  end subroutine add_some_damped
 
   elemental logical function turns_in_record(beta, grid)
     !! A slower mode's amplitude q̇/β is larger than its motion, and the transform's error follows the amplitude.
@@ -182,38 +188,43 @@ contains
     if (allocated(response%velocity)) histories_of = 2*histories_of
   end function histories_of
 
-  pure function numbers_of(chosen) result(k)
-    logical, intent(in) :: chosen(:)
+  pure subroutine add_growing(modes, displaced, rate, points, grid, unit_time, response)
+    !! Modes at or beyond their critical speed.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:), points(:)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time
+    type(response_type), intent(inout) :: response
+    real(dp), allocatable :: shapes(:, :)
     integer, allocatable :: k(:)
-    integer :: i
-    k = pack([(i, i=1, size(chosen))], chosen)
-  end function numbers_of
+    if (.not. any(modes%beta_squared%hi <= 0.0_dp)) return
+    k = numbers_of(modes%beta_squared%hi <= 0.0_dp)
+    shapes = modes%some_shapes(k(1), k(size(k)), points)
+    call add_some_growing(k, modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), grid, unit_time, &
+                          response)
+  end subroutine add_growing
 
-  pure subroutine add_growing(beta_squared, q, rate, shapes, grid, unit_time, response)
-    !! Modes at or beyond their critical speed, up to the first sample at which their sum overflows, or a velocity
-    !! in m/s.
-    type(dd), intent(in) :: beta_squared(:)
+  pure subroutine add_some_growing(number, beta_squared, q, rate, shapes, grid, unit_time, response)
+    !! Up to the first sample at which their sum overflows, or a velocity in m/s.
+    integer, intent(in) :: number(:)             !! of the modes
+    type(dd), intent(in) :: beta_squared(:)      !! none above 0
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: unit_time
     type(response_type), intent(inout) :: response
-    integer, allocatable :: growing(:)
     real(dp), allocatable :: velocity_limit        ! absent: no velocity is asked for
-    integer :: i, k, finite, failing
-    growing = numbers_of(beta_squared%hi <= 0.0_dp)
-    if (size(growing) == 0) return
+    integer :: k, finite, failing
     if (allocated(response%velocity)) velocity_limit = log_huge + min(0.0_dp, log(unit_time))
-    call find_overflow(beta_squared(growing), q(growing), rate(growing), shapes(growing, :), grid, log_huge, &
-                       velocity_limit, finite, failing)
+    call find_overflow(beta_squared, q, rate, shapes, grid, log_huge, velocity_limit, finite, failing)
     if (finite < response%finite_samples) then
       response%finite_samples = finite
-      response%failing_mode = growing(failing)
+      response%failing_mode = number(failing)
     end if
-    do i = 1, size(growing)
-      k = growing(i)
+    do k = 1, size(q)
       call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), grid, response%finite_samples, &
                             response%displacement, response%velocity)
     end do
-  end subroutine add_growing
+  end subroutine add_some_growing
 
 end module bw_response

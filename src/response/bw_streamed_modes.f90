@@ -7,6 +7,7 @@ module bw_streamed_modes
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: add_motion, histories_of, response_type, turns_in_record
+  use bw_set_sum, only: modes_at_once
   use bw_stopwatch, only: wall_seconds
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   use bw_time_grid, only: time_grid
@@ -15,7 +16,6 @@ module bw_streamed_modes
   public :: add_modes_of_source
 
   integer, parameter :: part = 256             !! tuned: modes whose arrays stay in the cache
-  integer, parameter :: most_numbers = 2**22   !! shapes held at a time where modes are not transformed
 
 contains
 
@@ -84,7 +84,7 @@ contains
     class(mode_set), allocatable :: modes
     real(dp) :: started
     integer :: batch, i, k
-    batch = max(part, most_numbers/max(64, size(points)))
+    batch = modes_at_once(size(points))
     do k = first, last, batch
       started = wall_seconds()
       call source%find([(i, i=k, min(k + batch - 1, last))], modes, record_of(source, grid))

@@ -26,6 +26,7 @@ module bw_truncation
   real(dp), parameter :: safety = 2.5_dp          !! empirical: of the phases as if they were random
   real(dp), parameter :: revival = 2.0_dp         !! empirical: of N^(1/4); from 500 samples on it is the larger one
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
+  integer, parameter :: part = 1024               !! modes whose shapes are held at a time
   real(dp), parameter :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
 
   type, public :: deviation_type
@@ -48,17 +49,7 @@ contains
     integer, intent(in) :: samples                !! N
     logical, intent(in) :: velocity               !! of the velocity, else of the displacement
     real(dp) :: error(size(points))
-    type(deviation_type) :: sums(size(points))
-    type(stretch_type), allocatable :: stretches(:)
-    integer :: i
-    error = 0.0_dp
-    stretches = stretches_of(source, longest, samples)
-    do i = 1, size(stretches)
-      sums = deviation_type()
-      call add_modes(modes, lacking, points, stretches(i), velocity, 1.0_dp, sums)
-      call add_tail(modes%count, source, force, points, stretches(i), velocity, sums)
-      error = max(error, largest(sums, stretches(i)%samples))
-    end do
+    error = worst_stretch(modes%count, source, force, points, longest, samples, velocity, modes, lacking)
   end function truncation_error
 
   function tail_error(count, source, force, points, longest, samples, velocity) result(error)
@@ -70,6 +61,20 @@ contains
     integer, intent(in) :: samples
     logical, intent(in) :: velocity
     real(dp) :: error(size(points))
+    error = worst_stretch(count, source, force, points, longest, samples, velocity)
+  end function tail_error
+
+  function worst_stretch(count, source, force, points, longest, samples, velocity, modes, lacking) result(error)
+    !! Of all stretches of the history, what the modes from `count` + 1 on, and what these lack, add up to, (points).
+    integer, intent(in) :: count
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    real(dp), intent(in) :: points(:), longest
+    integer, intent(in) :: samples
+    logical, intent(in) :: velocity
+    class(mode_set), intent(in), optional :: modes
+    real(dp), intent(in), optional :: lacking(:)  !! (modes)
+    real(dp) :: error(size(points))
     type(deviation_type) :: sums(size(points))
     type(stretch_type), allocatable :: stretches(:)
     integer :: i
@@ -77,10 +82,11 @@ contains
     stretches = stretches_of(source, longest, samples)
     do i = 1, size(stretches)
       sums = deviation_type()
+      if (present(lacking)) call add_modes(modes, lacking, points, stretches(i), velocity, 1.0_dp, sums)
       call add_tail(count, source, force, points, stretches(i), velocity, sums)
       error = max(error, largest(sums, stretches(i)%samples))
     end do
-  end function tail_error
+  end function worst_stretch
 
   pure function stretches_of(source, longest, samples) result(stretches)
     !! One for modes that keep their amplitudes. Damped ones are looked at over stretches of 1, 2, 4, … samples from
@@ -224,16 +230,23 @@ contains
     logical, intent(in) :: velocity
     real(dp), intent(in) :: weight
     type(deviation_type), intent(inout) :: sums(:)
-    real(dp) :: reach(modes%count)
-    logical :: stable(modes%count)
-    if (allocated(modes%damping)) then
-      stable = turns(modes%beta_squared, modes%damping)
-      reach = damped_reach(modes%beta_squared, modes%damping, stretch, velocity)
-    else
-      stable = modes%beta_squared%hi > 0.0_dp
-      reach = undamped_reach(sign(sqrt(abs(modes%beta_squared%hi)), modes%beta_squared%hi), stretch%end, velocity)
-    end if
-    call add_amplitudes(rate, modes%shapes(points), stable, reach, weight, sums)
+    real(dp) :: reach(part)
+    logical :: stable(part)
+    integer :: first, last, n
+    do first = 1, modes%count, part
+      last = min(first + part - 1, modes%count)
+      n = last - first + 1
+      associate (square => modes%beta_squared(first:last))
+        if (allocated(modes%damping)) then
+          stable(:n) = turns(square, modes%damping(first:last))
+          reach(:n) = damped_reach(square, modes%damping(first:last), stretch, velocity)
+        else
+          stable(:n) = square%hi > 0.0_dp
+          reach(:n) = undamped_reach(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
+        end if
+      end associate
+      call add_amplitudes(rate(first:last), modes%some_shapes(first, last, points), stable(:n), reach(:n), weight, sums)
+    end do
   end subroutine add_modes
 
   pure subroutine add_amplitudes(rate, shapes, stable, reach, weight, sums)

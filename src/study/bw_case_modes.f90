@@ -28,16 +28,19 @@ module bw_case_modes
 contains
 
   subroutine find_modes(scene, result, free, loaded, source, alone, kept)
-    !! Modes of the beam alone, and of beam and mass if the mass is captured; the last of them are in force. Where a
-    !! tolerance says how many are summed, there are none before the capture, and the first few stand for those after it.
+    !! `result%modes`, those in force: of beam and mass if the mass is captured, else of the beam alone; with a capture also
+    !! `result%before`, of the beam alone. Where a tolerance says how many are summed, there are none before the capture,
+    !! and the first few stand for those after it.
     type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result
-    class(mode_set), allocatable, intent(out) :: free, loaded
+    type(case_result), intent(inout), target :: result
+    class(mode_set), pointer, intent(out) :: free, loaded
+      !! modes of the beam alone, and of beam and mass, in `result`: many modes are not held twice; null: there are none
     class(mode_source), allocatable, intent(out) :: source   !! of beam and mass; absent: the mass is not captured
     class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
     type(kept_modes), intent(inout), target, optional :: kept
       !! what cases share, for as long as the sources live; absent: nothing is kept
     real(dp), allocatable :: longest               ! absent: no history is asked for
+    nullify (free, loaded)
     if (changes_shapes(scene)) then
       call find_galerkin(scene, result, alone, source)
     else
@@ -48,15 +51,15 @@ contains
     call set_damping(scene, result, source)
     if (allocated(scene%capture)) then
       source%stretch = record_stretch(scene)
-      call source%find(first_numbers(scene%modes%after), loaded, longest)
-      result%modes = loaded
+      call source%find(first_numbers(scene%modes%after), result%modes, longest)
+      loaded => result%modes
       call note_coupling(scene, result)
       if (by_tolerance(scene%modes)) return
-      call alone%find(first_numbers(scene%modes%before), free)
-      result%before = free
+      call alone%find(first_numbers(scene%modes%before), result%before)
+      free => result%before
     else
-      call alone%find(first_numbers(scene%modes%before), free, longest)
-      result%modes = free
+      call alone%find(first_numbers(scene%modes%before), result%modes, longest)
+      free => result%modes
       call note_coupling(scene, result)
     end if
   end subroutine find_modes

@@ -125,8 +125,9 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(dd), allocatable, intent(out) :: direct(:, :)     !! (samples, points)
     logical, intent(inout) :: whole
-    type(case_result) :: result
-    class(mode_set), allocatable :: free, loaded
+    type(case_result), target :: result
+    class(mode_set), pointer :: free, loaded
+    class(mode_set), allocatable :: modes
     class(mode_source), allocatable :: source, alone
     type(time_grid) :: grid
     integer :: first, k
@@ -136,8 +137,8 @@ contains
     call find_modes(scene, result, free, loaded, source, alone)
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     do first = 1, count, batch
-      call source%find([(k, k=first, min(first + batch - 1, count))], loaded, endless)
-      call add_directly(loaded, continuum_velocity(loaded, scene%impact%mass_ratio, scene%impact%restitution) &
+      call source%find([(k, k=first, min(first + batch - 1, count))], modes, endless)
+      call add_directly(modes, continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution) &
                         *(scene%impact%approach_velocity*result%units%time%hi), scene%response%points, grid, sample, direct)
       whole = .not. monitor%stop_requested()
       if (.not. whole) return

@@ -36,9 +36,9 @@ contains
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout) :: monitor
     type(kept_work), intent(inout), target :: kept !! what other cases have found
-    type(case_result), intent(out) :: result
+    type(case_result), intent(out), target :: result
     logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was summed
-    class(mode_set), allocatable :: free, loaded
+    class(mode_set), pointer :: free, loaded       ! modes of the beam alone, and of beam and mass
     class(mode_source), allocatable :: source     ! of beam and mass
     class(mode_source), allocatable :: alone      ! of the beam alone
     call watch%start()
@@ -69,8 +69,8 @@ contains
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
-    type(case_result) :: result
-    class(mode_set), allocatable :: free, loaded
+    type(case_result), target :: result
+    class(mode_set), pointer :: free, loaded
     class(mode_source), allocatable :: source, alone     ! of beam and mass, of the beam alone
     result%units = units_of(scene%beam)
     allocate (result%notes(0))
