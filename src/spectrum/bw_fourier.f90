@@ -4,7 +4,7 @@ module bw_fourier
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: real_transform
+  public :: real_transform, transform_in_place
 
   include 'fftw3.f03'
 
@@ -58,5 +58,17 @@ contains
     call fourier%transform()
     allocate (spectrum(0:size(samples)/2), source=fourier%spectrum)
   end function real_transform
+
+  subroutine transform_in_place(length, spectrum)
+    !! The same of a record that lies in the memory of its transform, which takes its place.
+    integer, intent(in) :: length                 !! N ≥ 1
+    complex(dp), intent(inout), target, contiguous :: spectrum(:)   !! (N/2 + 1); in: its first N reals are the samples
+    real(c_double), pointer, contiguous :: samples(:)
+    type(c_ptr) :: plan
+    call c_f_pointer(c_loc(spectrum), samples, [2*size(spectrum)])
+    plan = fftw_plan_dft_r2c_1d(int(length, c_int), samples, spectrum, FFTW_ESTIMATE)
+    call fftw_execute_dft_r2c(plan, samples, spectrum)
+    call fftw_destroy_plan(plan)
+  end subroutine transform_in_place
 
 end module bw_fourier

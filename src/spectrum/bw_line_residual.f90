@@ -1,11 +1,12 @@
 module bw_line_residual
   !! What is left of two histories when lines are taken out, and which peaks still stand out of it.
-  use bw_fourier, only: real_transform
+  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+  use bw_fourier, only: transform_in_place
   use bw_kinds, only: dp
   use bw_line, only: line_type, main_lobe, points, sidelobe, subtract_line
   implicit none (type, external)
   private
-  public :: plain_bins, residual_of, strength, visible_peaks
+  public :: find_residual, plain_bins, strength, visible_peaks
 
   integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
   integer, parameter :: most_peaks = 64        !! taken up at a time
@@ -24,29 +25,56 @@ module bw_line_residual
 
 contains
 
-  function residual_of(record, lines) result(residual)
+  subroutine find_residual(record, lines, residual)
+    !! The lines are taken out in the memory of the transforms: a long record is not held more often than it must be.
     real(dp), intent(in) :: record(0:, :)      !! (N, points)
     type(line_type), intent(in) :: lines(:)
-    type(residual_type) :: residual
-    real(dp), allocatable :: left(:, :)
-    real(dp) :: window(0:size(record, 1) - 1), rounding
-    integer :: i, p
-    residual%count = size(record, 1)
-    window = [(sin(pi*i/residual%count)**6, i=0, residual%count - 1)]
-    allocate (left(0:residual%count - 1, points), source=record)
+    type(residual_type), intent(inout), target :: residual   !! empty, or of the same record
+    real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without window and with it
+    real(dp) :: rounding, largest
+    integer :: i, n, p
+    n = size(record, 1)
+    residual%count = n
+    if (.not. allocated(residual%plain)) allocate (residual%windowed(0:n/2, points), residual%plain(0:n/2, points))
+    call c_f_pointer(c_loc(residual%plain), left, [2*(n/2 + 1), points])
+    call c_f_pointer(c_loc(residual%windowed), seen, [2*(n/2 + 1), points])
+    seen(:n, :) = record
+    call apply_window(seen(:n, :))
+    rounding = epsilon(1.0_dp)*maxval([(norm2(seen(:n, p)), p=1, points)])
+    largest = maxval(abs(seen(:n, :)))
+    left(:n, :) = record
     do i = 1, size(lines)
-      call subtract_line(lines(i), left)
+      call subtract_line(lines(i), left(:n, :))
     end do
-    allocate (residual%windowed(0:residual%count/2, points), residual%plain(0:residual%count/2, points))
+    call copy(left(:n, :), seen(:n, :))        ! an assignment of pointers would go through a third array
+    call apply_window(seen(:n, :))
     do p = 1, points
-      residual%windowed(:, p) = real_transform(window*left(:, p))
-      residual%plain(:, p) = real_transform(left(:, p))
+      call transform_in_place(n, residual%windowed(:, p))
+      call transform_in_place(n, residual%plain(:, p))
     end do
-    rounding = epsilon(1.0_dp)*maxval([(norm2(window*record(:, p)), p=1, points)])
     residual%noise = max(rounding, quiet_level(strength(residual)))
-    residual%threshold = max(chance*residual%noise, &
-      & faintest*maxval([(maxval(abs(window*record(:, p))), p=1, points)])*residual%count*main_lobe/2)
-  end function residual_of
+    residual%threshold = max(chance*residual%noise, faintest*largest*n*main_lobe/2)
+  end subroutine find_residual
+
+  pure subroutine copy(from, to)
+    real(dp), intent(in) :: from(:, :)
+    real(dp), intent(inout) :: to(:, :)
+    to = from
+  end subroutine copy
+
+  pure subroutine apply_window(samples)
+    !! sin⁶(πj/N), the same from both ends.
+    real(dp), intent(inout) :: samples(0:, :)  !! (N, points)
+    real(dp) :: window
+    integer :: j, n
+    n = size(samples, 1)
+    samples(0, :) = 0
+    do j = 1, n/2
+      window = sin(pi*j/n)**6
+      samples(j, :) = window*samples(j, :)
+      if (2*j < n) samples(n - j, :) = window*samples(n - j, :)
+    end do
+  end subroutine apply_window
 
   pure function strength(residual) result(value)
     !! |windowed| of both histories together, (0:N/2).

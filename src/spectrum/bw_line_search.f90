@@ -4,7 +4,7 @@ module bw_line_search
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_row, line_type, sidelobe
   use bw_line_group, only: band_of, refit_group, group_type
-  use bw_line_residual, only: residual_of, residual_type, strength, visible_peaks
+  use bw_line_residual, only: find_residual, residual_type, strength, visible_peaks
   implicit none (type, external)
   private
   public :: find_lines, line_groups
@@ -33,7 +33,7 @@ contains
     real(dp) :: size_now, size_before
     integer :: round
     allocate (lines(0), peak(0), closed(0))
-    residual = residual_of(record, lines)
+    call find_residual(record, lines, residual)
     size_before = huge(1.0_dp)
     do round = 1, max_rounds
       peak = open_peaks(visible_peaks(residual), lines, closed)
@@ -43,7 +43,7 @@ contains
       if (size(lines) + size(peak) > most_lines) exit
       size_before = size_now
       call fit_groups(residual, peak, lines, closed)
-      residual = residual_of(record, lines)
+      call find_residual(record, lines, residual)
     end do
     call drop_rounding(record, lines, residual)
   end subroutine find_lines
@@ -59,9 +59,9 @@ contains
     seen = line_image(lines, residual%count)
     if (all(seen > faintest*maxval(seen))) return
     lines = pack(lines, seen > faintest*maxval(seen))
-    residual = residual_of(record, lines)
+    call find_residual(record, lines, residual)
     call fit_groups(residual, [integer ::], lines, closed)
-    residual = residual_of(record, lines)
+    call find_residual(record, lines, residual)
   end subroutine drop_rounding
 
   elemental real(dp) function line_image(line, count)

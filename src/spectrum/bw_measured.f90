@@ -49,11 +49,12 @@ contains
     type(curve_type) :: curve
     integer, allocatable :: listed(:), folded(:)
     real(dp) :: record(size(tip), 2)
-    integer :: i, faint
+    integer :: i, faint, power
     allocate (peaks(0))
     if (is_usable(tip, midpoint)) then
-      record = reshape([tip, midpoint], shape(record))
-      record = scale(record, -exponent(maxval(abs(record))))
+      power = exponent(max(maxval(abs(tip)), maxval(abs(midpoint))))
+      record(:, 1) = scale(tip, -power)
+      record(:, 2) = scale(midpoint, -power)
       call find_lines(record, lines, residual)
       peaks = peaks_of(lines, residual)
     end if

@@ -135,39 +135,46 @@ contains
   end subroutine note_added_energy
 
   subroutine take_spectrum(scene, layout, plan, result)
-    !! Amplitude spectra of all points; waves measured from the tip and midpoint histories alone.
+    !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(spectrum_plan), intent(inout) :: plan
     type(case_result), intent(inout) :: result
-    integer :: p, first
+    integer :: p
     if (.not. allocated(scene%spectrum)) return
+    if (result%status /= case_done) call add_note(result, 'no spectrum: the histories are not finished')
+    if (layout%middle == 0 .or. layout%tip == 0) then
+      call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
+    else
+      call take_waves(scene, layout, result)     ! before the spectra are held, for it needs more memory than they do
+    end if
+    if (result%status /= case_done) return
     associate (histories => result%response%displacement)
-      if (result%status /= case_done) then
-        call add_note(result, 'no spectrum: the histories are not finished')
-      else
-        allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
-        do p = 1, size(histories, 2)
-          result%amplitude(:, p) = amplitude_spectrum(histories(:, p), scene%spectrum%window, plan)
-        end do
-      end if
-      if (layout%middle == 0 .or. layout%tip == 0) then
-        call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
-      else
-        allocate (result%measured)
-        first = 1
-        if (allocated(result%courses)) first = first_of_last(scene, result)
-        call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
-                           scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &
-                           scene%beam%length, scene%spectrum%max_peaks, .not. changes_shapes(scene), &
-                           result%measured)
-      end if
+      allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
+      do p = 1, size(histories, 2)
+        result%amplitude(:, p) = amplitude_spectrum(histories(:, p), scene%spectrum%window, plan)
+      end do
     end associate
-    if (.not. allocated(result%measured)) return
-    do p = 1, size(result%measured%notes)
-      call add_note(result, result%measured%notes(p)%text)
-    end do
   end subroutine take_spectrum
+
+  subroutine take_waves(scene, layout, result)
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(case_result), intent(inout) :: result
+    integer :: first, i
+    allocate (result%measured)
+    first = 1
+    if (allocated(result%courses)) first = first_of_last(scene, result)
+    associate (histories => result%response%displacement)
+      call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
+                         scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &
+                         scene%beam%length, scene%spectrum%max_peaks, .not. changes_shapes(scene), &
+                         result%measured)
+    end associate
+    do i = 1, size(result%measured%notes)
+      call add_note(result, result%measured%notes(i)%text)
+    end do
+  end subroutine take_waves
 
   integer function first_of_last(scene, result) result(first)
     !! The sample, from 1, with which the last course of the motion begins: waves are measured from there on.
