@@ -28,7 +28,6 @@ contains
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
     type(part_monitor) :: part
-    real(dp), allocatable :: shapes(:, :)
     integer, allocatable :: k(:)
     integer :: first, last, n
     n = modes_at_once(size(points))
@@ -37,9 +36,10 @@ contains
       k = numbers_of(chosen(first:last)) + (first - 1)
       if (size(k) == 0) cycle
       part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
-      shapes = modes%some_shapes(k(1), k(size(k)), points)
-      call add_stable_modes(modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), grid, part, &
-                            displacement, velocity)
+      associate (shapes => modes%some_shapes(k(1), k(size(k)), points))
+        call add_stable_modes(modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), grid, part, &
+                              displacement, velocity)
+      end associate
       if (monitor%stop_requested()) return
     end do
   end subroutine add_products
@@ -61,6 +61,7 @@ contains
     integer, allocatable :: k(:)
     integer :: e, first, last, p, group
     group = points_at_once(choice%half, grid%samples, size(points), present(velocity))
+    allocate (shapes(batch, group))
     do p = 1, size(points), group
       e = min(p + group - 1, size(points))
       call sum%open(grid, choice%width, choice%half, e - p + 1, present(velocity))
@@ -68,8 +69,8 @@ contains
         last = min(first + batch - 1, modes%count)
         k = numbers_of(chosen(first:last)) + (first - 1)
         if (size(k) == 0) cycle
-        shapes = modes%some_shapes(k(1), k(size(k)), points(p:e))
-        call sum%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :), state_of(k, displaced))
+        shapes(:k(size(k)) - k(1) + 1, :e - p + 1) = modes%some_shapes(k(1), k(size(k)), points(p:e))
+        call sum%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), state_of(k, displaced))
         call monitor%advance((p - 1 + (e - p + 1)*(real(last, dp)/modes%count))/size(points))
         if (monitor%stop_requested()) return
       end do
