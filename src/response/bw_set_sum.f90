@@ -60,17 +60,24 @@ contains
     real(dp), allocatable :: shapes(:, :)
     integer, allocatable :: k(:)
     integer :: e, first, last, p, group
-    group = points_at_once(choice%half, grid%samples, size(points), present(velocity))
+    logical :: moved
+    moved = .false.
+    if (present(displaced)) moved = any(displaced /= 0.0_dp)
+    group = points_at_once(choice%half, grid%samples, size(points), merge(2, 1, present(velocity))*merge(2, 1, moved))
     allocate (shapes(batch, group))
     do p = 1, size(points), group
       e = min(p + group - 1, size(points))
-      call sum%open(grid, choice%width, choice%half, e - p + 1, present(velocity))
+      call sum%open(grid, choice%width, choice%half, e - p + 1, present(velocity), moved)
       do first = 1, modes%count, batch
         last = min(first + batch - 1, modes%count)
         k = numbers_of(chosen(first:last)) + (first - 1)
         if (size(k) == 0) cycle
         shapes(:k(size(k)) - k(1) + 1, :e - p + 1) = modes%some_shapes(k(1), k(size(k)), points(p:e))
-        call sum%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), state_of(k, displaced))
+        if (moved) then
+          call sum%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), displaced(k))
+        else
+          call sum%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1))
+        end if
         call monitor%advance((p - 1 + (e - p + 1)*(real(last, dp)/modes%count))/size(points))
         if (monitor%stop_requested()) return
       end do

@@ -4,7 +4,7 @@ module bw_fourier
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: real_transform, transform_in_place
+  public :: transform_in_place
 
   include 'fftw3.f03'
 
@@ -48,19 +48,8 @@ contains
     self%plan = c_null_ptr
   end subroutine destroy
 
-  function real_transform(samples) result(spectrum)
-    !! The transform of one record, (0:N/2).
-    real(dp), intent(in) :: samples(:)            !! the record, (N), N ≥ 1
-    complex(dp), allocatable :: spectrum(:)
-    type(real_fourier) :: fourier
-    call fourier%prepare(size(samples))
-    fourier%samples = samples
-    call fourier%transform()
-    allocate (spectrum(0:size(samples)/2), source=fourier%spectrum)
-  end function real_transform
-
   subroutine transform_in_place(length, spectrum)
-    !! The same of a record that lies in the memory of its transform, which takes its place.
+    !! The transform of one record that lies in its memory, and whose place it takes.
     integer, intent(in) :: length                 !! N ≥ 1
     complex(dp), intent(inout), target, contiguous :: spectrum(:)   !! (N/2 + 1); in: its first N reals are the samples
     real(c_double), pointer, contiguous :: samples(:)
