@@ -9,7 +9,7 @@ module bw_line_group
   use bw_line_residual, only: residual_type
   implicit none (type, external)
   private
-  public :: band_of, group_image_of, group_noise, numbers_in, refit_group
+  public :: band_of, goal_of, group_image, group_image_of, group_noise, numbers_in, refit_group
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
   integer, parameter :: extra_lines = 2        !! tried beyond one more

@@ -9,6 +9,7 @@ module bw_line_peaks
   use bw_line_errors, only: line_errors
   use bw_line_group, only: band_of, correlated, group_image_of, group_noise, group_type, numbers_in
   use bw_line_image, only: unknowns
+  use bw_line_needless, only: resolution
   use bw_line_residual, only: residual_type
   use bw_line_search, only: line_groups
   implicit none (type, external)
@@ -18,7 +19,6 @@ module bw_line_peaks
   real(dp), parameter :: safety = 10           !! tuned on random records: 5 holds without noise, not always with it
   real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
-  real(dp), parameter :: resolution = 1        !! bins; closer lines are one
   real(dp), parameter :: unlocated = 2         !! bins; a peak with a larger error is none
   real(dp), parameter :: clear = 10            !! times the residual: no fit makes such a line of it
 

@@ -4,6 +4,7 @@ module bw_line_search
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_row, line_type, sidelobe
   use bw_line_group, only: band_of, refit_group, group_type
+  use bw_line_needless, only: drop_needless
   use bw_line_residual, only: find_residual, residual_type, strength, visible_peaks
   implicit none (type, external)
   private
@@ -45,8 +46,28 @@ contains
       call fit_groups(residual, peak, lines, closed)
       call find_residual(record, lines, residual)
     end do
+    call thin_out(record, lines, residual)
     call drop_rounding(record, lines, residual)
   end subroutine find_lines
+
+  subroutine thin_out(record, lines, residual)
+    !! Leave out lines that those beside them do without.
+    real(dp), intent(in) :: record(0:, :)      !! (N, points)
+    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(residual_type), intent(inout) :: residual
+    type(group_type), allocatable :: group(:)
+    type(line_type), allocatable :: needed(:)
+    integer :: i
+    allocate (group, source=line_groups(lines, [integer ::]))
+    allocate (needed(0))
+    do i = 1, size(group)
+      call drop_needless(residual, group(i))
+      needed = [needed, group(i)%lines]
+    end do
+    if (size(needed) == size(lines)) return
+    call move_alloc(needed, lines)
+    call find_residual(record, lines, residual)
+  end subroutine thin_out
 
   subroutine drop_rounding(record, lines, residual)
     !! Leave out the lines that are rounding of the strongest one, and let those beside them take their places back.
