@@ -1,0 +1,1 @@
+"""What accuracy costs on scenes with a long record and a short one."""
