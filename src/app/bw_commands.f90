@@ -3,7 +3,7 @@ module bw_commands
   use bw_command_line, only: command_type
   use bw_console, only: print_error, print_report, print_warning
   use bw_crew, only: crew_type
-  use bw_error, only: error_type, status_done, status_stopped
+  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp
   use bw_modes_par, only: by_tolerance
   use bw_one_case, only: plan_case
@@ -150,6 +150,8 @@ contains
     text = ''
     if (.not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
     call plan_case(scene, count, error)
+    if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
+      'the polynomials of the Galerkin basis do not resolve the modes; every number of the case would be fill')
     text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')
   end subroutine plan_tolerance
 

@@ -3,7 +3,7 @@ module bw_price_file
   use bw_kinds, only: dp
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
-  use bw_price_list, only: beyond_model, by_counts, by_tolerances, digit_growth, digit_seconds, ladder_words, method_words, &
+  use bw_price_list, only: beyond_model, by_counts, by_tolerances, ladder_words, method_words, price_digits, &
     price_list, priced_stages, rung_words, work_slope
   use bw_processor, only: processor_name
   use bw_stopwatch, only: stage_words
@@ -61,7 +61,9 @@ contains
     type(study_file), intent(in) :: file
     type(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
+    real(dp), dimension(size(list%rungs)) :: seconds, growth
     integer :: i
+    call price_digits(list%rungs, seconds, growth)
     associate (rungs => list%rungs)
       call file%put_counts('repeats', 'rung', 'number of runs that were timed', rungs%repeats, error)
       call file%put_numbers('seconds', 'rung', 's', 'wall time, median of the repeats', rungs%seconds, error)
@@ -70,9 +72,9 @@ contains
       call file%put_numbers('stage_seconds', 'rung stage', 's', 'wall time of the stage, median of the repeats', &
                             [(rungs(i)%stages, i=1, size(rungs))], error)
       call file%put_numbers('digit_seconds', 'rung', 's', 'further wall time for a tenth of the tolerance', &
-                            digit_seconds(rungs), error)
+                            seconds, error)
       call file%put_numbers('digit_growth', 'rung', '1', &
-                            'further wall time for a tenth of the tolerance, as a part of the rung''s', digit_growth(rungs), error)
+                            'further wall time for a tenth of the tolerance, as a part of the rung''s', growth, error)
       call file%put_numbers('work_slope', '', '1', 'd log(seconds)/d log(true error) over the tolerances', &
                             [work_slope(rungs, by_tolerances, list%converged_error)], error)
       call file%put_numbers('work_slope_of_counts', '', '1', 'd log(seconds)/d log(true error) over the fixed counts', &

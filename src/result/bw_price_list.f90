@@ -6,7 +6,7 @@ module bw_price_list
   use bw_missing, only: is_missing, missing
   implicit none (type, external)
   private
-  public :: beyond_model, digit_seconds, digit_growth, work_slope, is_resolved
+  public :: beyond_model, price_digits, work_slope, is_resolved
 
   integer, parameter, public :: by_tolerances = 1, by_counts = 2, all_extended = 3
   character(*), parameter, public :: ladder_words(3) = [character(9) :: 'tolerance', 'counts', 'extended']   !! by number
@@ -76,32 +76,24 @@ contains
     next_rung = i + 1
   end function next_rung
 
-  pure function digit_seconds(rungs) result(seconds)
-    !! What the next digit costs: further seconds per factor of ten between a tolerance and the next one; missing where
-    !! there is no next one, and on the ladder of counts, (rungs).
+  pure subroutine price_digits(rungs, seconds, growth)
+    !! What the next digit costs, from a tolerance to the next one: further seconds per factor of ten, and the same as a part
+    !! of the seconds at hand (0.25 is a quarter more time for each); missing where there is no next one, and on the ladder
+    !! of counts.
     type(rung_type), intent(in) :: rungs(:)
-    real(dp) :: seconds(size(rungs))
+    real(dp), intent(out) :: seconds(:), growth(:)      !! (rungs)
+    real(dp) :: digits
     integer :: i, next
     seconds = missing
-    do i = 1, size(rungs)
-      next = next_rung(rungs, i)
-      if (next == 0 .or. is_missing(rungs(i)%tolerance)) cycle
-      seconds(i) = (rungs(next)%seconds - rungs(i)%seconds)/log10(rungs(i)%tolerance/rungs(next)%tolerance)
-    end do
-  end function digit_seconds
-
-  pure function digit_growth(rungs) result(growth)
-    !! The same as a part of the seconds at hand: 0.25 is a quarter more time for each factor of ten, (rungs).
-    type(rung_type), intent(in) :: rungs(:)
-    real(dp) :: growth(size(rungs))
-    integer :: i, next
     growth = missing
     do i = 1, size(rungs)
       next = next_rung(rungs, i)
       if (next == 0 .or. is_missing(rungs(i)%tolerance)) cycle
-      growth(i) = (rungs(next)%seconds/rungs(i)%seconds)**(1.0_dp/log10(rungs(i)%tolerance/rungs(next)%tolerance)) - 1.0_dp
+      digits = log10(rungs(i)%tolerance/rungs(next)%tolerance)
+      seconds(i) = (rungs(next)%seconds - rungs(i)%seconds)/digits
+      growth(i) = (rungs(next)%seconds/rungs(i)%seconds)**(1.0_dp/digits) - 1.0_dp
     end do
-  end function digit_growth
+  end subroutine price_digits
 
   pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
     !! d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means that a

@@ -4,7 +4,7 @@ module bw_price_report
   use bw_absent_effects, only: absent_words
   use bw_columns, only: right
   use bw_missing, only: is_missing
-  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, digit_growth, digit_seconds, method_words, &
+  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, method_words, price_digits, &
     price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
   use bw_processor, only: processor_name
   use bw_stopwatch, only: stage_words
@@ -76,8 +76,7 @@ contains
     real(dp), dimension(size(list%rungs)) :: seconds, growth
     integer :: i
     if (.not. any(list%rungs%ladder == ladder)) return
-    seconds = digit_seconds(list%rungs)
-    growth = digit_growth(list%rungs)
+    call price_digits(list%rungs, seconds, growth)
     call lines%append_line('')
     call lines%append_line('  '//title)
     if (ladder == by_tolerances) call lines%append_line(heading)
@@ -131,8 +130,9 @@ contains
     !! What a further digit costs, by the straight line through all errors.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
-    real(dp) :: slope, growth(size(list%rungs))
-    growth = digit_growth(list%rungs)
+    real(dp) :: slope
+    real(dp), dimension(size(list%rungs)) :: seconds, growth
+    call price_digits(list%rungs, seconds, growth)
     call lines%append_line('')
     slope = work_slope(list%rungs, by_tolerances, list%converged_error)
     if (.not. is_missing(slope)) call lines%append_line('  By tolerance a tenth of the error takes '// &

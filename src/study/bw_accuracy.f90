@@ -14,6 +14,7 @@ module bw_accuracy
   use bw_price_report, only: price_report
   use bw_progress, only: progress_type
   use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
   use bw_study_file, only: study_file
   use bw_study_frame, only: begin_study, end_study, leave_study
   use bw_text, only: append, string
@@ -96,7 +97,7 @@ contains
     part = part_monitor(progress, 0.0_dp, 0.5_dp*measuring)
     call converge(scene, part, state%converged, whole, error)
     if (allocated(error) .or. .not. whole) return
-    state%list%rungs = ladder_of(state%converged%tolerance)
+    state%list%rungs = ladder_of(state%converged%tolerance, .not. changes_shapes(scene))
     allocate (state%runs(size(state%list%rungs)))
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))

@@ -21,24 +21,27 @@ module bw_accuracy_ladder
 
 contains
 
-  pure function ladder_of(reachable) result(rungs)
+  pure function ladder_of(reachable, has_roots) result(rungs)
     !! All rungs, from coarse to fine: tolerances, the finest of them in reach with all roots in extended precision,
     !! counts.
     real(dp), intent(in) :: reachable          !! the finest tolerance in reach
+    logical, intent(in) :: has_roots           !! modes have a closed form, else nothing is there to be extended
     type(rung_type), allocatable :: rungs(:)
-    integer :: i, first
-    first = finest - coarsest + 2
-    allocate (rungs(first + size(counts)))
-    rungs(first)%ladder = all_extended
-    rungs(first)%tolerance = 10.0_dp**(-coarsest)
-    do i = 1, first - 1
+    integer, parameter :: asked = finest - coarsest + 1
+    integer :: i, last
+    last = asked + merge(1, 0, has_roots)
+    allocate (rungs(last + size(counts)))
+    do i = 1, asked
       rungs(i)%ladder = by_tolerances
       rungs(i)%tolerance = 10.0_dp**(-(coarsest + i - 1))
-      if (rungs(i)%tolerance >= reachable) rungs(first)%tolerance = rungs(i)%tolerance
     end do
+    if (has_roots) then
+      rungs(last)%ladder = all_extended
+      rungs(last)%tolerance = rungs(max(1, count(rungs(:asked)%tolerance >= reachable)))%tolerance
+    end if
     do i = 1, size(counts)
-      rungs(first + i)%ladder = by_counts
-      rungs(first + i)%mode_count = counts(i)
+      rungs(last + i)%ladder = by_counts
+      rungs(last + i)%mode_count = counts(i)
     end do
   end function ladder_of
 

@@ -1,5 +1,7 @@
 """Numbers that cannot be trusted end with 4: the result is there, with fill from the first lost sample on."""
 
+import re
+
 import numpy as np
 import results
 from workplace import captured_beam
@@ -9,6 +11,7 @@ OVERFLOWING = captured_beam(
     rotation={"angular_velocity": FAST},
     response={"duration": 4.0, "samples": 4096, "velocity": True},
 )
+OUT_OF_REACH = r"a\.nml:\d+: modes%tolerance: 1e-12 cannot be reached .*; accepted: (\S+) or more"
 
 
 def growth(result):
@@ -84,3 +87,46 @@ def test_growth_without_overflow_is_a_result_to_trust(here):
     result = here.run("a")
     assert not results.is_fill(result["displacement"]).any()
     assert "1 of 10 modes grow" in result.attributes["notes"]
+
+
+def test_a_tolerance_out_of_reach_is_refused_and_one_in_reach_named(here):
+    here.scene("a", by_tolerance(1e-12, impact={"mass_ratio": 1e-12}))
+    refused = here.beamwave("run", "a.nml")
+    assert refused.returncode == 2
+    named = re.search(OUT_OF_REACH, refused.stderr)
+    assert not (here.directory / "output/a.nc").exists()
+    checked = here.beamwave("check", "a.nml")
+    assert (checked.returncode, checked.stdout, checked.stderr) == (2, "", refused.stderr)
+    here.scene("b", by_tolerance(float(named[1]), impact={"mass_ratio": 1e-12}))
+    assert here.beamwave("check", "b.nml").returncode == 0
+
+
+def test_shear_reaches_less_and_says_how_far(here):
+    here.scene("a", by_tolerance(1e-12, shear={}))
+    checked = here.beamwave("check", "a.nml")
+    assert checked.returncode == 2
+    assert 1e-6 < float(re.search(OUT_OF_REACH, checked.stderr)[1]) < 1e-3
+
+
+def test_modes_that_cannot_be_found_are_told_beforehand(here):
+    # at 1e9 rad/s bending is left to a layer of 7e-8 of the beam
+    here.scene("a", by_tolerance(1e-3, rotation={"angular_velocity": 1e9}, stiffening={}))
+    checked = here.beamwave("check", "a.nml")
+    assert checked.returncode == here.beamwave("run", "a.nml").returncode == 4
+    assert "not converged" in checked.stderr
+
+
+def test_a_case_of_a_sweep_whose_tolerance_is_out_of_reach_is_not_converged(here):
+    sweep = {"parameter": "impact%mass_ratio", "values": [0.2, 1e-12]}
+    here.scene("a", by_tolerance(1e-12), sweep)
+    result = here.run("a", status=4)
+    meanings = result.variables["case_status"].attributes["flag_meanings"].split()
+    assert [meanings[int(status)] for status in result["case_status"]] == ["done", "not_converged"]
+    lost = results.is_fill(result["displacement"])
+    assert lost[1].all() and not lost[0].any()
+    assert "1e-12 cannot be reached" in result.attributes["notes"]
+
+
+def by_tolerance(tolerance, **groups):
+    scene = captured_beam(response={"duration": 0.1, "samples": 256}, **groups)
+    return {**scene, "modes": {"tolerance": tolerance}}
