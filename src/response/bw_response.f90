@@ -113,7 +113,7 @@ contains
     type(nonuniform_sum), intent(inout) :: sum
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
-    logical :: turns(modes%count)
+    logical :: turns(modes%count), left(modes%count)
     turns = turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), grid)
     choice = chosen_sum(count(turns), grid%samples, histories_of(response), sum_tolerance)
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
@@ -122,11 +122,11 @@ contains
       call add_transformed(modes, turns, choice, displaced, rate, points, grid, monitor, sum, response%displacement, &
                            response%velocity)
       if (monitor%stop_requested()) return
-      turns = modes%beta_squared%hi > 0.0_dp .and. .not. turns
+      left = modes%beta_squared%hi > 0.0_dp .and. .not. turns
     else
-      turns = modes%beta_squared%hi > 0.0_dp
+      left = modes%beta_squared%hi > 0.0_dp
     end if
-    if (any(turns)) call add_products(modes, turns, displaced, rate, points, grid, monitor, response%displacement, &
+    if (any(left)) call add_products(modes, left, displaced, rate, points, grid, monitor, response%displacement, &
                                      response%velocity)
   end subroutine add_stable
 
