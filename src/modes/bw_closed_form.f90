@@ -245,16 +245,32 @@ contains
     if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
     do first = near + 1, light, chunk
       associate (last => min(first + chunk - 1, light))
-        call far_terms(number(first:last), self%gamma, .true., self%omega, xi, longest, beta(first:last), &
-                       drive(first:last), shapes(first:last, :))
+        call add_far(first, last, .true.)
       end associate
     end do
     do first = light + 1, n, chunk
       associate (last => min(first + chunk - 1, n))
-        call far_terms(number(first:last), self%gamma, .false., self%omega, xi, longest, beta(first:last), &
-                       drive(first:last), shapes(first:last, :))
+        call add_far(first, last, .false.)
       end associate
     end do
+  contains
+    subroutine add_far(first, last, light)
+      !! From those that cases share, if no phases are asked for and there is room.
+      integer, intent(in) :: first, last
+      logical, intent(in) :: light
+      logical :: is_kept
+      associate (k => number(first:last))
+        is_kept = associated(self%kept) .and. .not. present(longest)
+        if (is_kept) is_kept = self%kept%terms%takes(k, xi)
+        if (is_kept) then
+          call self%kept%terms%terms(k, self%gamma, light, self%omega, xi, beta(first:last), drive(first:last), &
+                                     shapes(first:last, :))
+        else
+          call far_terms(k, self%gamma, light, self%omega, xi, longest, beta(first:last), drive(first:last), &
+                         shapes(first:last, :))
+        end if
+      end associate
+    end subroutine add_far
   end subroutine terms_in_closed_form
 
   pure integer function modes_of_series(xi) result(k)

@@ -7,7 +7,7 @@ module bw_far_terms
   use bw_refined_root, only: any_coarse, is_coarse, refined_root
   implicit none (type, external)
   private
-  public :: far_terms
+  public :: far_terms, far_shapes_and_roots, far_frequencies
 
 contains
 
@@ -22,8 +22,23 @@ contains
     type(dd), intent(out) :: beta(:)           !! √|β²| with the sign of β², (modes)
     real(dp), intent(out) :: drive(:)          !! Φ_k(1)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)      !! Φ_k(ξ), (modes, points)
-    real(dp), dimension(size(k)) :: eighths, rest, tangent, spread, turned, tip
+    real(dp) :: rest(size(k))
     type(dd) :: alpha(size(k))
+    call far_shapes_and_roots(k, gamma, light, xi, rest, alpha, drive, shapes)
+    call far_frequencies(k, gamma, light, omega, longest, rest, alpha, beta)
+  end subroutine far_terms
+
+  pure subroutine far_shapes_and_roots(k, gamma, light, xi, rest, alpha, drive, shapes)
+    !! What has nothing to do with the rotation of the beam.
+    integer, intent(in) :: k(:)                !! as those of `far_terms`
+    real(dp), intent(in) :: gamma
+    logical, intent(in) :: light
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(out) :: rest(:)           !! of the roots, as `far_roots` gives it, (modes)
+    type(dd), intent(out) :: alpha(:)          !! roots, (modes)
+    real(dp), intent(out) :: drive(:)          !! Φ_k(1)/M_k, (modes)
+    real(dp), intent(out) :: shapes(:, :)      !! Φ_k(ξ), (modes, points)
+    real(dp), dimension(size(k)) :: eighths, tangent, spread, turned, tip
     integer :: p
     eighths = 4*k - merge(2, 3, light)
     call far_roots(k, gamma, light, rest, tangent, spread, turned)
@@ -32,10 +47,24 @@ contains
     do p = 1, size(xi)
       call far_shapes(eighths, rest, alpha%hi, tip, xi(p), shapes(:, p))
     end do
+  end subroutine far_shapes_and_roots
+
+  pure subroutine far_frequencies(k, gamma, light, omega, longest, rest, roots, beta)
+    !! β of roots that are known.
+    integer, intent(in) :: k(:)                !! as those of `far_terms`
+    real(dp), intent(in) :: gamma
+    logical, intent(in) :: light
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    real(dp), intent(in) :: rest(:)
+    type(dd), intent(in) :: roots(:)
+    type(dd), intent(out) :: beta(:)
+    type(dd) :: alpha(size(k))
+    alpha = roots
     call refine(k, gamma, light, rest, omega, longest, alpha)
     beta = alpha*alpha                                   ! Eq. 3
     if (present(omega)) call rotate(omega, beta)
-  end subroutine far_terms
+  end subroutine far_frequencies
 
   pure subroutine refine(k, gamma, light, rest, omega, longest, alpha)
     !! Solve again in extended precision what binary64 cannot carry.

@@ -4,6 +4,7 @@ module bw_kept_modes
   !! is room. What is kept is what would be found again, to the bit.
   use bw_kinds, only: dp
   use bw_double_double, only: dd
+  use bw_kept_terms, only: kept_terms
   use bw_refined_root, only: is_coarse, refined_root
   use bw_root_list, only: root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of
@@ -29,6 +30,7 @@ module bw_kept_modes
   type, public :: kept_modes
     !! Sets in the order in which they came; the oldest makes room for the newest.
     type(kept_set), allocatable :: sets(:)
+    type(kept_terms) :: terms                    !! far modes that estimates of errors look at
     integer, private :: found = 0                !! sets that were ever kept
   contains
     procedure, nopass :: takes

@@ -45,12 +45,12 @@ contains
 
   pure subroutine build_scene(scene, messages)
     !! Build the components from `scene%groups`, which are checked and settled. What follows from the inputs and
-    !! does not fit into double precision is reported.
+    !! does not fit into double precision is reported. What no case of a sweep changes stays where it is there.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
     integer :: before
     before = messages%count
-    call build_header(scene%groups, scene%header)
+    if (.not. allocated(scene%header%title)) call build_header(scene%groups, scene%header)
     call build_beam(scene%groups, scene%beam, messages)
     if (messages%count > before) return
     call build_rotation(scene%groups, scene%rotation)
@@ -62,8 +62,8 @@ contains
     call build_release(scene%groups, scene%release)
     call build_recontact(scene%groups, scene%recontact)
     call build_modes(scene%groups, scene%modes)
-    call build_response(scene%groups, scene%response)
-    call build_spectrum(scene%groups, scene%spectrum)
+    if (.not. allocated(scene%response)) call build_response(scene%groups, scene%response)
+    if (.not. allocated(scene%spectrum)) call build_spectrum(scene%groups, scene%spectrum)
   end subroutine build_scene
 
 end module bw_scene
