@@ -27,11 +27,20 @@ contains
       if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
       call lines%append_line(row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
     end do
+    if (nint(100.0_dp*(wall - sum(watch%seconds))/wall) > 0) &
+      call lines%append_line(others(wall - sum(watch%seconds), wall))
     call lines%append_line(row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))
     if (processes > 1) call lines%append_line('  '//text_of(processes)//' processes; stages are their sums, and shares '// &
                                               'those of '//seconds_text(wall))
     text = lines%text()
   end function stage_table
+
+  pure function others(seconds, whole) result(text)
+    !! What is none of the stages: making scenes of cases, handing them out, waiting.
+    real(dp), intent(in) :: seconds, whole        !! as those of `row`
+    character(:), allocatable :: text
+    text = '  other   '//right(seconds_text(seconds), 12)//right(text_of(nint(100.0_dp*seconds/whole))//' %', 18)
+  end function others
 
   pure function row(name, seconds, cpu, whole, calls) result(text)
     character(*), intent(in) :: name

@@ -20,7 +20,7 @@ module bw_case_loop
   private
   public :: run_cases
 
-  real(dp), parameter :: look_every = 5.0_dp     !! s between two looks whether the journal is still there
+  real(dp), parameter :: look_every = 0.5_dp     !! s between two looks whether the journal is still there
 
   type, extends(monitor_type) :: crew_monitor
     !! Passes on the progress of a case, and answers the other processes meanwhile.
@@ -139,13 +139,13 @@ contains
     self%is_open = .true.
     call put_all_fields(result, self%fields, self%numbers)
     if (kept) kept = self%journal%put(index, self%numbers, result%notes)
-    now = wall_seconds()
-    if (kept .and. now - self%looked > look_every) then
-      self%looked = now
-      kept = file_exists(self%path)
-    end if
     if (.not. kept) call fail(error, status_bad_file, self%path// &
       ': cannot be written: is the disk full, a quota used up, the directory gone or read-only?')
+    now = wall_seconds()
+    if (allocated(error) .or. now - self%looked <= look_every) return
+    self%looked = now
+    if (.not. file_exists(self%path)) call fail(error, status_bad_file, self%path// &
+      ': is gone: somebody has removed it while cases were done, or its file system is no longer there')
   end subroutine keep
 
   subroutine advance(self, fraction)

@@ -57,17 +57,44 @@ contains
               assembly)
     if (.not. crew%leads()) return
     call progress%end()
-    if (allocated(error) .or. state%finished < state%cases) call assembly%abandon(unfinished)
-    if (allocated(error)) then
-      error%message = error%message//new_line('a')//outcome%file//': '//text_of(state%finished)//' of '// &
-        text_of(state%cases)//' cases are saved; the same command goes on from there'
-    else if (state%finished < state%cases) then
-      call outcome%set_stopped(state%finished, state%cases)
-    else
+    if (.not. allocated(error) .and. state%finished == state%cases) then
       call complete(scene, layout, unfinished, state, crew%processes, watch, assembly, outcome, error)
+    else
+      call leave_for_later(unfinished, state, assembly, outcome, error)
     end if
+    if (allocated(error)) call tell_what_is_saved(unfinished, state%cases, outcome%file, error)
     call unfinished%release()
   end subroutine run_sweep
+
+  subroutine leave_for_later(unfinished, state, assembly, outcome, error)
+    !! A run that was stopped, or has an error.
+    !! **Errors**: finished cases are not where they were put.
+    type(unfinished_work), intent(in) :: unfinished
+    type(sweep_state), intent(in) :: state
+    type(assembly_type), intent(inout) :: assembly
+    type(outcome_type), intent(inout) :: outcome
+    type(error_type), allocatable, intent(inout) :: error
+    call assembly%abandon(unfinished)
+    if (allocated(error)) return
+    if (unfinished%saved(state%cases) < state%finished) then
+      call fail(error, status_bad_file, unfinished%directory//': finished cases are gone from there')
+    else
+      call outcome%set_stopped(state%finished, state%cases)
+    end if
+  end subroutine leave_for_later
+
+  subroutine tell_what_is_saved(unfinished, cases, file, error)
+    !! After an error: what the same command will find.
+    type(unfinished_work), intent(in) :: unfinished
+    integer(i8), intent(in) :: cases
+    character(*), intent(in) :: file          !! the result
+    type(error_type), intent(inout) :: error
+    integer(i8) :: saved
+    saved = unfinished%saved(cases)
+    error%message = error%message//new_line('a')//file//': '//text_of(saved)//' of '//text_of(cases)//' cases are saved; '
+    if (saved > 0) error%message = error%message//'the same command goes on from there'
+    if (saved == 0) error%message = error%message//'the same command begins anew'
+  end subroutine tell_what_is_saved
 
   subroutine take_up(scene, layout, unfinished, processes, state, assembly, number, error)
     !! What is finished already, what is left to do, the number of the first new journal, and a result without cases.
@@ -138,7 +165,7 @@ contains
     call assembly%file%finish(outcome%notes_text(), watch%seconds, error)
     if (allocated(error)) return
     if (.not. rename_file(unfinished%result_path(), outcome%file)) then
-      call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there; it is '// &
+      call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there from '// &
                 unfinished%result_path())
       return
     end if

@@ -19,6 +19,7 @@ module bw_unfinished
   contains
     procedure :: begin
     procedure :: survey
+    procedure :: saved
     procedure :: journals
     procedure :: journal
     procedure :: next_number
@@ -80,6 +81,27 @@ contains
     end do
     if (present(foreign)) foreign = other
   end subroutine survey
+
+  integer(i8) function saved(self, cases)
+    !! How many cases are finished and can still be read: what lies on the disk counts, not what was done.
+    class(unfinished_work), intent(in) :: self
+    integer(i8), intent(in) :: cases         !! of the sweep
+    type(string), allocatable :: paths(:)
+    type(journal_reader) :: reader
+    integer(i1) :: done(cases)
+    integer(i8) :: index
+    integer :: i
+    done = 0_i1
+    paths = self%journals()
+    do i = 1, size(paths)
+      if (.not. reader%open(paths(i)%text, self%work)) cycle
+      do while (reader%next(index))
+        if (index >= 1 .and. index <= cases) done(index) = 1_i1
+      end do
+      call reader%close()
+    end do
+    saved = count(done /= 0_i1, kind=i8)
+  end function saved
 
   function journals(self) result(paths)
     !! Those that are there.

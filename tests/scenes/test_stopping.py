@@ -1,5 +1,6 @@
 """A run that is stopped keeps its finished cases, and the same command ends with what an uninterrupted run gives."""
 
+import shutil
 import signal
 import time
 
@@ -9,6 +10,9 @@ from workplace import SECONDS, captured_beam
 
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 300}
 LONG = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 8.0, "samples": 2048})
+# small cases with much to sum, and so many that any build is under way when they vanish
+ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
+RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 FIRST_JOURNAL = "output/a.partial/000001.cases"
 STATUS = 4  # the fastest cases, which come first, overflow
 
@@ -142,3 +146,16 @@ def test_unfinished_work_that_is_no_use_is_discarded(here, leave):
     leave(here.directory / "output/a.partial/result.nc")
     assert here.run("a")["impact_mass_ratio"] == 0.2
     assert here.left() == ["a.nc", "older.nc"]
+
+
+@pytest.mark.parametrize("what", ["output", "output/a.partial", FIRST_JOURNAL])
+def test_work_that_vanishes_ends_the_run_soon_and_is_not_said_to_be_saved(here, what):
+    here.scene("a", ENDLESS, RATIOS)
+    running = here.start("run", "a.nml")
+    wait_for(here.directory / FIRST_JOURNAL)
+    gone = here.directory / what
+    shutil.rmtree(gone) if gone.is_dir() else gone.unlink()
+    _, err = running.communicate(timeout=SECONDS)
+    assert running.returncode == 3
+    assert f"{FIRST_JOURNAL}: is gone" in err
+    assert "0 of 20000 cases are saved; the same command begins anew" in err
