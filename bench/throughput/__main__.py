@@ -23,11 +23,12 @@ from common.machine import describe
 from . import sweeps
 from .jobs import JOBS, Job
 from .section import FIRST, WAYS, section
-from .with_numpy import case, loop, pooled
+from .with_numpy import case, loop, pooled, save
 
 DATA = Path(__file__).with_name("measured.json")
 MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None  # no disk is measured
 ROUNDS, NUMPY_PART = 3, 10  # numpy does a part of the cases, spread over all of them
+PARTS = ["rows", "ranks", "memory", "predictions", "scenes"]
 AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
 
 
@@ -48,12 +49,16 @@ def beamwave(program: Path, job: Job, cases: int, directory: Path) -> float:
     return cpu(lambda: subprocess.run(words, check=True, stderr=subprocess.DEVNULL)) / cases
 
 
-def pool(job: Job, grid: list[tuple[float, float]]) -> float:
+def one_by_one(job: Job, grid: list[tuple[float, float]], directory: Path) -> float:
+    return cpu(lambda: save(loop(job, grid), directory / "numpy.nc")) / len(grid)
+
+
+def pool(job: Job, grid: list[tuple[float, float]], directory: Path) -> float:
     work = [(job, place) for place in grid]
 
     def everything() -> None:
         workers = multiprocessing.Pool(2)
-        workers.map(pooled, work, chunksize=max(1, len(work) // 20))
+        save(workers.map(pooled, work, chunksize=max(1, len(work) // 20)), directory / "pool.nc")
         workers.close()
         workers.join()
 
@@ -85,8 +90,8 @@ def measure(program: Path, small: bool) -> list[dict[str, Any]]:
                 seconds["beamwave"].append(beamwave(program, job, cases, directory))
                 if turn == 0:
                     worst = check(job, cases, directory)
-                seconds["numpy loop"].append(cpu(lambda: loop(job, part)) / len(part))
-                seconds["pool of 2"].append(pool(job, part))
+                seconds["numpy loop"].append(one_by_one(job, part, directory))
+                seconds["pool of 2"].append(pool(job, part, directory))
         medians = {way: float(f"{statistics.median(values):.3g}") for way, values in seconds.items()}
         rows.append({"job": job.name, "what": job.what, "cases": cases, "difference": float(f"{worst:.1e}"), **medians})
     return rows
@@ -96,13 +101,13 @@ def main() -> None:
     words = argparse.ArgumentParser(prog="bench/throughput.sh", description=__doc__)
     words.add_argument("--small", action="store_true", help="few cases: does everything run?")
     words.add_argument("--redraw", action="store_true", help="the section of the data that is there")
-    words.add_argument("--only", choices=["rows", "ranks", "memory", "predictions"], help="measure one part; keep the others")
+    words.add_argument("--only", choices=PARTS, help="measure one part; keep the others")
     words.add_argument("--beamwave", type=Path, default=PROJECT / "build/bin/beamwave", help="the program")
     given = words.parse_args()
     program = given.beamwave.resolve()
     measured = json.loads(DATA.read_text(encoding="utf-8"))
     if not given.redraw:
-        parts = [given.only] if given.only else ["rows", "ranks", "memory", "predictions"]
+        parts = [given.only] if given.only else PARTS
         about = {**describe(program, ("numpy",)), "date": time.strftime("%Y-%m-%d")}
         for part in parts:
             measured[part] = {"about": about, "rows": part_of(part, program, given.small)}

@@ -1,5 +1,5 @@
-"""What else is asked of sweeps: two processes beside one, memory against the number of cases, and whether `beamwave check`
-says beforehand what a run takes."""
+"""What else is asked of sweeps: two processes beside one, memory against the number of cases, whether `beamwave check` says
+beforehand what a run takes; and what many small scenes cost in one call."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ import shutil
 import statistics
 import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
+
+import netCDF4
 
 from common.command import BENCH, PROJECT
 
@@ -22,7 +25,21 @@ ROUNDS = 3
 RANKS = Job("ranks", "histories of 4096 samples at two points, 40 modes", modes=40, cases=10_000, samples=4096)
 TINY = Job("tiny", "one mode", modes=1, cases=0)
 CASES = [1_000, 10_000, 100_000]
-SCENES = ["input/critical_speed.nml", "input/spectrum.nml", "input/paper/fig5.nml", "input/paper/fig7.nml"]
+SCENES = [  # of every kind: modes alone, a history, a spectrum, sweeps, modes without a closed form, later events
+    "input/paper/fig5.nml",
+    "input/paper/fig7.nml",
+    "input/moving_beam.nml",
+    "input/spectrum.nml",
+    "input/critical_speed.nml",
+    *(f"input/effects/{name}.nml" for name in ("damping", "stiffening", "shear", "body_inertia", "release", "recontact")),
+]
+SMALL_SCENES = 200
+SMALL = """&beam length = 1.0, diameter = 0.037, density = 7870.0, youngs_modulus = 2e11 /
+&rotation angular_velocity = {speed} /
+&impact mass_ratio = 0.2 /
+&capture /
+&modes before = 20, after = 20 /
+"""
 MPI = {  # what Open MPI has to be told, and others do not mind
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
@@ -75,28 +92,78 @@ def memory(program: Path, directory: Path, small: bool) -> list[Row]:
 
 
 def predictions(program: Path, directory: Path, small: bool) -> list[Row]:
-    """What `check` says of the wall time, and the run's wall and CPU seconds."""
-    scenes = [PROJECT / name for name in SCENES if (PROJECT / name).exists()]
-    for job in JOBS:
+    """What `check` says of wall time, memory and file, and what the run takes; and a run's CPU seconds."""
+    scenes = [PROJECT / name for name in SCENES[: 2 if small else None]]
+    for job, cases in [*((job, job.cases) for job in JOBS), (TINY, CASES[-1])]:
         path = directory / f"{job.name}.nml"
-        path.write_text(job.scene(100 if small else job.cases))
+        path.write_text(job.scene(100 if small else cases))
         scenes.append(path)
     rows = []
     for scene in scenes:
-        pairs = []
+        runs = []
         for _ in range(1 if small else ROUNDS):
             said = subprocess.run([program, "check", scene], check=True, capture_output=True, text=True).stdout
-            expected = seconds_of(re.search(r"^ *time +about ([\d.]+) (\w+)", said, re.MULTILINE))
-            cpu, wall, _ = launched(program, "run", scene, "--output", directory, "--overwrite", "--quiet")
-            pairs.append((expected, wall, cpu))
-        expected, wall, cpu = (statistics.median(pair[i] for pair in pairs) for i in range(3))
-        rows.append(rounded({"scene": scene.stem, "expected": expected, "wall": wall, "cpu": cpu}))
+            cpu, wall, peak = launched(program, "run", scene, "--output", directory, "--overwrite", "--quiet")
+            result = directory / f"{scene.stem}.nc"
+            said_of = [said_in(name, said) for name in ("time", "memory", "result")]
+            runs.append((*said_of, wall, cpu, peak, result.stat().st_size))
+            result.unlink()
+        expected, said_peak, said_size, wall, cpu, peak, size = (statistics.median(run[i] for run in runs) for i in range(7))
+        row = {"scene": scene.stem, "expected": expected, "wall": wall, "cpu": cpu}
+        rows.append(rounded({**row, "memory_ratio": said_peak / peak, "size_ratio": said_size / size}))
     return rows
 
 
-def seconds_of(said: re.Match[str] | None) -> float:
-    assert said, "check says no time"
-    return float(said[1]) * {"ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0}[said[2]]
+def scenes(program: Path, directory: Path, small: bool) -> list[Row]:
+    """CPU milliseconds per scene: many small scenes in one call, one in a call, and a file as theirs by netCDF4 alone."""
+    count = 10 if small else SMALL_SCENES
+    work = directory / "scenes"
+    work.mkdir()
+    for number in range(count):
+        (work / f"s{number:04d}.nml").write_text(SMALL.format(speed=0.1 * number))
+    times: dict[str, list[float]] = {}
+    for turn in range(1 if small else ROUNDS):
+        output, alone = directory / f"out{turn}", directory / f"alone{turn}"
+        in_one = launched(program, "run", work, "--output", output, "--quiet")[0] / count
+        times.setdefault("in one call of all", []).append(in_one)
+        in_its_own = launched(program, "run", work / "s0000.nml", "--output", alone, "--quiet")[0]
+        times.setdefault("in a call of its own", []).append(in_its_own)
+        written = rewritten(output / "s0000.nc", directory / "copy.nc", count)
+        times.setdefault("to write its file alone, in Python with netCDF4", []).append(written)
+    return [{"what": what, "ms": float(f"{1e3 * statistics.median(values):.3g}")} for what, values in times.items()]
+
+
+def rewritten(model: Path, path: Path, count: int) -> float:
+    """CPU seconds to write a file with the names, attributes and values of another."""
+    with netCDF4.Dataset(model) as file:
+        file.set_auto_mask(False)
+        about = {name: file.getncattr(name) for name in file.ncattrs()}
+        dimensions = {name: len(dimension) for name, dimension in file.dimensions.items()}
+        variables = [(v.name, v.dtype, v.dimensions, v.__dict__, v[...]) for v in file.variables.values()]
+    before = time.process_time()
+    for _ in range(count):
+        with netCDF4.Dataset(path, "w") as file:
+            file.setncatts(about)
+            for name, length in dimensions.items():
+                file.createDimension(name, length)
+            made = []
+            for name, kind, over, attributes, _ in variables:
+                variable = file.createVariable(name, kind, over, fill_value=attributes.get("_FillValue"))
+                variable.setncatts({n: value for n, value in attributes.items() if n != "_FillValue"})
+                made.append(variable)
+            for variable, (*_, values) in zip(made, variables):
+                variable[...] = values
+    return (time.process_time() - before) / count
+
+
+UNITS = {"ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "kB": 1e3, "MB": 1e6, "GB": 1e9}
+
+
+def said_in(name: str, text: str) -> float:
+    """The number of a line of `check`, in s or bytes."""
+    said = re.search(rf"^ *{name} +(?:about )?([\d.]+) (\w+)", text, re.MULTILINE)
+    assert said, f"check says no {name}"
+    return float(said[1]) * UNITS[said[2]]
 
 
 def rounded(row: Row) -> Row:

@@ -4,8 +4,10 @@ that do not overflow, integrals by Gauss's rule with nodes that are made once, h
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 
 from .jobs import DENSITY, DIAMETER, LENGTH, MODULUS, POINTS, Job
@@ -89,6 +91,17 @@ def case(job: Job, speed: float, gamma: float) -> Case:
 def loop(job: Job, grid: list[tuple[float, float]]) -> list[Case]:
     """All cases, one after another."""
     return [case(job, speed, gamma) for speed, gamma in grid]
+
+
+def save(cases: list[Case], path: Path) -> None:
+    """All cases in a file, as the program leaves them: each value an array over the cases."""
+    with netCDF4.Dataset(path, "w") as file:
+        file.createDimension("case", len(cases))
+        for name, value in cases[0].items():
+            dimensions = [f"{name}_{axis}" for axis in range(value.ndim)]
+            for dimension, length in zip(dimensions, value.shape):
+                file.createDimension(dimension, length)
+            file.createVariable(name, "f8", ("case", *dimensions))[:] = np.array([case[name] for case in cases])
 
 
 def pooled(work: tuple[Job, tuple[float, float]]) -> Case:

@@ -17,7 +17,7 @@ module bw_commands
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
-  use bw_text, only: string, text_of
+  use bw_text, only: shortest, string, text_of
   use bw_time_estimate, only: estimated_seconds
   implicit none (type, external)
   private
@@ -135,11 +135,22 @@ contains
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                 !! of the estimate itself, s
     character(:), allocatable :: text
-    text = '  time       about '//duration_text(estimated_seconds(scene, layout, min(budget, most_check_seconds)))// &
+    text = '  time       about '//expected_text(estimated_seconds(scene, layout, min(budget, most_check_seconds)))// &
       ' on one core'
     if (layout%cases > 1) text = text//', shared by the processes of beamwave-mpi'
     text = text//new_line('a')
   end function time_summary
+
+  pure function expected_text(seconds) result(text)
+    !! As `duration_text`, with a digit more where whole seconds would be too coarse.
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: text
+    if (seconds >= 1.0_dp .and. seconds < 10.0_dp) then
+      text = shortest(seconds, 2)//' s'
+    else
+      text = duration_text(seconds)
+    end if
+  end function expected_text
 
   subroutine plan_tolerance(scene, text, error)
     !! How many modes a tolerance takes, where there is one case to ask for.

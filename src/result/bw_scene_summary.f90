@@ -13,10 +13,10 @@ module bw_scene_summary
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, result_bytes, working_bytes
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, result_bytes, working_bytes, claimed_bytes
 
   integer(i8), parameter :: lapack_bytes = 140000000
-    !! what OpenBLAS takes for itself at its first call; where it is refused it asks again without end
+    !! what OpenBLAS claims at its first call, and hardly uses; where it is refused it asks again without end
 
   integer(i8), parameter :: block_bytes = 8000000
     !! of cases that are written at a time
@@ -188,16 +188,22 @@ contains
 
   pure integer(i8) function working_bytes(layout) result(bytes)
     !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
-    !! 20 MB of program and libraries.
+    !! 25 MB of program and libraries.
     type(result_layout), intent(in) :: layout
     integer(i8) :: histories, spectra, modal
     histories = int(layout%samples, i8)*layout%points*merge(2, 1, layout%velocity)
     spectra = int(layout%frequencies, i8)*(layout%points + 30)
     modal = int(max(layout%modes, layout%modes_before), i8)*(60 + 4*layout%points)
-    bytes = 8*(2*histories + spectra + modal) + 20000000
-    if (layout%peaks > 0) bytes = bytes + lapack_bytes
+    bytes = 8*(2*histories + spectra + modal) + 25000000
     if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 2*layout%cases
   end function working_bytes
+
+  pure integer(i8) function claimed_bytes(layout) result(bytes)
+    !! Memory that has to be granted, used or not.
+    type(result_layout), intent(in) :: layout
+    bytes = working_bytes(layout)
+    if (layout%peaks > 0) bytes = bytes + lapack_bytes
+  end function claimed_bytes
 
   pure function bytes_text(bytes) result(text)
     integer(i8), intent(in) :: bytes

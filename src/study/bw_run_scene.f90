@@ -14,7 +14,7 @@ module bw_run_scene
   use bw_run_sweep, only: run_sweep
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
-  use bw_scene_summary, only: bytes_text, working_bytes
+  use bw_scene_summary, only: bytes_text, claimed_bytes
   use bw_unfinished, only: unfinished_work
   implicit none (type, external)
   private
@@ -86,9 +86,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: room(:)
     integer :: stat
-    allocate (room(working_bytes(layout)), stat=stat)
+    allocate (room(claimed_bytes(layout)), stat=stat)
     if (stat /= 0) call fail(error, status_bad_file, scene%file//': memory was refused: a case takes about '// &
-                             bytes_text(working_bytes(layout)))
+                             bytes_text(claimed_bytes(layout)))
   end subroutine ask_for_memory
 
 end module bw_run_scene
