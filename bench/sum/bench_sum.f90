@@ -1,11 +1,12 @@
 module bench_sum
-  !! What compare.py calls, to time it in one process with its rival. Without dimensions: lengths in l, times in l²/h.
+  !! What the commands of bench/sum call, to time it in one process with its rival. Without dimensions: lengths in l, times in l²/h.
   use, intrinsic :: iso_c_binding
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_source, source_in_closed_form
-  use bw_double_double, only: dd, to_dd
+  use bw_double_double, only: dd, to_dd, operator(*)
+  use bw_modal_sum, only: add_stable_modes
   use bw_monitor, only: silent_monitor
-  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: response_type, start_histories
   use bw_streamed_modes, only: add_modes_of_source
   use bw_sum_choice, only: chosen_sum, sum_choice
@@ -59,21 +60,66 @@ contains
     real(c_double), intent(in) :: rate(n), shapes(n, 2)
     real(c_double), value :: duration, tolerance
     real(c_double), intent(out) :: displacement(samples, 2)
-    type(nonuniform_sum) :: sum
     type(sum_choice) :: choice
-    type(dd) :: values(part)
-    integer :: e, k
     choice = chosen_sum(n, samples, 2, tolerance, must_transform=.true.)
-    displacement = 0.0_dp
-    call sum%open(time_grid_of(duration, samples, to_dd(1.0_dp)), choice%width, choice%half, 2, &
-                  with_velocity=.false., moved=.false.)
-    do k = 1, n, part
-      e = min(k + part - 1, n)
-      values(:e - k + 1)%hi = beta(1, k:e)
-      values(:e - k + 1)%lo = beta(2, k:e)
-      call sum%add(values(:e - k + 1), rate(k:e), shapes(k:e, :))
-    end do
-    call sum%close(displacement)
+    call by_transform(n, samples, 2, beta, rate, shapes, duration, choice%width, choice%half, displacement)
   end subroutine sum_alone
+
+  subroutine choose(n, samples, histories, tolerance, transform, width, half) bind(c, name='bench_choice')
+    !! What the cost model chooses, and the transform that it would choose in any case.
+    integer(c_int), value :: n, samples, histories
+    real(c_double), value :: tolerance
+    integer(c_int), intent(out) :: transform               !! 1: it is chosen
+    integer(c_int), intent(out) :: width, half
+    type(sum_choice) :: choice
+    choice = chosen_sum(n, samples, histories, tolerance)
+    transform = merge(1, 0, choice%transform)
+    choice = chosen_sum(n, samples, histories, tolerance, must_transform=.true.)
+    width = choice%width
+    half = choice%half
+  end subroutine choose
+
+  subroutine by_transform(n, samples, points, beta, rate, shapes, duration, width, half, displacement) &
+    bind(c, name='bench_by_transform')
+    !! With a given kernel and grid.
+    integer(c_int), value :: n, samples, points
+    real(c_double), intent(in) :: beta(2, n), rate(n), shapes(n, points)
+    real(c_double), value :: duration
+    integer(c_int), value :: width, half
+    real(c_double), intent(out) :: displacement(samples, points)
+    type(nonuniform_sum) :: sum
+    type(dd) :: values(part)
+    integer :: e, first, group, k, last
+    displacement = 0.0_dp
+    group = points_at_once(half, samples, points, kinds=1)
+    do first = 1, points, group
+      last = min(first + group - 1, points)
+      call sum%open(time_grid_of(duration, samples, to_dd(1.0_dp)), width, half, last - first + 1, with_velocity=.false., &
+                    moved=.false.)
+      do k = 1, n, part
+        e = min(k + part - 1, n)
+        values(:e - k + 1)%hi = beta(1, k:e)
+        values(:e - k + 1)%lo = beta(2, k:e)
+        call sum%add(values(:e - k + 1), rate(k:e), shapes(k:e, first:last))
+      end do
+      call sum%close(displacement(:, first:last))
+    end do
+  end subroutine by_transform
+
+  subroutine by_products(n, samples, points, beta, rate, shapes, duration, displacement) bind(c, name='bench_by_products')
+    integer(c_int), value :: n, samples, points
+    real(c_double), intent(in) :: beta(2, n), rate(n), shapes(n, points)
+    real(c_double), value :: duration
+    real(c_double), intent(out) :: displacement(samples, points)
+    type(silent_monitor) :: monitor
+    type(dd) :: squares(n)
+    real(dp) :: rest(n)
+    squares%hi = beta(1, :)
+    squares%lo = beta(2, :)
+    squares = squares*squares
+    rest = 0.0_dp
+    displacement = 0.0_dp
+    call add_stable_modes(squares, rest, rate, shapes, time_grid_of(duration, samples, to_dd(1.0_dp)), monitor, displacement)
+  end subroutine by_products
 
 end module bench_sum

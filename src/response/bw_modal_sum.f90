@@ -12,7 +12,7 @@ module bw_modal_sum
   use bw_turn, only: turns
   implicit none (type, external)
   private
-  public :: add_stable_modes
+  public :: add_stable_modes, block_length
 
   integer, parameter :: chunk_blocks = 32     !! tuned: the product's right side stays in the cache
 

@@ -5,8 +5,10 @@ module bw_sum_choice
   !! Widths of the kernel trade with the fineness of the grid: the widths are tried in turn, each with the smallest
   !! grid that keeps the tolerance.
   use bw_kinds, only: dp
+  use bw_modal_sum, only: block_length
   use bw_sine_sum, only: next_fast_half
-  use bw_spreading_kernel, only: transform_error
+  use bw_spread, only: rows_of
+  use bw_spreading_kernel, only: transform_error, vector
   implicit none (type, external)
   private
   public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
@@ -23,14 +25,21 @@ module bw_sum_choice
   integer, parameter :: most_samples = 2**27         ! the largest grid is still numbered by an integer
   integer, parameter :: finest = 8                   ! grid points per sample
 
-  ! Seconds, tuned: measured on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios matter alone.
-  real(dp), parameter :: product_term = 0.7e-9_dp    ! a mode at a sample of a history, by products of tables
-  real(dp), parameter :: product_turn = 10.0e-9_dp   ! an entry of those tables
-  real(dp), parameter :: set_up = 1.0e-4_dp          ! kernel and plan
-  real(dp), parameter :: mode_phase = 8.0e-9_dp      ! place and phase of a mode
-  real(dp), parameter :: mode_weight = 0.8e-9_dp     ! a weight of the kernel
-  real(dp), parameter :: mode_spread = 0.6e-9_dp     ! a weight put to use, for each history
-  real(dp), parameter :: grid_point = 0.28e-9_dp     ! a point of the grid and step of the fast transform
+  ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios
+  ! matter alone.
+  real(dp), parameter :: product_set_up = 22.6e-6_dp  ! a call
+  real(dp), parameter :: product_mode = 1.53e-6_dp    ! a mode
+  real(dp), parameter :: product_turn = 28.9e-9_dp    ! an entry of the tables of turns, each for a mode
+  real(dp), parameter :: product_state = 649e-12_dp   ! a mode's state at a block of a history
+  real(dp), parameter :: product_term = 205e-12_dp    ! a mode at a sample of a history
+  real(dp), parameter :: product_sample = 609e-12_dp  ! a sample of a history
+  real(dp), parameter :: set_up = 107e-6_dp           ! kernel and plan
+  real(dp), parameter :: mode_phase = 6.18e-9_dp      ! place and phase of a mode
+  real(dp), parameter :: mode_weight = 23e-9_dp       ! a vector of weights of the kernel
+  real(dp), parameter :: mode_spread = 4.46e-9_dp     ! a vector of weights put to use, for each history
+  real(dp), parameter :: grid_point = 907e-12_dp      ! a point of the grid and step of the fast transform, for each history
+  real(dp), parameter :: sample = 2.01e-9_dp          ! a sample made and added, for each history
+  real(dp), parameter :: factor = 11.1e-9_dp          ! the kernel's factor of a sample
 
 contains
 
@@ -49,7 +58,7 @@ contains
     do width = narrowest, widest, narrowest
       half = grid_for_width(width, samples, tolerance)
       if (half == 0) cycle
-      seconds = transform_seconds(modes, histories, width, half)
+      seconds = transform_seconds(modes, samples, histories, width, half)
       if (seconds >= least) cycle
       least = seconds
       choice = sum_choice(.true., width, half)
@@ -85,7 +94,7 @@ contains
     type(sum_choice) :: choice
     choice = chosen_sum(modes, samples, histories, tolerance)
     if (choice%transform) then
-      seconds = transform_seconds(modes, histories, choice%width, choice%half)
+      seconds = transform_seconds(modes, samples, histories, choice%width, choice%half)
     else
       seconds = product_seconds(modes, samples, histories)
     end if
@@ -93,15 +102,21 @@ contains
 
   pure real(dp) function product_seconds(modes, samples, histories) result(seconds)
     integer, intent(in) :: modes, samples, histories
-    seconds = real(modes, dp)*(product_term*samples*histories + 2.0_dp*product_turn*sqrt(real(samples, dp)))
+    real(dp) :: blocks, length, states
+    length = block_length(samples)
+    blocks = aint((samples - 1)/length) + 1.0_dp
+    states = modes*blocks*histories
+    seconds = product_set_up + modes*(product_mode + product_turn*(length + blocks)) &
+      + states*(product_state + product_term*length) + product_sample*samples*histories
   end function product_seconds
 
-  pure real(dp) function transform_seconds(modes, histories, width, half) result(seconds)
-    integer, intent(in) :: modes, histories, width, half
-    real(dp) :: points
+  pure real(dp) function transform_seconds(modes, samples, histories, width, half) result(seconds)
+    integer, intent(in) :: modes, samples, histories, width, half
+    real(dp) :: points, vectors
     points = 2.0_dp*half
-    seconds = set_up + modes*(mode_phase + width*(mode_weight + mode_spread*histories)) &
-      + grid_point*histories*points*log(points)/log(2.0_dp)
+    vectors = rows_of(width)/vector
+    seconds = set_up + modes*(mode_phase + vectors*(mode_weight + mode_spread*histories)) + factor*samples &
+      + histories*(grid_point*points*log(points)/log(2.0_dp) + sample*samples)
   end function transform_seconds
 
 end module bw_sum_choice

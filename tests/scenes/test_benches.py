@@ -97,3 +97,23 @@ def test_effects_are_counted_or_said_not_to_be(small_run):
         assert "| – " in (output / "numbers.md").read_text()
     else:
         assert 0 < paper["instructions"] < shear["instructions"]
+
+
+def test_a_small_comparison_of_sums_runs_and_both_sides_keep_the_accuracy(program):
+    words = [sys.executable, "-m", "sum", "--small", "--beamwave", program]
+    ended = subprocess.run(words, cwd=PROJECT / "bench", capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    rows = [line.split("|")[1:-1] for line in ended.stdout.splitlines() if line.startswith("| 200 ")]
+    assert len(rows) == 2
+    for row, tolerance in zip(rows, (3e-11, 1e-12)):
+        assert float(row[-2]) <= tolerance
+        assert float(row[-1]) <= 10 * tolerance  # FINUFFT's bound is one of the mean square
+
+
+def test_the_section_of_sums_holds_the_committed_numbers():
+    section = importlib.import_module("sum.section")
+    document = importlib.import_module("common.document")
+    data = PROJECT / "bench/sum/measured.json"
+    written = document.section(PROJECT / "docs/numbers.md", section.FIRST)
+    expected = section.section(json.loads(data.read_text())).strip() if data.is_file() else ""
+    assert written == expected, "bench/sum.sh --redraw writes it anew"

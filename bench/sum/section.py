@@ -1,0 +1,38 @@
+"""The section of docs/numbers.md."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from common.document import pairs, table
+
+FIRST = "<!-- sums: bench/sum.sh writes from here -->"
+
+HEAD = """## Modes and their sum beside numpy + FINUFFT
+
+Made by `bench/sum.sh` ([bench/](../bench/README.md) says how): in one process on one core, in turns; CPU seconds, medians of
+{repeats} runs. Whole job: roots, shapes at midpoint and tip, and both histories. Errors are those of the sum at some samples,
+over the largest displacement, against the same sum term by term in extended precision."""
+
+COLUMNS = ["modes", "samples", "whole job, ms", "rival, ms", "ratio", "sum alone, ms", "FINUFFT, ms", "ratio", "its way",
+           "error", "rival's error"]  # fmt: skip
+
+
+def section(measured: dict[str, Any]) -> str:
+    """A table for every accuracy, and where it was measured."""
+    parts = [HEAD.format(repeats=measured["repeats"])]
+    for tolerance in dict.fromkeys(row["tolerance"] for row in measured["rows"]):
+        rows = [row for row in measured["rows"] if row["tolerance"] == tolerance]
+        parts += [f"Accuracy of the sum {tolerance:.0e} of the peak:", table([COLUMNS, *map(cells, rows)])]
+    return "\n\n".join([*parts, pairs(measured["about"])])
+
+
+def cells(row: dict[str, Any]) -> list[str]:
+    """A row as it is shown."""
+
+    def both(ours: str, theirs: str) -> list[str]:
+        return [f"{1e3 * row[ours]:.3g}", f"{1e3 * row[theirs]:.3g}", f"{row[ours] / row[theirs]:.2f}"]
+
+    size = [str(row["modes"]), f"2^{row['samples'].bit_length() - 1}"]
+    errors = [f"{row['error']:.0e}", f"{row['rival_error']:.0e}"]
+    return [*size, *both("job", "rival"), *both("sum", "finufft"), row["way"], *errors]
