@@ -7,32 +7,60 @@ module bench_sum
   use bw_modal_sum, only: add_stable_modes
   use bw_monitor, only: silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
-  use bw_response, only: response_type, start_histories
-  use bw_streamed_modes, only: add_modes_of_source
+  use bw_response, only: response_type, start_histories, sum_tolerance
+  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source
   use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_time_grid, only: time_grid, time_grid_of
+  use bw_truncation, only: tail_error
   implicit none (type, external)
   private
 
-  integer, parameter :: part = 256       ! modes at a time, as in a run
+  integer, parameter :: part = 256               ! modes at a time, as in a run
+  integer, parameter :: few = 20                 ! the first modes, as in a run
+  real(dp), parameter :: loosest = 1.0e-4_dp     ! tolerance of a sum, as in a run
+  real(dp), parameter :: points(2) = [0.5_dp, 1.0_dp]
 
 contains
 
   subroutine whole_job(n, samples, gamma, duration, tolerance, displacement) bind(c, name='bench_whole_job')
-    !! Roots, shapes at the midpoint and the tip, and the sum of n modes of the continuum, as a run with a tolerance does it.
+    !! Roots, shapes at the midpoint and the tip, and the sum of n modes of the continuum, as a run with a tolerance does it:
+    !! what modes after the first few add needs fewer digits.
     integer(c_int), value :: n, samples
     real(c_double), value :: gamma, duration
     real(c_double), value :: tolerance                     !! of the sum
     real(c_double), intent(out) :: displacement(samples, 2)
+    type(closed_form_source) :: source
+    type(nonuniform_sum) :: sum
     type(response_type) :: response
     type(time_grid) :: grid
     type(silent_monitor) :: monitor
+    real(dp) :: rest
     grid = time_grid_of(duration, samples, to_dd(1.0_dp))
     call start_histories(grid, 2, .false., response)
-    call add_modes_of_source(source_in_closed_form(gamma), gamma, 1, n, [0.5_dp, 1.0_dp], grid, 1.0_dp, tolerance, monitor, &
-                       response)
+    source = source_in_closed_form(gamma)
+    rest = rest_of(source, gamma, grid)
+    call add_modes_in_parts(source, gamma, few, n, rest, points, grid, 1.0_dp, [tolerance, min(loosest, tolerance/rest)], &
+                            monitor, response, sum)
     displacement = response%displacement
   end subroutine whole_job
+
+  real(dp) function rest_of(source, gamma, grid) result(rest)
+    !! An estimate of what the modes after the first few add, over the peak of these at some of the samples.
+    type(closed_form_source), intent(in) :: source
+    real(dp), intent(in) :: gamma
+    type(time_grid), intent(in) :: grid
+    integer, parameter :: previewed = 1000
+    type(response_type) :: response
+    type(silent_monitor) :: monitor
+    type(time_grid) :: coarse
+    integer :: stride
+    stride = (grid%samples - 1)/previewed + 1
+    coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
+    call start_histories(coarse, size(points), .false., response)
+    call add_modes_of_source(source, gamma, 1, few, points, coarse, 1.0_dp, sum_tolerance, monitor, response)
+    rest = maxval(tail_error(few, source, gamma, points, grid%samples*grid%step%hi, grid%samples, .false.))
+    rest = rest/maxval(abs(response%displacement))
+  end function rest_of
 
   subroutine terms(n, gamma, duration, beta, rate, shapes) bind(c, name='bench_terms')
     !! The modes alone.
@@ -46,7 +74,7 @@ contains
     source = source_in_closed_form(gamma)
     do k = 1, n, part
       e = min(k + part - 1, n)
-      call source%terms([(i, i=k, e)], [0.5_dp, 1.0_dp], duration, values(:e - k + 1), rate(k:e), shapes(k:e, :))
+      call source%terms([(i, i=k, e)], points, duration, values(:e - k + 1), rate(k:e), shapes(k:e, :))
       beta(1, k:e) = values(:e - k + 1)%hi
       beta(2, k:e) = values(:e - k + 1)%lo
     end do
@@ -79,21 +107,21 @@ contains
     half = choice%half
   end subroutine choose
 
-  subroutine by_transform(n, samples, points, beta, rate, shapes, duration, width, half, displacement) &
+  subroutine by_transform(n, samples, places, beta, rate, shapes, duration, width, half, displacement) &
     bind(c, name='bench_by_transform')
     !! With a given kernel and grid.
-    integer(c_int), value :: n, samples, points
-    real(c_double), intent(in) :: beta(2, n), rate(n), shapes(n, points)
+    integer(c_int), value :: n, samples, places
+    real(c_double), intent(in) :: beta(2, n), rate(n), shapes(n, places)
     real(c_double), value :: duration
     integer(c_int), value :: width, half
-    real(c_double), intent(out) :: displacement(samples, points)
+    real(c_double), intent(out) :: displacement(samples, places)
     type(nonuniform_sum) :: sum
     type(dd) :: values(part)
     integer :: e, first, group, k, last
     displacement = 0.0_dp
-    group = points_at_once(half, samples, points, kinds=1)
-    do first = 1, points, group
-      last = min(first + group - 1, points)
+    group = points_at_once(half, samples, places, kinds=1)
+    do first = 1, places, group
+      last = min(first + group - 1, places)
       call sum%open(time_grid_of(duration, samples, to_dd(1.0_dp)), width, half, last - first + 1, with_velocity=.false., &
                     moved=.false.)
       do k = 1, n, part
@@ -106,11 +134,11 @@ contains
     end do
   end subroutine by_transform
 
-  subroutine by_products(n, samples, points, beta, rate, shapes, duration, displacement) bind(c, name='bench_by_products')
-    integer(c_int), value :: n, samples, points
-    real(c_double), intent(in) :: beta(2, n), rate(n), shapes(n, points)
+  subroutine by_products(n, samples, places, beta, rate, shapes, duration, displacement) bind(c, name='bench_by_products')
+    integer(c_int), value :: n, samples, places
+    real(c_double), intent(in) :: beta(2, n), rate(n), shapes(n, places)
     real(c_double), value :: duration
-    real(c_double), intent(out) :: displacement(samples, points)
+    real(c_double), intent(out) :: displacement(samples, places)
     type(silent_monitor) :: monitor
     type(dd) :: squares(n)
     real(dp) :: rest(n)

@@ -4,20 +4,58 @@ module bw_streamed_modes
   use bw_kinds, only: dp
   use bw_double_double, only: dd
   use bw_mode_set, only: mode_set, mode_source
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: add_motion, histories_of, response_type, turns_in_record
   use bw_set_sum, only: modes_at_once
   use bw_stopwatch, only: wall_seconds
-  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
+  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice, sum_seconds
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: add_modes_of_source
+  public :: add_modes_in_parts, add_modes_of_source
 
   integer, parameter :: part = 256             !! tuned: modes whose arrays stay in the cache
 
 contains
+
+  subroutine add_modes_in_parts(source, force, few, count, rest, points, grid, unit_time, tolerances, monitor, response, kept)
+    !! Add the first `count` modes in one sum, or the first few, which make the motion, apart from the many that add little
+    !! and need fewer digits: whichever is faster.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force                !! as that of `add_modes_of_source`, also what follows
+    integer, intent(in) :: few                   !! < `count`
+    integer, intent(in) :: count
+    real(dp), intent(in) :: rest                 !! what the modes after the first few add, over the peak
+    real(dp), intent(in) :: points(:)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: unit_time
+    real(dp), intent(in) :: tolerances(2)        !! of the first few, and of the others, over the peak of what they add
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type), intent(inout) :: response
+    type(nonuniform_sum), intent(inout) :: kept
+    real(dp) :: error
+    integer :: histories
+    histories = histories_of(response)
+    if (sum_seconds(count, grid%samples, histories, tolerances(1)) <= &
+        sum_seconds(few, grid%samples, histories, tolerances(1)) &
+        + sum_seconds(count - few, grid%samples, histories, tolerances(2))) then
+      call add(1, count, tolerances(1))
+    else
+      call add(1, few, tolerances(1))
+      error = response%sum_error
+      call add(few + 1, count, tolerances(2))
+      response%sum_error = error + rest*(response%sum_error - error)
+    end if
+  contains
+    subroutine add(first, last, tolerance)
+      integer, intent(in) :: first, last
+      real(dp), intent(in) :: tolerance
+      type(part_monitor) :: part_of_it
+      part_of_it = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
+      call add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, part_of_it, response, kept)
+    end subroutine add
+  end subroutine add_modes_in_parts
 
   subroutine add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, monitor, response, kept)
     !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform

@@ -12,9 +12,8 @@ module bw_tolerance_sum
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_released_motion, only: peak_released, plan_released, release_continuum
-  use bw_response, only: finish_histories, histories_of, response_type, start_histories, sum_tolerance
-  use bw_streamed_modes, only: add_modes_of_source
-  use bw_sum_choice, only: sum_seconds
+  use bw_response, only: finish_histories, response_type, start_histories, sum_tolerance
+  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -94,8 +93,7 @@ contains
   end function captured_part
 
   subroutine sum_in_parts(scene, source, grid, rest, monitor, sum, result)
-    !! All modes in one sum, or the first, which make the motion, apart from the many that add little and need fewer
-    !! digits: whichever is faster.
+    !! As many modes as were chosen.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
@@ -103,21 +101,12 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: sum   !! kept from motion to motion
     type(case_result), intent(inout) :: result
-    real(dp) :: coarse, error
-    integer :: histories
+    real(dp) :: coarse
     coarse = min(loosest, max(sum_tolerance, sum_share*scene%modes%tolerance/rest))
-    histories = histories_of(result%response)
-    associate (samples => grid%samples, count => result%mode_count)
-      if (sum_seconds(count, samples, histories, sum_tolerance) <= &
-          sum_seconds(first_modes, samples, histories, sum_tolerance) &
-          + sum_seconds(count - first_modes, samples, histories, coarse)) then
-        call add_some(scene, source, 1, count, grid, sum_tolerance, monitor, sum, result)
-      else
-        call add_some(scene, source, 1, first_modes, grid, sum_tolerance, monitor, sum, result)
-        error = result%response%sum_error
-        call add_some(scene, source, first_modes + 1, count, grid, coarse, monitor, sum, result)
-        result%response%sum_error = error + rest*(result%response%sum_error - error)
-      end if
+    associate (unit_time => result%units%time%hi)
+      call add_modes_in_parts(source, force_of(scene)*(result%approach_velocity*unit_time), first_modes, result%mode_count, &
+                              rest, scene%response%points, grid, unit_time, [sum_tolerance, coarse], monitor, &
+                              result%response, sum)
     end associate
   end subroutine sum_in_parts
 
@@ -224,22 +213,6 @@ contains
     call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
               out_of_reach(scene, source, reached))
   end subroutine plan_count
-
-  subroutine add_some(scene, source, first, last, grid, tolerance, monitor, sum, result)
-    !! Modes `first` … `last` of the continuum.
-    type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source
-    integer, intent(in) :: first, last
-    type(time_grid), intent(in) :: grid
-    real(dp), intent(in) :: tolerance           !! of the sum
-    class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: sum
-    type(case_result), intent(inout) :: result
-    type(part_monitor) :: part
-    part = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
-    call add_modes_of_source(source, force_of(scene)*(result%approach_velocity*result%units%time%hi), first, last, &
-                             scene%response%points, grid, result%units%time%hi, tolerance, part, result%response, sum)
-  end subroutine add_some
 
   pure real(dp) function force_of(scene)
     !! Modal velocities of the continuum are this times Φ_k(1)/M_k and the approach velocity.
