@@ -20,6 +20,7 @@ module bw_command_line
 contains
 
   subroutine read_command_line(command, error)
+    !! The command, its words and options. **Errors**: `status_bad_input`, naming what is accepted.
     type(command_type), intent(out) :: command
     type(error_type), allocatable, intent(out) :: error
     character(:), allocatable :: word
@@ -175,6 +176,7 @@ contains
   end function argument
 
   pure function help_text() result(text)
+    !! What `beamwave --help` prints.
     character(:), allocatable :: text
     character(*), parameter :: nl = new_line('a')
     text = 'beamwave: bending waves in a rotating beam struck at its tip'//nl//nl// &

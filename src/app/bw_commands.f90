@@ -182,6 +182,7 @@ contains
   end subroutine read_and_list
 
   integer function describe_command(command) result(status)
+    !! Every input name, or those of one group. **Errors**: `status_bad_input` for a group that is none.
     type(command_type), intent(in) :: command
     character(:), allocatable :: group, text
     type(error_type), allocatable :: error

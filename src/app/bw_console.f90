@@ -28,6 +28,7 @@ contains
   end subroutine print_warning
 
   subroutine print_error(error)
+    !! On standard error, in whole lines.
     type(error_type), intent(in) :: error
     call print_warning(error%message)
   end subroutine print_error

@@ -36,6 +36,7 @@ module bw_terminal_progress
 contains
 
   type(terminal_progress) function terminal_progress_to(deadline, quiet) result(progress)
+    !! Progress that asks to stop at a deadline.
     real(dp), intent(in) :: deadline                  !! when to stop, on the clock of `wall_seconds`
     logical, intent(in) :: quiet
     progress%deadline = deadline

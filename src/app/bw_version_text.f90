@@ -9,6 +9,7 @@ module bw_version_text
 contains
 
   pure function version_text() result(text)
+    !! What `beamwave --version` prints: program, commit, compiler, libraries.
     character(:), allocatable :: text
     character(*), parameter :: nl = new_line('a')
     text = source_text()//nl// &

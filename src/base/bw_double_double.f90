@@ -108,6 +108,7 @@ contains
   end function dd_from_quad
 
   elemental real(qp) function to_quad(value)
+    !! Exact: binary128 holds both parts.
     type(dd), intent(in) :: value
     to_quad = real(value%hi, qp) + real(value%lo, qp)
   end function to_quad

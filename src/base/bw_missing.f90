@@ -11,6 +11,7 @@ module bw_missing
 contains
 
   elemental logical function is_missing(value)
+    !! The number stands for one that does not exist.
     real(dp), intent(in) :: value
     is_missing = value == missing
   end function is_missing

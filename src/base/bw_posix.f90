@@ -184,11 +184,13 @@ contains
   end subroutine remove_directory
 
   logical function file_exists(path)
+    !! Something of that name is there, whatever it is.
     character(*), intent(in) :: path
     file_exists = c_access(path//c_null_char, f_ok) == 0
   end function file_exists
 
   logical function is_directory(path)
+    !! A directory of that name is there.
     character(*), intent(in) :: path
     is_directory = file_exists(path//'/.')
   end function is_directory
@@ -238,6 +240,7 @@ contains
   end subroutine copy_text
 
   logical function is_terminal(descriptor)
+    !! Somebody may be reading along.
     integer(c_int), intent(in) :: descriptor    !! `standard_output` or `standard_error`
     is_terminal = c_isatty(descriptor) == 1
   end function is_terminal

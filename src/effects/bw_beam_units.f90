@@ -22,6 +22,7 @@ module bw_beam_units
 contains
 
   pure type(beam_units) function units_of(beam) result(units)
+    !! The beam's own units, from its numbers as they were read.
     type(beam_par), intent(in) :: beam
     type(dd) :: length
     length = to_dd(beam%length)

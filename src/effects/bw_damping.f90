@@ -21,6 +21,7 @@ module bw_damping
 contains
 
   pure type(damping_law) function law_of(damping, units) result(law)
+    !! A damping law without dimensions.
     type(damping_par), intent(in) :: damping
     type(beam_units), intent(in) :: units
     if (by_ratio(damping)) then

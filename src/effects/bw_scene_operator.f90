@@ -16,6 +16,7 @@ module bw_scene_operator
 contains
 
   pure type(beam_operator) function operator_of(scene, units, carries_mass) result(operator)
+    !! The operator of the beam with the effects that a scene names; the others are unallocated.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(beam_units), intent(in) :: units
     logical, intent(in) :: carries_mass            !! the captured body is at the tip

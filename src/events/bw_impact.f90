@@ -27,6 +27,7 @@ module bw_impact
 contains
 
   pure type(impact_type) function strike(modes, gamma, restitution) result(impact)
+    !! Eqs 11 and 12 with restitution: the impulse, and the velocities just after it.
     class(mode_set), intent(in) :: modes       !! of the beam alone
     real(dp), intent(in) :: gamma              !! m_j/m_i ≥ 0; 0 moves nothing
     real(dp), intent(in) :: restitution        !! 0 ≤ e ≤ 1

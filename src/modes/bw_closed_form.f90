@@ -195,6 +195,7 @@ contains
   end function shapes_in_parts
 
   pure type(closed_form_source) function source_in_closed_form(gamma, omega) result(source)
+    !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
     real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: none acts on the modes
     source%gamma = gamma

@@ -21,6 +21,7 @@ module bw_local_waves
 contains
 
   subroutine find_waves(operator, beta_squared, alpha, phase_velocity, group_velocity)
+    !! Mean wave numbers over the beam, and the velocities that follow from them.
     type(beam_operator), intent(in) :: operator
     type(dd), intent(in) :: beta_squared(:)                    !! (modes)
     real(dp), intent(out) :: alpha(:)                          !! P l, (modes)

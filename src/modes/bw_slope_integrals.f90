@@ -27,6 +27,7 @@ module bw_slope_integrals
 contains
 
   elemental type(slope_integrals) function slope_integrals_of(shape) result(integrals)
+    !! Of one mode; of the first with a very heavy mass those of a force at the tip.
     type(shape_type), intent(in) :: shape
     type(end_values) :: root, tip
     real(dp) :: growing(0:2), turning(0:2), both(0:2)

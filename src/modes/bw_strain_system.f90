@@ -40,6 +40,7 @@ module bw_strain_system
 contains
 
   pure subroutine build_system(operator, functions, system)
+    !! The factors of mass and stiffness for n functions of each strain.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: functions                 !! n ≥ 3
     type(strain_system), intent(out) :: system

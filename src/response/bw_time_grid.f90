@@ -14,6 +14,7 @@ module bw_time_grid
 contains
 
   pure type(time_grid) function time_grid_of(duration, samples, unit) result(grid)
+    !! The grid of a history, its step in extended precision.
     real(dp), intent(in) :: duration    !! s, > 0
     integer, intent(in) :: samples      !! ≥ 1
     type(dd), intent(in) :: unit        !! l²/h, s

@@ -120,6 +120,7 @@ contains
   end function with_start
 
   elemental real(dp) function largest(sums, samples) result(error)
+    !! The estimate that follows from the sums of one point.
     type(deviation_type), intent(in) :: sums
     integer, intent(in) :: samples
     real(dp) :: times                               ! of the mean square's root

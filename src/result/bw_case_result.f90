@@ -44,6 +44,7 @@ module bw_case_result
 contains
 
   pure subroutine add_note(result, text)
+    !! One more warning of a case.
     type(case_result), intent(inout) :: result
     character(*), intent(in) :: text      !! what stands before its first colon is its kind
     call append(result%notes, text)

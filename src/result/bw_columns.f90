@@ -10,6 +10,7 @@ module bw_columns
 contains
 
   pure function seconds_text(seconds) result(text)
+    !! Below a second in whole ms, else three digits.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds < 1.0_dp) then

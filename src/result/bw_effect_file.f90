@@ -15,6 +15,7 @@ module bw_effect_file
 contains
 
   subroutine put_effects(file, list, error)
+    !! All rows into the file of the study.
     type(study_file), intent(in) :: file
     type(effect_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error

@@ -15,6 +15,7 @@ module bw_effect_report
 contains
 
   function effect_report(list) result(text)
+    !! The table as it is printed.
     type(effect_list), intent(in) :: list
     character(:), allocatable :: text
     type(text_builder) :: lines

@@ -26,6 +26,7 @@ contains
   end subroutine check
 
   subroutine create_file(path, id, error)
+    !! A new NetCDF-4 file in place of any other. **Errors**: `status_bad_file`.
     character(*), intent(in) :: path
     integer, intent(out) :: id
     type(error_type), allocatable, intent(out) :: error

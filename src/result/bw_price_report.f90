@@ -20,6 +20,7 @@ module bw_price_report
 contains
 
   function price_report(list) result(text)
+    !! The tables as they are printed.
     type(price_list), intent(in) :: list
     character(:), allocatable :: text
     type(text_builder) :: lines

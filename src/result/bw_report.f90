@@ -18,6 +18,7 @@ module bw_report
 contains
 
   function case_report(result) result(text)
+    !! What is printed of one case.
     type(case_result), intent(in) :: result
     character(:), allocatable :: text
     type(text_builder) :: lines

@@ -26,6 +26,7 @@ module bw_result_definition
 contains
 
   subroutine define_dimensions(file, error)
+    !! Those that the result has, by the layout.
     type(open_file), intent(in) :: file
     type(error_type), allocatable, intent(inout) :: error
     integer :: dimension, length, i
@@ -37,6 +38,7 @@ contains
   end subroutine define_dimensions
 
   subroutine define_variables(file, error)
+    !! Every variable of the layout, with its attributes. **Errors**: `status_bad_file`.
     type(open_file), intent(in) :: file
     type(error_type), allocatable, intent(inout) :: error
     type(variable_row), allocatable :: table(:)

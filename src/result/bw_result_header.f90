@@ -44,6 +44,7 @@ contains
   end function holds_scene
 
   subroutine put_global_attributes(file, path, scene, error, study)
+    !! What the file says of itself: scene, program, method. **Errors**: `status_bad_file`.
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
@@ -101,6 +102,7 @@ contains
   end function time_stamp
 
   subroutine put_coordinates(file, path, scene, layout, late, error)
+    !! Coordinate variables, which are known before any case is run. **Errors**: `status_bad_file`.
     integer, intent(in) :: file
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene

@@ -28,6 +28,7 @@ module bw_result_layout
 contains
 
   pure type(result_layout) function layout_of(scene) result(layout)
+    !! What the result of a scene holds, and how much of it.
     type(scene_type), intent(in) :: scene
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
     call count_modes(scene, layout)
@@ -96,6 +97,7 @@ contains
   end function dimension_length
 
   pure logical function has_dimension(layout, name)
+    !! The result has a dimension of that name.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: name
     has_dimension = dimension_length(layout, name) > 0

@@ -206,6 +206,7 @@ contains
   end function claimed_bytes
 
   pure function bytes_text(bytes) result(text)
+    !! In kB, MB or GB of 1000s, three digits.
     integer(i8), intent(in) :: bytes
     character(:), allocatable :: text
     if (bytes < 1000000) then

@@ -55,6 +55,7 @@ module bw_input_name
 contains
 
   elemental logical function in_range(range, value)
+    !! A value that the range accepts.
     type(number_range), intent(in) :: range
     real(dp), intent(in) :: value
     in_range = value >= range%low .and. value <= range%high .and. .not. (range%above .and. value == range%low)
@@ -73,6 +74,7 @@ contains
   end function has_unit
 
   elemental logical function is_sweepable(row)
+    !! A `&sweep` may vary it.
     type(input_name), intent(in) :: row
     is_sweepable = row%swept .and. is_number(row)
   end function is_sweepable

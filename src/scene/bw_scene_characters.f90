@@ -26,6 +26,7 @@ contains
   end function is_name
 
   pure logical function is_ascii(text)
+    !! All characters are of seven bits.
     character(*), intent(in) :: text
     integer :: i
     is_ascii = all([(iachar(text(i:i)) < 128, i=1, len(text))])

@@ -31,6 +31,7 @@ contains
   end function amplitude_columns
 
   pure function parts(values) result(stacked)
+    !! Real parts, then imaginary parts.
     complex(dp), intent(in) :: values(:)
     real(dp) :: stacked(2*size(values))
     stacked = [values%re, values%im]

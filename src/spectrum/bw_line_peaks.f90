@@ -39,6 +39,7 @@ module bw_line_peaks
 contains
 
   function peaks_of(lines, residual) result(peaks)
+    !! Lines as peaks, with bounds of their errors; those that cannot be told apart are one.
     type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual  !! what these lines leave
     type(peak_type), allocatable :: peaks(:)

@@ -46,6 +46,7 @@ contains
   end function ladder_of
 
   pure type(scene_type) function scene_of_rung(scene, rung) result(variant)
+    !! The scene with a rung's tolerance or counts.
     type(scene_type), intent(in) :: scene
     type(rung_type), intent(in) :: rung
     if (rung%ladder == by_counts) then

@@ -7,8 +7,10 @@ module bw_case_modes
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_double_double, only: dd
-  use bw_galerkin, only: galerkin_set, galerkin_source, galerkin_source_of
+  use bw_galerkin_set, only: galerkin_set
+  use bw_galerkin_source, only: galerkin_source, galerkin_source_of
   use bw_kept_modes, only: kept_modes
+  use bw_kept_operators, only: kept_operators
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_record_stretch, only: record_stretch
@@ -27,7 +29,7 @@ module bw_case_modes
 
 contains
 
-  subroutine find_modes(scene, result, free, loaded, source, alone, kept)
+  subroutine find_modes(scene, result, free, loaded, source, alone, kept, operators)
     !! `result%modes`, those in force: of beam and mass if the mass is captured, else of the beam alone; with a capture also
     !! `result%before`, of the beam alone. Where a tolerance says how many are summed, there are none before the capture,
     !! and the first few stand for those after it.
@@ -39,10 +41,11 @@ contains
     class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
     type(kept_modes), intent(inout), target, optional :: kept
       !! what cases share, for as long as the sources live; absent: nothing is kept
+    type(kept_operators), intent(inout), optional :: operators   !! the same of modes without a closed form
     real(dp), allocatable :: longest               ! absent: no history is asked for
     nullify (free, loaded)
     if (changes_shapes(scene)) then
-      call find_galerkin(scene, result, alone, source)
+      call find_galerkin(scene, result, operators, alone, source)
     else
       call find_closed_form(scene, result, kept, alone, source)
     end if
@@ -98,10 +101,11 @@ contains
     end subroutine take_source
   end subroutine find_closed_form
 
-  subroutine find_galerkin(scene, result, alone, loaded)
+  subroutine find_galerkin(scene, result, operators, alone, loaded)
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
+    type(kept_operators), intent(inout), optional :: operators
     class(mode_source), allocatable, intent(out) :: alone, loaded
     result%can_grow = .not. allocated(scene%stiffening)
     if (allocated(scene%rotation)) then
@@ -123,7 +127,11 @@ contains
       class(mode_source), allocatable, intent(out) :: source
       type(galerkin_source), allocatable :: found
       allocate (found)
-      call galerkin_source_of(operator_of(scene, result%units, carries_mass), count, found)
+      if (present(operators)) then
+        call operators%find(operator_of(scene, result%units, carries_mass), count, found)
+      else
+        call galerkin_source_of(operator_of(scene, result%units, carries_mass), count, found)
+      end if
       if (.not. found%solved%resolved) call note_unresolved(result)
       call move_alloc(found, source)
     end subroutine solve

@@ -22,6 +22,7 @@ module bw_case_queue
 contains
 
   pure type(case_queue) function queue_of(done) result(queue)
+    !! All cases that are not done.
     integer(i1), intent(in) :: done(:)               !! (cases) 0: to be done
     queue%done = done
     queue%left = count(done == 0, kind=i8)

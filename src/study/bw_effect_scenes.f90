@@ -40,6 +40,7 @@ contains
   end subroutine start_scenes
 
   subroutine leave_out(list, effect, reason)
+    !! An effect that cannot be tried beside this scene, and why.
     type(effect_scenes), intent(inout) :: list
     integer, intent(in) :: effect
     character(*), intent(in) :: reason

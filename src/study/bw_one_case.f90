@@ -44,7 +44,7 @@ contains
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source, alone, kept%modes)
+    call find_modes(scene, result, free, loaded, source, alone, kept%modes, kept%operators)
     call note_growth(result)
     call watch%lap(stage_modes)
     allocate (result%events(0))

@@ -10,6 +10,7 @@ module bw_scene_edit
 contains
 
   pure logical function has_group(text, group)
+    !! The text has a group of that name.
     character(*), intent(in) :: text               !! as `resolved_text` writes it: each group and name on its own line
     character(*), intent(in) :: group
     has_group = start_of(text, group) > 0

@@ -5,7 +5,8 @@ module galerkin_numbers
   use bw_beam_operator, only: beam_operator, shear_numbers
   use bw_closed_form, only: closed_form_modes, closed_form_set
   use bw_double_double, only: to_dd
-  use bw_galerkin, only: galerkin_modes, galerkin_set
+  use bw_galerkin, only: galerkin_modes
+  use bw_galerkin_set, only: galerkin_set
   use bw_stiffening, only: tension_of
   use bw_strain_modes, only: solve_with, strain_modes
   use bw_text, only: text_of

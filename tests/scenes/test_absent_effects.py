@@ -15,9 +15,9 @@ ABSENT = {
     "shear": ["bw_shear"],
     "damping": ["bw_damping", "bw_damped_modes"],
     "body inertia": ["bw_body_inertia"],
-    "release": ["bw_release", "bw_release_error"],
-    "recontact": ["bw_recontact", "bw_held_modes", "bw_signal"],
-    "Galerkin": ["bw_galerkin", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
+    "release": ["bw_release", "bw_release_error", "bw_tip_rest"],
+    "recontact": ["bw_recontact", "bw_body_state", "bw_free_flight", "bw_held_modes", "bw_lasting_contact", "bw_signal"],
+    "Galerkin": ["bw_galerkin", "bw_galerkin_set", "bw_galerkin_source", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
 }
 COMMON = ["bw_beam_units", "bw_rotation", "bw_beam_operator", "bw_scene_operator"]
 HINT = ("__bw_absent_effects_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out

@@ -38,7 +38,7 @@ def test_a_small_size_runs_to_its_table_and_its_picture(small_run, name):
     assert (output / f"pictures/{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("name", ("peers", "growth", "price"))
+@pytest.mark.parametrize("name", BENCHES)
 def test_the_document_holds_the_committed_numbers(name):
     bench = importlib.import_module(f"{name}.bench").BENCH
     document = importlib.import_module("common.document")

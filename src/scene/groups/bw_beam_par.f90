@@ -57,6 +57,7 @@ contains
   end subroutine check_beam
 
   pure subroutine build_beam(groups, beam, messages)
+    !! From checked values; what is not given follows from the rest.
     type(group_values), intent(in) :: groups(:)
     type(beam_par), intent(out) :: beam
     type(message_list), intent(inout) :: messages

@@ -21,6 +21,7 @@ module bw_capture_par
 contains
 
   pure subroutine build_capture(groups, capture)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(capture_par), allocatable, intent(out) :: capture   !! unallocated where the group is absent
     integer :: i

@@ -31,6 +31,7 @@ module bw_damping_par
 contains
 
   pure subroutine check_damping(damping, messages)
+    !! At least one number is given.
     type(group_values), intent(in) :: damping
     type(message_list), intent(inout) :: messages
     if (any(damping%values%given)) return
@@ -50,6 +51,7 @@ contains
   end subroutine settle_damping
 
   pure subroutine build_damping(groups, damping)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)   !! settled
     type(damping_par), allocatable, intent(out) :: damping   !! unallocated where the group is absent
     integer :: i
@@ -67,6 +69,7 @@ contains
   end subroutine build_damping
 
   pure logical function by_ratio(damping)
+    !! A ratio of each mode, not Rayleigh's constants.
     type(damping_par), intent(in) :: damping
     by_ratio = .not. is_missing(damping%ratio)
   end function by_ratio

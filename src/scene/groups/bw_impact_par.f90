@@ -38,6 +38,7 @@ module bw_impact_par
 contains
 
   pure subroutine check_impact(impact, messages)
+    !! The mass is given, in one of its two ways.
     type(group_values), intent(in) :: impact
     type(message_list), intent(inout) :: messages
     if (.not. (impact%given('mass') .or. impact%given('mass_ratio'))) then
@@ -46,6 +47,7 @@ contains
   end subroutine check_impact
 
   pure subroutine build_impact(groups, beam_mass, impact, messages)
+    !! From checked values; mass and mass ratio follow from each other.
     type(group_values), intent(in) :: groups(:)
     real(qp), intent(in) :: beam_mass                       !! m_i [kg], > 0
     type(impact_par), allocatable, intent(out) :: impact    !! unallocated where the group is absent

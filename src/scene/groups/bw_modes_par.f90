@@ -108,6 +108,7 @@ contains
   end subroutine settle_single
 
   pure subroutine build_modes(groups, modes)
+    !! Counts, or a tolerance.
     type(group_values), intent(in) :: groups(:)   !! settled
     type(modes_par), intent(out) :: modes
     associate (values => groups(position_of(groups, 'modes')))

@@ -36,6 +36,7 @@ contains
   end subroutine check_recontact
 
   pure subroutine build_recontact(groups, recontact)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(recontact_par), allocatable, intent(out) :: recontact   !! unallocated where the group is absent
     integer :: i

@@ -23,6 +23,7 @@ module bw_release_par
 contains
 
   pure subroutine build_release(groups, release)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(release_par), allocatable, intent(out) :: release   !! unallocated where the group is absent
     integer :: i

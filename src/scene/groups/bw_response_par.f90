@@ -49,6 +49,7 @@ contains
   end subroutine check_response
 
   pure subroutine build_response(groups, response)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(response_par), allocatable, intent(out) :: response   !! unallocated where the group is absent
     integer :: i

@@ -24,6 +24,7 @@ module bw_rotation_par
 contains
 
   pure subroutine build_rotation(groups, rotation)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(rotation_par), allocatable, intent(out) :: rotation   !! unallocated where the group is absent
     integer :: i

@@ -19,6 +19,7 @@ module bw_scene_par
 contains
 
   pure subroutine build_header(groups, header)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(scene_par), intent(out) :: header
     header%title = groups(position_of(groups, 'scene'))%text('title')

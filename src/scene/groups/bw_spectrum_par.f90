@@ -32,6 +32,7 @@ module bw_spectrum_par
 contains
 
   pure subroutine check_spectrum(groups, messages)
+    !! Samples enough for a spectrum.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: i
@@ -45,6 +46,7 @@ contains
   end subroutine check_spectrum
 
   pure subroutine build_spectrum(groups, spectrum)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(spectrum_par), allocatable, intent(out) :: spectrum   !! unallocated where the group is absent
     integer :: i

@@ -21,6 +21,7 @@ module bw_stiffening_par
 contains
 
   pure subroutine build_stiffening(groups, stiffening)
+    !! From checked values.
     type(group_values), intent(in) :: groups(:)
     type(stiffening_par), allocatable, intent(out) :: stiffening   !! unallocated where the group is absent
     integer :: i

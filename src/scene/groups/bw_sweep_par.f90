@@ -64,6 +64,7 @@ contains
   end subroutine check_sweep
 
   pure subroutine build_sweep(values, sweep)
+    !! From checked values: those that are listed, or between two ends.
     type(group_values), intent(in) :: values   !! checked
     type(sweep_par), intent(out) :: sweep
     sweep%parameter = lower(values%text('parameter'))
