@@ -21,7 +21,7 @@ contains
       name = trim(adjustl(line(index(line, ':') + 1:)))
       exit
     end do
-    close (unit, iostat=stat)
+    close (unit)
   end function processor_name
 
 end module bw_processor

@@ -28,8 +28,9 @@ contains
       operator%omega = dimensionless_speed(scene%rotation, units)
       operator%in_plane = acts_in_plane(scene%rotation)
     end if
-    if (allocated(scene%stiffening)) &
+    if (allocated(scene%stiffening)) then
       operator%tension = tension_of(operator%omega%hi, scene%stiffening%hub_radius/units%length, operator%gamma)
+    end if
     if (allocated(scene%shear)) operator%shear = shear_of(scene%shear, scene%beam)
   end function operator_of
 

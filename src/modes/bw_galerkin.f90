@@ -37,8 +37,9 @@ contains
     end if
     rows = modes%system%functions + 2
     set%deflection = modes%motion(:rows, :)
-    if (modes%system%turn_row > 0) &
+    if (modes%system%turn_row > 0) then
       set%turning = modes%motion(modes%system%turn_row:modes%system%turn_row + rows - 2, :)
+    end if
     call move_alloc(modes%strain, set%strain)
     set%tip = tip_values(operator%gamma, modes)
     call normalise(set)

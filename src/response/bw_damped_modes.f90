@@ -61,11 +61,11 @@ contains
     real(dp), intent(inout), optional :: velocity(:, :)
     type(exponentials) :: list
     type(dd) :: square(size(q))
-    logical :: close(size(q))
+    logical :: near(size(q))
     integer :: first, last, k
     square = turning_square(beta_squared, c)
-    close = is_close(beta_squared, c, grid%samples*grid%step%hi)
-    call take_exponentials(beta_squared, c, q, q_dot, square, close, grid, list)
+    near = is_close(beta_squared, c, grid%samples*grid%step%hi)
+    call take_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
     do first = 1, size(list%mode), batch
       last = min(first + batch - 1, size(list%mode))
       call add_exponentials(part_of(list, first, last), shapes, grid, displacement, velocity)
@@ -73,15 +73,15 @@ contains
       if (monitor%stop_requested()) return
     end do
     do k = 1, size(q)
-      if (close(k)) call add_close(beta_squared(k), c(k), q(k), q_dot(k), shapes(k, :), grid, displacement, velocity)
+      if (near(k)) call add_close(beta_squared(k), c(k), q(k), q_dot(k), shapes(k, :), grid, displacement, velocity)
     end do
   end subroutine add_damped_modes
 
-  pure subroutine take_exponentials(beta_squared, c, q, q_dot, square, close, grid, list)
+  pure subroutine take_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
     !! Modes that turn first, then the slow and the fast part of those that do not.
     type(dd), intent(in) :: beta_squared(:), square(:)
     real(dp), intent(in) :: c(:), q(:), q_dot(:)
-    logical, intent(in) :: close(:)
+    logical, intent(in) :: near(:)
     type(time_grid), intent(in) :: grid
     type(exponentials), intent(out) :: list
     integer, allocatable :: turns(:), slow(:), fast(:)
@@ -89,7 +89,7 @@ contains
     type(dd), allocatable :: root(:)
     integer :: k
     turns = pack([(k, k=1, size(q))], square%hi > 0.0_dp)
-    fast = pack([(k, k=1, size(q))], square%hi <= 0.0_dp .and. .not. close)
+    fast = pack([(k, k=1, size(q))], square%hi <= 0.0_dp .and. .not. near)
     slow = pack(fast, beta_squared(fast)%hi >= 0.0_dp)
     still = [(0.0_dp, k=1, size(slow) + size(fast))]
     root = sqrt(square(turns))

@@ -44,7 +44,7 @@ contains
     !! The smallest number from `least` on that is a power of two times 1, 9/8, 5/4, 3/2, 25/16 or 15/8: FFTW is at
     !! its fastest there.
     integer, intent(in) :: least           !! ≥ 1
-    integer, parameter :: odd(6) = [1, 3, 5, 9, 15, 25]
+    integer, parameter :: odd(*) = [1, 3, 5, 9, 15, 25]
     integer :: i, candidate
     half = huge(half)
     do i = 1, size(odd)

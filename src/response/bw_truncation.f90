@@ -151,8 +151,9 @@ contains
           (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit
       first = last + 1
     end do
-    if (source%decay > 0.0_dp .and. first > source%highest) &
+    if (source%decay > 0.0_dp .and. first > source%highest) then
       call extrapolate(source, force, points, stretch, velocity, sums, shown)
+    end if
   end subroutine add_tail
 
   subroutine add_window(source, force, number, window, points, stretch, velocity, sums, shown)

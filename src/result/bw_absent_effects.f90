@@ -17,7 +17,7 @@ module bw_absent_effects
   use bw_stiffening, only: tension_of
   implicit none (type, external)
   private
-  public :: absent_changes
+  public :: absent_changes, spin_squared
 
   integer, parameter, public :: absent_stiffening = 1, absent_shear = 2
   character(*), parameter, public :: absent_words(*) = [character(10) :: 'stiffening', 'shear']   !! by number

@@ -36,8 +36,9 @@ contains
                            shortest(list%tolerance, 2)//',')
     call lines%append_line('  '//list%tolerance_source//'.')
     do i = 1, size(list%rows)
-      if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') &
+      if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') then
         call lines%append_line('  '//name_of(list%rows(i))//': '//list%rows(i)%remark)
+      end if
     end do
     text = lines%text()
   end function effect_report

@@ -1,10 +1,12 @@
 module bw_hint
-  !! The line of a report that names what was left out: which absent effect would change the frequencies most. It is
-  !! estimated; `beamwave effects` runs both scenes. Nothing is ever switched on by itself.
+  !! The line of a report that names what was left out: which absent effect would change the frequencies most, and whether
+  !! a mass that rebounded would be back. It is estimated; `beamwave effects` runs both scenes. Nothing is ever switched on by itself.
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
+  use bw_absent_return, only: return_time
   use bw_effect_list, only: compared_modes
   use bw_error, only: error_type
+  use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
@@ -26,16 +28,17 @@ module bw_hint
 contains
 
   pure function hint_line(scene) result(text)
-    !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance.
-    !! Of a sweep the first and the last case are looked at.
+    !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance and no
+    !! mass would be back within the record. Of a sweep the first and the last case are looked at.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     type(estimate_type) :: found(size(absent_words)), now(size(absent_words))
     type(scene_type) :: one
     type(error_type), allocatable :: error
-    real(dp) :: tolerance
+    real(dp) :: tolerance, back, again
     integer :: i, e
     tolerance = default_tolerance
+    back = missing
     do i = 1, merge(1, 2, size(scene%sweeps) == 0)
       call case_scene(scene, merge(1_i8, case_count(scene), i == 1), one, error)
       if (allocated(error)) cycle
@@ -44,14 +47,38 @@ contains
       do e = 1, size(found)
         if (weight(now(e)) > weight(found(e))) found(e) = now(e)
       end do
+      again = return_time(one)
+      if (is_missing(back)) back = again
+      if (.not. is_missing(again)) back = min(back, again)
     end do
-    text = ''
-    if (all(weight(found) <= tolerance)) return
-    if (weight(found(2)) > weight(found(1))) found = found([2, 1])
-    text = '  left out   '//trim(absent_words(found(1)%effect))//' would matter most: '//words(found(1))
-    if (weight(found(2)) > tolerance) text = text//'; '//trim(absent_words(found(2)%effect))//': '//words(found(2))
-    text = text//' (frequencies, estimated)'//new_line('a')
+    text = frequency_words(found, tolerance)
+    if (text /= '' .and. .not. is_missing(back)) text = text//'; '
+    if (.not. is_missing(back)) text = text//'recontact: the mass would be back '//time_words(back)
+    if (text /= '') text = '  left out   '//text//new_line('a')
   end function hint_line
+
+  pure function frequency_words(estimates, tolerance) result(text)
+    !! The two effects that would matter most, as far as they do.
+    type(estimate_type), intent(in) :: estimates(:)
+    real(dp), intent(in) :: tolerance
+    character(:), allocatable :: text
+    type(estimate_type) :: found(size(estimates))
+    text = ''
+    if (all(weight(estimates) <= tolerance)) return
+    found = estimates
+    if (weight(found(2)) > weight(found(1))) found = found([2, 1])
+    text = trim(absent_words(found(1)%effect))//' would matter most: '//words(found(1))
+    if (weight(found(2)) > tolerance) text = text//'; '//trim(absent_words(found(2)%effect))//': '//words(found(2))
+    text = text//' (frequencies, estimated)'
+  end function frequency_words
+
+  pure function time_words(seconds) result(text)
+    !! Two digits.
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: text
+    text = 'at once'
+    if (seconds > 0.0_dp) text = 'after '//shortest(1.0e3_dp*seconds, 2)//' ms (estimated)'
+  end function time_words
 
   pure function estimate_absent(scene) result(estimates)
     !! In the order of `absent_words`.
@@ -88,8 +115,9 @@ contains
     if (estimate%change == 0.0_dp) return
     if (estimate%steadies) text = text//', '
     text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)
-    if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) &
+    if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) then
       text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)
+    end if
   end function words
 
   pure function percent(change) result(text)

@@ -14,11 +14,14 @@ module bw_sweep_table
 
   integer, parameter :: shown_cases = 20      !! rows
 
+  character(*), parameter :: column_names(*) = &
+    [character(17) :: 'mode_count', 'angular_frequency', 'phase_velocity', 'group_velocity', 'displacement']
+
   type, public :: sweep_table
     private
     integer(i8) :: cases = 0
     type(string) :: swept(shown_cases), lines(shown_cases)
-    type(case_field) :: columns(5)
+    type(case_field) :: columns(size(column_names))
   contains
     procedure :: add
     procedure :: text
@@ -27,9 +30,6 @@ module bw_sweep_table
   interface sweep_table
     module procedure :: table_of
   end interface sweep_table
-
-  character(*), parameter :: column_names(*) = &
-    [character(17) :: 'mode_count', 'angular_frequency', 'phase_velocity', 'group_velocity', 'displacement']
 
 contains
 

@@ -58,8 +58,9 @@ contains
       integer :: j
       allocate (frequency(0))
       do j = 1, size(chosen)
-        if (chosen(j) .and. size(frequency) < most_listed) &
-          & call append(frequency, shortest(peaks(j)%position/duration, 6))
+        if (chosen(j) .and. size(frequency) < most_listed) then
+          call append(frequency, shortest(peaks(j)%position/duration, 6))
+        end if
       end do
       words = list(frequency)//' Hz'
       if (count(chosen) > size(frequency)) words = words//' and '//text_of(count(chosen) - size(frequency))//' more'

@@ -169,8 +169,9 @@ contains
         call append(state%notes, converged%result%notes(i)%text)
       end do
       if (any(list%rungs%status == rung_measured .and. list%rungs%estimate < list%rungs%error .and. &
-              is_resolved(list%rungs, list%converged_error))) &
+              is_resolved(list%rungs, list%converged_error))) then
         call append(state%notes, 'estimate: a true error is above its estimate')
+      end if
     end associate
   end subroutine take_account
 

@@ -110,8 +110,9 @@ contains
     result%can_grow = .not. allocated(scene%stiffening)
     if (allocated(scene%rotation)) then
       result%can_grow = result%can_grow .and. acts_in_plane(scene%rotation)
-      if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) &
+      if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
         call note_no_effect(result)
+      end if
       call note_strain(scene, result)
     end if
     if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), loaded)

@@ -123,8 +123,9 @@ contains
     type(case_result), intent(in) :: result
     peak = 0.0_dp
     if (.not. allocated(result%response)) return
-    if (result%response%finite_samples > 0) &
+    if (result%response%finite_samples > 0) then
       peak = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
+    end if
   end function peak_of
 
   subroutine compare_pair(row, progress, state, whole)

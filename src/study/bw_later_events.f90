@@ -119,8 +119,9 @@ contains
     text = 'energy of the release: the mass leaves with '//shortest(release%kinetic_leaving*unit, 4)// &
       ' J of motion ('//shortest(release%energy_leaving*unit, 4)//' J with what the centrifugal force does) of '// &
       shortest(release%event%energy_before*unit, 4)//' J in all'
-    if (.not. allocated(result%tip_rest)) &
+    if (.not. allocated(result%tip_rest)) then
       text = text//'; the modes of the beam alone miss '//shortest(release%energy_lost*unit, 2)//' J'
+    end if
     call add_note(result, text)
   end subroutine note_release
 

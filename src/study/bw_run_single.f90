@@ -71,8 +71,9 @@ contains
     call watch%lap(stage_write)
     call file%finish(outcome%notes_text(), watch%seconds, error)
     if (allocated(error)) return
-    if (.not. rename_file(unfinished%result_path(), outcome%file)) &
+    if (.not. rename_file(unfinished%result_path(), outcome%file)) then
       call fail(error, status_bad_file, outcome%file//': the finished result cannot be moved there')
+    end if
     if (.not. allocated(error)) call outcome%set_report(scene, layout, case_report(result), 0_i8, &
       stage_table(watch, sum(watch%seconds), 1, 1_i8))
   end subroutine write_result

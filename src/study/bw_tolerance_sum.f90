@@ -131,8 +131,9 @@ contains
     if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp) return
     associate (points => scene%response%points)
       call preview(scene, source, early, result, peak)
-      if (allocated(result%courses)) &
+      if (allocated(result%courses)) then
         peak = max(peak, peak_released(first_modes, source, alone, force, points, grid, previewed, result))
+      end if
       if (peak == 0.0_dp) return
       tail = maxval(tail_error(first_modes, source, force, points, longest, early%samples, .false.))
       peak = max(0.5_dp*peak, peak - tail)

@@ -20,7 +20,7 @@ ABSENT = {
     "Galerkin": ["bw_galerkin", "bw_galerkin_set", "bw_galerkin_source", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
 }
 COMMON = ["bw_beam_units", "bw_rotation", "bw_beam_operator", "bw_scene_operator"]
-HINT = ("__bw_absent_effects_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out
+HINT = ("__bw_absent_effects_MOD_", "__bw_absent_return_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out
 EIGENSOLVER = re.compile(r"d((sy|sb|sp|st|pt|ge|gg|hs)\w*(ev|gv|eqr|edc|ebz|ein|emr|trd)\w*|gesdd|gesvd|bdsdc|bdsqr)_")
 
 

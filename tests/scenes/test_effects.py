@@ -1,5 +1,6 @@
 """`beamwave effects`: what each effect changes, from runs with it and without it."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,8 @@ import results
 import xarray as xr
 from workplace import captured_beam
 
-REFERENCES = Path(__file__).parents[1] / "reference/paper_effects.txt"
+PROJECT = Path(__file__).parents[2]
+REFERENCES = PROJECT / "tests/reference/paper_effects.txt"
 WORDS = (
     "rotation",
     "rotation_with_tension",
@@ -102,6 +104,21 @@ def test_the_numbers_are_those_of_running_both_scenes(studied):
     for name in ("phase_velocity", "group_velocity"):
         change = one[name][:10] / other[name][:10] - 1
         np.testing.assert_allclose(found[f"{name}_change"], change, atol=1e-14)
+
+
+def test_the_table_in_the_readme_is_what_the_program_prints(here):
+    """Frequencies and wave velocities, which are the same wherever they are computed; not the response, nor the time."""
+    readme = (PROJECT / "README.md").read_text(encoding="utf-8")
+    scene = re.search(r"```fortran\n(.*?)```", readme, re.DOTALL)[1]
+    here.write("scene.nml", re.sub(r"^&(response|spectrum).*\n", "", scene, flags=re.MULTILINE))
+    ended = here.beamwave("effects", "scene.nml")
+    assert ended.returncode == 0, ended.stderr
+    table = re.search(r"^  effect +state.*?\n(.*?)^```", readme, re.DOTALL | re.MULTILINE)[1]
+    rows = [re.split(r"\s{2,}", line.strip()) for line in table.splitlines()]
+    assert len(rows) == 4
+    printed = [re.split(r"\s{2,}", line.strip()) for line in ended.stdout.splitlines()]
+    for row in rows:
+        assert row[:7] in [line[:7] for line in printed], row
 
 
 def test_an_effect_matters_from_the_first_mode_that_it_changes_by_more_than_the_tolerance(here):

@@ -1,5 +1,7 @@
 """A mass that bounces off, and one that comes back: contacts in the result, the histories through them, and what is said."""
 
+import re
+
 import numpy as np
 import pytest
 import results
@@ -53,6 +55,25 @@ def test_energy_never_grows_and_histories_are_continuous(here, e, plane):
     step = RESPONSE["duration"] / RESPONSE["samples"]
     fastest = np.abs(result["velocity"]).max() * 1.5
     assert np.abs(np.diff(result["displacement"], axis=1)).max() < fastest * step
+
+
+@pytest.mark.parametrize("plane", ["in", "out"])
+@pytest.mark.parametrize("mass_ratio, e, count", [(0.2, 0.0, 5), (0.2, 0.2, 5), (0.2, 0.9, 20), (0.005, 0.9, 5), (0.05, 1.0, 12)])
+def test_the_hint_of_a_mass_that_would_be_back_is_that_of_a_run_with_it(here, mass_ratio, e, count, plane):
+    """To the two digits that it prints, and to what rotation does to the mass in that time."""
+    groups = {"impact": {"mass_ratio": mass_ratio, "restitution": e}, "rotation": {"angular_velocity": 50.0, "plane": plane}}
+    scene = {**captured_beam(capture=None, modes=None, response=RESPONSE, **groups), "modes": {"before": count}}
+    here.scene("without", scene)
+    here.scene("with", {**scene, "recontact": {}})
+    said = re.search(r"recontact: the mass would be back (?:(at once)|after (\S+) ms)", here.beamwave("check", "without.nml").stdout)
+    start, end = contacts(here.run("with"))
+    assert "recontact" not in here.beamwave("check", "with.nml").stdout.split("left out")[-1]
+    if said is None:
+        assert len(start) == 0
+    elif said[1]:
+        assert start[0] == 0.0
+    else:
+        assert float(said[2]) == pytest.approx(1e3 * start[0], rel=0.06)  # half of the second digit
 
 
 def test_until_the_first_contact_the_mass_might_not_be_there(here):

@@ -49,8 +49,9 @@ contains
     if (shear == 0 .or. beam == 0) return
     if (groups(shear)%given('shear_coefficient') .or. .not. groups(beam)%given('diameter')) return
     associate (ratio => groups(shear)%values(groups(shear)%at('poisson_ratio')))
-      if (ratio%known .and. ratio%sweep == 0) &
+      if (ratio%known .and. ratio%sweep == 0) then
         call groups(shear)%settle('shear_coefficient', circle_coefficient(ratio%number), 0)
+      end if
     end associate
   end subroutine settle_shear
 
