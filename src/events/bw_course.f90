@@ -9,7 +9,7 @@ module bw_course
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: move, beam_energy, leaves_range
+  public :: append_course, move, beam_energy, leaves_range
 
   integer, parameter, public :: free_modes = 1, loaded_modes = 2, held_modes = 3
     !! of the beam alone, of the beam with the captured mass, of the beam with a mass that is pressed against it
@@ -24,6 +24,29 @@ module bw_course
   real(dp), parameter :: largest_exponent = 300.0_dp   !! of growth whose energy is still a number
 
 contains
+
+  pure subroutine append_course(courses, modes, start, q, rate)
+    !! One course more; those before it are not copied.
+    type(course_type), allocatable, intent(inout) :: courses(:)
+    integer, intent(in) :: modes             !! which set moves
+    type(dd), intent(in) :: start
+    real(dp), intent(in) :: q(:), rate(:)    !! (modes)
+    type(course_type), allocatable :: longer(:)
+    integer :: i, n
+    n = size(courses)
+    allocate (longer(n + 1))
+    do i = 1, n
+      longer(i)%modes = courses(i)%modes
+      longer(i)%start = courses(i)%start
+      call move_alloc(courses(i)%q, longer(i)%q)
+      call move_alloc(courses(i)%rate, longer(i)%rate)
+    end do
+    longer(n + 1)%modes = modes
+    longer(n + 1)%start = start
+    allocate (longer(n + 1)%q, source=q)
+    allocate (longer(n + 1)%rate, source=rate)
+    call move_alloc(longer, courses)
+  end subroutine append_course
 
   pure subroutine move(modes, elapsed, q, rate)
     !! The state a time later.

@@ -2,7 +2,7 @@ module bw_lasting_contact
   !! A contact that lasts: beam and mass move together in the modes of bw_held_modes until the force between them falls to
   !! zero. Units of bw_course.
   use bw_body_state, only: body_state, energy_of, momentum_of
-  use bw_course, only: course_type, held_at_tip => held_modes, leaves_range, move
+  use bw_course, only: append_course, course_type, held_at_tip => held_modes, leaves_range, move
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(+)
   use bw_event, only: event_type
   use bw_free_flight, only: finest, gap_of, grazing
@@ -40,14 +40,14 @@ contains
     end if
   end function stays
 
-  subroutine hold(free, gamma, omega, longest, held, state, event, course, ends, out_of_range)
-    !! A contact that lasts: beam and mass together until the force between them falls to zero, or to the end.
+  subroutine hold(free, gamma, omega, longest, held, state, event, courses, ends, out_of_range)
+    !! A contact that lasts: beam and mass together until the force between them falls to zero, or to the end. A course more.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: gamma, omega, longest
     type(held_set), intent(inout) :: held         !! found when it is first asked for
     type(body_state), intent(inout) :: state
     type(event_type), intent(inout) :: event
-    type(course_type), intent(out) :: course      !! of beam and mass together
+    type(course_type), allocatable, intent(inout) :: courses(:)  !! to which that of beam and mass together is added
     logical, intent(out) :: ends                  !! before the record does
     logical, intent(inout) :: out_of_range        !! set where the motion grows so much that the search ended
     type(signal_type) :: force
@@ -56,7 +56,7 @@ contains
     if (held%count == 0) call held_modes(free, gamma, omega, held)
     before = state%speed + event%impulse/gamma             ! of the mass, when it arrived
     call held%take(state%q, state%rate, state%place, state%speed, z, z_rate)
-    course = course_type(held_at_tip, state%time, z, z_rate)
+    call append_course(courses, held_at_tip, state%time, z, z_rate)
     left = longest - state%time%hi
     ends = .false.
     time = left

@@ -5,7 +5,7 @@ module bw_recontact
   !!
   !! The gap is v_tip − y ≥ 0. Units of bw_course: times in l²/h, velocities in V, displacements in V l²/h.
   use bw_body_state, only: body_state, energy_of, momentum_of
-  use bw_course, only: course_type, free_modes
+  use bw_course, only: append_course, course_type, free_modes
   use bw_double_double, only: accurate_sum, dd
   use bw_event, only: contact_event, event_type
   use bw_free_flight, only: fly
@@ -41,7 +41,6 @@ contains
     type(contacts_type), intent(out) :: contacts
     type(body_state) :: state
     type(event_type) :: event
-    type(course_type) :: course
     logical :: ends, found, pressed
     integer :: opening
     state = body_state(dd(), 0.0_dp*start_rate, start_rate, 0.0_dp, mass_rate)
@@ -52,14 +51,14 @@ contains
     do
       if (pressed) then
         if (.not. allocated(contacts%held)) allocate (contacts%held)
-        call hold(free, gamma, omega, longest, contacts%held, state, event, course, ends, contacts%out_of_range)
-        contacts%courses = [contacts%courses, course]
+        call hold(free, gamma, omega, longest, contacts%held, state, event, contacts%courses, ends, contacts%out_of_range)
         contacts%lasting = .not. ends
         contacts%events = [contacts%events, event]
         if (contacts%lasting) exit
         opening = 3
       end if
-      if (.not. pressed .or. opening == 3) contacts%courses = [contacts%courses, course_of(state)]
+      if (.not. pressed .or. opening == 3) &
+        call append_course(contacts%courses, free_modes, state%time, state%q, state%rate)
       call fly(free, omega, longest, opening, state, found, contacts%out_of_range)
       if (.not. found) exit
       if (size(contacts%events) == most) then
@@ -93,11 +92,6 @@ contains
       event%momentum_after = momentum_of(free, gamma, state)
     end subroutine end_contact
   end subroutine follow_contacts
-
-  pure type(course_type) function course_of(state) result(course)
-    type(body_state), intent(in) :: state
-    course = course_type(free_modes, state%time, state%q, state%rate)
-  end function course_of
 
   subroutine rebound(free, gamma, restitution, state, event)
     !! The blow: H = (1+e)u/(1/m_j + Σφ_i(1)²/M_i), u the velocity of approach.
