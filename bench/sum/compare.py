@@ -44,27 +44,24 @@ def truth(n: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
 
 def compare(beamwave: Beamwave, n: int, samples: int, tolerance: float, repeats: int, known: tuple) -> dict[str, Any]:
     """One row of the table."""
-    transform = rival.Transform(samples, DURATION / samples, tolerance)
     terms, ours = rival.modes(n, GAMMA), beamwave.terms(n)
-    transform.choose(seconds, *terms)
     chosen, exact = known
 
     def error(histories: np.ndarray) -> float:
         return float(f"{float(np.abs(histories[:, chosen] - exact).max() / np.abs(histories).max()):.1e}")
 
-    errors = error(beamwave.job(n, samples, tolerance)), error(rival.job(n, GAMMA, transform))
-    calls = [
-        lambda: beamwave.job(n, samples, tolerance),
-        lambda: rival.job(n, GAMMA, transform),
-        lambda: beamwave.sum(samples, tolerance, ours),
-        lambda: transform(*terms),
-    ]
-    job, theirs, alone, finufft = interleaved(calls, repeats)
-    return {
-        "tolerance": tolerance, "modes": n, "samples": samples, "job": job, "rival": theirs, "sum": alone,
-        "finufft": finufft, "way": transform.way, "error": errors[0],
-        "rival_error": errors[1],
-    }  # fmt: skip
+    row: dict[str, Any] = {"tolerance": tolerance, "modes": n, "samples": samples}
+    row["error"] = error(beamwave.job(n, samples, tolerance))
+    calls = {
+        "job": lambda: beamwave.job(n, samples, tolerance),
+        "sum": lambda: beamwave.sum(samples, tolerance, ours),
+    }
+    if rival.finufft:
+        transform = rival.Transform(samples, DURATION / samples, tolerance)
+        transform.choose(seconds, *terms)
+        row |= {"way": transform.way, "rival_error": error(rival.job(n, GAMMA, transform))}
+        calls |= {"rival": lambda: rival.job(n, GAMMA, transform), "finufft": lambda: transform(*terms)}
+    return row | dict(zip(calls, interleaved(list(calls.values()), repeats)))
 
 
 def measure(beamwave: Beamwave, small: bool, repeats: int) -> list[dict[str, Any]]:

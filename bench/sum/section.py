@@ -31,8 +31,9 @@ def cells(row: dict[str, Any]) -> list[str]:
     """A row as it is shown."""
 
     def both(ours: str, theirs: str) -> list[str]:
-        return [f"{1e3 * row[ours]:.3g}", f"{1e3 * row[theirs]:.3g}", f"{row[ours] / row[theirs]:.2f}"]
+        alone = f"{1e3 * row[ours]:.3g}"
+        return [alone, f"{1e3 * row[theirs]:.3g}", f"{row[ours] / row[theirs]:.2f}"] if theirs in row else [alone, "–", "–"]
 
     size = [str(row["modes"]), f"2^{row['samples'].bit_length() - 1}"]
-    errors = [f"{row['error']:.0e}", f"{row['rival_error']:.0e}"]
-    return [*size, *both("job", "rival"), *both("sum", "finufft"), row["way"], *errors]
+    errors = [f"{row['error']:.0e}", f"{row['rival_error']:.0e}" if "rival_error" in row else "–"]
+    return [*size, *both("job", "rival"), *both("sum", "finufft"), row.get("way", "–"), *errors]

@@ -57,8 +57,9 @@ contains
         if (contacts%lasting) exit
         opening = 3
       end if
-      if (.not. pressed .or. opening == 3) &
+      if (.not. pressed .or. opening == 3) then
         call append_course(contacts%courses, free_modes, state%time, state%q, state%rate)
+      end if
       call fly(free, omega, longest, opening, state, found, contacts%out_of_range)
       if (.not. found) exit
       if (size(contacts%events) == most) then

@@ -14,8 +14,7 @@ module bw_nonuniform_sum
   !! **Source**: Dutt and Rokhlin (1993), doi:10.1137/0914081; Barnett, Magland and af Klinteberg (2019),
   !! doi:10.1137/18M120885X.
   use bw_kinds, only: dp, i8
-  use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
-  use bw_monitor, only: monitor_type
+  use bw_double_double, only: dd, dd_pi, operator(*), operator(/)
   use bw_samples_of_grid, only: add_samples, fold_ends
   use bw_sine_sum, only: sine_sum_plan
   use bw_spread, only: rows_of, spread_modes
@@ -24,7 +23,7 @@ module bw_nonuniform_sum
   use bw_turn, only: turn_fractions
   implicit none (type, external)
   private
-  public :: transform_stable_modes, points_at_once
+  public :: points_at_once
 
   integer, parameter :: batch = 256                !! tuned: modes whose places and coefficients stay in the cache
   integer, parameter :: most_points = 16           !! tuned: whose coefficients of a batch stay in the cache
@@ -56,42 +55,6 @@ module bw_nonuniform_sum
   end type nonuniform_sum
 
 contains
-
-  subroutine transform_stable_modes(sum, beta_squared, q, q_dot, shapes, grid, width, half, monitor, displacement, velocity)
-    !! Adds the motion that starts from the modal state (q, q_dot) at t = 0; leaves early if the monitor asks for it.
-    type(nonuniform_sum), intent(inout) :: sum      !! any, also one that was used
-    type(dd), intent(in) :: beta_squared(:)         !! β² > 0, (modes)
-    real(dp), intent(in) :: q(:), q_dot(:)          !! modal displacements and velocities at t = 0, (modes)
-    real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
-    type(time_grid), intent(in) :: grid
-    integer, intent(in) :: width                    !! of the kernel
-    integer, intent(in) :: half                     !! half the points of a grid of frequencies
-    class(monitor_type), intent(inout) :: monitor
-    real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
-    real(dp), intent(inout), optional, contiguous :: velocity(:, :)
-    integer :: first, group, k, last, points
-    logical :: moved
-    points = size(shapes, 2)
-    moved = any(q /= 0.0_dp)
-    group = points_at_once(half, grid%samples, points, merge(2, 1, present(velocity))*merge(2, 1, moved))
-    do first = 1, points, group
-      last = min(first + group - 1, points)
-      call sum%open(grid, width, half, last - first + 1, present(velocity), moved)
-      do k = 1, size(q), batch
-        associate (e => min(k + batch - 1, size(q)))
-          call sum%add(sqrt(beta_squared(k:e)), q_dot(k:e), shapes(k:e, first:last), q(k:e))
-          call monitor%advance((first - 1 + (last - first + 1)*(real(e, dp)/size(q)))/points)
-        end associate
-        if (monitor%stop_requested()) return
-      end do
-      if (present(velocity)) then
-        call sum%close(displacement(:, first:last), velocity(:, first:last))
-      else
-        call sum%close(displacement(:, first:last))
-      end if
-    end do
-    call sum%shrink()
-  end subroutine transform_stable_modes
 
   pure integer function points_at_once(half, samples, points, kinds) result(group)
     !! For how many points the grids may be in memory together: they take no more than the histories do themselves, or 64 MB.

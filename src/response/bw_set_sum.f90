@@ -106,6 +106,7 @@ contains
   end function state_of
 
   pure function numbers_between(first, last) result(k)
+    !! first, first + 1, … last.
     integer, intent(in) :: first, last
     integer :: k(last - first + 1)
     integer :: i
@@ -113,6 +114,7 @@ contains
   end function numbers_between
 
   pure function numbers_of(chosen) result(k)
+    !! The places of what is true, ascending.
     logical, intent(in) :: chosen(:)
     integer, allocatable :: k(:)
     k = pack(numbers_between(1, size(chosen)), chosen)

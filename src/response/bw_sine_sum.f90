@@ -57,8 +57,8 @@ contains
   end function next_fast_half
 
   subroutine transform_columns(self, half, cosines, skip, values)
-    !! In, after the first rows: x_m, m = 0 … n − 1. Out: Z_j, j = 0 … n/2 − 1, real and imaginary parts in turn: the transform of v taken as n/2
-    !! complex numbers, of which `pair_sums`, `middle_sum` and `quarter_sums` make the sums.
+    !! In, after the first rows: x_m, m = 0 … n − 1. Out: Z_j, j = 0 … n/2 − 1, real and imaginary parts in turn: the
+    !! transform of v taken as n/2 complex numbers, of which `pair_sums`, `middle_sum` and `quarter_sums` make the sums.
     !! Planned with FFTW_ESTIMATE: measured plans differ from run to run, and so would the last bits. Not in place: that would
     !! take several times as long to plan.
     class(sine_sum_plan), intent(inout) :: self

@@ -24,7 +24,7 @@ module bw_tip_rest
   integer, parameter :: chunk = 256               !! modes held at a time
   integer, parameter :: most_terms = 10000000
   integer, parameter :: neighbours = 16           !! among which A is not even: waves of shear take turns with those of bending
-  real(dp), parameter :: deviations = 2.5_dp      !! empirical: of a sum of random phases, ΣA² being taken as up to three times what it is
+  real(dp), parameter :: deviations = 2.5_dp      !! empirical: of a sum of random phases, ΣA² taken at up to three times its size
   real(dp), parameter :: agreeing = 2.0_dp        !! of the last octave: terms that fall as k⁻² in one direction, and again
 
   type :: running_sum

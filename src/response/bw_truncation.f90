@@ -6,8 +6,9 @@ module bw_truncation
   !! Were the phases random, it would hardly ever be above √(½ΣA²)·√(2 ln 2N). But they are nearly quadratic in k: near
   !! times τ of which πτ/2 is a fraction of small numbers many of them agree again, as in theta sums, whose values above x
   !! times the mean square's root are as rare as x⁻⁴ (J. Marklof, 1999), so that N samples find one of about N^(1/4).
-  !! The estimate is the smaller of Σ|A| and the larger of these two with their factors. The sums run over windows of mode numbers that double in length, each sampled
-  !! by runs of neighbouring modes, since the shapes at a point repeat every few modes.
+  !! The estimate is the smaller of Σ|A| and the larger of these two with their factors. The sums run over
+  !! windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the shapes at a point
+  !! repeat every few modes.
   !!
   !! Damped modes enter with the amplitude that is left of them at the start of stretches of the history; those that do not
   !! turn add up as what grows does, without a sign.

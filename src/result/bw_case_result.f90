@@ -31,8 +31,8 @@ module bw_case_result
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
     type(event_type), allocatable :: events(:)        !! in the order of time
     type(course_type), allocatable :: courses(:)      !! between events; where there is none at t > 0, the motion is one
-    type(tip_rest), allocatable :: tip_rest           !! of a release, and
-    integer :: released_count = 0                     !! modes of the beam alone after it: where a tolerance asks for as many as it takes
+    type(tip_rest), allocatable :: tip_rest           !! of a release, where a tolerance asks for as many modes as it takes
+    integer :: released_count = 0                     !! modes of the beam alone after it, likewise
     class(mode_set), allocatable :: held              !! modes of beam and mass while the mass is pressed against the tip
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)

@@ -1,6 +1,7 @@
 module bw_hint
   !! The line of a report that names what was left out: which absent effect would change the frequencies most, and whether
-  !! a mass that rebounded would be back. It is estimated; `beamwave effects` runs both scenes. Nothing is ever switched on by itself.
+  !! a mass that rebounded would be back. It is estimated; `beamwave effects` runs both scenes. Nothing is ever switched
+  !! on by itself.
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
   use bw_absent_return, only: return_time

@@ -19,7 +19,7 @@ contains
     integer(i8), intent(in) :: cases              !! done in this run
     character(:), allocatable :: text
     type(text_builder) :: lines
-    real(dp) :: wall
+    real(dp) :: wall, rest
     integer :: i
     wall = max(elapsed*processes, sum(watch%seconds), tiny(1.0_dp))
     call lines%append_line('  stage           wall       CPU   share     calls   cases/s')
@@ -27,8 +27,8 @@ contains
       if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
       call lines%append_line(row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
     end do
-    if (nint(100.0_dp*(wall - sum(watch%seconds))/wall) > 0) &
-      call lines%append_line(others(wall - sum(watch%seconds), wall))
+    rest = wall - sum(watch%seconds)
+    if (nint(100.0_dp*rest/wall) > 0) call lines%append_line(others(rest, wall))
     call lines%append_line(row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))
     if (processes > 1) call lines%append_line('  '//text_of(processes)//' processes; stages are their sums, and shares '// &
                                               'those of '//seconds_text(wall))

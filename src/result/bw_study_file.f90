@@ -34,7 +34,8 @@ module bw_study_file
 contains
 
   subroutine create_study(path, scene, study, file, error)
-    !! A new file with its global attributes and the scene's inputs. What an earlier run left unfinished under the same name is replaced.
+    !! A new file with its global attributes and the scene's inputs. What an earlier run left unfinished under the same name
+    !! is replaced.
     character(*), intent(in) :: path                !! the final name
     type(scene_type), intent(in) :: scene           !! without sweeps
     character(*), intent(in) :: study               !! the command that makes it

@@ -1,6 +1,6 @@
 """The commands of bench/ run, and what the documents say of them is what was measured. No time is judged here."""
 
-import importlib
+import importlib.util
 import json
 import subprocess
 import sys
@@ -107,7 +107,10 @@ def test_a_small_comparison_of_sums_runs_and_both_sides_keep_the_accuracy(progra
     assert len(rows) == 2
     for row, tolerance in zip(rows, (3e-11, 1e-12)):
         assert float(row[-2]) <= tolerance
-        assert float(row[-1]) <= 10 * tolerance  # FINUFFT's bound is one of the mean square
+        if importlib.util.find_spec("finufft"):
+            assert float(row[-1]) <= 10 * tolerance  # FINUFFT's bound is one of the mean square
+        else:
+            assert row[-1].strip() == "–"
 
 
 def test_the_section_of_sums_holds_the_committed_numbers():
