@@ -49,8 +49,8 @@ def beamwave(program: Path, job: Job, cases: int, directory: Path) -> float:
     return cpu(lambda: subprocess.run(words, check=True, stderr=subprocess.DEVNULL)) / cases
 
 
-def one_by_one(job: Job, grid: list[tuple[float, float]], directory: Path) -> float:
-    return cpu(lambda: save(loop(job, grid), directory / "numpy.nc")) / len(grid)
+def one_by_one(job: Job, grid: list[tuple[float, float]], directory: Path, by_products: bool = False) -> float:
+    return cpu(lambda: save(loop(job, grid, by_products), directory / "numpy.nc")) / len(grid)
 
 
 def pool(job: Job, grid: list[tuple[float, float]], directory: Path) -> float:
@@ -71,9 +71,10 @@ def check(job: Job, cases: int, directory: Path) -> float:
     with netCDF4.Dataset(directory / f"{job.name}.nc") as file:
         for index in np.linspace(0, cases - 1, 7).astype(int):
             speed, ratio = job.grid(cases)[index]
-            for name, values in case(job, speed, ratio).items():
-                there = np.asarray(file[name][index])
-                worst = max(worst, np.abs(there - values).max() / np.abs(there).max())
+            for by_products in [False, True]:
+                for name, values in case(job, speed, ratio, by_products).items():
+                    there = np.asarray(file[name][index])
+                    worst = max(worst, np.abs(there - values).max() / np.abs(there).max())
     assert worst < AGREEMENT, f"{job.name}: numpy and beamwave differ by {worst:.1e}"
     return worst
 
@@ -91,6 +92,7 @@ def measure(program: Path, small: bool) -> list[dict[str, Any]]:
                 if turn == 0:
                     worst = check(job, cases, directory)
                 seconds["numpy loop"].append(one_by_one(job, part, directory))
+                seconds["by products"].append(one_by_one(job, part, directory, by_products=True))
                 seconds["pool of 2"].append(pool(job, part, directory))
         medians = {way: float(f"{statistics.median(values):.3g}") for way, values in seconds.items()}
         rows.append({"job": job.name, "what": job.what, "cases": cases, "difference": float(f"{worst:.1e}"), **medians})

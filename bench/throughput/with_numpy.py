@@ -1,5 +1,6 @@
 """A case in numpy, every step over all modes at once: roots by Newton's method from asymptotic starts, shapes in exponentials
-that do not overflow, integrals by Gauss's rule with nodes that are made once, histories by one matrix product."""
+that do not overflow, integrals by Gauss's rule with nodes that are made once, histories by one matrix product, or by products
+of short tables of sines (the addition theorem)."""
 
 from __future__ import annotations
 
@@ -9,6 +10,8 @@ from typing import Any
 
 import netCDF4
 import numpy as np
+
+from peers.numpy_products import sum_of_sines
 
 from .jobs import DENSITY, DIAMETER, LENGTH, MODULUS, POINTS, Job
 
@@ -63,7 +66,7 @@ def shapes(alpha: np.ndarray, places: np.ndarray) -> np.ndarray:
     return np.cos(x) - sigma * np.sin(x) - 0.5 * (1.0 + sigma) * np.exp(-x) - 0.5 * rest * np.exp(x - a)
 
 
-def case(job: Job, speed: float, gamma: float) -> Case:
+def case(job: Job, speed: float, gamma: float, by_products: bool = False) -> Case:
     """Everything that the job asks for."""
     alpha = roots(job.modes, gamma)
     p = alpha / LENGTH
@@ -78,9 +81,12 @@ def case(job: Job, speed: float, gamma: float) -> Case:
     velocity = (at_nodes @ (weights * (jump @ free_nodes)) + gamma * at_tip * (jump @ free_tip)) / mass
     result = {"angular_frequency": beta, "phase_velocity": beta / p, "group_velocity": 2.0 * H * natural * p / beta}
     if job.samples:
-        time = np.arange(job.samples) * (job.duration / job.samples)
-        motion = (velocity / beta)[:, np.newaxis] * np.sin(np.outer(beta, time))
-        result["displacement"] = shapes(alpha, np.array(POINTS)).T @ motion
+        step = job.duration / job.samples
+        weights = shapes(alpha, np.array(POINTS)).T * (velocity / beta)
+        if by_products:
+            result["displacement"] = sum_of_sines(weights, beta, job.samples, step)
+        else:
+            result["displacement"] = weights @ np.sin(np.outer(beta, np.arange(job.samples) * step))
     if job.spectrum:
         window = np.hanning(job.samples + 1)[:-1]
         result["amplitude"] = np.abs(np.fft.rfft(result["displacement"] * window)) * (2.0 / window.sum())
@@ -88,9 +94,9 @@ def case(job: Job, speed: float, gamma: float) -> Case:
     return result
 
 
-def loop(job: Job, grid: list[tuple[float, float]]) -> list[Case]:
+def loop(job: Job, grid: list[tuple[float, float]], by_products: bool = False) -> list[Case]:
     """All cases, one after another."""
-    return [case(job, speed, gamma) for speed, gamma in grid]
+    return [case(job, speed, gamma, by_products) for speed, gamma in grid]
 
 
 def save(cases: list[Case], path: Path) -> None:

@@ -7,7 +7,7 @@ module bw_commands
   use bw_kinds, only: dp
   use bw_modes_par, only: by_tolerance
   use bw_one_case, only: plan_case
-  use bw_posix, only: is_terminal, standard_error, standard_output
+  use bw_posix, only: is_terminal, pause, standard_error, standard_output
   use bw_result_layout, only: result_layout, layout_of
   use bw_outcome, only: outcome_type
   use bw_run_scene, only: run_scene
@@ -25,6 +25,8 @@ module bw_commands
 
   real(dp), parameter :: check_seconds = 2.0_dp        !! what `check` may take to try cases of all its scenes
   real(dp), parameter :: most_check_seconds = 1.0_dp   !! and of one of them
+  integer, parameter :: between_streams = 20000        !! µs; mpirun hands on both streams in pieces of 4 KB, and a warning
+                                                       !! must not fall between two pieces of a report
 
 contains
 
@@ -62,12 +64,13 @@ contains
     type(error_type), allocatable :: error
     call run_scene(scene, command%output, command%overwrite, crew, progress, outcome, error)
     status = outcome%status
-    if (crew%leads()) status = print_outcome(command, scene, outcome, error)
+    if (crew%leads()) status = print_outcome(command, crew%processes, scene, outcome, error)
   end function run_one
 
-  integer function print_outcome(command, scene, outcome, error) result(status)
+  integer function print_outcome(command, processes, scene, outcome, error) result(status)
     !! Say how a scene ended.
     type(command_type), intent(in) :: command
+    integer, intent(in) :: processes
     type(scene_type), intent(in) :: scene
     type(outcome_type), intent(in) :: outcome
     type(error_type), intent(in), optional :: error
@@ -85,7 +88,9 @@ contains
     if (.not. command%quiet) call print_report(outcome%report)
     seen = .false.
     if (.not. command%quiet .and. status /= status_stopped) seen = seen_together()
-    if (.not. seen) call print_warnings(scene, outcome%warnings)
+    if (seen) return
+    if (processes > 1 .and. .not. command%quiet) call pause(between_streams)
+    call print_warnings(scene, outcome%warnings)
   end function print_outcome
 
   logical function seen_together()

@@ -36,7 +36,7 @@ contains
     else
       call measure_accuracy(scenes(1), command%output, command%overwrite, progress, outcome, error)
     end if
-    status = max(status, print_outcome(command, scenes(1), outcome, error))
+    status = max(status, print_outcome(command, 1, scenes(1), outcome, error))
   end function study_command
 
 end module bw_study_commands

@@ -18,12 +18,15 @@ DIVERGING = {**SPEEDS, "first": 300.0, "last": 0.0}
 
 
 def stopped_early(here, *words):
-    """Stop the long sweep after a while; the numbers of its finished cases."""
+    """Stop the long sweep after a while; the numbers of its finished cases, of which there is one even on a busy machine."""
     here.scene("a", SCENE, LONG)
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.2", *words)
-    assert ended.returncode == 5, ended.stderr
-    saved = cases_in(here.directory / "output/a.partial")
-    assert f"stopped with {len(saved)} of 4000 cases saved; the same command goes on from there" in ended.stderr
+    for seconds in ["0.2", "0.4", "0.8", "1.6"]:
+        ended = here.beamwave("run", "a.nml", "--max-seconds", seconds, *words)
+        assert ended.returncode == 5, ended.stderr
+        saved = cases_in(here.directory / "output/a.partial")
+        assert f"stopped with {len(saved)} of 4000 cases saved; the same command goes on from there" in ended.stderr
+        if saved:
+            break
     return saved
 
 
@@ -107,7 +110,7 @@ def test_a_full_disk_ends_all_with_3_and_keeps_what_is_finished(processes):
     cp -r disk kept; exit $status"""
     ended = in_own_mounts(here, script)
     assert ended.returncode == 3, ended.stderr
-    assert len(re.findall("disk/a.partial/.*: cannot be written: is the disk full", ended.stderr)) == 1
+    assert len(re.findall(r"disk/a.partial/.*: cannot be written: (NetCDF: .*; )?is the disk full", ended.stderr)) == 1
     saved = cases_in(here.directory / "kept/a.partial")
     assert f"{len(saved)} of 4000 cases are saved; the same command goes on from there" in ended.stderr
     assert here.beamwave("run", "a.nml", "--output", "kept").returncode == 0
