@@ -18,10 +18,12 @@ every case as soon as it is done, so that no kill loses it, and writes it a seco
 
 def section(measured: dict[str, Any]) -> str:
     """All that was measured, each part with where."""
+    drawn = [(draw(measured[name]["rows"]), pairs(measured[name]["about"]))
+             for name, draw in DRAWN.items() if measured.get(name, {}).get("rows")]  # fmt: skip
     parts = [HEAD]
-    for name, draw in DRAWN.items():
-        if measured.get(name, {}).get("rows"):
-            parts += [draw(measured[name]["rows"]), pairs(measured[name]["about"])]
+    for i, (rows, about) in enumerate(drawn):
+        last = i + 1 == len(drawn) or drawn[i + 1][1] != about  # of those that were measured together
+        parts += [rows, about] if last else [rows]
     return "\n\n".join(parts)
 
 

@@ -58,9 +58,11 @@ def launched(*words: Any) -> tuple[float, float, float]:
 
 
 def run_words(directory: Path, job: Job, cases: int) -> list[Any]:
+    """To run a sweep anew: a result that is there would be nothing to do."""
     scene = directory / f"{job.name}.nml"
     scene.write_text(job.scene(cases))
-    return ["run", scene, "--output", directory, "--overwrite", "--quiet"]
+    (directory / f"{job.name}.nc").unlink(missing_ok=True)
+    return ["run", scene, "--output", directory, "--quiet"]
 
 
 def ranks(program: Path, directory: Path, small: bool) -> list[Row]:

@@ -40,7 +40,8 @@ contains
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
     type(dd) :: beta(size(q)), cycles(size(q))
-    real(dp), dimension(block_length(grid%samples), 2*size(q)) :: turn, turn_rate
+    real(dp) :: turn(block_length(grid%samples), 2*size(q))
+    real(dp), allocatable :: turn_rate(:, :)
     real(dp), dimension(chunk_blocks, size(q)) :: state, state_dot
     real(dp) :: right(chunk_blocks, 2*size(q))
     integer :: first, blocks, length, p
@@ -48,6 +49,7 @@ contains
     if (size(q) == 0) return
     beta = sqrt(beta_squared)
     cycles = beta*(grid%step/(dd_pi*2.0_dp))
+    allocate (turn_rate(length, merge(2*size(q), 0, present(velocity))))
     call turns_in_block(beta%hi, cycles, turn, turn_rate)
     do first = 0, grid%samples - 1, length*chunk_blocks
       blocks = min(chunk_blocks, (grid%samples - first + length - 1)/length)
@@ -69,7 +71,8 @@ contains
   end function block_length
 
   pure subroutine turns_in_block(beta, cycles, turn, turn_rate)
-    !! Rows: samples of a block. Columns: C_k then S_k for displacements, −β²S_k then C_k for velocities.
+    !! Rows: samples of a block. Columns: C_k then S_k for displacements, −β²S_k then C_k for velocities (none where no
+    !! velocities are asked for).
     real(dp), intent(in) :: beta(:)
     type(dd), intent(in) :: cycles(:)
     real(dp), intent(out) :: turn(:, :), turn_rate(:, :)
@@ -80,6 +83,7 @@ contains
       call turns(cycles(k), 0, 1, c, s)
       turn(:, k) = c
       turn(:, n + k) = s/beta(k)
+      if (size(turn_rate, 2) == 0) cycle
       turn_rate(:, k) = -beta(k)*s
       turn_rate(:, n + k) = c
     end do

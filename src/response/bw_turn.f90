@@ -39,35 +39,35 @@ contains
     type(dd), intent(in) :: cycles                   !! turns per sample
     integer, intent(in) :: first, step               !! samples
     real(dp), intent(out) :: cosine(0:), sine(0:)
-    real(dp), dimension(0:nint(sqrt(real(size(cosine), dp)))) :: angle, c, s
-    real(dp) :: far(1), cosine_far, sine_far
+    real(dp), dimension(0:nint(sqrt(real(size(cosine), dp)))) :: c, s
+    real(dp) :: angle, cosine_far, sine_far
     integer :: i, j, fine, last
-    fine = size(angle)
-    angle = angles_at(cycles, [(j*step, j=0, fine - 1)])
-    c = cos(angle)
-    s = sin(angle)
+    fine = size(c)
+    do j = 0, fine - 1
+      angle = angle_at(cycles, j*step)
+      c(j) = cos(angle)
+      s(j) = sin(angle)
+    end do
     do i = 0, size(cosine) - 1, fine
-      far = angles_at(cycles, [first + i*step])
-      cosine_far = cos(far(1))
-      sine_far = sin(far(1))
+      angle = angle_at(cycles, first + i*step)
+      cosine_far = cos(angle)
+      sine_far = sin(angle)
       last = min(i + fine, size(cosine)) - 1
       cosine(i:last) = cosine_far*c(:last - i) - sine_far*s(:last - i)
       sine(i:last) = sine_far*c(:last - i) + cosine_far*s(:last - i)
     end do
   end subroutine turns
 
-  pure function angles_at(cycles, sample) result(angle)
+  pure real(dp) function angle_at(cycles, sample) result(angle)
     !! 2π·cycles·sample less whole turns, rad.
     type(dd), intent(in) :: cycles
-    integer, intent(in) :: sample(:)
-    real(dp) :: angle(size(sample))
-    type(dd) :: phase(size(sample))
-    integer :: j
-    do j = 1, size(sample)
-      phase(j) = cycles*real(sample(j), dp)
-    end do
-    phase = turn_fractions(phase)
-    angle = 2.0_dp*dd_pi%hi*(phase%hi + phase%lo)
-  end function angles_at
+    integer, intent(in) :: sample
+    type(dd) :: phase
+    real(dp) :: part, sum
+    phase = cycles*real(sample, dp)
+    part = phase%hi - aint(phase%hi)
+    sum = part + phase%lo
+    angle = 2.0_dp*dd_pi%hi*((sum - aint(sum + sign(0.5_dp, sum))) + (phase%lo - (sum - part)))
+  end function angle_at
 
 end module bw_turn
