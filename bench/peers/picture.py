@@ -26,7 +26,7 @@ LOOKS = {  # colour, dash, marker
 LABELS = {  # words, at which of the curve's sizes, how far from it in points, and how they are aligned
     "beamwave": ("beamwave", -1, (-8, 0), "right"),
     "beamwave, whole process": ("beamwave, whole\nprocess with files", -2, (9, 0), "left"),
-    "numpy + FINUFFT": ("numpy + FINUFFT", -1, (0, -13), "center"),
+    "numpy + FINUFFT": ("numpy +\nFINUFFT", 4, (9, 0), "left"),
     "numpy, matrix products": ("numpy, matrix\nproducts", -1, (7, 0), "left"),
     "numpy, direct sum": ("numpy,\ndirect sum", -1, (7, 0), "left"),
     "textbook cosh shapes": ("textbook cosh shapes:\ncancel from mode 12,\noverflow from 227", 0, (-34, -20), "right"),

@@ -27,7 +27,7 @@ from .with_numpy import case, loop, pooled, save
 
 DATA = Path(__file__).with_name("measured.json")
 MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None  # no disk is measured
-ROUNDS, NUMPY_PART = 3, 10  # numpy does a part of the cases, spread over all of them
+ROUNDS, NUMPY_PART = 9, 10  # numpy does a part of the cases, spread over all of them
 PARTS = ["rows", "ranks", "memory", "predictions", "scenes"]
 AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in numpy
 
