@@ -24,7 +24,7 @@ EFFECTS = {
 def effects(shared):
     """Results of the scenes of input/effects/ by name, and the rows of their reports."""
     place = shared("effects")
-    names = ["stiffening", "shear", "body_inertia"]
+    names = ["rotation", "stiffening", "shear", "body_inertia"]
     ended = place.beamwave("run", *(PROJECT / f"input/effects/{name}.nml" for name in names))
     assert (ended.returncode, ended.stderr) == (0, "")
     return {name: place.result(name) for name in names}
@@ -40,6 +40,10 @@ def promised(name):
 def test_the_scenes_of_the_effects_show_what_they_promise(effects):
     beta = {name: np.asarray(result["angular_frequency"]) for name, result in effects.items()}
     plain = 46.6304239974881 * np.array([1.6163996601559350880, 7.3183726733425058470, 29.138585642520606567]) ** 2
+    speeds = [float(effects["rotation"][name][0]) for name in ("phase_velocity", "group_velocity")]
+    assert promised("rotation") == ["1", f"{np.sqrt(plain[0]**2 - 50**2):.2f}", f"{plain[0]:.2f}",
+                                    *(f"{speed:.1f}" for speed in speeds)]
+    np.testing.assert_allclose(beta["rotation"][0] ** 2, plain[0] ** 2 - 50**2, rtol=1e-13)
     assert promised("stiffening") == ["50", "1", f"{beta['stiffening'][0]:.1f}", f"{plain[0]:.1f}",
                                       f"{np.sqrt(plain[0]**2 - 50**2):.1f}", f"{plain[0]:.1f}"]
     drop = 100 * (1 - beta["shear"][[0, 2, 9]] / plain)
