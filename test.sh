@@ -31,7 +31,7 @@ for preset in "${presets[@]}"; do
 done
 if can_sanitize; then set_up sanitize --target fuzz_scene_reader; else without_sanitizers=yes; fi
 
-export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-2}
+export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-3}  # kills, limits and job queues are waited for: room for one more
 cd "$root"
 failed=()
 for preset in "${presets[@]}"; do
