@@ -24,17 +24,17 @@ module bw_double_double
     module procedure :: dd_from_real, dd_from_quad
   end interface to_dd
   interface operator(+)
-    module procedure :: add_dd, add_real, add_to_list, add_reals_to_list
+    module procedure :: add_dd, add_real, add_to_list, add_lists, add_reals_to_list, add_reals_to_number
   end interface
   interface operator(-)
-    module procedure :: subtract_dd, negate_dd, subtract_from_list
+    module procedure :: subtract_dd, negate_dd, subtract_from_list, subtract_lists
   end interface
   interface operator(*)
     module procedure :: multiply_dd, multiply_real, multiply_list, multiply_lists, multiply_list_by_real, &
       multiply_by_reals
   end interface
   interface operator(/)
-    module procedure :: divide_dd
+    module procedure :: divide_dd, divide_by_list
   end interface
   interface sqrt
     module procedure :: sqrt_dd, sqrt_of_list
@@ -200,6 +200,31 @@ contains
     type(dd) :: c(size(a))
     c = add_real(a, b)
   end function add_reals_to_list
+
+  pure function add_lists(a, b) result(c)
+    type(dd), intent(in) :: a(:), b(:)
+    type(dd) :: c(size(a))
+    c = add_dd(a, b)
+  end function add_lists
+
+  pure function add_reals_to_number(a, b) result(c)
+    type(dd), intent(in) :: a
+    real(dp), intent(in) :: b(:)
+    type(dd) :: c(size(b))
+    c = add_real(a, b)
+  end function add_reals_to_number
+
+  pure function subtract_lists(a, b) result(c)
+    type(dd), intent(in) :: a(:), b(:)
+    type(dd) :: c(size(a))
+    c = subtract_dd(a, b)
+  end function subtract_lists
+
+  pure function divide_by_list(a, b) result(c)
+    type(dd), intent(in) :: a, b(:)
+    type(dd) :: c(size(b))
+    c = divide_dd(a, b)
+  end function divide_by_list
 
   pure function subtract_from_list(a, b) result(c)
     type(dd), intent(in) :: a(:), b

@@ -7,7 +7,7 @@ module bw_closed_form
   use bw_kept_modes, only: chunk, kept_modes, kept_set
   use bw_mode_set, only: mode_set, mode_source, terms_of_set
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
-  use bw_refined_root, only: is_coarse, refined_root
+  use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: light_modes, near_modes, root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of, shape_values
   use bw_wave_velocity, only: phase_velocity, group_velocity
@@ -62,7 +62,7 @@ contains
       m = last - first + 1
       shape(:m) = shapes_of(solve_roots(number(first:last), gamma))
       alpha(:m) = root_values(shape(:m)%root)
-      call refine_roots(shape(:m)%root, alpha(:m), omega, longest)
+      call refine_roots(shape(:m)%root, is_coarse(shape(:m)%root%rest, alpha(:m)%hi, omega, longest), alpha(:m))
       call set_some(first, last, shape(:m), alpha(:m), omega, modes)
     end do
   end subroutine set_modes
@@ -118,16 +118,6 @@ contains
       modes%group_velocity(first:last) = group_velocity(shape%alpha, beta_squared)
     end associate
   end subroutine set_some
-
-  pure subroutine refine_roots(root, alpha, omega, longest)
-    !! Solve again in extended precision what binary64 cannot carry: a mode near its critical speed, where
-    !! α² − ω cancels, and one whose phase would drift over the length of the history.
-    type(root_type), intent(in) :: root(:)
-    type(dd), intent(inout) :: alpha(:)
-    type(dd), intent(in), optional :: omega
-    real(dp), intent(in), optional :: longest
-    where (is_coarse(root%rest, alpha%hi, omega, longest)) alpha = refined_root(root)
-  end subroutine refine_roots
 
   pure function closed_form_shapes(self, first, last, xi) result(values)
     class(closed_form_set), intent(in) :: self

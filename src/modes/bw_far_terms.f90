@@ -4,7 +4,7 @@ module bw_far_terms
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(+), operator(-)
   use bw_far_modes, only: far_roots, far_shapes, far_tip_and_drive
   use bw_frequency_equation, only: root_type
-  use bw_refined_root, only: any_coarse, is_coarse, refined_root
+  use bw_refined_root, only: any_coarse, is_coarse, refine_roots
   implicit none (type, external)
   private
   public :: far_terms, far_shapes_and_roots, far_frequencies
@@ -75,12 +75,13 @@ contains
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
     type(dd), intent(inout) :: alpha(:)
-    integer :: i
+    type(root_type) :: root(size(k))
     if (.not. any_coarse(rest, alpha%hi, omega, longest)) return
-    do i = 1, size(k)
-      if (.not. is_coarse(rest(i), alpha(i)%hi, omega, longest)) cycle
-      alpha(i) = refined_root(root_type(k(i), 4*k(i) - merge(2, 3, light), rest(i), gamma))
-    end do
+    root%k = k
+    root%eighths = 4*k - merge(2, 3, light)
+    root%rest = rest
+    root%gamma = gamma
+    call refine_roots(root, is_coarse(rest, alpha%hi, omega, longest), alpha)
   end subroutine refine
 
   pure subroutine rotate(omega, beta)

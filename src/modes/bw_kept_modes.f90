@@ -5,7 +5,7 @@ module bw_kept_modes
   use bw_kinds, only: dp
   use bw_double_double, only: dd
   use bw_kept_terms, only: kept_terms
-  use bw_refined_root, only: is_coarse, refined_root
+  use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of
   implicit none (type, external)
@@ -21,7 +21,7 @@ module bw_kept_modes
     real(dp) :: gamma = 0.0_dp
     type(shape_type), allocatable :: shape(:)    !! (n)
     type(dd), allocatable :: alpha(:)            !! roots as binary64 carries them, (n)
-    type(dd), allocatable, private :: refined(:) !! the same in extended precision, where a case has asked for it
+    type(dd), allocatable, private :: refined(:) !! the same, in extended precision where a case has asked for it
     logical, allocatable, private :: is_refined(:)
   contains
     procedure :: roots => roots_for_case
@@ -71,10 +71,11 @@ contains
     type(kept_set), intent(out) :: set
     integer :: k
     set%gamma = gamma
-    allocate (set%shape(count), set%refined(count))
+    allocate (set%shape(count))
     allocate (set%is_refined(count), source=.false.)
     call solve_shapes([(k, k=1, count)], gamma, set%shape)
     set%alpha = root_values(set%shape%root)
+    set%refined = set%alpha
   end subroutine solve_set
 
   pure subroutine roots_for_case(self, omega, longest, alpha)
@@ -83,14 +84,14 @@ contains
     type(dd), intent(in), optional :: omega      !! as those of `is_coarse`
     real(dp), intent(in), optional :: longest
     type(dd), intent(out) :: alpha(:)            !! (n)
-    integer :: k
+    logical :: coarse(size(alpha)), new(size(alpha))
     alpha = self%alpha
-    do k = 1, size(alpha)
-      if (.not. is_coarse(self%shape(k)%root%rest, alpha(k)%hi, omega, longest)) cycle
-      if (.not. self%is_refined(k)) self%refined(k) = refined_root(self%shape(k)%root)
-      self%is_refined(k) = .true.
-      alpha(k) = self%refined(k)
-    end do
+    coarse = is_coarse(self%shape%root%rest, alpha%hi, omega, longest)
+    if (.not. any(coarse)) return
+    new = coarse .and. .not. self%is_refined
+    call refine_roots(self%shape%root, new, self%refined)
+    self%is_refined = self%is_refined .or. new
+    where (coarse) alpha = self%refined
   end subroutine roots_for_case
 
   pure subroutine solve_shapes(number, gamma, shape)

@@ -1,12 +1,14 @@
 module bw_refined_root
   !! Roots of the frequency equation to about 30 digits: one Newton step whose residual is taken in extended precision
-  !! from the exact mass ratio. Entered only for modes that need it, as binary128 runs in software.
+  !! from the exact mass ratio. Entered only for modes that need it: far ones in double-double numbers, many at a time; the
+  !! first few, whose exponentials count, in binary128, which runs in software.
   use bw_kinds, only: dp, qp
   use bw_double_double, only: dd, to_dd
   use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
+  use bw_refined_far_roots, only: first_far, refine_heavy, refine_light
   implicit none (type, external)
   private
-  public :: any_coarse, is_coarse, refined_root
+  public :: any_coarse, is_coarse, refine_roots, refined_root
 
   real(qp), parameter :: pi = acos(-1.0_qp)
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
@@ -35,8 +37,41 @@ contains
     coarse = coarse .or. abs(drift) > phase_error
   end function is_coarse
 
+  pure subroutine refine_roots(root, coarse, alpha)
+    !! α of those that are coarse, in extended precision; a few hundred at a time.
+    type(root_type), intent(in) :: root(:)        !! of one mass ratio
+    logical, intent(in) :: coarse(:)              !! (roots)
+    type(dd), intent(inout) :: alpha(:)           !! as binary64 carries it, (roots)
+    logical :: far(size(root))
+    integer :: i
+    do i = 1, size(root)
+      far(i) = coarse(i) .and. root(i)%k >= first_far
+      if (coarse(i) .and. .not. far(i)) alpha(i) = refined_root(root(i))
+    end do
+    if (.not. any(far)) return
+    call refine_far(root, far .and. is_light(root), .true., alpha)
+    call refine_far(root, far .and. .not. is_light(root), .false., alpha)
+  end subroutine refine_roots
+
+  pure subroutine refine_far(root, chosen, light, alpha)
+    type(root_type), intent(in) :: root(:)
+    logical, intent(in) :: chosen(:), light       !! all that are chosen are light, or none
+    type(dd), intent(inout) :: alpha(:)
+    type(dd) :: part(count(chosen))
+    real(dp) :: rest(size(part))
+    if (size(part) == 0) return
+    part = pack(alpha, chosen)
+    rest = pack(root%rest, chosen)
+    if (light) then
+      call refine_light(root(1)%gamma, rest, part)
+    else
+      call refine_heavy(root(1)%gamma, rest, part)
+    end if
+    alpha = unpack(part, chosen, alpha)
+  end subroutine refine_far
+
   elemental type(dd) function refined_root(root) result(alpha)
-    !! α; the step squares the relative error of the binary64 root, about 1e-16.
+    !! α of any root, in binary128; the step squares the relative error of the binary64 root, about 1e-16.
     type(root_type), intent(in) :: root
     if (root%k == 1) then
       alpha = to_dd(refined_first(root))
