@@ -168,11 +168,12 @@ contains
   elemental type(dd) function sqrt_dd(a) result(c)
     !! a ≥ 0.
     type(dd), intent(in) :: a
+    real(dp), parameter :: least = 1.0e-162_dp      ! below the root of any number but 0
     real(dp) :: root
     type(dd) :: rest
     root = sqrt(max(0.0_dp, a%hi))
     rest = subtract_dd(a, multiply_real(dd(root, 0.0_dp), root))
-    c = normal(root, merge(0.5_dp*(rest%hi + rest%lo)/merge(root, 1.0_dp, root > 0.0_dp), 0.0_dp, root > 0.0_dp))
+    c = normal(root, merge(0.5_dp, 0.0_dp, root > 0.0_dp)*((rest%hi + rest%lo)/max(root, least)))   ! no branch: in registers
   end function sqrt_dd
 
   ! Lists: the same operations, chosen over the elemental ones for arrays of rank one. Called from another file an

@@ -2,19 +2,34 @@ module bw_modal_sum
   !! Histories of stable modes, \( v(\xi,t) = \sum_k \Phi_k(\xi)\,[q_k\cos\beta_k t + \dot q_k \sin\beta_k t/\beta_k] \),
   !! Eq. 29, by products of matrices.
   !!
-  !! Time is cut into blocks. The modal state at a block's start follows from a phase that is reduced modulo 2π
-  !! before it is rounded; within the block every mode turns alike, so all samples of all blocks are one product of
-  !! the table of turns with the table of states. Nothing is carried from sample to sample: no error grows with time.
+  !! Time is cut into blocks. The modal state at a block's middle follows from a phase that is reduced modulo 2π
+  !! before it is rounded. From there every mode turns alike in all blocks, forth and back: the sums of cosines are the
+  !! even part of the motion about the middle and those of sines its odd part, and their sum and difference the samples
+  !! after it and before it. Each part of all blocks is one product of a table of turns with a table of states. Nothing is
+  !! carried from sample to sample: no error grows with time.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_monitor, only: monitor_type
   use bw_time_grid, only: time_grid
-  use bw_turn, only: turns
+  use bw_turn_table, only: turn_table
   implicit none (type, external)
   private
   public :: add_stable_modes, block_length
 
-  integer, parameter :: chunk_blocks = 32     !! tuned: the product's right side stays in the cache
+  integer, parameter :: chunk_blocks = 64     !! tuned: the product's right side stays in the cache
+
+  type :: block_states
+    !! Φ-less amplitudes of the modes at the middles of some blocks.
+    integer :: first = 0                      !! samples before the first block
+    integer :: blocks = 0
+    real(dp), allocatable :: even(:, :)       !! of cos βs in the displacement: q, (modes, blocks and more)
+    real(dp), allocatable :: odd(:, :)        !! of sin βs: q̇/β
+  end type block_states
+
+  type :: block_turns
+    !! What all blocks have in common: turns from the middle of a block to the samples after it.
+    real(dp), allocatable :: cosine(:, :), sine(:, :)   !! (samples of half a block, modes)
+  end type block_turns
 
   interface
     pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
@@ -39,29 +54,30 @@ contains
     class(monitor_type), intent(inout) :: monitor
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
-    type(dd) :: beta(size(q)), cycles(size(q))
-    real(dp) :: turn(block_length(grid%samples), 2*size(q))
-    real(dp), allocatable :: turn_rate(:, :)
-    real(dp), dimension(chunk_blocks, size(q)) :: state, state_dot
-    real(dp) :: right(chunk_blocks, 2*size(q))
-    integer :: first, blocks, length, p
-    length = size(turn, 1)
+    type(dd) :: beta(size(q)), cycles(size(q))      ! turns per half a sample, for a block's middle lies between two samples
+    type(block_turns) :: turns
+    type(block_states) :: states
+    real(dp) :: start(size(shapes, 2)), start_rate(size(shapes, 2))
+    integer :: first, length, p
     if (size(q) == 0) return
+    start = displacement(1, :) + matmul(q, shapes)
+    if (present(velocity)) start_rate = velocity(1, :) + matmul(q_dot, shapes)
+    length = block_length(grid%samples)
     beta = sqrt(beta_squared)
-    cycles = beta*(grid%step/(dd_pi*2.0_dp))
-    allocate (turn_rate(length, merge(2*size(q), 0, present(velocity))))
-    call turns_in_block(beta%hi, cycles, turn, turn_rate)
+    cycles = beta*(grid%step/(dd_pi*4.0_dp))
+    call turns_in_block(length/2, cycles, turns)
     do first = 0, grid%samples - 1, length*chunk_blocks
-      blocks = min(chunk_blocks, (grid%samples - first + length - 1)/length)
-      call states_at_blocks(first, length, beta%hi, cycles, q, q_dot, state(:blocks, :), state_dot(:blocks, :))
+      call states_at_blocks(first, length, grid%samples, cycles, q, q_dot/beta%hi, states)
       do p = 1, size(shapes, 2)
-        call set_right(shapes(:, p), state(:blocks, :), state_dot(:blocks, :), right)
-        call add_product(turn, right, blocks, first, displacement(:, p))
-        if (present(velocity)) call add_product(turn_rate, right, blocks, first, velocity(:, p))
+        call add_products(turns, states, shapes(:, p), states%even, shapes(:, p), states%odd, displacement(:, p))
+        if (present(velocity)) call add_products(turns, states, beta%hi*shapes(:, p), states%odd, -beta%hi*shapes(:, p), &
+                                                 states%even, velocity(:, p))
       end do
       call monitor%advance(real(first, dp)/grid%samples)
       if (monitor%stop_requested()) return
     end do
+    displacement(1, :) = start            ! to the last digit: of a beam at rest position zero
+    if (present(velocity)) velocity(1, :) = start_rate
   end subroutine add_stable_modes
 
   pure integer function block_length(samples) result(length)
@@ -70,72 +86,70 @@ contains
     length = 2**min(8, max(3, nint(0.5_dp*log(real(samples, dp))/log(2.0_dp))))
   end function block_length
 
-  pure subroutine turns_in_block(beta, cycles, turn, turn_rate)
-    !! Rows: samples of a block. Columns: C_k then S_k for displacements, −β²S_k then C_k for velocities (none where no
-    !! velocities are asked for).
-    real(dp), intent(in) :: beta(:)
-    type(dd), intent(in) :: cycles(:)
-    real(dp), intent(out) :: turn(:, :), turn_rate(:, :)
-    real(dp), dimension(size(turn, 1)) :: c, s
-    integer :: k, n
-    n = size(beta)
-    do k = 1, n
-      call turns(cycles(k), 0, 1, c, s)
-      turn(:, k) = c
-      turn(:, n + k) = s/beta(k)
-      if (size(turn_rate, 2) == 0) cycle
-      turn_rate(:, k) = -beta(k)*s
-      turn_rate(:, n + k) = c
-    end do
+  pure subroutine turns_in_block(half, cycles, turns)
+    integer, intent(in) :: half                     !! samples of half a block
+    type(dd), intent(in) :: cycles(:)               !! turns per half a sample
+    type(block_turns), intent(out) :: turns
+    real(dp), dimension(size(cycles), half) :: cosine, sine
+    call turn_table(cycles, 1.0_dp, 2.0_dp, cosine, sine)
+    turns%cosine = transpose(cosine)
+    turns%sine = transpose(sine)
   end subroutine turns_in_block
 
-  pure subroutine states_at_blocks(first, length, beta, cycles, q, q_dot, state, state_dot)
-    !! Modal state at the first sample of each block.
-    integer, intent(in) :: first, length    !! samples before the first block, and in each
-    real(dp), intent(in) :: beta(:), q(:), q_dot(:)
-    type(dd), intent(in) :: cycles(:)
-    real(dp), intent(out) :: state(:, :), state_dot(:, :)   !! (blocks, modes)
-    real(dp), dimension(size(state, 1)) :: c, s
-    integer :: k
-    do k = 1, size(q)
-      call turns(cycles(k), first, length, c, s)
-      state(:, k) = q(k)*c + (q_dot(k)/beta(k))*s
-      state_dot(:, k) = q_dot(k)*c - (beta(k)*q(k))*s
+  pure subroutine states_at_blocks(first, length, samples, cycles, start, start_rate, states)
+    !! States at the middles of the next blocks.
+    integer, intent(in) :: first, length            !! samples before the first block, and in each
+    integer, intent(in) :: samples
+    type(dd), intent(in) :: cycles(:)               !! turns per half a sample
+    real(dp), intent(in) :: start(:), start_rate(:) !! q and q̇/β at t = 0
+    type(block_states), intent(inout) :: states
+    real(dp), allocatable :: cosine(:, :), sine(:, :)
+    integer :: b, blocks
+    blocks = min(chunk_blocks, (samples - first + length - 1)/length)
+    allocate (cosine(size(start), blocks), sine(size(start), blocks))
+    call turn_table(cycles, 2.0_dp*first + (length - 1), 2.0_dp*length, cosine, sine)
+    if (.not. allocated(states%even)) allocate (states%even(size(start), blocks), states%odd(size(start), blocks))
+    do b = 1, blocks
+      states%even(:, b) = start*cosine(:, b) + start_rate*sine(:, b)
+      states%odd(:, b) = start_rate*cosine(:, b) - start*sine(:, b)
     end do
+    states%first = first
+    states%blocks = blocks
   end subroutine states_at_blocks
 
-  pure subroutine set_right(shape, state, state_dot, right)
-    !! The right side of the product for one point.
-    real(dp), intent(in) :: shape(:)
-    real(dp), intent(in) :: state(:, :), state_dot(:, :)
-    real(dp), intent(inout) :: right(:, :)
-    integer :: blocks, k, n
-    blocks = size(state, 1)
-    n = size(shape)
-    do k = 1, n
-      right(:blocks, k) = shape(k)*state(:, k)
-      right(:blocks, n + k) = shape(k)*state_dot(:, k)
+  pure subroutine add_products(turns, states, even_weight, even, odd_weight, odd, history)
+    !! All samples of some blocks of one history.
+    type(block_turns), intent(in) :: turns
+    type(block_states), intent(in) :: states
+    real(dp), intent(in) :: even_weight(:), odd_weight(:)   !! of the modes
+    real(dp), intent(in) :: even(:, :), odd(:, :)           !! amplitudes that are weighted, (modes, blocks and more)
+    real(dp), intent(inout), contiguous :: history(:)       !! (samples)
+    real(dp), dimension(size(turns%cosine, 1), states%blocks) :: cosines, sines
+    real(dp) :: samples(2*size(turns%cosine, 1))
+    integer :: b, before, count, half
+    half = size(turns%cosine, 1)
+    call multiply(turns%cosine, even_weight, even, cosines)
+    call multiply(turns%sine, odd_weight, odd, sines)
+    do b = 1, states%blocks
+      before = states%first + 2*half*(b - 1)
+      samples(half:1:-1) = cosines(:, b) - sines(:, b)
+      samples(half + 1:) = cosines(:, b) + sines(:, b)
+      count = min(2*half, size(history) - before)           ! a last block may be cut short
+      history(before + 1:before + count) = history(before + 1:before + count) + samples(:count)
     end do
-  end subroutine set_right
+  end subroutine add_products
 
-  pure subroutine add_product(left, right, blocks, first, history)
-    !! The product's columns are the blocks one after another: all but a last one that is cut short are added in place.
-    real(dp), intent(in), contiguous :: left(:, :)    !! (samples of a block, terms)
-    real(dp), intent(in), contiguous :: right(:, :)   !! (blocks and more, terms)
-    integer, intent(in) :: blocks
-    integer, intent(in) :: first                      !! samples before the first of the product
-    real(dp), intent(inout), contiguous :: history(:)
-    real(dp) :: last(size(left, 1))
-    integer :: length, rest, terms, whole
-    length = size(left, 1)
-    terms = size(left, 2)
-    whole = min(blocks, (size(history) - first)/length)
-    if (whole > 0) call dgemm('N', 'T', length, whole, terms, 1.0_dp, left, length, right, size(right, 1), 1.0_dp, &
-                              history(first + 1:first + length*whole), length)
-    if (whole == blocks) return
-    last = matmul(left, right(blocks, :))
-    rest = size(history) - first - length*whole
-    history(size(history) - rest + 1:) = history(size(history) - rest + 1:) + last(:rest)
-  end subroutine add_product
+  pure subroutine multiply(left, weight, right, product)
+    real(dp), intent(in), contiguous :: left(:, :)          !! (samples of half a block, modes)
+    real(dp), intent(in) :: weight(:), right(:, :)          !! (modes), (modes, blocks and more)
+    real(dp), intent(out), contiguous :: product(:, :)      !! (samples of half a block, blocks)
+    real(dp) :: weighted(size(right, 1), size(product, 2))
+    integer :: b
+    do b = 1, size(weighted, 2)
+      weighted(:, b) = weight*right(:, b)
+    end do
+    call dgemm('N', 'N', size(left, 1), size(weighted, 2), size(left, 2), 1.0_dp, left, size(left, 1), weighted, &
+               size(weighted, 1), 0.0_dp, product, size(product, 1))
+  end subroutine multiply
 
 end module bw_modal_sum

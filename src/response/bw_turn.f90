@@ -5,7 +5,7 @@ module bw_turn
   use bw_double_double, only: dd, dd_pi, operator(*)
   implicit none (type, external)
   private
-  public :: phase_angles, turn_fractions, turns
+  public :: phase_angles, turn_fractions
 
 contains
 
@@ -32,42 +32,5 @@ contains
     phase = turn_fractions(cycles*real(sample, dp))
     angle = 2.0_dp*dd_pi%hi*(phase%hi + phase%lo)
   end function phase_angles
-
-  pure subroutine turns(cycles, first, step, cosine, sine)
-    !! cos and sin of 2π·cycles·(first + j·step), j = 0, 1, …: products of a few fine turns and a few coarse ones.
-    !! **Errors**: 3 units in the last place of 1.
-    type(dd), intent(in) :: cycles                   !! turns per sample
-    integer, intent(in) :: first, step               !! samples
-    real(dp), intent(out) :: cosine(0:), sine(0:)
-    real(dp), dimension(0:nint(sqrt(real(size(cosine), dp)))) :: c, s
-    real(dp) :: angle, cosine_far, sine_far
-    integer :: i, j, fine, last
-    fine = size(c)
-    do j = 0, fine - 1
-      angle = angle_at(cycles, j*step)
-      c(j) = cos(angle)
-      s(j) = sin(angle)
-    end do
-    do i = 0, size(cosine) - 1, fine
-      angle = angle_at(cycles, first + i*step)
-      cosine_far = cos(angle)
-      sine_far = sin(angle)
-      last = min(i + fine, size(cosine)) - 1
-      cosine(i:last) = cosine_far*c(:last - i) - sine_far*s(:last - i)
-      sine(i:last) = sine_far*c(:last - i) + cosine_far*s(:last - i)
-    end do
-  end subroutine turns
-
-  pure real(dp) function angle_at(cycles, sample) result(angle)
-    !! 2π·cycles·sample less whole turns, rad.
-    type(dd), intent(in) :: cycles
-    integer, intent(in) :: sample
-    type(dd) :: phase
-    real(dp) :: part, sum
-    phase = cycles*real(sample, dp)
-    part = phase%hi - aint(phase%hi)
-    sum = part + phase%lo
-    angle = 2.0_dp*dd_pi%hi*((sum - aint(sum + sign(0.5_dp, sum))) + (phase%lo - (sum - part)))
-  end function angle_at
 
 end module bw_turn

@@ -2,6 +2,7 @@ module bw_amplitude_spectrum
   !! One-sided amplitude spectra.
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
   use bw_window, only: window_samples
   implicit none (type, external)
   private
@@ -20,37 +21,35 @@ module bw_amplitude_spectrum
 
 contains
 
-  function amplitude_spectrum(samples, window, plan) result(amplitude)
-    !! One-sided amplitude spectrum, in the unit of the samples, (0:N/2); a tone of amplitude A in the middle of a
-    !! bin reads A, whatever the window. Amplitudes below 1e-154 of the largest sample may read 0.
-    real(dp), intent(in) :: samples(:)            !! (N), N ≥ 1, finite
+  subroutine amplitude_spectrum(samples, window, plan, amplitude)
+    !! One-sided amplitude spectrum, in the unit of the samples; a tone of amplitude A in the middle of a bin reads A,
+    !! whatever the window. Amplitudes below 1e-154 of the largest sample may read 0.
+    real(dp), intent(in), contiguous :: samples(:)   !! (N), N ≥ 1, finite
     character(*), intent(in) :: window            !! a word of `known_windows`
     type(spectrum_plan), intent(inout) :: plan    !! made anew where the length or the window is another
-    real(dp) :: amplitude(0:size(samples)/2)
+    real(dp), intent(out), contiguous :: amplitude(0:)   !! (0:N/2)
+    real(dp) :: down(2), up(2)
     integer :: last, power
     last = size(samples)/2
     call plan%prepare(size(samples), window)
-    power = exponent(maxval(abs(samples)))        ! of two: samples near overflow pass
-    plan%fourier%samples = plan%weight*times_power(samples, -power)
+    power = exponent(largest_magnitude(samples))  ! of two: samples near overflow pass
+    down = power_of_two(-power)
+    up = power_of_two(power)
+    plan%fourier%samples(:) = plan%weight*((samples*down(1))*down(2))
     call plan%fourier%transform()
     associate (x => plan%fourier%spectrum)
-      amplitude = 2*sqrt(real(x)**2 + aimag(x)**2)/plan%whole
+      amplitude = ((2*sqrt(real(x)**2 + aimag(x)**2)/plan%whole)*up(1))*up(2)
     end associate
     amplitude(0) = amplitude(0)/2                 ! these two have no mirror image beside them
     if (2*last == size(samples)) amplitude(last) = amplitude(last)/2
-    amplitude = times_power(amplitude, power)
-  end function amplitude_spectrum
+  end subroutine amplitude_spectrum
 
-  pure function times_power(values, power) result(scaled)
-    !! 2^power times the values. In two steps, for 2^power itself may be out of range; `scale` is a call for every element.
-    real(dp), intent(in) :: values(:)
+  pure function power_of_two(power) result(factors)
+    !! Two factors that make 2^power, which itself may be out of range.
     integer, intent(in) :: power
-    real(dp) :: scaled(size(values))
-    real(dp) :: first, second
-    first = scale(1.0_dp, power/2)
-    second = scale(1.0_dp, power - power/2)
-    scaled = (values*first)*second
-  end function times_power
+    real(dp) :: factors(2)
+    factors = scale(1.0_dp, [power/2, power - power/2])
+  end function power_of_two
 
   subroutine prepare(self, length, window)
     class(spectrum_plan), intent(inout) :: self

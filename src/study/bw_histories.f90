@@ -4,6 +4,7 @@ module bw_histories
   use bw_case_result, only: case_result, add_note, case_diverged, case_done
   use bw_course_histories, only: last_sample, sum_courses
   use bw_continuum, only: continuum_velocity
+  use bw_magnitude, only: largest_magnitude
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -79,11 +80,11 @@ contains
     real(dp) :: speed
     speed = abs(result%approach_velocity)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
-      + result%response%sum_error*maxval(abs(result%response%displacement))
+      + result%response%sum_error*largest_magnitude(result%response%displacement)
     if (scene%response%velocity) result%response%velocity_error = &
       with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
                  result%approach_velocity*(1.0_dp + scene%impact%restitution)) &
-      + result%response%sum_error*maxval(abs(result%response%velocity))
+      + result%response%sum_error*largest_magnitude(result%response%velocity)
   contains
     function errors(velocity) result(values)
       logical, intent(in) :: velocity

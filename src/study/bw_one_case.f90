@@ -152,7 +152,7 @@ contains
     associate (histories => result%response%displacement)
       allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
       do p = 1, size(histories, 2)
-        result%amplitude(:, p) = amplitude_spectrum(histories(:, p), scene%spectrum%window, plan)
+        call amplitude_spectrum(histories(:, p), scene%spectrum%window, plan, result%amplitude(:, p))
       end do
     end associate
   end subroutine take_spectrum
