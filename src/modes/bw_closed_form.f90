@@ -17,6 +17,8 @@ module bw_closed_form
 
   type, extends(mode_set), public :: closed_form_set
     type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
+    real(dp), allocatable :: known_at(:)           !! points where they are known already; unallocated: none
+    real(dp), allocatable :: known(:, :)           !! Φ_k there, (n, points)
   contains
     procedure :: some_shapes => closed_form_shapes
     procedure :: overlap_with_mass
@@ -67,9 +69,10 @@ contains
     end do
   end subroutine set_modes
 
-  pure subroutine set_kept_modes(kept, omega, longest, modes)
+  pure subroutine set_kept_modes(kept, points, omega, longest, modes)
     !! The same of modes whose shapes are known.
     type(kept_set), intent(inout) :: kept
+    real(dp), intent(in), optional :: points(:)    !! where shapes will be asked for
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
     type(closed_form_set), intent(out) :: modes
@@ -77,6 +80,8 @@ contains
     integer :: first, last
     call size_set(size(kept%shape), kept%gamma, modes)
     modes%kept_as = kept%number
+    if (present(points)) call kept%shapes_at(points, modes%known)
+    if (allocated(modes%known)) modes%known_at = points
     call kept%roots(omega, longest, alpha)
     do first = 1, modes%count, chunk
       last = min(first + chunk - 1, modes%count)
@@ -124,16 +129,37 @@ contains
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
+    if (knows(self, xi)) then
+      values = self%known(first:last, :)
+    else
+      values = values_of_shapes(self%root(first:last), xi)
+    end if
+  end function closed_form_shapes
+
+  pure function values_of_shapes(root, xi) result(values)
+    !! Φ_k(ξ) from the roots.
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(size(root), size(xi))
     type(shape_type) :: shape(chunk)
-    integer :: k, n, p
-    do k = first, last, chunk
-      n = min(chunk, last - k + 1)
-      shape(:n) = shapes_of(self%root(k:k + n - 1))
+    integer :: k, last, p
+    do k = 1, size(root), chunk
+      last = min(k + chunk - 1, size(root))
+      shape(:last - k + 1) = shapes_of(root(k:last))
       do p = 1, size(xi)
-        values(k - first + 1:k - first + n, p) = shape_values(shape(:n), xi(p))
+        values(k:last, p) = shape_values(shape(:last - k + 1), xi(p))
       end do
     end do
-  end function closed_form_shapes
+  end function values_of_shapes
+
+  pure logical function knows(self, xi)
+    !! The shapes at these points.
+    class(closed_form_set), intent(in) :: self
+    real(dp), intent(in) :: xi(:)
+    knows = allocated(self%known)
+    if (knows) knows = size(self%known_at) == size(xi)
+    if (knows) knows = all(self%known_at == xi)
+  end function knows
 
   pure function overlap_with_mass(self, from, amplitude) result(sums)
     class(closed_form_set), intent(in) :: self
@@ -206,7 +232,7 @@ contains
     if (associated(self%kept)) is_kept = self%kept%takes(number)
     if (is_kept) then
       call self%kept%place(size(number), self%gamma, place)
-      call set_kept_modes(self%kept%sets(place), self%omega, longest, found)
+      call set_kept_modes(self%kept%sets(place), self%points, self%omega, longest, found)
     else
       call set_modes(number, self%gamma, self%omega, longest, found)
     end if

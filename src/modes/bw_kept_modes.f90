@@ -2,18 +2,19 @@ module bw_kept_modes
   !! What modes in closed form have in common however fast the beam turns and however long it is watched: roots, shapes and
   !! masses. Cases that share them find them once: each set is solved when it is first asked for, and kept as long as there
   !! is room. What is kept is what would be found again, to the bit.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   use bw_double_double, only: dd
   use bw_kept_terms, only: kept_terms
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: root_values, solve_roots
-  use bw_shape, only: shape_type, shapes_of
+  use bw_shape, only: shape_type, shape_values, shapes_of
   implicit none (type, external)
   private
 
   integer, parameter, public :: chunk = 256      !! tuned: modes whose arrays stay in the fastest cache
   integer, parameter :: most_sets = 128          !! kept at a time
   integer, parameter :: most_modes = 1024        !! of a set that is kept: all together take less than 20 MB
+  integer, parameter :: most_values = 4096       !! of the shapes of a set that are kept: all together take 4 MB
 
   type, public :: kept_set
     !! The first n modes of one mass ratio.
@@ -23,8 +24,10 @@ module bw_kept_modes
     type(dd), allocatable :: alpha(:)            !! roots as binary64 carries them, (n)
     type(dd), allocatable, private :: refined(:) !! the same, in extended precision where a case has asked for it
     logical, allocatable, private :: is_refined(:)
+    real(dp), allocatable, private :: xi(:), values(:, :)   !! where shapes were asked for last, and what they are there
   contains
     procedure :: roots => roots_for_case
+    procedure :: shapes_at
   end type kept_set
 
   type, public :: kept_modes
@@ -93,6 +96,24 @@ contains
     self%is_refined = self%is_refined .or. new
     where (coarse) alpha = self%refined
   end subroutine roots_for_case
+
+  pure subroutine shapes_at(self, xi, values)
+    !! Φ_k(ξ_p) at the points that the cases share; unallocated where these are too many to be kept.
+    class(kept_set), intent(inout) :: self
+    real(dp), intent(in) :: xi(:)                !! (points)
+    real(dp), allocatable, intent(out) :: values(:, :)   !! (n, points)
+    logical :: known
+    integer :: p
+    if (int(size(self%shape), i8)*size(xi) > most_values) return
+    known = allocated(self%xi)
+    if (known) known = size(self%xi) == size(xi)
+    if (known) known = all(self%xi == xi)
+    if (.not. known) then
+      self%xi = xi
+      self%values = reshape([(shape_values(self%shape, xi(p)), p=1, size(xi))], [size(self%shape), size(xi)])
+    end if
+    values = self%values
+  end subroutine shapes_at
 
   pure subroutine solve_shapes(number, gamma, shape)
     !! Shapes of modes of any numbers, in their order.

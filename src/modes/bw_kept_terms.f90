@@ -23,6 +23,7 @@ module bw_kept_terms
     private
     type(kept_list), allocatable :: lists(:)
     integer :: found = 0                          !! lists that were ever kept
+    integer :: last = 0                           !! the place of the one that was asked for last
   contains
     procedure, nopass :: takes
     procedure :: terms
@@ -64,11 +65,16 @@ contains
     real(dp), intent(in) :: gamma, xi(:)
     logical, intent(in) :: light
     integer, intent(out) :: place
+    integer :: held, i
     if (.not. allocated(self%lists)) allocate (self%lists(most_lists))
-    do place = 1, min(self%found, most_lists)
+    held = min(self%found, most_lists)
+    do i = 0, held - 1
+      place = 1 + mod(self%last + i, held)        ! cases ask for one list after the other, all in the same order
+      self%last = place
       if (holds(self%lists(place), k, gamma, light, xi)) return
     end do
     place = 1 + mod(self%found, most_lists)
+    self%last = place
     self%found = self%found + 1
     self%lists(place) = kept_list(gamma, light, k, xi)
     associate (list => self%lists(place))

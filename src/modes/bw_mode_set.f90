@@ -41,6 +41,7 @@ module bw_mode_set
     real(dp) :: decay = 0.0_dp
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
+    real(dp), allocatable :: points(:)            !! ξ where shapes will be asked for; unallocated: not known beforehand
   contains
     procedure(find_interface), deferred :: find
     procedure :: terms => terms_of_set

@@ -9,14 +9,15 @@ module bw_modal_sum
   !! carried from sample to sample: no error grows with time.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_time_grid, only: time_grid
   use bw_turn_table, only: turn_table
   implicit none (type, external)
   private
   public :: add_stable_modes, block_length
 
-  integer, parameter :: chunk_blocks = 64     !! tuned: the product's right side stays in the cache
+  integer, parameter :: batch = 256           !! tuned: modes whose tables stay in the cache
+  integer, parameter :: chunk_blocks = 64     !! tuned: blocks whose states do
 
   type :: block_states
     !! Φ-less amplitudes of the modes at the middles of some blocks.
@@ -51,19 +52,37 @@ contains
     real(dp), intent(in) :: q(:), q_dot(:)          !! modal displacements and velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
     type(time_grid), intent(in) :: grid
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
-    type(dd) :: beta(size(q)), cycles(size(q))      ! turns per half a sample, for a block's middle lies between two samples
-    type(block_turns) :: turns
-    type(block_states) :: states
+    type(part_monitor) :: part
     real(dp) :: start(size(shapes, 2)), start_rate(size(shapes, 2))
-    integer :: first, length, p
-    if (size(q) == 0) return
+    integer :: k, last
     start = displacement(1, :) + matmul(q, shapes)
     if (present(velocity)) start_rate = velocity(1, :) + matmul(q_dot, shapes)
+    do k = 1, size(q), batch
+      last = min(k + batch - 1, size(q))
+      part = part_monitor(monitor, (k - 1.0_dp)/size(q), (last - k + 1.0_dp)/size(q))
+      call add_batch(sqrt(beta_squared(k:last)), q(k:last), q_dot(k:last), shapes(k:last, :), grid, part, displacement, velocity)
+      if (monitor%stop_requested()) return
+    end do
+    displacement(1, :) = start            ! to the last digit: of a beam at rest position zero
+    if (present(velocity)) velocity(1, :) = start_rate
+  end subroutine add_stable_modes
+
+  subroutine add_batch(beta, q, q_dot, shapes, grid, monitor, displacement, velocity)
+    !! The same of a few hundred modes.
+    type(dd), intent(in) :: beta(:)
+    real(dp), intent(in) :: q(:), q_dot(:), shapes(:, :)
+    type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor
+    real(dp), intent(inout), contiguous :: displacement(:, :)
+    real(dp), intent(inout), optional, contiguous :: velocity(:, :)
+    type(dd) :: cycles(size(q))           ! turns per half a sample: a block's middle lies between two samples
+    type(block_turns) :: turns
+    type(block_states) :: states
+    integer :: first, length, p
     length = block_length(grid%samples)
-    beta = sqrt(beta_squared)
     cycles = beta*(grid%step/(dd_pi*4.0_dp))
     call turns_in_block(length/2, cycles, turns)
     do first = 0, grid%samples - 1, length*chunk_blocks
@@ -76,9 +95,7 @@ contains
       call monitor%advance(real(first, dp)/grid%samples)
       if (monitor%stop_requested()) return
     end do
-    displacement(1, :) = start            ! to the last digit: of a beam at rest position zero
-    if (present(velocity)) velocity(1, :) = start_rate
-  end subroutine add_stable_modes
+  end subroutine add_batch
 
   pure integer function block_length(samples) result(length)
     !! A power of two near √samples: the two tables of turns together are smallest there.
@@ -101,28 +118,26 @@ contains
     integer, intent(in) :: first, length            !! samples before the first block, and in each
     integer, intent(in) :: samples
     type(dd), intent(in) :: cycles(:)               !! turns per half a sample
-    real(dp), intent(in) :: start(:), start_rate(:) !! q and q̇/β at t = 0
+    real(dp), intent(in), contiguous :: start(:), start_rate(:)   !! q and q̇/β at t = 0
     type(block_states), intent(inout) :: states
-    real(dp), allocatable :: cosine(:, :), sine(:, :)
-    integer :: b, blocks
-    blocks = min(chunk_blocks, (samples - first + length - 1)/length)
-    allocate (cosine(size(start), blocks), sine(size(start), blocks))
+    real(dp), dimension(size(start), min(chunk_blocks, (samples - first + length - 1)/length)) :: cosine, sine
+    integer :: b
     call turn_table(cycles, 2.0_dp*first + (length - 1), 2.0_dp*length, cosine, sine)
-    if (.not. allocated(states%even)) allocate (states%even(size(start), blocks), states%odd(size(start), blocks))
-    do b = 1, blocks
+    if (.not. allocated(states%even)) allocate (states%even, states%odd, mold=cosine)
+    do b = 1, size(cosine, 2)
       states%even(:, b) = start*cosine(:, b) + start_rate*sine(:, b)
       states%odd(:, b) = start_rate*cosine(:, b) - start*sine(:, b)
     end do
     states%first = first
-    states%blocks = blocks
+    states%blocks = size(cosine, 2)
   end subroutine states_at_blocks
 
   pure subroutine add_products(turns, states, even_weight, even, odd_weight, odd, history)
     !! All samples of some blocks of one history.
     type(block_turns), intent(in) :: turns
     type(block_states), intent(in) :: states
-    real(dp), intent(in) :: even_weight(:), odd_weight(:)   !! of the modes
-    real(dp), intent(in) :: even(:, :), odd(:, :)           !! amplitudes that are weighted, (modes, blocks and more)
+    real(dp), intent(in), contiguous :: even_weight(:), odd_weight(:)   !! of the modes
+    real(dp), intent(in), contiguous :: even(:, :), odd(:, :)   !! amplitudes that are weighted, (modes, blocks and more)
     real(dp), intent(inout), contiguous :: history(:)       !! (samples)
     real(dp), dimension(size(turns%cosine, 1), states%blocks) :: cosines, sines
     real(dp) :: samples(2*size(turns%cosine, 1))
@@ -141,7 +156,7 @@ contains
 
   pure subroutine multiply(left, weight, right, product)
     real(dp), intent(in), contiguous :: left(:, :)          !! (samples of half a block, modes)
-    real(dp), intent(in) :: weight(:), right(:, :)          !! (modes), (modes, blocks and more)
+    real(dp), intent(in), contiguous :: weight(:), right(:, :)   !! (modes), (modes, blocks and more)
     real(dp), intent(out), contiguous :: product(:, :)      !! (samples of half a block, blocks)
     real(dp) :: weighted(size(right, 1), size(product, 2))
     integer :: b

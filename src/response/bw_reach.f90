@@ -5,7 +5,7 @@ module bw_reach
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
   implicit none (type, external)
   private
-  public :: undamped_reach, damped_reach, turns
+  public :: undamped_reach, undamped_reaches, damped_reach, turns
 
   type, public :: stretch_type
     !! A part of a history, times in l²/h from the start of the motion.
@@ -33,6 +33,18 @@ contains
     if (beta < 0.0_dp) reach = sinh(min(furthest, -beta*longest))/(-beta)
     if (velocity) reach = cosh(min(furthest, -beta*longest))
   end function undamped_reach
+
+  pure function undamped_reaches(beta, longest, velocity) result(reach)
+    !! `undamped_reach` of a list.
+    real(dp), intent(in) :: beta(:), longest
+    logical, intent(in) :: velocity
+    real(dp) :: reach(size(beta))
+    if (velocity .or. any(beta <= 0.0_dp)) then
+      reach = undamped_reach(beta, longest, velocity)
+    else
+      reach = min(longest, 1.0_dp/beta)        ! the same in vector registers
+    end if
+  end function undamped_reaches
 
   elemental logical function turns(beta_squared, c)
     !! The mode swings: its sign is as good as random.

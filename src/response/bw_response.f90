@@ -62,8 +62,9 @@ contains
     integer, intent(in) :: points                !! how many
     logical, intent(in) :: with_velocity
     type(response_type), intent(out) :: response
-    allocate (response%displacement(grid%samples, points), source=0.0_dp)
-    if (with_velocity) allocate (response%velocity(grid%samples, points), source=0.0_dp)
+    allocate (response%displacement(grid%samples, points))
+    response%displacement = 0.0_dp         ! by a fill of memory, which `source=` is not
+    if (with_velocity) response%velocity = response%displacement
     response%finite_samples = grid%samples
   end subroutine start_histories
 

@@ -56,6 +56,7 @@ contains
     least = product_seconds(modes, samples, histories)
     if (present(must_transform)) least = merge(huge(least), least, must_transform)
     do width = narrowest, widest, narrowest
+      if (transform_seconds(modes, samples, histories, width, max(width, samples/2 + 1)) >= least) cycle  ! on any grid
       half = grid_for_width(width, samples, tolerance)
       if (half == 0) cycle
       seconds = transform_seconds(modes, samples, histories, width, half)

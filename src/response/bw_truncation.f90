@@ -19,7 +19,7 @@ module bw_truncation
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
-  use bw_reach, only: damped_reach, stretch_type, turns, undamped_reach
+  use bw_reach, only: damped_reach, stretch_type, turns, undamped_reaches
   implicit none (type, external)
   private
   public :: truncation_error, tail_error, with_start, add_tail, largest
@@ -180,7 +180,7 @@ contains
       call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
     else
       call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
-      call add_amplitudes(force*drive, shapes, beta%hi > 0.0_dp, undamped_reach(beta%hi, stretch%end, velocity), weight, &
+      call add_amplitudes(force*drive, shapes, beta%hi > 0.0_dp, undamped_reaches(beta%hi, stretch%end, velocity), weight, &
                           sums)
     end if
   end subroutine add_window
@@ -245,7 +245,7 @@ contains
           reach(:n) = damped_reach(square, modes%damping(first:last), stretch, velocity)
         else
           stable(:n) = square%hi > 0.0_dp
-          reach(:n) = undamped_reach(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
+          reach(:n) = undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
         end if
       end associate
       call add_amplitudes(rate(first:last), modes%some_shapes(first, last, points), stable(:n), reach(:n), weight, sums)
@@ -258,11 +258,22 @@ contains
     real(dp), intent(in) :: reach(:)              !! how far the mode goes that starts with velocity 1
     real(dp), intent(in) :: weight
     type(deviation_type), intent(inout) :: sums(:)
-    integer :: p
+    real(dp) :: amplitude, total(3)
+    integer :: k, p
     do p = 1, size(sums)
-      sums(p)%magnitude = sums(p)%magnitude + weight*sum(abs(rate*shapes(:, p))*reach, mask=stable)
-      sums(p)%square = sums(p)%square + weight*sum((rate*shapes(:, p)*reach)**2, mask=stable)
-      sums(p)%growing = sums(p)%growing + weight*sum(abs(rate*shapes(:, p))*reach, mask=.not. stable)
+      total = 0.0_dp
+      do k = 1, size(rate)
+        amplitude = abs(rate(k)*shapes(k, p))*reach(k)
+        if (stable(k)) then
+          total(1) = total(1) + amplitude
+          total(2) = total(2) + amplitude**2
+        else
+          total(3) = total(3) + amplitude
+        end if
+      end do
+      sums(p)%magnitude = sums(p)%magnitude + weight*total(1)
+      sums(p)%square = sums(p)%square + weight*total(2)
+      sums(p)%growing = sums(p)%growing + weight*total(3)
     end do
   end subroutine add_amplitudes
 

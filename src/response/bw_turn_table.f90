@@ -16,7 +16,7 @@ contains
   pure subroutine turn_table(cycles, first, step, cosine, sine)
     !! cos and sin of 2π·cycles·(first + j·step), j = 0, 1, … (at most 2¹⁶).
     !! **Errors**: 5 units in the last place of 1, from two angles rounded near π; of sines of small angles relative to them.
-    type(dd), intent(in) :: cycles(:)                    !! turns per unit of time, (modes)
+    type(dd), intent(in) :: cycles(:)                    !! turns per unit of time, (modes, a few hundred)
     real(dp), intent(in) :: first, step                  !! times: whole numbers of that unit
     real(dp), intent(out), contiguous :: cosine(:, 0:), sine(:, 0:)   !! (modes, times)
     real(dp), dimension(size(cycles), 0:fine - 1) :: c, s

@@ -37,12 +37,18 @@ contains
     up = power_of_two(power)
     plan%fourier%samples(:) = plan%weight*((samples*down(1))*down(2))
     call plan%fourier%transform()
-    associate (x => plan%fourier%spectrum)
-      amplitude = ((2*sqrt(real(x)**2 + aimag(x)**2)/plan%whole)*up(1))*up(2)
-    end associate
+    call take_magnitudes(plan%fourier%spectrum, up(1)*(2.0_dp/plan%whole), up(2), amplitude)
     amplitude(0) = amplitude(0)/2                 ! these two have no mirror image beside them
     if (2*last == size(samples)) amplitude(last) = amplitude(last)/2
   end subroutine amplitude_spectrum
+
+  pure subroutine take_magnitudes(x, factor, factor_too, magnitude)
+    !! |x| times two factors. Its square is within range.
+    complex(dp), intent(in), contiguous :: x(:)
+    real(dp), intent(in) :: factor, factor_too
+    real(dp), intent(out), contiguous :: magnitude(:)
+    magnitude = (sqrt(real(x)**2 + aimag(x)**2)*factor)*factor_too
+  end subroutine take_magnitudes
 
   pure function power_of_two(power) result(factors)
     !! Two factors that make 2^power, which itself may be out of range.

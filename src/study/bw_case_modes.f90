@@ -50,8 +50,8 @@ contains
       call find_closed_form(scene, result, kept, alone, source)
     end if
     if (allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/result%units%time%hi)
-    call set_damping(scene, result, alone)
-    call set_damping(scene, result, source)
+    call prepare(scene, result, alone)
+    call prepare(scene, result, source)
     if (allocated(scene%capture)) then
       source%stretch = record_stretch(scene)
       call source%find(first_numbers(scene%modes%after), result%modes, longest)
@@ -67,12 +67,15 @@ contains
     end if
   end subroutine find_modes
 
-  subroutine set_damping(scene, result, source)
+  subroutine prepare(scene, result, source)
+    !! Say what damps the modes, and where their shapes will be asked for.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     class(mode_source), allocatable, intent(inout) :: source
-    if (allocated(scene%damping) .and. allocated(source)) source%damping = law_of(scene%damping, result%units)
-  end subroutine set_damping
+    if (.not. allocated(source)) return
+    if (allocated(scene%damping)) source%damping = law_of(scene%damping, result%units)
+    if (allocated(scene%response)) source%points = scene%response%points
+  end subroutine prepare
 
   subroutine find_closed_form(scene, result, kept, alone, loaded)
     !! Rotation acts on modes in closed form in its own plane only.
