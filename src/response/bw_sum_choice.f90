@@ -27,12 +27,12 @@ module bw_sum_choice
 
   ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios
   ! matter alone.
-  real(dp), parameter :: product_set_up = 22.6e-6_dp  ! a call
-  real(dp), parameter :: product_mode = 1.53e-6_dp    ! a mode
-  real(dp), parameter :: product_turn = 28.9e-9_dp    ! an entry of the tables of turns, each for a mode
-  real(dp), parameter :: product_state = 649e-12_dp   ! a mode's state at a block of a history
-  real(dp), parameter :: product_term = 205e-12_dp    ! a mode at a sample of a history
-  real(dp), parameter :: product_sample = 609e-12_dp  ! a sample of a history
+  real(dp), parameter :: product_set_up = 26.8e-6_dp  ! a call
+  real(dp), parameter :: product_mode = 320e-9_dp     ! a mode
+  real(dp), parameter :: product_turn = 2.13e-9_dp    ! an entry of the tables of turns, each for a mode
+  real(dp), parameter :: product_state = 609e-12_dp   ! a mode's state at a block of a history
+  real(dp), parameter :: product_term = 92.8e-12_dp   ! a mode at a sample of a history
+  real(dp), parameter :: product_sample = 1.3e-9_dp   ! a sample of a history
   real(dp), parameter :: set_up = 107e-6_dp           ! kernel and plan
   real(dp), parameter :: mode_phase = 6.18e-9_dp      ! place and phase of a mode
   real(dp), parameter :: mode_weight = 23e-9_dp       ! a vector of weights of the kernel
