@@ -72,6 +72,7 @@ def curve(axes: Axes, name: str, rows: list[dict[str, Any]]) -> None:
     seconds, errors = [row["cpu_seconds"] for row in known], [row["error"] for row in known]
     axes.plot(seconds, errors, color=colour, linestyle=dash, marker=marker, markerfacecolor="white", linewidth=1.6)
     words, size, offset, aligned = LABELS[name]
+    size = max(-len(known), min(size, len(known) - 1))  # a small run has fewer
     axes.annotate(words, (seconds[size], errors[size]), xytext=offset, textcoords="offset points", ha=aligned,
                   va="center", color=colour, fontsize=9, bbox=BEHIND_WORDS)  # fmt: skip
 
