@@ -9,7 +9,7 @@ module bw_double_double
   use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  public :: two_sum, two_product, two_products, accurate_sum, to_dd, to_quad, sqrt
+  public :: two_sum, two_product, two_products, accurate_sum, add_exactly, to_dd, to_quad, sqrt
   public :: operator(+), operator(-), operator(*), operator(/)
 
   type, public :: dd
@@ -188,6 +188,19 @@ contains
       call two_product(a(i), b, product(i), rest(i))
     end do
   end subroutine two_products
+
+  pure subroutine add_exactly(terms, sums, lost)
+    !! One term more to each of many sums; what rounding took off them is kept beside them (as in `accurate_sum`).
+    real(dp), intent(in) :: terms(:)
+    real(dp), intent(inout) :: sums(:), lost(:)
+    real(dp) :: next, rest
+    integer :: i
+    do i = 1, size(terms)
+      call two_sum(sums(i), terms(i), next, rest)
+      sums(i) = next
+      lost(i) = lost(i) + rest
+    end do
+  end subroutine add_exactly
 
   pure function add_to_list(a, b) result(c)
     type(dd), intent(in) :: a(:), b

@@ -6,7 +6,7 @@ module bw_overlap
   !! ∫Φ̄_kφ_i dξ = Φ̄_k'''(1)φ_i(1)/(ᾱ_k⁴ − α_i⁴), Φ̄_k'''(1) = −γᾱ_k⁴Φ̄_k(1); with the mass's own term γΦ̄_k(1)φ_i(1)
   !! the sum is γΦ̄_k(1)φ_i(1) α_i⁴/(α_i⁴ − ᾱ_k⁴).
   use bw_kinds, only: dp
-  use bw_double_double, only: accurate_sum
+  use bw_double_double, only: add_exactly
   use bw_root_difference, only: fourth_power_difference
   use bw_shape, only: shape_type
   implicit none (type, external)
@@ -58,40 +58,56 @@ contains
       end do
       return
     end if
-    do k = 1, size(loaded)
-      sums(k) = loaded(k)%tip_force/loaded(k)%alpha*accurate_sum(free%tip*weight/differences(loaded(k), free))
-    end do
+    sums = -loaded%tip_force/loaded%alpha*sums_over_gaps(loaded, free, free%tip*weight, .false.)
   end function weighted_sums
 
   pure function sums_over_loaded(free, loaded, amplitude) result(sums)
     !! φ_i(1) Σ_k γΦ̄_k(1) ᾱ_k⁴ a_k/(α_i⁴ − ᾱ_k⁴).
     type(shape_type), intent(in) :: free(:), loaded(:)
     real(dp), intent(in) :: amplitude(:)          !! a_k, (size(loaded))
-    real(dp) :: sums(size(free)), gap(size(loaded))
-    integer :: i, k
-    do i = 1, size(free)
-      gap = far_difference(free(i), loaded)
-      k = free(i)%root%k
-      if (k <= size(loaded)) gap(k) = fourth_power_difference(free(i)%root, loaded(k)%root)
-      sums(i) = free(i)%tip*accurate_sum(loaded%tip_force*loaded%alpha**3*amplitude/gap)
-    end do
+    real(dp) :: sums(size(free))
+    sums = free%tip*sums_over_gaps(free, loaded, loaded%tip_force*loaded%alpha**3*amplitude, .true.)
   end function sums_over_loaded
 
-  pure function differences(loaded, free) result(values)
-    !! α_i⁴ − ᾱ_k⁴ for all i.
-    type(shape_type), intent(in) :: loaded, free(:)
-    real(dp) :: values(size(free))
-    values = far_difference(free, loaded)
-    associate (k => loaded%root%k)
-      if (k <= size(free)) values(k) = fourth_power_difference(free(k)%root, loaded%root)
-    end associate
-  end function differences
+  pure function sums_over_gaps(onto, from, weight, onto_free) result(sums)
+    !! Σ_k w_k/(α_i⁴ − α_k⁴) for all i at a time, in vector registers; each sum is rounded about once (Neumaier).
+    type(shape_type), intent(in) :: onto(:)       !! i, ascending; a few hundred
+    type(shape_type), intent(in) :: from(:)       !! k, ascending
+    real(dp), intent(in) :: weight(:)             !! (size(from))
+    logical, intent(in) :: onto_free              !! `onto` are without the mass, else `from` are
+    real(dp) :: sums(size(onto))
+    real(dp), dimension(size(onto)) :: eighths, rest, alpha, square, gap, lost
+    integer :: i, k
+    eighths = onto%root%eighths
+    rest = onto%root%rest
+    alpha = onto%alpha
+    square = alpha**2
+    sums = 0.0_dp
+    lost = 0.0_dp
+    i = 1
+    do k = 1, size(from)
+      associate (other => from(k))
+        gap = (0.25_dp*pi*(eighths - other%root%eighths) + (rest - other%root%rest)) &
+          *(alpha + other%alpha)*(square + other%alpha**2)
+        do while (i < size(onto) .and. onto(i)%root%k < other%root%k)
+          i = i + 1
+        end do
+        if (onto(i)%root%k == other%root%k) gap(i) = own_gap(onto(i), other, onto_free)
+        call add_exactly(weight(k)/gap, sums, lost)
+      end associate
+    end do
+    sums = sums + lost
+  end function sums_over_gaps
 
-  elemental real(dp) function far_difference(free, loaded) result(value)
-    !! α_i⁴ − ᾱ_k⁴, i ≠ k.
-    type(shape_type), intent(in) :: free, loaded
-    value = (0.25_dp*pi*(free%root%eighths - loaded%root%eighths) + (free%root%rest - loaded%root%rest)) &
-      *(free%alpha + loaded%alpha)*(free%alpha**2 + loaded%alpha**2)
-  end function far_difference
+  elemental real(dp) function own_gap(onto, from, onto_free) result(gap)
+    !! α⁴ − ᾱ⁴ of two modes of the same number, which may nearly agree.
+    type(shape_type), intent(in) :: onto, from
+    logical, intent(in) :: onto_free
+    if (onto_free) then
+      gap = fourth_power_difference(onto%root, from%root)
+    else
+      gap = -fourth_power_difference(from%root, onto%root)
+    end if
+  end function own_gap
 
 end module bw_overlap

@@ -7,13 +7,14 @@ module bw_release_error
   !! beyond these are taken with the amplitudes that the continuum has before the release. Where there are no more modes,
   !! what the tip's velocity lacks is judged without them (bw_tip_rest).
   use bw_course, only: move
-  use bw_double_double, only: dd, sqrt
+  use bw_double_double, only: dd, sqrt, to_dd
   use bw_kinds, only: dp
+  use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
   use bw_reach, only: damped_reach, stretch_type, turns
   use bw_release, only: tip_rest
   use bw_tip_rest, only: find_tip_rest
-  use bw_truncation, only: add_tail, deviation_type, largest
+  use bw_truncation, only: add_tail, deviation_type, largest, negligible, sampled
   implicit none (type, external)
   private
   public :: release_error, release_tail, blow_reach
@@ -35,12 +36,56 @@ contains
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    real(dp) :: error(size(points))
+    real(dp) :: error(size(points)), first(size(points))
     type(deviation_type) :: sums(size(points))
-    call add_tail(count, loaded, force, points, stretch_type(released%hi, released%hi + stretch%end, stretch%samples), &
-                  velocity, sums, shown=alone)
-    error = margin*largest(sums, stretch%samples)
+    call add_tail(count, loaded, force, points, since_capture(stretch, released), velocity, sums, shown=alone)
+    first = 0.0_dp
+    if (allocated(alone%damping)) then
+      call add_handed_on(count, loaded, alone, force, released, points, stretch, velocity, sums, first)
+    end if
+    error = margin*max(largest(sums, stretch%samples), abs(first))
   end function release_tail
+
+  pure type(stretch_type) function since_capture(stretch, released) result(whole)
+    !! A stretch with its times from the capture.
+    type(stretch_type), intent(in) :: stretch     !! times from the release
+    type(dd), intent(in) :: released
+    whole = stretch_type(released%hi + stretch%start, released%hi + stretch%end, stretch%samples)
+  end function since_capture
+
+  subroutine add_handed_on(count, loaded, alone, force, released, points, stretch, velocity, sums, seen)
+    !! What modes of the beam alone beyond the first `count` get from the first of beam and mass. The force of the mass at
+    !! the tip ends of a sudden, so that it falls as k⁻⁴ only: where damping has left nothing of the modes far above, this is
+    !! what is missing.
+    integer, intent(in) :: count
+    class(mode_source), intent(in) :: loaded, alone
+    real(dp), intent(in) :: force
+    type(dd), intent(in) :: released
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    real(dp), intent(inout) :: seen(:)            !! as that of `add_state`
+    class(mode_set), allocatable :: low, free
+    type(deviation_type) :: before(size(sums))
+    real(dp) :: q(count), rate(count)
+    integer :: first, last, k
+    call loaded%find([(k, k=1, count)], low)
+    q = 0.0_dp
+    rate = force*low%tip/low%modal_mass
+    call move(low, released, q, rate)
+    first = count + 1
+    do while (first <= alone%highest)
+      last = min(2*first, alone%highest)
+      before = sums
+      call alone%find(sampled(first, last), free)
+      call add_state(free, free%overlap_of_beam(low, q)/free%modal_mass, free%overlap_of_beam(low, rate)/free%modal_mass, &
+                     real(last - first + 1, dp)/free%count, points, stretch, velocity, sums, seen)
+      if (all(sums%magnitude + sums%growing - before%magnitude - before%growing &
+              <= negligible*(sums%magnitude + sums%growing))) exit
+      first = last + 1
+    end do
+  end subroutine add_handed_on
 
   function blow_reach(free, points, stretch, velocity) result(reach)
     !! How far a blow of 1 at its tip drives the beam alone at most, (points).
@@ -50,7 +95,7 @@ contains
     logical, intent(in) :: velocity
     real(dp) :: reach(size(points))
     type(deviation_type) :: sums(size(points))
-    call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, points, stretch, velocity, sums)
+    call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, 1.0_dp, points, stretch, velocity, sums)
     reach = sums%growing + sums%magnitude
   end function blow_reach
 
@@ -69,6 +114,7 @@ contains
     class(mode_set), allocatable :: many, free
     type(deviation_type) :: sums(size(points))
     type(tip_rest) :: rest
+    real(dp) :: first(size(points))
     real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
     integer :: k, n
     n = max(count, size(q))
@@ -82,23 +128,27 @@ contains
     lacking_rate = free%overlap_of_beam(many, start_rate)/free%modal_mass
     lacking(:size(q)) = lacking(:size(q)) - q
     lacking_rate(:size(q)) = lacking_rate(:size(q)) - rate
-    call add_state(free, lacking, lacking_rate, points, stretch, velocity, sums)
-    call add_tail(n, loaded, force, points, stretch_type(released%hi, released%hi + stretch%end, stretch%samples), velocity, &
-                  sums, shown=alone)
-    error = margin*largest(sums, stretch%samples)
+    first = 0.0_dp
+    call add_state(free, lacking, lacking_rate, 1.0_dp, points, stretch, velocity, sums, first)
+    call add_tail(n, loaded, force, points, since_capture(stretch, released), velocity, sums, shown=alone)
+    error = margin*max(largest(sums, stretch%samples), abs(first))
     if (n < 4*max(count, size(q)) .and. n == min(loaded%highest, alone%highest)) then
       call find_tip_rest(loaded, force, n, released, 0.0_dp, rest)
       error = error + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
     end if
   end function release_error
 
-  pure subroutine add_state(modes, q, rate, points, stretch, velocity, sums)
+  pure subroutine add_state(modes, q, rate, weight, points, stretch, velocity, sums, seen)
     !! Amplitudes of modes that start from any state.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: q(:), rate(:), points(:)
+    real(dp), intent(in) :: q(:), rate(:)         !! (modes)
+    real(dp), intent(in) :: weight                !! each stands for so many modes
+    real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums(:)
+    real(dp), intent(inout), optional :: seen(:)
+      !! what they add at the first sample of the stretch: just after the release their phases agree, (points)
     real(dp) :: shapes(modes%count, size(points)), amplitude(modes%count), c(modes%count)
     logical :: swinging(modes%count)
     integer :: p
@@ -108,11 +158,25 @@ contains
     amplitude = amplitude_of(modes%beta_squared, c, q, rate, stretch, velocity)
     shapes = modes%shapes(points)
     do p = 1, size(points)
-      sums(p)%magnitude = sums(p)%magnitude + sum(abs(amplitude*shapes(:, p)), mask=swinging)
-      sums(p)%square = sums(p)%square + sum((amplitude*shapes(:, p))**2, mask=swinging)
-      sums(p)%growing = sums(p)%growing + sum(abs(amplitude*shapes(:, p)), mask=.not. swinging)
+      sums(p)%magnitude = sums(p)%magnitude + weight*sum(abs(amplitude*shapes(:, p)), mask=swinging)
+      sums(p)%square = sums(p)%square + weight*sum((amplitude*shapes(:, p))**2, mask=swinging)
+      sums(p)%growing = sums(p)%growing + weight*sum(abs(amplitude*shapes(:, p)), mask=.not. swinging)
     end do
+    if (present(seen)) seen = seen + weight*matmul(first_sample(modes, q, rate, stretch, velocity), shapes)
   end subroutine add_state
+
+  pure function first_sample(modes, q, rate, stretch, velocity) result(motion)
+    !! Of each mode, its displacement or velocity.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q(:), rate(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp) :: motion(modes%count), other(modes%count)
+    motion = q
+    other = rate
+    call move(modes, to_dd(stretch%start), motion, other)
+    if (velocity) motion = other
+  end function first_sample
 
   elemental real(dp) function amplitude_of(beta_squared, c, q, rate, stretch, velocity) result(amplitude)
     !! The largest displacement or velocity of a mode over the stretch, or a little more.
@@ -120,10 +184,11 @@ contains
     real(dp), intent(in) :: c, q, rate
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    type(dd) :: beta
+    type(dd) :: beta, slow
     beta = sqrt(beta_squared)
     if (turns(beta_squared, c)) then
-      amplitude = hypot(q, rate/beta%hi)
+      slow = slow_exponent(beta_squared, c)
+      amplitude = hypot(q, rate/beta%hi)*exp(slow%hi*stretch%start)
       if (velocity) amplitude = beta%hi*amplitude
     else if (velocity) then
       amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &

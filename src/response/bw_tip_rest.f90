@@ -37,7 +37,8 @@ module bw_tip_rest
 contains
 
   subroutine find_tip_rest(source, force, first, time, bound, rest)
-    !! In octaves, until the uncertainty is within a bound; or all modes there are, or 10⁷.
+    !! In octaves, until the uncertainty is within a bound; or all modes there are, or 10⁷. Roots are solved in extended
+    !! precision where phases call for it, also where a scene asks for that in every root: the terms fall as k⁻².
     class(mode_source), intent(in) :: source      !! of beam and mass, γ > 0
     real(dp), intent(in) :: force                 !! (1+e)γ: modal velocities at t = 0 are this times Φ_k(1)/M_k
     integer, intent(in) :: first                  !! n; every growing mode is among the first n
@@ -104,7 +105,7 @@ contains
     type(dd) :: beta(size(number))
     real(dp), dimension(size(number)) :: angle, drive, term
     real(dp) :: tip(size(number), 1)
-    call source%terms(number, [1.0_dp], source%stretch*time%hi, beta, drive, tip)
+    call source%terms(number, [1.0_dp], min(1.0_dp, source%stretch)*time%hi, beta, drive, tip)
     term = force*drive*tip(:, 1)
     call take_terms(term, sum)
     sum%rest%energy = sum%rest%energy + 0.5_dp*force*accurate_sum(term)
@@ -125,7 +126,7 @@ contains
     type(dd) :: slow
     integer :: n
     n = size(number)
-    call source%find(number, modes, source%stretch*time%hi)
+    call source%find(number, modes, min(1.0_dp, source%stretch)*time%hi)
     q = 0.0_dp
     rate = force*modes%tip/modes%modal_mass
     call take_terms(modes%tip*rate, sum)

@@ -18,17 +18,18 @@ module bw_truncation
   !! **Empirical**: `safety`, `revival`, and the sampling; test_bw_truncation shows what they are worth.
   use bw_double_double, only: dd
   use bw_kinds, only: dp
+  use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
   use bw_reach, only: damped_reach, stretch_type, turns, undamped_reaches
   implicit none (type, external)
   private
-  public :: truncation_error, tail_error, with_start, add_tail, largest
+  public :: truncation_error, tail_error, with_start, add_tail, largest, sampled
 
   real(dp), parameter :: safety = 2.5_dp          !! empirical: of the phases as if they were random
   real(dp), parameter :: revival = 2.0_dp         !! empirical: of N^(1/4); from 500 samples on it is the larger one
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
-  real(dp), parameter :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
+  real(dp), parameter, public :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
 
   type, public :: deviation_type
     !! Of one point: the sums from which the estimates are made.
@@ -144,7 +145,7 @@ contains
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
     first = count + 1
     do while (first <= source%highest)
-      last = min(2*max(first, run_length), source%highest)
+      last = window_end(first, source, stretch%start)
       before = sums
       call add_window(source, force, sampled(first, last), last - first + 1, points, stretch, velocity, sums, shown)
       if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
@@ -156,6 +157,26 @@ contains
       call extrapolate(source, force, points, stretch, velocity, sums, shown)
     end if
   end subroutine add_tail
+
+  integer function window_end(first, source, elapsed) result(last)
+    !! Twice the first mode, or where damping has left much less of the last mode than of the first, no further than all modes
+    !! are looked at: a few runs of them would not see where the others end.
+    integer, intent(in) :: first
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: elapsed               !! since all modes began
+    real(dp), parameter :: steepest = 0.5_dp      ! nepers
+    real(dp), parameter :: nothing = 60.0_dp      ! nepers, of which nothing is left: windows may be as wide as they like
+    class(mode_set), allocatable :: ends
+    type(dd) :: exponent(2)
+    last = min(2*max(first, run_length), source%highest)
+    if (.not. allocated(source%damping)) return
+    do while (last - first >= 2*runs*run_length)
+      call source%find([first, last], ends)
+      exponent = slow_exponent(ends%beta_squared, ends%damping)
+      if (abs(exponent(1)%hi - exponent(2)%hi)*elapsed <= steepest .or. -exponent(1)%hi*elapsed > nothing) exit
+      last = first + (last - first)/2
+    end do
+  end function window_end
 
   subroutine add_window(source, force, number, window, points, stretch, velocity, sums, shown)
     !! Modes that stand for a window of so many: of undamped ones no more is found than is needed.

@@ -77,10 +77,8 @@ contains
                 'could be measured'//accepted)
     else if (.not. allocated(scene%capture)) then
       call fail(error, status_bad_input, scene%file//': &capture: is absent: a rebound belongs to its truncation (its '// &
-                'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted)
-    else if (allocated(scene%release)) then
-      call fail(error, status_bad_input, scene%file//': &release: the velocity of the mass that leaves converges too '// &
-                'slowly for a converged answer'//accepted//' and without &release')
+                'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted//'; instead: '// &
+                '&sweep parameter=''modes%before'', which shows what changes with their number')
     end if
   end subroutine refuse
 

@@ -11,9 +11,8 @@ module bw_histories
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
   use bw_scene, only: scene_type
-  use bw_reach, only: stretch_type
   use bw_release_error, only: release_error
-  use bw_released_motion, only: released_error
+  use bw_released_motion, only: released_error, stretch_after
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_tolerance_sum, only: force_of, sum_to_tolerance
@@ -122,12 +121,9 @@ contains
     type(case_result), intent(in) :: result
     logical, intent(in) :: velocity
     real(dp), allocatable :: values(:)
-    integer :: before
-    before = last_sample(result%courses, 1, grid)
     associate (course => result%courses(2))
       values = release_error(course%q, course%rate, source, alone, result%mode_count, force, course%start, &
-                             scene%response%points, &
-                             stretch_type(0.0_dp, grid%samples*grid%step%hi - course%start%hi, grid%samples - before), velocity)
+                             scene%response%points, stretch_after(grid, result), velocity)
     end associate
   end function after_release
 

@@ -20,7 +20,7 @@ module bw_released_motion
   use bw_tip_rest, only: find_tip_rest
   implicit none (type, external)
   private
-  public :: plan_released, peak_released, released_error, release_continuum
+  public :: stretch_after, plan_released, peak_released, released_error, release_continuum
 
   real(dp), parameter :: tail_share = 0.8_dp    !! of a tolerance that may be missing of the beam's modes; the rest is the tip's
   real(dp), parameter :: tip_share = 0.25_dp    !! of what is missing of the modes, that the tip's need not be below
@@ -34,7 +34,9 @@ contains
     type(case_result), intent(in) :: result
     integer :: before
     before = last_sample(result%courses, 1, grid)
-    stretch = stretch_type(0.0_dp, grid%samples*grid%step%hi - result%courses(2)%start%hi, grid%samples - before)
+    associate (released => result%courses(2)%start%hi, step => grid%step%hi)
+      stretch = stretch_type(max(0.0_dp, before*step - released), grid%samples*step - released, grid%samples - before)
+    end associate
   end function stretch_after
 
   subroutine plan_released(bound, fewest, source, alone, force, points, grid, result, reached)

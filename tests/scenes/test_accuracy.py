@@ -169,7 +169,6 @@ def test_a_result_of_a_run_is_not_taken_for_a_study(here):
 REFUSED = {
     "no history": (captured_beam(), "&response"),
     "a rebound": (captured_beam(capture=None, response={"duration": 0.05, "samples": 16}), "&capture"),
-    "a release": (captured_beam(release={"time": 0.02}, response={"duration": 0.05, "samples": 16}), "&release"),
     "no impact": (captured_beam(capture=None, impact=None), "&response"),
 }
 
@@ -206,9 +205,9 @@ def test_a_beam_at_rest_has_no_error_at_any_price(here):
         assert np.isnan(ds.work_slope)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_in_order_and_nothing_is_left(here, number):
-    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 100_000}))
+@pytest.mark.parametrize("number, groups", [(signal.SIGINT, {}), (signal.SIGTERM, {"release": {"time": 0.5}})])
+def test_a_signal_ends_in_order_and_nothing_is_left(here, number, groups):
+    here.scene("a", captured_beam(response={"duration": 1.0, "samples": 100_000}, **groups))
     running = here.start("accuracy", "a.nml")
     until = time.perf_counter() + SECONDS
     while not (here.directory / "output").exists():

@@ -1,0 +1,147 @@
+module bw_direct_motion
+  !! The motion of a scene within a tolerance at a few samples by direct sums, every root in extended precision: what the
+  !! converged run is checked against.
+  !!
+  !! At a release every mode of beam and mass is handed on to each of the beam alone, of far more of them than move after it:
+  !! what the run takes those far above to be, one blow at the tip, is left for those beyond these alone.
+  use bw_kinds, only: dp
+  use bw_beam_units, only: units_of
+  use bw_case_modes, only: find_modes
+  use bw_case_result, only: case_result
+  use bw_continuum, only: continuum_velocity
+  use bw_course, only: move
+  use bw_course_histories, only: last_sample
+  use bw_direct_sum, only: add_directly
+  use bw_double_double, only: dd, operator(*), operator(-)
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type
+  use bw_scene, only: scene_type
+  use bw_time_grid, only: time_grid, time_grid_of
+  implicit none (type, external)
+  private
+  public :: sum_directly
+
+  integer, parameter :: batch = 4096            !! modes held at a time
+  integer, parameter :: wider = 3               !! so many times the modes that move after a release are handed on to them
+  real(dp), parameter :: endless = huge(1.0_dp) !! a record that calls for extended precision in every root
+
+contains
+
+  subroutine sum_directly(scene, run, sample, monitor, displacement, whole)
+    !! Displacements, m, of the continuum's modes as a run chose their numbers.
+    type(scene_type), intent(in) :: scene                      !! its modes in closed form
+    type(case_result), intent(in) :: run                       !! of this scene
+    integer, intent(in) :: sample(:)                           !! numbers of samples, from 0, ascending
+    class(monitor_type), intent(inout) :: monitor
+    type(dd), allocatable, intent(out) :: displacement(:, :)   !! (samples, points)
+    logical, intent(out) :: whole                              !! false where the monitor asked to stop
+    type(case_result), target :: result
+    class(mode_set), pointer :: free, loaded
+    class(mode_source), allocatable :: source, alone
+    type(time_grid) :: grid
+    type(dd) :: times(size(sample))
+    real(dp) :: unit
+    integer :: early
+    allocate (result%notes(0))
+    allocate (displacement(size(sample), size(scene%response%points)), source=dd(0.0_dp, 0.0_dp))
+    result%units = units_of(scene%beam)
+    call find_modes(scene, result, free, loaded, source, alone)
+    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
+    times = grid%step*real(sample, dp)
+    early = size(sample)
+    if (allocated(run%courses)) early = count(sample < last_sample(run%courses, 1, grid))
+    unit = scene%impact%approach_velocity*result%units%time%hi
+    call add_captured(scene, source, run%mode_count, unit, times(:early), monitor, displacement(:early, :), whole)
+    if (.not. whole .or. early == size(sample)) return
+    call add_released(scene, source, alone, run, unit, times(early + 1:) - run%courses(2)%start, monitor, &
+                      displacement(early + 1:, :), whole)
+  end subroutine sum_directly
+
+  subroutine add_captured(scene, source, count, unit, times, monitor, displacement, whole)
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source                   !! of beam and mass
+    integer, intent(in) :: count                               !! modes
+    real(dp), intent(in) :: unit                               !! V l²/h, m
+    type(dd), intent(in) :: times(:)                           !! l²/h
+    class(monitor_type), intent(inout) :: monitor
+    type(dd), intent(inout) :: displacement(:, :)              !! (times, points)
+    logical, intent(out) :: whole
+    class(mode_set), allocatable :: modes
+    integer :: first
+    do first = 1, count, batch
+      whole = .not. monitor%stop_requested()
+      if (.not. whole) return
+      call source%find(numbers(first, count), modes, endless)
+      call add_directly(modes, started(scene, modes)*unit, scene%response%points, times, displacement)
+    end do
+  end subroutine add_captured
+
+  subroutine add_released(scene, source, alone, run, unit, times, monitor, displacement, whole)
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: source, alone            !! of beam and mass, of the beam alone
+    type(case_result), intent(in) :: run
+    real(dp), intent(in) :: unit
+    type(dd), intent(in) :: times(:)                           !! from the release, l²/h
+    class(monitor_type), intent(inout) :: monitor
+    type(dd), intent(inout) :: displacement(:, :)
+    logical, intent(out) :: whole
+    class(mode_set), allocatable :: free, loaded
+    real(dp) :: q(run%released_count), rate(run%released_count), rest(2)
+    integer :: first, last
+    call alone%find(numbers(1, run%released_count, run%released_count), free, endless)
+    q = 0.0_dp
+    rate = 0.0_dp
+    rest = [run%tip_rest%displacement, run%tip_rest%velocity]
+    last = max(run%released_count, min(wider*run%released_count, run%tip_rest%count))
+    do first = 1, last, batch
+      whole = .not. monitor%stop_requested()
+      if (.not. whole) return
+      call source%find(numbers(first, last), loaded, endless)
+      call hand_on(scene, loaded, first, run, free, q, rate, rest)
+    end do
+    q = (q - source%gamma*rest(1)*free%tip)/free%modal_mass
+    rate = (rate - source%gamma*rest(2)*free%tip)/free%modal_mass
+    call add_directly(free, rate*unit, scene%response%points, times, displacement, displaced=q*unit)
+  end subroutine add_released
+
+  subroutine hand_on(scene, loaded, first, run, free, q, rate, rest)
+    !! Adds what some modes of beam and mass do at the release to modes of the beam alone; what the run took them to add at
+    !! the tip is taken off the rest.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: loaded, free
+    integer, intent(in) :: first                               !! number of the first of `loaded`
+    type(case_result), intent(in) :: run
+    real(dp), intent(inout) :: q(:), rate(:)                   !! times the modal masses, (modes)
+    real(dp), intent(inout) :: rest(2)                         !! displacement and velocity of the tip
+    real(dp), dimension(loaded%count) :: moved, moved_rate
+    integer :: beyond
+    moved = 0.0_dp
+    moved_rate = started(scene, loaded)
+    call move(loaded, run%courses(2)%start, moved, moved_rate)
+    q = q + free%overlap_of_beam(loaded, moved)
+    rate = rate + free%overlap_of_beam(loaded, moved_rate)
+    beyond = max(1, run%released_count - first + 2)            ! place of the first that does not move after it
+    rest(1) = rest(1) - dot_product(loaded%tip(beyond:), moved(beyond:))
+    rest(2) = rest(2) - dot_product(loaded%tip(beyond:), moved_rate(beyond:))
+  end subroutine hand_on
+
+  pure function started(scene, modes) result(rate)
+    !! Velocities just after the capture, V.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: modes
+    real(dp) :: rate(modes%count)
+    rate = continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution)
+  end function started
+
+  pure function numbers(first, most, length) result(number)
+    !! Of a batch of modes.
+    integer, intent(in) :: first, most
+    integer, intent(in), optional :: length                    !! `batch` where absent
+    integer, allocatable :: number(:)
+    integer :: k, last
+    last = first + batch - 1
+    if (present(length)) last = first + length - 1
+    number = [(k, k=first, min(last, most))]
+  end function numbers
+
+end module bw_direct_motion
