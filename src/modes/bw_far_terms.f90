@@ -50,7 +50,7 @@ contains
   end subroutine far_shapes_and_roots
 
   pure subroutine far_frequencies(k, gamma, light, omega, longest, rest, roots, beta)
-    !! β of roots that are known.
+    !! β of roots that are known: in binary64 where no phases are asked for.
     integer, intent(in) :: k(:)                !! as those of `far_terms`
     real(dp), intent(in) :: gamma
     logical, intent(in) :: light
@@ -60,11 +60,32 @@ contains
     type(dd), intent(in) :: roots(:)
     type(dd), intent(out) :: beta(:)
     type(dd) :: alpha(size(k))
+    if (.not. present(longest)) then
+      beta%hi = coarse_frequencies(roots%hi, omega)
+      beta%lo = 0.0_dp
+      return
+    end if
     alpha = roots
     call refine(k, gamma, light, rest, omega, longest, alpha)
     beta = alpha*alpha                                   ! Eq. 3
     if (present(omega)) call rotate(omega, beta)
   end subroutine far_frequencies
+
+  pure function coarse_frequencies(alpha, omega) result(beta)
+    !! √|α⁴ − ω²| with the sign of what is under the root, Eq. 2.
+    real(dp), intent(in) :: alpha(:)
+    type(dd), intent(in), optional :: omega
+    real(dp) :: beta(size(alpha)), square
+    integer :: i
+    if (.not. present(omega)) then
+      beta = alpha**2
+      return
+    end if
+    do i = 1, size(alpha)
+      square = (alpha(i)**2 - omega%hi)*(alpha(i)**2 + omega%hi)
+      beta(i) = sign(sqrt(abs(square)), square)
+    end do
+  end function coarse_frequencies
 
   pure subroutine refine(k, gamma, light, rest, omega, longest, alpha)
     !! Solve again in extended precision what binary64 cannot carry.

@@ -40,11 +40,13 @@ contains
     real(dp), intent(out), contiguous :: cosine(:, 0:), sine(:, 0:)
     real(dp), dimension(size(cycles), 0:size(cosine, 2) - 1) :: angle
     real(dp), dimension(size(cycles)) :: start, start_rest, turn, turn_rest
-    integer :: j
+    integer :: j, k
     call split(turn_fractions(cycles*first), start, start_rest)
     call split(turn_fractions(cycles*step), turn, turn_rest)
     do j = 0, size(cosine, 2) - 1
-      angle(:, j) = 2.0_dp*dd_pi%hi*(part_of_turn(start + j*turn) + (start_rest + j*turn_rest))
+      do k = 1, size(cycles)
+        angle(k, j) = 2.0_dp*dd_pi%hi*(part_of_turn(start(k) + j*turn(k)) + (start_rest(k) + j*turn_rest(k)))
+      end do
     end do
     call cosines_and_sines(size(angle), angle, cosine, sine)
   end subroutine some_turns
