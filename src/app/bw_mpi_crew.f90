@@ -7,9 +7,10 @@ module bw_mpi_crew
   use bw_kinds, only: dp, i8
   use bw_posix, only: pause
   use bw_stopwatch, only: wall_seconds
-  use mpi_f08, only: mpi_any_source, mpi_character, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double_precision, &
-    mpi_finalize, mpi_ibarrier, mpi_ibcast, mpi_init, mpi_integer, mpi_integer8, mpi_iprobe, mpi_recv, mpi_request, mpi_send, &
-    mpi_status, mpi_status_ignore, mpi_test
+  use mpi_f08, only: mpi_allreduce, mpi_any_source, mpi_character, mpi_comm, mpi_comm_free, mpi_comm_rank, mpi_comm_size, &
+    mpi_comm_split_type, mpi_comm_type_shared, mpi_comm_world, mpi_double_precision, mpi_finalize, mpi_ibarrier, mpi_ibcast, &
+    mpi_info_null, mpi_init, mpi_integer, mpi_integer8, mpi_iprobe, mpi_min, mpi_recv, mpi_request, mpi_send, mpi_status, &
+    mpi_status_ignore, mpi_test
   implicit none (type, external)
   private
 
@@ -51,7 +52,19 @@ contains
     call mpi_init()
     call mpi_comm_rank(mpi_comm_world, self%number)
     call mpi_comm_size(mpi_comm_world, self%processes)
+    call look_for_leader(self)
   end subroutine join
+
+  subroutine look_for_leader(self)
+    !! Whether the leader, who has number 0, is among the processes that share memory with this one.
+    class(mpi_crew), intent(inout) :: self
+    type(mpi_comm) :: neighbours
+    integer :: lowest
+    call mpi_comm_split_type(mpi_comm_world, mpi_comm_type_shared, self%number, mpi_info_null, neighbours)
+    call mpi_allreduce(self%number, lowest, 1, mpi_integer, mpi_min, neighbours)
+    call mpi_comm_free(neighbours)
+    self%near_leader = lowest == 0
+  end subroutine look_for_leader
 
   subroutine part(self)
     class(mpi_crew), intent(inout) :: self

@@ -3,10 +3,9 @@ module bw_process
   !!
   !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
   !! that runs at exit turns every ending but `leave` into `status_fault`.
-  use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funloc, c_funptr, c_int, c_intptr_t, &
-    c_null_char, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_f_procpointer, c_funloc, c_funptr, c_int, c_intptr_t
   use bw_error, only: status_fault
-  use bw_posix, only: standard_error, write_text
+  use bw_posix, only: loaded_procedure, standard_error, write_text
   implicit none (type, external)
   private
   public :: watch_over_process, use_one_thread, stop_signal, leave
@@ -29,12 +28,6 @@ module bw_process
   end interface
 
   interface
-    type(c_funptr) function c_dlsym(library, name) bind(c, name='dlsym')
-      import :: c_char, c_funptr, c_ptr
-      implicit none (type, external)
-      type(c_ptr), value :: library
-      character(c_char), intent(in) :: name(*)
-    end function c_dlsym
     type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
       import :: c_funptr, c_int
       implicit none (type, external)
@@ -75,7 +68,7 @@ contains
     !! procedure and nothing to tell.
     type(c_funptr) :: address
     procedure(set_threads), pointer :: set_openblas_threads
-    address = c_dlsym(c_null_ptr, 'openblas_set_num_threads'//c_null_char)
+    address = loaded_procedure('openblas_set_num_threads')
     if (.not. c_associated(address)) return
     call c_f_procpointer(address, set_openblas_threads)
     call set_openblas_threads(1_c_int)

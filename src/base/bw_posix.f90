@@ -1,12 +1,14 @@
 module bw_posix
   !! The few calls of the operating system that Fortran lacks.
-  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_null_funptr, c_null_ptr, c_funptr, &
-    c_ptr, c_size_t
+  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_loc, c_null_char, c_null_funptr, c_null_ptr, &
+    c_funptr, c_ptr, c_size_t
+  use bw_descriptor, only: close_descriptor, new_file, write_bytes
+  use bw_kinds, only: i8
   use bw_text, only: string
   implicit none (type, external)
   private
   public :: make_directory, rename_file, remove_file, remove_directory, is_terminal, file_exists, is_directory, files_in
-  public :: write_text, lock_file, close_descriptor, pause
+  public :: write_text, lock_file, pause, loaded_procedure
 
   integer(c_int), parameter, public :: standard_output = 1, standard_error = 2
   integer(c_int), parameter :: f_ok = 0
@@ -41,34 +43,16 @@ module bw_posix
       implicit none (type, external)
       type(c_ptr), value :: text
     end function c_strlen
-    integer(c_size_t) function c_write(descriptor, bytes, count) bind(c, name='write')   ! ssize_t has the same size
-      import :: c_char, c_int, c_size_t
-      implicit none (type, external)
-      integer(c_int), value :: descriptor
-      character(c_char), intent(in) :: bytes(*)
-      integer(c_size_t), value :: count
-    end function c_write
     integer(c_int) function c_usleep(microseconds) bind(c, name='usleep')
       import :: c_int
       implicit none (type, external)
       integer(c_int), value :: microseconds
     end function c_usleep
-    integer(c_int) function c_creat(path, mode) bind(c, name='creat')
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-      integer(c_int), value :: mode
-    end function c_creat
     integer(c_int) function c_flock(descriptor, operation) bind(c, name='flock')
       import :: c_int
       implicit none (type, external)
       integer(c_int), value :: descriptor, operation
     end function c_flock
-    integer(c_int) function c_close(descriptor) bind(c, name='close')
-      import :: c_int
-      implicit none (type, external)
-      integer(c_int), value :: descriptor
-    end function c_close
     integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
       import :: c_char, c_int
       implicit none (type, external)
@@ -96,6 +80,12 @@ module bw_posix
       character(c_char), intent(in) :: path(*)
       integer(c_int), value :: mode
     end function c_access
+    type(c_funptr) function c_dlsym(library, name) bind(c, name='dlsym')
+      import :: c_char, c_funptr, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: library
+      character(c_char), intent(in) :: name(*)
+    end function c_dlsym
     integer(c_int) function c_isatty(descriptor) bind(c, name='isatty')
       import :: c_int
       implicit none (type, external)
@@ -108,24 +98,10 @@ contains
   logical function write_text(descriptor, text) result(written)
     !! Write to an open descriptor at once. gfortran's own units forget a failure of their last buffer.
     integer(c_int), intent(in) :: descriptor    !! `standard_output` or `standard_error`
-    character(*), intent(in) :: text
-    integer(c_size_t) :: count
-    integer :: first
-    first = 1
+    character(*), intent(in), target :: text
     written = .true.
-    do while (written .and. first <= len(text))
-      count = c_write(descriptor, text(first:), int(len(text) - first + 1, c_size_t))
-      written = count > 0
-      first = first + int(count)
-    end do
+    if (len(text) > 0) written = write_bytes(int(descriptor), c_loc(text(1:1)), len(text, i8))
   end function write_text
-
-  subroutine close_descriptor(descriptor)
-    !! Close a file, or give a lock back.
-    integer, intent(in) :: descriptor           !! nothing is done with -1
-    integer(c_int) :: ignored
-    if (descriptor >= 0) ignored = c_close(int(descriptor, c_int))
-  end subroutine close_descriptor
 
   subroutine pause(microseconds)
     !! Leave the processor to others for a moment.
@@ -140,14 +116,12 @@ contains
     integer, intent(out) :: descriptor          !! for `close_descriptor`; -1 where there is no lock
     logical, intent(out) :: held                !! another process holds it
     integer(c_int), parameter :: exclusive_at_once = 6        ! LOCK_EX + LOCK_NB
-    integer(c_int), parameter :: for_the_owner = int(o'644', c_int)
-    integer(c_int) :: ignored
     held = .false.
-    descriptor = c_creat(path//c_null_char, for_the_owner)
+    descriptor = new_file(path)
     if (descriptor < 0) return
     held = c_flock(int(descriptor, c_int), exclusive_at_once) /= 0
     if (.not. held) return
-    ignored = c_close(int(descriptor, c_int))
+    call close_descriptor(descriptor)
     descriptor = -1
   end subroutine lock_file
 
@@ -238,6 +212,12 @@ contains
       text(i:i) = letters(i)
     end do
   end subroutine copy_text
+
+  type(c_funptr) function loaded_procedure(name) result(address)
+    !! A procedure of a library that the program has loaded; the null pointer where none has it.
+    character(*), intent(in) :: name
+    address = c_dlsym(c_null_ptr, name//c_null_char)
+  end function loaded_procedure
 
   logical function is_terminal(descriptor)
     !! Somebody may be reading along.

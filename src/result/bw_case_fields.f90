@@ -1,6 +1,7 @@
 module bw_case_fields
   !! What the result file holds of a case, as one list of fields, and a case's numbers in that order: each field as long as
-  !! its dimensions say, with fill where the case has less. All cases of a scene have the same length.
+  !! its dimensions say, with fill where the case has less. All cases of a scene have the same length. Long histories and
+  !! spectra, which are most of a case, come last: they need not be copied on their way to the file.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_result
   use bw_event, only: no_event
@@ -10,7 +11,9 @@ module bw_case_fields
   use bw_result_values, only: key_of, put_value, value_key
   implicit none (type, external)
   private
-  public :: fields_of, case_length, put_field, put_all_fields
+  public :: fields_of, case_length, short_fields, put_field, put_fields, long_values
+
+  integer(i8), parameter :: long = 512          !! numbers of a history that is long: some pages of a file; tuned
 
   type, public :: case_field
     !! A variable that depends on the case.
@@ -30,7 +33,7 @@ module bw_case_fields
 contains
 
   pure function fields_of(layout) result(fields)
-    !! All that a result of this layout holds; `case_status` is the last.
+    !! All that a result of this layout holds; `case_status` is the last of those that are not long.
     type(result_layout), intent(in) :: layout
     type(case_field), allocatable :: fields(:)
     type(variable_row), allocatable :: table(:)
@@ -49,7 +52,23 @@ contains
     if (has_dimension(layout, 'peak')) call add_integer(layout, fields, 'peak_count')
     call add_integer(layout, fields, 'mode_count')
     call add_integer(layout, fields, 'case_status')
+    fields = [pack(fields, .not. is_long(fields)), pack(fields, is_long(fields))]
+    do i = 1, size(fields)
+      fields(i)%first = 1 + case_length(fields(:i - 1))
+    end do
   end function fields_of
+
+  elemental logical function is_long(field)
+    !! A history or spectrum that is worth a way of its own.
+    type(case_field), intent(in) :: field
+    is_long = field%rank == 2 .and. field%length >= long
+  end function is_long
+
+  pure integer function short_fields(fields)
+    !! How many there are before the long ones.
+    type(case_field), intent(in) :: fields(:)
+    short_fields = count(.not. is_long(fields))
+  end function short_fields
 
   pure subroutine add_row(layout, row, fields)
     !! A variable of the table.
@@ -103,10 +122,10 @@ contains
     if (size(fields) > 0) case_length = fields(size(fields))%first + fields(size(fields))%length - 1
   end function case_length
 
-  pure subroutine put_all_fields(result, fields, numbers)
-    !! A case as numbers.
+  pure subroutine put_fields(result, fields, numbers)
+    !! A case as numbers, or the part of it that these fields are.
     type(case_result), intent(in) :: result
-    type(case_field), intent(in) :: fields(:)
+    type(case_field), intent(in) :: fields(:)             !! the first of them, or all
     real(dp), intent(out) :: numbers(:)                   !! (case_length)
     integer :: i
     do i = 1, size(fields)
@@ -114,7 +133,24 @@ contains
         call put_field(result, field, numbers(field%first:field%first + field%length - 1))
       end associate
     end do
-  end subroutine put_all_fields
+  end subroutine put_fields
+
+  subroutine long_values(result, field, values)
+    !! A case's numbers of a long field, where they lie.
+    type(case_result), intent(in), target :: result
+    type(case_field), intent(in) :: field
+    real(dp), pointer, contiguous, intent(out) :: values(:)   !! (field%length), none where the case has no such history
+    nullify (values)
+    select case (field%other)     ! by places in other_names
+    case (1, 2)
+      if (.not. allocated(result%response)) return
+      if (field%other == 1 .and. allocated(result%response%displacement)) &
+        values(1:field%length) => result%response%displacement
+      if (field%other == 2 .and. allocated(result%response%velocity)) values(1:field%length) => result%response%velocity
+    case default
+      if (allocated(result%amplitude)) values(1:field%length) => result%amplitude
+    end select
+  end subroutine long_values
 
   pure subroutine put_field(result, field, numbers)
     !! A case's numbers of one field; integers as reals, which hold them exactly.

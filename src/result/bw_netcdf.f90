@@ -1,7 +1,7 @@
 module bw_netcdf
   !! NetCDF calls with errors as values, and variables defined the way every result file wants them.
   use bw_kinds, only: i4
-  use bw_error, only: error_type, fail, status_bad_file
+  use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_missing, only: missing
   use bw_text, only: joined
   use netcdf, only: nf90_clobber, nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_get_att, nf90_global, &
@@ -21,8 +21,8 @@ contains
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
     if (status == nf90_noerr .or. allocated(error)) return
-    call fail(error, status_bad_file, path//': cannot be written: '//trim(nf90_strerror(status))// &
-              '; is the disk full, a quota used up, the directory gone or read-only?')
+    call fail(error, status_bad_file, path//': cannot be written: '//trim(nf90_strerror(status))//'; '// &
+              why_not_written)
   end subroutine check
 
   subroutine create_file(path, id, error)

@@ -2,6 +2,7 @@ module bw_scene_summary
   !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
+  use bw_case_fields, only: case_field, case_length, fields_of, short_fields
   use bw_damping_par, only: by_ratio
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
@@ -171,7 +172,7 @@ contains
     character(:), allocatable :: text
     text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
       '  result     '//bytes_text(result_bytes(layout))
-    if (layout%cases > 0) text = text//', and as much again beside it until it is complete'
+    if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
     text = text//new_line('a')
   end function cost_summary
 
@@ -185,6 +186,15 @@ contains
       + histories*int(layout%samples, i8)*layout%points + int(layout%frequencies, i8)*layout%points
     bytes = 8*(doubles*max(1, layout%cases) + layout%samples + layout%frequencies) + 60000
   end function result_bytes
+
+  pure integer(i8) function journal_bytes(layout) result(bytes)
+    !! What a sweep under way takes beside its result: records of all that is not long, and a head of about 200 kB.
+    type(result_layout), intent(in) :: layout
+    integer(i8), parameter :: frame = 10      ! words of a record beside its numbers
+    type(case_field), allocatable :: fields(:)
+    allocate (fields, source=fields_of(layout))
+    bytes = 8*layout%cases*(case_length(fields(:short_fields(fields))) + frame) + 200000
+  end function journal_bytes
 
   pure integer(i8) function working_bytes(layout) result(bytes)
     !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about

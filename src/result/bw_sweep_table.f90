@@ -23,6 +23,7 @@ module bw_sweep_table
     type(string) :: swept(shown_cases), lines(shown_cases)
     type(case_field) :: columns(size(column_names))
   contains
+    procedure :: shows
     procedure :: add
     procedure :: text
   end type sweep_table
@@ -65,13 +66,19 @@ contains
     end do
   end function swept_text
 
+  pure logical function shows(self, index)
+    !! Whether a case has a row.
+    class(sweep_table), intent(in) :: self
+    integer(i8), intent(in) :: index
+    shows = index <= size(self%lines)
+  end function shows
+
   subroutine add(self, index, numbers)
-    !! Take a case's row from its numbers.
+    !! Take the row of a case that has one from its numbers.
     class(sweep_table), intent(inout) :: self
     integer(i8), intent(in) :: index
     real(dp), intent(in) :: numbers(:)        !! (case_length)
     real(dp) :: largest
-    if (index > shown_cases) return
     largest = missing
     associate (c => self%columns)
       if (c(5)%name /= '') then

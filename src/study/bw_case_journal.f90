@@ -1,16 +1,18 @@
 module bw_case_journal
   !! Finished cases of a sweep, kept until all are done: one record a case, written at once and whole, so that it outlives
   !! the process, however that ends. A journal is written by one process and never changed afterwards; only its last
-  !! record can be torn. The first record holds no case but the text of the work that the journal belongs to.
+  !! record can be torn. The first record holds no case but the text of the work that the journal belongs to. Numbers of a
+  !! case that lie elsewhere already are not in its record, but their checksum is.
+  use bw_descriptor, only: close_descriptor, new_file, open_to_read
   use bw_kinds, only: dp, i8
-  use bw_posix, only: close_descriptor
   use bw_text, only: append, string
-  use bw_word_file, only: new_file, open_for_reading, read_words, words_in_file, write_words
+  use bw_word_file, only: checksum, read_words, words_in_file, write_words
   implicit none (type, external)
   private
 
   integer(i8), parameter :: mark = 7311138210646680930_i8   !! 'beamwave' as a word: how every record begins
-  integer, parameter :: header_length = 5                   !! mark, case, numbers, length of the notes, parity of all but the mark
+  integer, parameter :: header_length = 7
+    !! mark, case, numbers, length of the notes, numbers that lie elsewhere, their checksum, checksum of the record
   integer, parameter :: word = 8                            !! bytes
 
   type, public :: journal_writer
@@ -33,6 +35,8 @@ module bw_case_journal
   contains
     procedure :: open => open_reader
     procedure :: next
+    procedure :: elsewhere
+    procedure :: total_elsewhere
     procedure :: take
     procedure :: close => close_reader
   end type journal_reader
@@ -48,15 +52,17 @@ contains
     self%descriptor = new_file(path)
     done = self%descriptor >= 0
     text(1)%text = work
-    if (done) done = self%put(0_i8, [real(dp) ::], text)
+    if (done) done = self%put(0_i8, [real(dp) ::], text, 0_i8, 0_i8)
   end function open_writer
 
-  logical function put(self, index, numbers, notes) result(done)
+  logical function put(self, index, numbers, notes, elsewhere, total) result(done)
     !! Keep a case. False where the system refuses it: a full disk.
     class(journal_writer), intent(inout) :: self
     integer(i8), intent(in) :: index                        !! of the case
-    real(dp), intent(in), contiguous :: numbers(:)
+    real(dp), intent(in), contiguous :: numbers(:)          !! all, or those that do not lie elsewhere
     type(string), intent(in) :: notes(:)
+    integer(i8), intent(in) :: elsewhere                    !! how many do
+    integer(i8), intent(in) :: total                        !! their checksum
     character(:), allocatable :: text
     integer(i8) :: n, words
     integer :: i
@@ -70,11 +76,18 @@ contains
     associate (body => self%record(header_length + 1:header_length + words))
       body(:n) = transfer(numbers, body, n)
       body(n + 1:) = transfer(text//repeat(' ', word), body, words - n)
-      self%record(:header_length) = [mark, index, n, len(text, i8), 0_i8]
+      self%record(:header_length) = [mark, index, n, len(text, i8), elsewhere, total, 0_i8]
+      self%record(header_length) = sum_of(self%record(:header_length), body)
     end associate
-    self%record(header_length) = iparity(self%record(2:header_length + words))
     done = write_words(self%descriptor, self%record(:header_length + words))
   end function put
+
+  pure integer(i8) function sum_of(header, body) result(total)
+    !! The checksum of a record.
+    integer(i8), intent(in) :: header(header_length)
+    integer(i8), intent(in), contiguous :: body(:)
+    total = ieor(ishftc(checksum(header(:header_length - 1)), 1), checksum(body))
+  end function sum_of
 
   pure subroutine make_room(words, least)
     !! Room for so many words at least, whose values mean nothing.
@@ -108,7 +121,7 @@ contains
     real(dp) :: nothing(0)
     integer(i8) :: index
     same = .false.
-    self%descriptor = open_for_reading(path)
+    self%descriptor = open_to_read(path)
     if (self%descriptor < 0) return
     self%position = 1
     self%size = 0
@@ -128,7 +141,7 @@ contains
     if (self%position + header_length > self%size + 1) self%size = words_in_file(self%descriptor)
     if (self%position + header_length > self%size + 1) return
     if (.not. read_words(self%descriptor, self%position, header)) return
-    if (header(1) /= mark .or. any(header(2:4) < 0)) return
+    if (header(1) /= mark .or. any(header(2:5) < 0)) return
     if (any(header(3:4) > word*self%size)) return           ! so that the next line cannot overflow
     length = header_length + header(3) + words_of(header(4))
     if (self%position + length > self%size + 1) self%size = words_in_file(self%descriptor)
@@ -138,6 +151,18 @@ contains
     self%header = header
     index = header(2)
   end function next
+
+  pure integer(i8) function elsewhere(self)
+    !! How many numbers of the case of the record at hand lie elsewhere.
+    class(journal_reader), intent(in) :: self
+    elsewhere = self%header(5)
+  end function elsewhere
+
+  pure integer(i8) function total_elsewhere(self) result(total)
+    !! Their checksum.
+    class(journal_reader), intent(in) :: self
+    total = self%header(6)
+  end function total_elsewhere
 
   logical function take(self, numbers, notes) result(sound)
     !! The case of the record at hand. False where it does not have that many numbers, or is not as it was written.
@@ -152,7 +177,7 @@ contains
     words = n + words_of(self%header(4))
     call make_room(self%body, words)
     sound = read_words(self%descriptor, self%position - words, self%body(:words))
-    if (sound) sound = ieor(iparity(self%header(2:)), iparity(self%body(:words))) == 0
+    if (sound) sound = self%header(header_length) == sum_of(self%header, self%body(:words))
     if (.not. sound) return
     numbers = transfer(self%body(:n), numbers, n)
     if (words > n) call split(text_of_words(self%body(n + 1:words), self%header(4)), notes)

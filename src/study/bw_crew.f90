@@ -10,6 +10,7 @@ module bw_crew
   type, abstract, public :: crew_type
     integer :: number = 0                   !! of this process; 0 leads
     integer :: processes = 1
+    logical :: near_leader = .true.         !! this process runs on the leader's machine: both see a file alike at any moment
   contains
     procedure :: leads
     procedure(join_interface), deferred :: join
@@ -26,7 +27,7 @@ module bw_crew
 
   abstract interface
     subroutine join_interface(self)
-      !! `join`: the first call of all, sets `number` and `processes`. `part`: the last.
+      !! `join`: the first call of all, sets what stands above. `part`: the last.
       import :: crew_type
       implicit none (type, external)
       class(crew_type), intent(inout) :: self

@@ -3,7 +3,7 @@ module bw_run_single
   use bw_case_result, only: case_done, case_result
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kept_work, only: kept_work
-  use bw_kinds, only: i1, i8
+  use bw_kinds, only: i8
   use bw_notes, only: notes_type
   use bw_one_case, only: run_case
   use bw_outcome, only: outcome_type
@@ -33,11 +33,10 @@ contains
     type(case_result) :: result
     type(kept_work) :: kept
     type(stopwatch) :: watch
-    integer(i1) :: nothing(0)
     logical :: whole
     call unfinished%begin(error)
     if (allocated(error)) return
-    call unfinished%survey(nothing)
+    call unfinished%remove_result()
     call progress%begin(scene%name, 1_i8, 0_i8)
     call run_case(scene, layout, watch, progress, kept, result, whole)
     call progress%end()

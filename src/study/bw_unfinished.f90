@@ -1,20 +1,24 @@
 module bw_unfinished
-  !! The unfinished work of a sweep, in a directory of its own: the journals of its finished cases, and a lock.
+  !! The unfinished work of a sweep, in a directory of its own: the journals of its finished cases, the result under way with
+  !! its head, and a lock.
   use bw_case_journal, only: journal_reader
+  use bw_descriptor, only: close_descriptor
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_kinds, only: i1, i8
-  use bw_posix, only: close_descriptor, file_exists, files_in, is_directory, lock_file, make_directory, &
-    remove_directory, remove_file
+  use bw_kinds, only: dp, i1, i8
+  use bw_posix, only: file_exists, files_in, is_directory, lock_file, make_directory, remove_directory, remove_file
+  use bw_result_body, only: result_body
   use bw_text, only: string
   implicit none (type, external)
   private
 
-  character(*), parameter :: suffix = '.cases', lock_name = '/lock', result_name = '/result.nc', notes_name = '/notes'
+  character(*), parameter :: suffix = '.cases', lock_name = '/lock', result_name = '/result.nc', head_name = '/head.nc', &
+    new_head_name = '/head.nc.new', notes_name = '/notes'
   integer, parameter :: attempts = 100       !! at a lock whose file its last holder takes away
 
   type, public :: unfinished_work
     character(:), allocatable :: directory
     character(:), allocatable :: work        !! what the journals have to belong to: program, version and resolved scene
+    logical :: straight = .true.             !! long fields may be written straight into the result under way
     integer, private :: lock = -1
   contains
     procedure :: begin
@@ -24,6 +28,9 @@ module bw_unfinished
     procedure :: journal
     procedure :: next_number
     procedure :: result_path
+    procedure :: head_path
+    procedure :: new_head_path
+    procedure :: remove_result
     procedure :: release
     procedure :: discard
     procedure :: clear
@@ -54,32 +61,42 @@ contains
     end do
   end subroutine begin
 
-  subroutine survey(self, done, foreign)
+  subroutine survey(self, done, body, foreign, damaged)
     !! Which cases are finished. What belongs to another scene or version is taken away.
     class(unfinished_work), intent(in) :: self
     integer(i1), intent(inout) :: done(:)    !! (cases), set to 1
-    logical, intent(out), optional :: foreign   !! something was taken away
+    type(result_body), intent(in) :: body    !! where their long fields lie
+    logical, intent(out) :: foreign          !! something was taken away
+    integer(i8), intent(out) :: damaged      !! how many cases were finished, and their long fields are not what they were
     type(string), allocatable :: paths(:)
     type(journal_reader) :: reader
+    real(dp), allocatable :: room(:)
+    integer(i1) :: lost(size(done))
     integer(i8) :: index
-    logical :: other
     integer :: i
-    other = file_exists(self%directory//notes_name)          ! of a version that kept its cases in another form
+    foreign = file_exists(self%directory//notes_name)        ! of a version that kept its cases in another form
     call remove_file(self%directory//notes_name)
-    call remove_file(self%directory//result_name)
+    lost = 0_i1
+    allocate (room(body%case_length()))
     paths = self%journals()
     do i = 1, size(paths)
       if (.not. reader%open(paths(i)%text, self%work)) then
-        other = .true.
+        foreign = .true.
         call remove_file(paths(i)%text)
         cycle
       end if
       do while (reader%next(index))
-        if (index >= 1 .and. index <= size(done, kind=i8)) done(index) = 1_i1
+        if (index < 1 .or. index > size(done, kind=i8)) cycle
+        if (done(index) /= 0_i1) cycle
+        if (body%has_all(index, reader%elsewhere(), reader%total_elsewhere(), room)) then
+          done(index) = 1_i1
+        else
+          lost(index) = 1_i1
+        end if
       end do
       call reader%close()
     end do
-    if (present(foreign)) foreign = other
+    damaged = count(lost /= 0_i1 .and. done == 0_i1, kind=i8)
   end subroutine survey
 
   integer(i8) function saved(self, cases)
@@ -90,13 +107,16 @@ contains
     type(journal_reader) :: reader
     integer(i1) :: done(cases)
     integer(i8) :: index
+    logical :: has_result
     integer :: i
     done = 0_i1
+    has_result = file_exists(self%result_path())
     paths = self%journals()
     do i = 1, size(paths)
       if (.not. reader%open(paths(i)%text, self%work)) cycle
       do while (reader%next(index))
-        if (index >= 1 .and. index <= cases) done(index) = 1_i1
+        if (index < 1 .or. index > cases) cycle
+        if (has_result .or. reader%elsewhere() == 0) done(index) = 1_i1
       end do
       call reader%close()
     end do
@@ -141,6 +161,28 @@ contains
     path = self%directory//result_name
   end function result_path
 
+  pure function head_path(self) result(path)
+    !! What a result that is written straight has beside its cases.
+    class(unfinished_work), intent(in) :: self
+    character(:), allocatable :: path
+    path = self%directory//head_name
+  end function head_path
+
+  pure function new_head_path(self) result(path)
+    !! Where it lies until it is whole.
+    class(unfinished_work), intent(in) :: self
+    character(:), allocatable :: path
+    path = self%directory//new_head_name
+  end function new_head_path
+
+  subroutine remove_result(self)
+    !! Take the result under way, and its head.
+    class(unfinished_work), intent(in) :: self
+    call remove_file(self%head_path())
+    call remove_file(self%new_head_path())
+    call remove_file(self%result_path())
+  end subroutine remove_result
+
   subroutine release(self)
     !! Leave the work for later.
     class(unfinished_work), intent(inout) :: self
@@ -157,7 +199,7 @@ contains
     do i = 1, size(paths)
       call remove_file(paths(i)%text)
     end do
-    call remove_file(self%result_path())
+    call self%remove_result()
     call remove_file(self%directory//lock_name)
     call remove_directory(self%directory)
     call self%release()

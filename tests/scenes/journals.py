@@ -2,7 +2,7 @@
 
 import struct
 
-HEADER = struct.Struct("=5q")
+HEADER = struct.Struct("=7q")
 MARK = int.from_bytes(b"beamwave", "little")
 
 
@@ -18,7 +18,7 @@ def whole_records(data):
     """Case numbers of a journal's whole records; the first record holds no case."""
     place = 0
     while place + HEADER.size <= len(data):
-        mark, case, numbers, letters, _ = HEADER.unpack_from(data, place)
+        mark, case, numbers, letters, *_ = HEADER.unpack_from(data, place)
         assert mark == MARK
         place += HEADER.size + 8 * numbers + 8 * -(-letters // 8)
         if place <= len(data) and case > 0:
