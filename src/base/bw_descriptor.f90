@@ -9,6 +9,7 @@ module bw_descriptor
   public :: new_file, open_to_read, open_to_change, close_descriptor
   public :: write_bytes, write_bytes_at, read_bytes_at, bytes_in_file, set_length, copy_bytes
 
+  integer, parameter :: appending = 1, placing = 2, reading = 3
   integer(i8), parameter :: copied_at_once = 262144    !! bytes: fits into a cache; tuned
 
   interface
@@ -127,16 +128,7 @@ contains
     integer, intent(in) :: descriptor
     type(c_ptr), intent(in) :: address
     integer(i8), intent(in) :: count
-    integer(i1), pointer, contiguous :: bytes(:)
-    integer(i8) :: have, more
-    call c_f_pointer(address, bytes, [count])
-    have = 0
-    do while (have < count)                     ! once, unless it is very long or a disk is filling up
-      more = c_write(int(descriptor, c_int), c_loc(bytes(have + 1)), count - have)
-      if (more <= 0) exit
-      have = have + more
-    end do
-    written = have == count
+    written = moved(appending, descriptor, 0_i8, address, count)
   end function write_bytes
 
   logical function write_bytes_at(descriptor, offset, address, count) result(written)
@@ -145,16 +137,7 @@ contains
     integer(i8), intent(in) :: offset           !! of the first byte, from 0
     type(c_ptr), intent(in) :: address
     integer(i8), intent(in) :: count
-    integer(i1), pointer, contiguous :: bytes(:)
-    integer(i8) :: have, more
-    call c_f_pointer(address, bytes, [count])
-    have = 0
-    do while (have < count)
-      more = c_pwrite(int(descriptor, c_int), c_loc(bytes(have + 1)), count - have, offset + have)
-      if (more <= 0) exit
-      have = have + more
-    end do
-    written = have == count
+    written = moved(placing, descriptor, offset, address, count)
   end function write_bytes_at
 
   logical function read_bytes_at(descriptor, offset, address, count) result(done)
@@ -163,17 +146,30 @@ contains
     integer(i8), intent(in) :: offset           !! of the first byte, from 0
     type(c_ptr), intent(in) :: address
     integer(i8), intent(in) :: count
+    done = moved(reading, descriptor, offset, address, count)
+  end function read_bytes_at
+
+  logical function moved(way, descriptor, offset, address, count)
+    !! All bytes were written or read: by one call, unless they are very many, a disk is filling up or a file ends.
+    integer, intent(in) :: way                  !! appending, placing or reading
+    integer, intent(in) :: descriptor
+    integer(i8), intent(in) :: offset, count
+    type(c_ptr), intent(in) :: address
     integer(i1), pointer, contiguous :: bytes(:)
     integer(i8) :: have, more
     call c_f_pointer(address, bytes, [count])
     have = 0
     do while (have < count)
-      more = c_pread(int(descriptor, c_int), c_loc(bytes(have + 1)), count - have, offset + have)
+      select case (way)
+      case (appending); more = c_write(int(descriptor, c_int), c_loc(bytes(have + 1)), count - have)
+      case (placing); more = c_pwrite(int(descriptor, c_int), c_loc(bytes(have + 1)), count - have, offset + have)
+      case default; more = c_pread(int(descriptor, c_int), c_loc(bytes(have + 1)), count - have, offset + have)
+      end select
       if (more <= 0) exit
       have = have + more
     end do
-    done = have == count
-  end function read_bytes_at
+    moved = have == count
+  end function moved
 
   integer(i8) function bytes_in_file(descriptor) result(bytes)
     !! How long it is by now; 0 where the system does not say.

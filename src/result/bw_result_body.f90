@@ -18,7 +18,7 @@ module bw_result_body
   use bw_case_result, only: case_result
   use bw_descriptor, only: bytes_in_file, close_descriptor, copy_bytes, open_to_change, open_to_read, read_bytes_at, &
     set_length, write_bytes_at
-  use bw_error, only: error_type, fail_to_write
+  use bw_error, only: error_type, fail, fail_to_write, status_bad_file
   use bw_kinds, only: dp, i4, i8
   use bw_missing, only: missing
   use bw_word_file, only: as_words, checksum
@@ -181,7 +181,12 @@ contains
     integer(i8) :: position, next, length
     integer :: file, i
     logical :: left(size(self%fields)), done
+    if (allocated(error)) return
     file = open_to_read(head)
+    if (file < 0) then
+      call fail(error, status_bad_file, head//': cannot be read: is it gone?')
+      return
+    end if
     length = bytes_in_file(file)
     done = length > 0
     position = 0

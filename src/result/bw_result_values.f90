@@ -4,13 +4,11 @@ module bw_result_values
   !! A sweep asks for them case by case: which value a row names is found out once (`key_of`), and values go straight
   !! to where they are kept.
   use bw_kinds, only: dp
-  use bw_beam_units, only: beam_units
   use bw_case_result, only: case_result
-  use bw_double_double, only: dd, sqrt, operator(-)
   use bw_event, only: event_type
   use bw_measured, only: measured_type
   use bw_missing, only: missing
-  use bw_modal_flow, only: slow_exponent, turning_square
+  use bw_modal_values, only: modal_names, put_modal
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
   use bw_result_table, only: variable_row, variable_table
@@ -30,8 +28,6 @@ module bw_result_values
     integer :: what = 0          !! place among the names of its source
   end type value_key
 
-  character(*), parameter :: modal_names(*) = [character(17) :: 'alpha', 'wavenumber', 'angular_frequency', 'growth_rate', &
-    'modal_mass', 'modal_velocity', 'phase_velocity', 'group_velocity']
   character(*), parameter :: event_names(*) = [character(15) :: 'event_impulse', 'energy_before', 'energy_after', &
     'momentum_before', 'momentum_after', 'event_time', 'event_end']
   character(*), parameter :: measured_names(*) = [character(32) :: 'measured_angular_frequency', &
@@ -118,28 +114,6 @@ contains
     call put_value(result, key, values)
   end function named_value
 
-  pure subroutine put_modal(result, modes, modal_velocity, what, values)
-    type(case_result), intent(in) :: result
-    class(mode_set), intent(in) :: modes
-    real(dp), intent(in), optional :: modal_velocity(:)     !! of these modes, in V; absent: nothing strikes the beam
-    integer, intent(in) :: what
-    real(dp), intent(out), contiguous :: values(:)
-    integer :: n
-    n = size(values)
-    associate (units => result%units)
-      select case (what)          ! by places in modal_names
-      case (1); values = modes%alpha(:n)
-      case (2); values = modes%alpha(:n)/units%length
-      case (3); call put_frequency(modes, units%frequency, values)
-      case (4); call put_growth_rate(modes, units%frequency, values)
-      case (5); values = modes%modal_mass(:n)*units%mass
-      case (6); values = modal_velocity(:n)*result%approach_velocity
-      case (7); values = scaled(modes%phase_velocity(:n), units%velocity)
-      case default; values = scaled(modes%group_velocity(:n), units%velocity)
-      end select
-    end associate
-  end subroutine put_modal
-
   pure subroutine put_impact(result, what, values)
     type(case_result), intent(in) :: result
     integer, intent(in) :: what
@@ -212,63 +186,5 @@ contains
     case default; values = measured%group_velocity_error(:n)
     end select
   end subroutine put_measured
-
-  elemental real(dp) function scaled(value, unit)
-    !! What does not exist stays missing.
-    real(dp), intent(in) :: value, unit
-    scaled = missing
-    if (value /= missing) scaled = value*unit
-  end function scaled
-
-  pure subroutine put_frequency(modes, unit, values)
-    !! √(β² − c²/4) where it is real, 0 at the critical speed.
-    class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: unit
-    real(dp), intent(out), contiguous :: values(:)
-    type(dd), allocatable :: square(:), root(:)
-    if (allocated(modes%damping)) then
-      square = turning_square(modes%beta_squared, modes%damping)
-    else
-      square = modes%beta_squared
-    end if
-    if (all(square%hi >= 0.0_dp)) then
-      root = sqrt(square)             ! of a whole list: a few times as fast
-      values = root%hi*unit
-    else
-      values = scaled(frequency_of(square), unit)
-    end if
-  end subroutine put_frequency
-
-  pure subroutine put_growth_rate(modes, unit, values)
-    !! The real part of the slower eigenvalue; of undamped modes |β| where β² < 0, and 0 elsewhere.
-    class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: unit
-    real(dp), intent(out), contiguous :: values(:)
-    if (allocated(modes%damping)) then
-      associate (rate => slow_exponent(modes%beta_squared, modes%damping))
-        values = rate%hi*unit
-      end associate
-    else
-      values = growth_of(modes%beta_squared)*unit
-    end if
-  end subroutine put_growth_rate
-
-  elemental real(dp) function growth_of(square) result(rate)
-    type(dd), intent(in) :: square
-    type(dd) :: root
-    rate = 0.0_dp
-    if (square%hi >= 0.0_dp) return
-    root = sqrt(-square)
-    rate = root%hi
-  end function growth_of
-
-  elemental real(dp) function frequency_of(square) result(beta)
-    type(dd), intent(in) :: square
-    type(dd) :: root
-    beta = missing
-    if (square%hi < 0.0_dp) return
-    root = sqrt(square)
-    beta = root%hi
-  end function frequency_of
 
 end module bw_result_values

@@ -55,7 +55,10 @@ contains
       call take_up(scene, layout, unfinished, crew%processes, body, state, gathering, number, error)
     end if
     call crew%agree(number)
-    if (number == 0 .and. crew%leads()) call unfinished%release()
+    if (number == 0 .and. crew%leads()) then
+      call body%close()
+      call unfinished%release()
+    end if
     if (number == 0) return
     if (crew%leads()) call progress%begin(scene%name, state%cases, state%taken_over)
     call work(scene, layout, unfinished, number + crew%number, body, crew, progress, state, watch, error, gathering)
