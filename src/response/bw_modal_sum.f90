@@ -20,7 +20,7 @@ module bw_modal_sum
   integer, parameter :: chunk_blocks = 64     !! tuned: blocks whose states do
 
   type :: block_states
-    !! Φ-less amplitudes of the modes at the middles of some blocks.
+    !! Modal states at the middles of some blocks.
     integer :: first = 0                      !! samples before the first block
     integer :: blocks = 0
     real(dp), allocatable :: even(:, :)       !! of cos βs in the displacement: q, (modes, blocks and more)
