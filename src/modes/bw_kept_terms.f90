@@ -22,7 +22,7 @@ module bw_kept_terms
   type, public :: kept_terms
     private
     type(kept_list), allocatable :: lists(:)
-    integer :: found = 0                          !! lists that were ever kept
+    integer, public :: found = 0                  !! lists that were ever kept
     integer :: last = 0                           !! the place of the one that was asked for last
   contains
     procedure, nopass :: takes

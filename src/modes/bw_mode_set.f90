@@ -8,7 +8,7 @@ module bw_mode_set
   use bw_double_double, only: dd, sqrt, operator(-)
   implicit none (type, external)
   private
-  public :: terms_of_set
+  public :: terms_of_set, first_numbers
 
   type, abstract, public :: mode_set
     integer :: count = 0                          !! number of modes n
@@ -98,6 +98,14 @@ contains
     real(dp) :: values(self%count, size(xi))      !! (modes, points)
     values = self%some_shapes(1, self%count, xi)
   end function all_shapes
+
+  pure function first_numbers(count) result(number)
+    !! 1 … count: the first modes of a source.
+    integer, intent(in) :: count
+    integer :: number(count)
+    integer :: k
+    number = [(k, k=1, count)]
+  end function first_numbers
 
   pure subroutine damp(self, law)
     !! Damp the modes that were found.

@@ -10,7 +10,7 @@ module bw_release_error
   use bw_double_double, only: dd, sqrt, to_dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_reach, only: damped_reach, stretch_type, turns
   use bw_release, only: tip_rest
   use bw_tip_rest, only: find_tip_rest
@@ -69,8 +69,8 @@ contains
     class(mode_set), allocatable :: low, free
     type(deviation_type) :: before(size(sums))
     real(dp) :: q(count), rate(count)
-    integer :: first, last, k
-    call loaded%find([(k, k=1, count)], low)
+    integer :: first, last
+    call loaded%find(first_numbers(count), low)
     q = 0.0_dp
     rate = force*low%tip/low%modal_mass
     call move(low, released, q, rate)
@@ -116,12 +116,12 @@ contains
     type(tip_rest) :: rest
     real(dp) :: first(size(points))
     real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
-    integer :: k, n
+    integer :: n
     n = max(count, size(q))
     n = min(max(fewest, min(4*n, n + most_more)), loaded%highest, alone%highest)
-    call loaded%find([(k, k=1, n)], many)
-    call alone%find([(k, k=1, n)], free)
-    start = [(0.0_dp, k=1, n)]
+    call loaded%find(first_numbers(n), many)
+    call alone%find(first_numbers(n), free)
+    allocate (start(n), source=0.0_dp)
     start_rate = force*many%tip/many%modal_mass
     call move(many, released, start, start_rate)
     lacking = free%overlap_of_beam(many, start)/free%modal_mass

@@ -86,13 +86,14 @@ contains
   end function verdict
 
   pure function percent(change) result(text)
-    !! Two digits and a sign; a dash for what does not exist.
+    !! Two digits and a sign; 0 for the rounding of two ways to find the same; a dash for what does not exist.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
+    real(dp), parameter :: rounding = 1.0e-12_dp
     text = '-'
     if (is_missing(change)) return
     text = '0'
-    if (change == 0.0_dp) return
+    if (abs(change) <= rounding) return
     text = shortest(100.0_dp*change, 2)//'%'
     if (change > 0.0_dp) text = '+'//text
   end function percent

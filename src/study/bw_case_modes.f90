@@ -11,7 +11,7 @@ module bw_case_modes
   use bw_galerkin_source, only: galerkin_source, galerkin_source_of
   use bw_kept_modes, only: kept_modes
   use bw_kept_operators, only: kept_operators
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_record_stretch, only: record_stretch
   use bw_rotation, only: acts_in_plane, dimensionless_speed
@@ -223,12 +223,5 @@ contains
       'not converged: the polynomials of the Galerkin basis do not resolve the modes; every number of the case is fill')
     result%status = case_not_converged
   end subroutine note_unresolved
-
-  pure function first_numbers(count) result(number)
-    integer, intent(in) :: count
-    integer :: number(count)
-    integer :: k
-    number = [(k, k=1, count)]
-  end function first_numbers
 
 end module bw_case_modes

@@ -13,7 +13,7 @@ module bw_direct_motion
   use bw_course_histories, only: last_sample
   use bw_direct_sum, only: add_directly
   use bw_double_double, only: dd, operator(*), operator(-)
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_time_grid, only: time_grid, time_grid_of
@@ -71,7 +71,7 @@ contains
     do first = 1, count, batch
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
-      call source%find(numbers(first, count), modes, endless)
+      call source%find(batch_from(first, count), modes, endless)
       call add_directly(modes, started(scene, modes)*unit, scene%response%points, times, displacement)
     end do
   end subroutine add_captured
@@ -88,7 +88,7 @@ contains
     class(mode_set), allocatable :: free, loaded
     real(dp) :: q(run%released_count), rate(run%released_count), rest(2)
     integer :: first, last
-    call alone%find(numbers(1, run%released_count, run%released_count), free, endless)
+    call alone%find(first_numbers(run%released_count), free, endless)
     q = 0.0_dp
     rate = 0.0_dp
     rest = [run%tip_rest%displacement, run%tip_rest%velocity]
@@ -96,7 +96,7 @@ contains
     do first = 1, last, batch
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
-      call source%find(numbers(first, last), loaded, endless)
+      call source%find(batch_from(first, last), loaded, endless)
       call hand_on(scene, loaded, first, run, free, q, rate, rest)
     end do
     q = (q - source%gamma*rest(1)*free%tip)/free%modal_mass
@@ -133,15 +133,11 @@ contains
     rate = continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution)
   end function started
 
-  pure function numbers(first, most, length) result(number)
-    !! Of a batch of modes.
-    integer, intent(in) :: first, most
-    integer, intent(in), optional :: length                    !! `batch` where absent
-    integer, allocatable :: number(:)
-    integer :: k, last
-    last = first + batch - 1
-    if (present(length)) last = first + length - 1
-    number = [(k, k=first, min(last, most))]
-  end function numbers
+  pure function batch_from(first, last) result(number)
+    !! The numbers of some modes, of no more than `batch`.
+    integer, intent(in) :: first, last
+    integer :: number(min(batch, last - first + 1))
+    number = first - 1 + first_numbers(size(number))
+  end function batch_from
 
 end module bw_direct_motion

@@ -8,7 +8,7 @@ module bw_released_motion
   use bw_double_double, only: operator(*)
   use bw_later_events, only: end_capture
   use bw_mode_choice, only: modes_for
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: silent_monitor
   use bw_reach, only: stretch_type
   use bw_release, only: release_mass
@@ -77,7 +77,7 @@ contains
     stretch = stretch_after(grid, result)
     call modes_for(tail_bound, fewest, source, force, points, stretch%end, stretch%samples, result%released_count, tail, &
                    alone, result%courses(2)%start)
-    call alone%find(numbers(fewest), free)
+    call alone%find(first_numbers(fewest), free)
     strength = source%gamma*maxval(blow_reach(free, points, stretch, .false.))
     if (.not. allocated(result%tip_rest)) allocate (result%tip_rest)
     call find_tip_rest(source, force, result%released_count, result%courses(2)%start, &
@@ -95,7 +95,7 @@ contains
     real(dp) :: error(size(points))
     class(mode_set), allocatable :: free
     associate (stretch => stretch_after(grid, result))
-      call alone%find(numbers(result%released_count), free)
+      call alone%find(first_numbers(result%released_count), free)
       error = release_tail(result%released_count, source, alone, force, result%courses(2)%start, points, stretch, velocity) &
         + source%gamma*result%tip_rest%uncertainty*blow_reach(free, points, stretch, velocity)
     end associate
@@ -112,7 +112,7 @@ contains
     class(mode_set), allocatable :: loaded
     real(dp), dimension(result%released_count) :: q, rate
     call find_state(source, force, grid, result, loaded, q, rate)
-    call alone%find(numbers(size(q)), free, grid%samples*grid%step%hi)
+    call alone%find(first_numbers(size(q)), free, grid%samples*grid%step%hi)
     call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
                                          result%tip_rest), result)
   end subroutine release_continuum
@@ -125,7 +125,7 @@ contains
     type(case_result), intent(in) :: result
     class(mode_set), allocatable, intent(out) :: loaded
     real(dp), intent(out) :: q(:), rate(:)
-    call source%find(numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi))
+    call source%find(first_numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi))
     q = 0.0_dp
     rate = force*loaded%tip/loaded%modal_mass
     call move(loaded, result%courses(2)%start, q, rate)
@@ -146,7 +146,7 @@ contains
     real(dp) :: q(count), rate(count)
     integer :: samples, stride
     call find_state(source, force, grid, result, loaded, q, rate)
-    call alone%find(numbers(count), free, grid%samples*grid%step%hi)
+    call alone%find(first_numbers(count), free, grid%samples*grid%step%hi)
     samples = grid%samples - last_sample(result%courses, 1, grid)
     stride = (samples - 1)/most + 1
     if (any(free%beta_squared%hi <= 0.0_dp)) stride = 1
@@ -156,12 +156,5 @@ contains
                     response, displaced=free%overlap_of_beam(loaded, q)/free%modal_mass)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end function peak_released
-
-  pure function numbers(count) result(number)
-    integer, intent(in) :: count
-    integer :: number(count)
-    integer :: k
-    number = [(k, k=1, count)]
-  end function numbers
 
 end module bw_released_motion
