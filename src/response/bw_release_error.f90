@@ -3,7 +3,7 @@ module bw_release_error
   !!
   !! The mass leaves with the velocity that finitely many modes give the tip; what they lack of it the beam keeps in all
   !! its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after the
-  !! release is found in the same way, and the amplitudes of its difference add up as those of bw_truncation do; modes
+  !! release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do; modes
   !! beyond these are taken with the amplitudes that the continuum has before the release. Where there are no more modes,
   !! what the tip's velocity lacks is judged without them (bw_tip_rest).
   use bw_course, only: move
@@ -14,7 +14,7 @@ module bw_release_error
   use bw_reach, only: damped_reach, stretch_type, turns
   use bw_release, only: tip_rest
   use bw_tip_rest, only: find_tip_rest
-  use bw_truncation, only: add_tail, deviation_type, largest, negligible, sampled
+  use bw_tail, only: add_tail, deviation_type, largest, negligible, sampled
   implicit none (type, external)
   private
   public :: release_error, release_tail, blow_reach

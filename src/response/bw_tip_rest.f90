@@ -9,7 +9,7 @@ module bw_tip_rest
   !!
   !! What N modes lack is judged by ΣA = (1+e)V, the velocity at t = 0: less the terms that were summed it bounds the rest,
   !! and with the last term also ΣA². Where phases agree (at instants that are fractions of small numbers of a period, see
-  !! bw_truncation) the last octaves show it.
+  !! bw_tail) the last octaves show it.
   use bw_course, only: beam_energy, move
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
   use bw_kinds, only: dp
