@@ -67,17 +67,18 @@ contains
       associate (other => self%followed(i))
         if (.not. other%is_open) other%is_open = other%reader%open(other%path, self%work)
         if (.not. other%is_open) cycle
-        call self%take_records(other%reader, sound, error, monitor)
+        call self%take_records(other%reader, self%assembly%body%known(), sound, error, monitor)
         other%left = .not. sound
       end associate
     end do
   end subroutine follow
 
-  subroutine take_records(self, reader, sound, error, monitor)
+  subroutine take_records(self, reader, is_fresh, sound, error, monitor)
     !! The records of a journal from where it stands. A record whose long fields are not what they were is passed over: its
     !! case is done again.
     class(gathering_type), intent(inout) :: self
     type(journal_reader), intent(inout) :: reader
+    logical, intent(in) :: is_fresh                      !! of this run: what is long was written on this machine just before
     logical, intent(out) :: sound                        !! none of those that were needed is damaged
     type(error_type), allocatable, intent(inout) :: error
     class(monitor_type), intent(inout), optional :: monitor
@@ -91,7 +92,9 @@ contains
       if (.not. reader%next(index)) return
       if (index < 1 .or. index > size(self%assembly%done, kind=i8)) cycle
       if (self%assembly%done(index) /= 0) cycle
-      if (.not. self%assembly%body%has_all(index, reader%elsewhere(), reader%total_elsewhere(), self%numbers)) cycle
+      if (.not. is_fresh) then
+        if (.not. self%assembly%body%has_all(index, reader%elsewhere(), reader%total_elsewhere(), self%numbers)) cycle
+      end if
       held = size(self%numbers, kind=i8) - reader%elsewhere()
       sound = reader%take(self%numbers(:held), notes)
       if (sound) call self%assembly%take(index, self%numbers(:held), notes, error)
@@ -127,7 +130,7 @@ contains
     type(journal_reader) :: reader
     logical :: sound
     if (.not. reader%open(path, self%work)) return
-    call self%take_records(reader, sound, error)
+    call self%take_records(reader, .false., sound, error)
     call reader%close()
     if (sound) return
     call remove_file(path)
