@@ -27,19 +27,19 @@ module bw_sum_choice
 
   ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios
   ! matter alone.
-  real(dp), parameter :: product_set_up = 26.8e-6_dp  ! a call
-  real(dp), parameter :: product_mode = 320e-9_dp     ! a mode
-  real(dp), parameter :: product_turn = 2.13e-9_dp    ! an entry of the tables of turns, each for a mode
-  real(dp), parameter :: product_state = 609e-12_dp   ! a mode's state at a block of a history
-  real(dp), parameter :: product_term = 92.8e-12_dp   ! a mode at a sample of a history
-  real(dp), parameter :: product_sample = 1.3e-9_dp   ! a sample of a history
-  real(dp), parameter :: set_up = 107e-6_dp           ! kernel and plan
-  real(dp), parameter :: mode_phase = 6.18e-9_dp      ! place and phase of a mode
-  real(dp), parameter :: mode_weight = 23e-9_dp       ! a vector of weights of the kernel
-  real(dp), parameter :: mode_spread = 4.46e-9_dp     ! a vector of weights put to use, for each history
-  real(dp), parameter :: grid_point = 907e-12_dp      ! a point of the grid and step of the fast transform, for each history
-  real(dp), parameter :: sample = 2.01e-9_dp          ! a sample made and added, for each history
-  real(dp), parameter :: factor = 11.1e-9_dp          ! the kernel's factor of a sample
+  real(dp), parameter :: product_set_up = 27.5e-6_dp  ! a call
+  real(dp), parameter :: product_mode = 241e-9_dp     ! a mode
+  real(dp), parameter :: product_turn = 1.29e-9_dp    ! an entry of the tables of turns, each for a mode
+  real(dp), parameter :: product_state = 186e-12_dp   ! a mode's state at a block of a history
+  real(dp), parameter :: product_term = 80.6e-12_dp   ! a mode at a sample of a history
+  real(dp), parameter :: product_sample = 1.28e-9_dp  ! a sample of a history
+  real(dp), parameter :: set_up = 94.8e-6_dp          ! kernel and plan
+  real(dp), parameter :: mode_phase = 9.7e-9_dp       ! place and phase of a mode
+  real(dp), parameter :: mode_weight = 13e-9_dp       ! a vector of weights of the kernel
+  real(dp), parameter :: mode_spread = 2.68e-9_dp     ! a vector of weights put to use, for each history
+  real(dp), parameter :: grid_point = 809e-12_dp      ! a point of the grid and step of the fast transform, for each history
+  real(dp), parameter :: sample = 2.44e-9_dp          ! a sample made and added, for each history
+  real(dp), parameter :: factor = 8.19e-9_dp          ! the kernel's factor of a sample
 
 contains
 
