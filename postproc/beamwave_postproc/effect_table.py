@@ -19,6 +19,7 @@ COLOURS = "RdBu_r"
 DARK = 0.7  # of the scale, from where words are white
 ROW, HEAD = 0.42, 1.5  # inches
 SPARE = ("response", "run time")  # columns beside the modes
+ROUNDING = 1e-10  # per cent, between two ways to find the same number
 
 
 @styled
@@ -73,7 +74,7 @@ def _draw_spare(axes: Axes, rows: xr.Dataset) -> None:
     for row in range(rows.sizes["effect"]):
         response, cost = (float(rows[name][row]) for name in ("response_change", "cost"))
         _write(axes, modes + 0.5, row, percent(response).lstrip("+"), "black")
-        _write(axes, modes + 1.5, row, f"× {cost:.2g}" if np.isfinite(cost) else "–", "black")
+        _write(axes, modes + 1.5, row, times(cost), "black")
     axes.axvline(modes - 0.5, color=GREY, linewidth=0.8)
     axes.set_xlim(-0.5, modes + len(SPARE))
 
@@ -101,12 +102,17 @@ def _write(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
     axes.text(x, y, text, ha="center", va="center", fontsize="small", color=colour)
 
 
+def times(cost: float) -> str:
+    """How many times as long, two digits; a dash for what does not exist."""
+    return f"× {float(f'{cost:.2g}'):g}" if np.isfinite(cost) else "–"
+
+
 def percent(change: float) -> str:
-    """Two digits and a sign, small ones as powers of ten; a dash for what does not exist."""
+    """Two digits and a sign, small ones as powers of ten, 0 for rounding; a dash for what does not exist."""
     if not np.isfinite(change):
         return "–"
     size = abs(100.0 * change)
-    if size == 0.0:
+    if size <= ROUNDING:
         return "0"
     sign = "+" if change > 0.0 else "−"
     if size < 1e-3:

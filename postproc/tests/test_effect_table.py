@@ -24,7 +24,7 @@ def study():
             "frequency_change": (("effect", "mode"), [[NAN, -1e-9, NAN], [-5e-4, -0.12, NAN], [NAN, NAN, NAN]]),
             "angular_frequency_without": (("effect", "mode"), [[1.0, 9.0, NAN], [1.0, 9.0, NAN], [NAN, NAN, NAN]]),
             "response_change": ("effect", [0.75, 0.031, NAN]),
-            "cost": ("effect", [1.04, 71.3, NAN]),
+            "cost": ("effect", [1.04, 171.3, NAN]),
         },
         {"effect": ("effect", [1, 2, 3], flags), "mode": [1, 2, 3]},
     )
@@ -35,7 +35,7 @@ def test_rows_are_the_effects_that_were_compared_and_cells_their_changes(study):
     assert [label.get_text() for label in axes.get_yticklabels()] == ["rotation (on)", "shear (off)"]
     assert [label.get_text() for label in axes.get_xticklabels()] == ["1", "2", "response", "run time"]
     cells = [text.get_text() for text in axes.texts]
-    assert cells == ["–", "−1·10$^{-7}$%", "−0.05%", "−12%", "75%", "× 1", "3.1%", "× 71"]
+    assert cells == ["–", "−1·10$^{-7}$%", "−0.05%", "−12%", "75%", "× 1", "3.1%", "× 170"]
 
 
 def test_the_first_mode_that_an_effect_matters_for_is_framed(study):
@@ -53,4 +53,4 @@ def test_a_study_without_anything_compared_is_not_drawn(study):
 
 
 def test_changes_are_written_with_two_digits_and_a_sign():
-    assert [percent(value) for value in (0.1234, -0.2, 0.0, 1.5, NAN)] == ["+12%", "−20%", "0", "+150%", "–"]
+    assert [percent(value) for value in (0.1234, -0.2, -3e-16, 1.5, NAN)] == ["+12%", "−20%", "0", "+150%", "–"]
