@@ -13,6 +13,7 @@ from .result import NothingToDraw, require
 from .style import COLOURS, GREY, curve_style, logarithmic, styled
 
 LADDERS = {1: "tolerance asked for", 2: "counts: before = after", 3: "last tolerance, all roots in extended precision"}
+HEADROOM = 0.32  # of the decades on the axis of seconds, for the legend above all points
 AIM = 0.25  # of the time at hand, for a tenth of the error: a digit that costs no more is cheap
 MARGIN = 2.0  # between curves and the frame of a logarithmic axis
 
@@ -55,6 +56,8 @@ def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
     axes.invert_xaxis()
     axes.set_xlabel("Largest error of the displacement over its peak")
     axes.set_ylabel("Seconds (median)")
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * (high / low) ** HEADROOM)
     axes.legend(fontsize="small", loc="upper left")
 
 
