@@ -2,23 +2,21 @@ module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
-  use bw_case_result, only: case_result, add_note, case_done, case_not_converged
+  use bw_case_result, only: case_result
   use bw_closed_form, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
-  use bw_damping_par, only: by_ratio
   use bw_double_double, only: dd
-  use bw_galerkin_set, only: galerkin_set
   use bw_galerkin_source, only: galerkin_source, galerkin_source_of
   use bw_kept_modes, only: kept_modes
   use bw_kept_operators, only: kept_operators
   use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_mode_notes, only: note_coupling, note_no_effect, note_strain, note_unresolved
   use bw_modes_par, only: by_tolerance
   use bw_record_stretch, only: record_stretch
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_scene_method, only: changes_shapes
-  use bw_scene_operator, only: axial_strain, operator_of
-  use bw_text, only: shortest
+  use bw_scene_operator, only: operator_of
   implicit none (type, external)
   private
   public :: find_modes, extend_modes
@@ -184,44 +182,5 @@ contains
       source = more
     end select
   end subroutine extend_source
-
-  subroutine note_coupling(scene, result)
-    !! Rayleigh's damping is diagonal in modes of the elastic stiffness alone, which tension and rotation change.
-    type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result
-    real(dp), parameter :: nothing = 1.0e-9_dp     ! rounding of modes that are orthogonal
-    real(dp) :: ratio
-    if (.not. allocated(scene%damping)) return
-    if (by_ratio(scene%damping)) return
-    select type (modes => result%modes)
-    type is (galerkin_set)
-      ratio = modes%coupling(law_of(scene%damping, result%units))
-      if (ratio > nothing) call add_note(result, 'coupled damping: Rayleigh''s damping couples these modes and is taken '// &
-        'without that: at most '//shortest(ratio, 2)//' of what it takes from the modes themselves')
-    end select
-  end subroutine note_coupling
-
-  subroutine note_no_effect(result)
-    type(case_result), intent(inout) :: result
-    call add_note(result, &
-      'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
-  end subroutine note_no_effect
-
-  subroutine note_strain(scene, result)
-    !! Where rotation strains the beam beyond what linear theory holds for.
-    type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result
-    real(dp), parameter :: most = 0.1_dp
-    if (axial_strain(scene, result%units) <= most) return
-    call add_note(result, 'outside linear theory: omega l/h sqrt(I/A) is '// &
-      shortest(axial_strain(scene, result%units), 3)//', above 0.1: rotation strains the beam by more than half a per cent')
-  end subroutine note_strain
-
-  subroutine note_unresolved(result)
-    type(case_result), intent(inout) :: result
-    if (result%status == case_done) call add_note(result, &
-      'not converged: the polynomials of the Galerkin basis do not resolve the modes; every number of the case is fill')
-    result%status = case_not_converged
-  end subroutine note_unresolved
 
 end module bw_case_modes
