@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
@@ -12,6 +13,7 @@ CROWDED = 5  # more entries than this are set small
 LONG = 30  # characters: a longer entry would hide the curves
 TITLE_WIDTH = 72  # characters of a title in one line
 BROKEN_AT = (100, 80, 60, 45, 30)  # characters in a line of an entry that is broken, tried in turn
+SURE = 1.2  # times too wide by the number of characters: not to be tried
 SIDES = 0.2  # inches kept free beside a legend
 PAD = 0.05  # inches between legend and axes
 GIVEN_HEIGHT = 0.5  # inches of legend that a figure has room for as it is
@@ -51,16 +53,31 @@ def _fitting(fig: Figure, handles: list, labels: list[str], title: str) -> Legen
     """Return the legend at the top of `fig` in as many columns as fit, or in one with its entries broken."""
     layouts = [(columns, labels) for columns in range(len(labels), 0, -1)]
     layouts += [(1, [broken(label, width) for label in labels]) for width in BROKEN_AT]
-    size = "small" if len(labels) > CROWDED else None
+    room = (fig.get_figwidth() - SIDES) * fig.dpi
+    legend = _placed(fig, handles, labels, title, 1)
+    a_character = max(text.get_window_extent().width for text in legend.get_texts()) / _characters(labels, 1)
     for columns, texts in layouts:
-        legend = fig.legend(
-            handles, texts, title=title or None, loc="upper center", ncols=columns, frameon=False, fontsize=size
-        )
-        if legend.get_window_extent().width <= (fig.get_figwidth() - SIDES) * fig.dpi:
+        last = texts is layouts[-1][1]
+        if not last and _characters(texts, columns) * a_character > SURE * room:
+            continue  # to set it only to see that would take most of the time that the picture takes
+        legend.remove()
+        legend = _placed(fig, handles, texts, title, columns)
+        if legend.get_window_extent().width <= room:
             break
-        if texts is not layouts[-1][1]:
-            legend.remove()
     return legend
+
+
+def _placed(fig: Figure, handles: list, texts: list[str], title: str, columns: int) -> Legend:
+    size = "small" if len(texts) > CROWDED else None
+    return fig.legend(
+        handles, texts, title=title or None, loc="upper center", ncols=columns, frameon=False, fontsize=size
+    )
+
+
+def _characters(texts: list[str], columns: int) -> int:
+    """Characters side by side in the widest lines of all columns."""
+    widths = [max(len(as_read(line)) for line in text.split("\n")) for text in texts]
+    return sum(int(column.max()) for column in np.array_split(widths, columns))
 
 
 def _make_room(fig: Figure, legend: Legend) -> None:
