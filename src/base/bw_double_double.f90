@@ -18,6 +18,9 @@ module bw_double_double
     real(dp) :: lo = 0.0_dp
   end type dd
 
+  real(dp), parameter, public :: rounder = 1.5_dp*2.0_dp**52
+    !! added and taken off again it leaves the nearest whole number, of numbers below 2⁵¹; `aint` and `anint`, which must
+    !! not raise a flag, keep loops out of vector registers
   type(dd), parameter, public :: dd_pi = dd(3.141592653589793116_dp, 1.224646799147353207e-16_dp)
 
   interface to_dd

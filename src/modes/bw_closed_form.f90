@@ -2,6 +2,7 @@ module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)
+  use bw_far_runs, only: far_run_terms, is_far_run
   use bw_far_terms, only: far_terms
   use bw_frequency_equation, only: highest_mode, root_type
   use bw_kept_modes, only: chunk, kept_modes, kept_set
@@ -248,7 +249,7 @@ contains
   end function closed_form_elastic
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
-    !! Far modes in their short form, the others through a set.
+    !! Runs of far modes by interpolation, other far ones in their short form, the others through a set.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
@@ -256,6 +257,13 @@ contains
     type(dd), intent(out) :: beta(:)
     real(dp), intent(out) :: drive(:), shapes(:, :)
     integer :: first, light, n, near
+    logical :: found
+    if (present(longest)) then
+      if (is_far_run(number, self%gamma, self%omega, xi)) then
+        call far_run_terms(number(1), self%gamma, self%omega, xi, longest, beta, drive, shapes, found)
+        if (found) return
+      end if
+    end if
     n = size(number)
     near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
     light = max(near, light_modes(number, self%gamma))

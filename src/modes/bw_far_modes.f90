@@ -9,7 +9,7 @@ module bw_far_modes
   !!
   !! **Errors**: as those of bw_root_list and bw_shape. **Source**: Eqs 18–21 without their vanishing parts.
   use bw_kinds, only: dp
-  use bw_double_double, only: two_products
+  use bw_double_double, only: rounder, two_products
   implicit none (type, external)
   private
   public :: far_roots, far_tip_and_drive, far_shapes
@@ -100,7 +100,7 @@ contains
       return
     end if
     call two_products(eighths, xi, whole, part)
-    whole = whole - 8.0_dp*aint(0.125_dp*whole + 0.5_dp)
+    whole = whole - 8.0_dp*((0.125_dp*whole + rounder) - rounder)
     part = 0.25_dp*pi*(whole + (1.0_dp + part)) + rest*xi
     values = sqrt(2.0_dp)*cos(part)
     if (alpha(1)*xi < nothing) values = values - exp(-min(alpha*xi, nothing))

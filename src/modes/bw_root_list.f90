@@ -69,7 +69,8 @@ contains
     integer, intent(in) :: k(:)      !! ascending
     real(dp), intent(in) :: gamma
     n = 0
-    if (gamma <= 1.0_dp) n = count(gamma <= 1.0_dp/((k - 0.75_dp)*pi))
+    if (size(k) == 0) return
+    if (gamma <= 1.0_dp/((k(1) - 0.75_dp)*pi)) n = count(gamma <= 1.0_dp/((k - 0.75_dp)*pi))
   end function light_modes
 
   pure function root_values(root) result(alpha)

@@ -14,7 +14,7 @@ module bw_nonuniform_sum
   !! **Source**: Dutt and Rokhlin (1993), doi:10.1137/0914081; Barnett, Magland and af Klinteberg (2019),
   !! doi:10.1137/18M120885X.
   use bw_kinds, only: dp, i8
-  use bw_double_double, only: dd, dd_pi, operator(*), operator(/)
+  use bw_double_double, only: dd, dd_pi, rounder, operator(*), operator(/)
   use bw_samples_of_grid, only: add_samples, fold_ends
   use bw_sine_sum, only: sine_sum_plan
   use bw_spread, only: rows_of, spread_modes
@@ -137,7 +137,7 @@ contains
     real(dp), intent(in) :: q_dot(:)                !! modal velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
     real(dp), intent(in), optional :: q(:)          !! modal displacements at t = 0, (modes); for a sum opened for them
-    real(dp) :: offset(batch), side(batch), amplitude(batch, 4), coefficients(size(self%spectra, 2), batch)
+    real(dp) :: offset(batch), side(batch), amplitude(batch), coefficients(batch, size(self%spectra, 2))
     type(dd) :: turns
     integer :: place(batch), first, kind, last, n, p
     turns = self%grid%step/(dd_pi*2.0_dp)
@@ -145,19 +145,23 @@ contains
       last = min(first + batch - 1, size(beta))
       n = last - first + 1
       call find_places(turn_fractions(beta(first:last)*turns), 4*self%half, place(:n), offset(:n), side(:n))
-      amplitude(:n, sines) = side(:n)*(q_dot(first:last)/beta(first:last)%hi)
-      amplitude(:n, rate_cosines) = q_dot(first:last)
-      if (self%with(cosines)) then
-        amplitude(:n, cosines) = q(first:last)
-        amplitude(:n, rate_sines) = -side(:n)*(q(first:last)*beta(first:last)%hi)
-      end if
       do kind = 1, 4
         if (.not. self%with(kind)) cycle
+        select case (kind)
+        case (sines)
+          amplitude(:n) = side(:n)*(q_dot(first:last)/beta(first:last)%hi)
+        case (rate_cosines)
+          amplitude(:n) = q_dot(first:last)
+        case (cosines)
+          amplitude(:n) = q(first:last)
+        case (rate_sines)
+          amplitude(:n) = -side(:n)*(q(first:last)*beta(first:last)%hi)
+        end select
         do p = 1, self%points
-          coefficients(first_of(self, kind) + p - 1, :n) = amplitude(:n, kind)*shapes(first:last, p)
+          coefficients(:n, first_of(self, kind) + p - 1) = amplitude(:n)*shapes(first:last, p)
         end do
       end do
-      call spread_modes(self%kernel, place(:n) + 2, offset(:n), coefficients(:, :n), self%spectra)
+      call spread_modes(self%kernel, place(:n) + 2, offset(:n), coefficients(:n, :), self%spectra)
     end do
     do p = 1, self%points
       if (self%with(cosines)) self%start(p) = self%start(p) + dot_product(q, shapes(:, p))
@@ -181,9 +185,9 @@ contains
       size_of = abs(fraction(i)%hi)
       large = (size_of + coarse) - coarse
       position = large*points
-      whole = aint(position)
+      whole = (position + rounder) - rounder
       position = (position - whole) + ((size_of - large) + sign_of*fraction(i)%lo)*points - 0.5_dp
-      left = aint(position + 2.0_dp) - 2.0_dp             ! `floor` keeps the loop out of vector registers
+      left = ((position - 0.5_dp) + rounder) - rounder
       offset(i) = position - left
       place(i) = int(whole + left)
       side(i) = sign_of

@@ -23,7 +23,7 @@ contains
       !! place, from 1, of the first grid point that a mode reaches, (modes)
     real(dp), intent(in) :: offset(:)
       !! where in the spacing left of the middle of those points it lies, 0 … 1, (modes)
-    real(dp), intent(in), contiguous :: coefficients(:, :)   !! (grids, modes)
+    real(dp), intent(in), contiguous :: coefficients(:, :)   !! (modes, grids)
     real(dp), intent(inout), contiguous :: grid(:, :)        !! (grid points, grids)
     real(dp) :: place(few)
     integer :: b, cell(few), k, n
@@ -32,19 +32,21 @@ contains
       cell(:n) = min(cells, int(offset(k + 1:k + n)*cells) + 1)
       place(:n) = 2.0_dp*(offset(k + 1:k + n)*cells - (cell(:n) - 1)) - 1.0_dp
       do b = 1, rows_of(kernel%width)/vector
-        call spread_few(kernel%table(:, :, :, b), n, cell, place, first(k + 1:k + n) + (b - 1)*vector, size(grid, 2), &
-                        coefficients(:, k + 1:k + n), size(grid, 1), grid)
+        call spread_few(kernel%table(:, :, :, b), n, cell, place, k, size(first), first, (b - 1)*vector, size(grid, 2), &
+                        coefficients, size(grid, 1), grid)
       end do
     end do
   end subroutine spread_modes
 
-  pure subroutine spread_few(t, n, cell, place, first, grids, coefficients, points, grid)
-    !! One vector of each mode's weights.
+  pure subroutine spread_few(t, n, cell, place, done, modes, first, beyond, grids, coefficients, points, grid)
+    !! One vector of the weights of the next `n` modes.
     real(dp), intent(in) :: t(vector, 0:degree, cells)               !! of the kernel
     integer, intent(in) :: n, cell(n)
     real(dp), intent(in) :: place(n)                                 !! in the cell, −1 … 1
-    integer, intent(in) :: first(n), grids, points
-    real(dp), intent(in) :: coefficients(grids, n)
+    integer, intent(in) :: done                                      !! modes before them
+    integer, intent(in) :: modes, first(modes), grids, points
+    integer, intent(in) :: beyond                                    !! grid points before this vector
+    real(dp), intent(in) :: coefficients(modes, grids)
     real(dp), intent(inout) :: grid(points, grids)
     real(dp) :: coefficient, weights(vector, few)
     integer :: i, k, low, p
@@ -58,8 +60,8 @@ contains
     end do
     do k = 1, n
       do p = 1, grids
-        coefficient = coefficients(p, k)
-        low = first(k) - 1
+        coefficient = coefficients(done + k, p)
+        low = first(done + k) + beyond - 1
         !GCC$ unroll 1
         do i = 1, vector
           grid(low + i, p) = grid(low + i, p) + weights(i, k)*coefficient

@@ -2,7 +2,7 @@ module bw_turn
   !! Phases of modes at samples, in turns, reduced before they are rounded: whole turns carry no information, however
   !! many there are.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, dd_pi, operator(*)
+  use bw_double_double, only: dd, dd_pi, rounder, operator(*)
   implicit none (type, external)
   private
   public :: phase_angles, turn_fractions
@@ -13,13 +13,20 @@ contains
     !! Cycles less the nearest whole number: −½ … ½.
     type(dd), intent(in) :: cycles(:)
     type(dd) :: fraction(size(cycles))
+    real(dp), parameter :: most = 2.0_dp**50         ! turns that `rounder` rounds
     real(dp) :: part, sum
     integer :: k
     do k = 1, size(cycles)
+      part = cycles(k)%hi - ((cycles(k)%hi + rounder) - rounder)
+      sum = part + cycles(k)%lo
+      fraction(k)%hi = sum - ((sum + rounder) - rounder)
+      fraction(k)%lo = cycles(k)%lo - (sum - part)     ! exact: `part` is zero or larger than what it is added to
+    end do
+    do k = 1, size(cycles)
+      if (abs(cycles(k)%hi) < most) cycle
       part = cycles(k)%hi - aint(cycles(k)%hi)
       sum = part + cycles(k)%lo
-      fraction(k)%hi = sum - aint(sum + sign(0.5_dp, sum))
-      fraction(k)%lo = cycles(k)%lo - (sum - part)     ! exact: `part` is zero or larger than what it is added to
+      fraction(k) = dd(sum - anint(sum), cycles(k)%lo - (sum - part))
     end do
   end function turn_fractions
 

@@ -1,0 +1,179 @@
+module bw_far_runs
+  !! Runs of neighbouring far modes of a heavy mass: what changes slowly from mode to mode is found for a few and
+  !! interpolated.
+  !!
+  !! With A = (k − ¾)π these are β − A², δ = α − A, and the sizes of Φ(1) and Φ(1)/M, all of them analytic in k but near
+  !! k = 0: a polynomial through the values at `few` modes near Chebyshev's points is off by rounding alone in a run that
+  !! begins far enough from there. β − A² hardly changes within a run, so it is the change that is interpolated: phases
+  !! keep the digits of the few roots, which may be extended ones.
+  !!
+  !! **Errors**: 2e-15 relatively, of β as `is_coarse` demands.
+  use bw_kinds, only: dp
+  use bw_double_double, only: dd, dd_pi, rounder, two_products, operator(*), operator(-)
+  use bw_far_terms, only: far_frequencies, far_shapes_and_roots
+  use bw_refined_root, only: is_coarse
+  implicit none (type, external)
+  private
+  public :: is_far_run, far_run_terms
+
+  integer, parameter, public :: run = 256                !! tuned: modes of a run
+  integer, parameter :: few = 12
+  integer, parameter :: lowest = 1024                    ! from here on `few` are enough
+  integer, parameter :: highest = 2**24                  ! up to here (4k − 3)² is exact in binary64
+  integer, parameter :: known(few) = [144, 1, 254, 50, 205, 79, 229, 10, 176, 26, 245, 111]
+    !! those that are found, from 0; in Leja's order, in which Newton's divided differences are stable
+  real(dp), parameter :: half_run = 0.5_dp*run, middle_place = half_run - 0.5_dp
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: slow_turning = 0.01_dp          ! of α²: a faster rotation brings the root of α⁴ − ω² too near
+  integer, parameter :: excess = 1, drives = 2, tips = 3, rests = 4
+
+contains
+
+  pure logical function is_far_run(k, gamma, omega, xi)
+    !! The modes may be found by `far_run_terms`.
+    integer, intent(in) :: k(:)                !! ascending
+    real(dp), intent(in) :: gamma
+    type(dd), intent(in), optional :: omega    !! as that of `far_terms`
+    real(dp), intent(in) :: xi(:)              !! points
+    real(dp) :: nearest
+    is_far_run = .false.
+    if (size(k) /= run .or. k(1) < lowest .or. k(size(k)) /= k(1) + run - 1 .or. k(size(k)) > highest) return
+    if (gamma*((k(1) - 0.75_dp)*pi) <= 1.0_dp) return                ! light
+    if (present(omega)) then
+      if (abs(omega%hi) > slow_turning*((k(1) - 0.75_dp)*pi)**2) return
+    end if
+    nearest = 1.0_dp/lowest                                          ! else e^(−αξ) counts there, or e^(−α(1−ξ))
+    is_far_run = all(xi == 0.0_dp .or. xi == 1.0_dp .or. (xi > 16*nearest .and. 1.0_dp - xi > 16*nearest))
+  end function is_far_run
+
+  pure subroutine far_run_terms(first, gamma, omega, xi, longest, beta, drive, shapes, found)
+    !! `far_terms` of the modes from `first` on.
+    integer, intent(in) :: first
+    real(dp), intent(in) :: gamma, xi(:), longest        !! as those of `far_terms`
+    type(dd), intent(in), optional :: omega
+    type(dd), intent(out) :: beta(run)
+    real(dp), intent(out) :: drive(run), shapes(:, :)
+    logical, intent(out) :: found                        !! false: phases would not be right for so long
+    real(dp) :: eighths(run), values(run, 4), some(4, few)
+    real(dp) :: rest(few), drive_of(few), tip(few, 1), sign_of
+    type(dd) :: alpha(few), middle, some_beta(few)
+    integer :: j, p
+    call far_shapes_and_roots(first + known, gamma, .false., [1.0_dp], rest, alpha, drive_of, tip)
+    call far_frequencies(first + known, gamma, .false., omega, longest, rest, alpha, some_beta)
+    some_beta = some_beta - squares(4.0_dp*(first + known) - 3.0_dp)
+    middle = some_beta(1)
+    sign_of = merge(1.0_dp, -1.0_dp, mod(first, 2) == 0)
+    do j = 1, few
+      some_beta(j) = some_beta(j) - middle
+      some(excess, j) = some_beta(j)%hi
+      some(drives:tips, j) = [drive_of(j), tip(j, 1)]*merge(sign_of, -sign_of, mod(known(j), 2) == 0)
+      some(rests, j) = rest(j)
+    end do
+    found = .not. is_coarse(maxval(abs(some(excess, :))), 1.0_dp, longest=longest)
+    if (.not. found) return
+    call interpolate(some, values)
+    values(1::2, drives:tips) = sign_of*values(1::2, drives:tips)
+    values(2::2, drives:tips) = -sign_of*values(2::2, drives:tips)
+    eighths = [(4*(first + j) - 3, j=0, run - 1)]
+    call add_squares(eighths, middle, values(:, excess), beta)
+    drive = values(:, drives)
+    do p = 1, size(xi)
+      if (xi(p) == 0.0_dp .or. xi(p) == 1.0_dp) then
+        shapes(:, p) = xi(p)*values(:, tips)
+      else
+        call inner_shapes(eighths, values(:, rests), xi(p), shapes(:, p))
+      end if
+    end do
+  end subroutine far_run_terms
+
+  pure subroutine interpolate(some, values)
+    !! The polynomials through the known values, at all modes of a run.
+    real(dp), intent(in) :: some(4, few)                 !! (quantities, few)
+    real(dp), intent(out) :: values(run, 4)              !! (run, quantities)
+    real(dp) :: p(4, 0:few - 1), x(run)
+    integer :: k, q
+    call find_powers(some, p)
+    x = [((k - middle_place)/half_run, k=0, run - 1)]
+    do q = 1, 4
+      do k = 1, run                ! Horner's rule is written out: as a loop it keeps the other one out of vector registers
+        values(k, q) = ((((((((((p(q, 11)*x(k) + p(q, 10))*x(k) + p(q, 9))*x(k) + p(q, 8))*x(k) + p(q, 7))*x(k) &
+                              + p(q, 6))*x(k) + p(q, 5))*x(k) + p(q, 4))*x(k) + p(q, 3))*x(k) + p(q, 2))*x(k) &
+                        + p(q, 1))*x(k) + p(q, 0)
+      end do
+    end do
+  end subroutine interpolate
+
+  pure subroutine find_powers(some, p)
+    !! Newton's divided differences, then the coefficients of powers of the place in the run, −1 … 1: from far off as runs
+    !! are from where quantities vary fast, they fall so quickly that powers are as good as any polynomials.
+    real(dp), intent(in) :: some(4, few)
+    real(dp), intent(out) :: p(4, 0:few - 1)
+    real(dp) :: c(4, few)
+    integer :: i, j
+    c = some
+    do j = 1, few - 1
+      do i = few, j + 1, -1
+        c(:, i) = (c(:, i) - c(:, i - 1))*(half_run/(known(i) - known(i - j)))
+      end do
+    end do
+    p = 0.0_dp
+    p(:, 0) = c(:, few)
+    do i = few - 1, 1, -1
+      do j = few - i, 1, -1
+        p(:, j) = p(:, j - 1) - ((known(i) - middle_place)/half_run)*p(:, j)
+      end do
+      p(:, 0) = c(:, i) - ((known(i) - middle_place)/half_run)*p(:, 0)
+    end do
+  end subroutine find_powers
+
+  pure function squares(eighths) result(square)
+    !! A², A = eighths·π/4.
+    real(dp), intent(in) :: eighths(:)                   !! whole numbers below 2²⁶, whose squares are exact
+    type(dd) :: square(size(eighths))
+    square = square_of_eighth()*eighths**2
+  end function squares
+
+  pure type(dd) function square_of_eighth()
+    !! (π/4)².
+    square_of_eighth = dd_pi*dd_pi*0.0625_dp
+  end function square_of_eighth
+
+  pure subroutine add_squares(eighths, middle, change, beta)
+    !! β = A² + middle + change, of which each is far larger than the next.
+    real(dp), intent(in) :: eighths(run), change(run)
+    type(dd), intent(in) :: middle
+    type(dd), intent(out) :: beta(run)
+    real(dp), dimension(run) :: product, rest
+    type(dd) :: unit
+    real(dp) :: high, low, small
+    integer :: i
+    unit = square_of_eighth()
+    call two_products(eighths**2, unit%hi, product, rest)
+    do i = 1, run
+      small = middle%hi + change(i)
+      low = (change(i) - (small - middle%hi)) + middle%lo
+      high = product(i) + small
+      low = (small - (high - product(i))) + (low + (rest(i) + eighths(i)**2*unit%lo))
+      beta(i)%hi = high + low
+      beta(i)%lo = low - (beta(i)%hi - high)
+    end do
+  end subroutine add_squares
+
+  pure subroutine inner_shapes(eighths, rest, xi, values)
+    !! √2 cos(αξ + π/4): the whole eighths of a turn times either half of ξ are exact.
+    real(dp), intent(in) :: eighths(run), rest(run)      !! α = eighths·π/4 + rest
+    real(dp), intent(in) :: xi
+    real(dp), intent(out) :: values(run)
+    real(dp) :: angle(run), high, low, part
+    integer :: i
+    high = aint(xi*2.0_dp**26)*2.0_dp**(-26)
+    low = xi - high
+    do i = 1, run
+      part = eighths(i)*high
+      part = part - 8.0_dp*((0.125_dp*part + rounder) - rounder)
+      angle(i) = 0.25_dp*pi*(part + (1.0_dp + eighths(i)*low)) + rest(i)*xi
+    end do
+    values = sqrt(2.0_dp)*cos(angle)
+  end subroutine inner_shapes
+
+end module bw_far_runs
