@@ -16,13 +16,13 @@ module bw_far_runs
   private
   public :: is_far_run, far_run_terms
 
-  integer, parameter, public :: run = 256                !! tuned: modes of a run
+  integer, parameter, public :: run_length = 256         !! tuned: modes of a run
   integer, parameter :: few = 12
   integer, parameter :: lowest = 1024                    ! from here on `few` are enough
   integer, parameter :: highest = 2**24                  ! up to here (4k − 3)² is exact in binary64
   integer, parameter :: known(few) = [144, 1, 254, 50, 205, 79, 229, 10, 176, 26, 245, 111]
     !! those that are found, from 0; in Leja's order, in which Newton's divided differences are stable
-  real(dp), parameter :: half_run = 0.5_dp*run, middle_place = half_run - 0.5_dp
+  real(dp), parameter :: half_run = 0.5_dp*run_length, middle_place = half_run - 0.5_dp
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: slow_turning = 0.01_dp          ! of α²: a faster rotation brings the root of α⁴ − ω² too near
   integer, parameter :: excess = 1, drives = 2, tips = 3, rests = 4
@@ -37,7 +37,7 @@ contains
     real(dp), intent(in) :: xi(:)              !! points
     real(dp) :: nearest
     is_far_run = .false.
-    if (size(k) /= run .or. k(1) < lowest .or. k(size(k)) /= k(1) + run - 1 .or. k(size(k)) > highest) return
+    if (size(k) /= run_length .or. k(1) < lowest .or. k(size(k)) /= k(1) + run_length - 1 .or. k(size(k)) > highest) return
     if (gamma*((k(1) - 0.75_dp)*pi) <= 1.0_dp) return                ! light
     if (present(omega)) then
       if (abs(omega%hi) > slow_turning*((k(1) - 0.75_dp)*pi)**2) return
@@ -51,10 +51,10 @@ contains
     integer, intent(in) :: first
     real(dp), intent(in) :: gamma, xi(:), longest        !! as those of `far_terms`
     type(dd), intent(in), optional :: omega
-    type(dd), intent(out) :: beta(run)
-    real(dp), intent(out) :: drive(run), shapes(:, :)
+    type(dd), intent(out) :: beta(run_length)
+    real(dp), intent(out) :: drive(run_length), shapes(:, :)
     logical, intent(out) :: found                        !! false: phases would not be right for so long
-    real(dp) :: eighths(run), values(run, 4), some(4, few)
+    real(dp) :: eighths(run_length), values(run_length, 4), some(4, few)
     real(dp) :: rest(few), drive_of(few), tip(few, 1), sign_of
     type(dd) :: alpha(few), middle, some_beta(few)
     integer :: j, p
@@ -74,7 +74,7 @@ contains
     call interpolate(some, values)
     values(1::2, drives:tips) = sign_of*values(1::2, drives:tips)
     values(2::2, drives:tips) = -sign_of*values(2::2, drives:tips)
-    eighths = [(4*(first + j) - 3, j=0, run - 1)]
+    eighths = [(4*(first + j) - 3, j=0, run_length - 1)]
     call add_squares(eighths, middle, values(:, excess), beta)
     drive = values(:, drives)
     do p = 1, size(xi)
@@ -89,13 +89,13 @@ contains
   pure subroutine interpolate(some, values)
     !! The polynomials through the known values, at all modes of a run.
     real(dp), intent(in) :: some(4, few)                 !! (quantities, few)
-    real(dp), intent(out) :: values(run, 4)              !! (run, quantities)
-    real(dp) :: p(4, 0:few - 1), x(run)
+    real(dp), intent(out) :: values(run_length, 4)              !! (run, quantities)
+    real(dp) :: p(4, 0:few - 1), x(run_length)
     integer :: k, q
     call find_powers(some, p)
-    x = [((k - middle_place)/half_run, k=0, run - 1)]
+    x = [((k - middle_place)/half_run, k=0, run_length - 1)]
     do q = 1, 4
-      do k = 1, run                ! Horner's rule is written out: as a loop it keeps the other one out of vector registers
+      do k = 1, run_length                ! Horner's rule is written out: as a loop it keeps the other one out of vector registers
         values(k, q) = ((((((((((p(q, 11)*x(k) + p(q, 10))*x(k) + p(q, 9))*x(k) + p(q, 8))*x(k) + p(q, 7))*x(k) &
                               + p(q, 6))*x(k) + p(q, 5))*x(k) + p(q, 4))*x(k) + p(q, 3))*x(k) + p(q, 2))*x(k) &
                         + p(q, 1))*x(k) + p(q, 0)
@@ -140,16 +140,16 @@ contains
 
   pure subroutine add_squares(eighths, middle, change, beta)
     !! β = A² + middle + change, of which each is far larger than the next.
-    real(dp), intent(in) :: eighths(run), change(run)
+    real(dp), intent(in) :: eighths(run_length), change(run_length)
     type(dd), intent(in) :: middle
-    type(dd), intent(out) :: beta(run)
-    real(dp), dimension(run) :: product, rest
+    type(dd), intent(out) :: beta(run_length)
+    real(dp), dimension(run_length) :: product, rest
     type(dd) :: unit
     real(dp) :: high, low, small
     integer :: i
     unit = square_of_eighth()
     call two_products(eighths**2, unit%hi, product, rest)
-    do i = 1, run
+    do i = 1, run_length
       small = middle%hi + change(i)
       low = (change(i) - (small - middle%hi)) + middle%lo
       high = product(i) + small
@@ -161,14 +161,14 @@ contains
 
   pure subroutine inner_shapes(eighths, rest, xi, values)
     !! √2 cos(αξ + π/4): the whole eighths of a turn times either half of ξ are exact.
-    real(dp), intent(in) :: eighths(run), rest(run)      !! α = eighths·π/4 + rest
+    real(dp), intent(in) :: eighths(run_length), rest(run_length)      !! α = eighths·π/4 + rest
     real(dp), intent(in) :: xi
-    real(dp), intent(out) :: values(run)
-    real(dp) :: angle(run), high, low, part
+    real(dp), intent(out) :: values(run_length)
+    real(dp) :: angle(run_length), high, low, part
     integer :: i
     high = aint(xi*2.0_dp**26)*2.0_dp**(-26)
     low = xi - high
-    do i = 1, run
+    do i = 1, run_length
       part = eighths(i)*high
       part = part - 8.0_dp*((0.125_dp*part + rounder) - rounder)
       angle(i) = 0.25_dp*pi*(part + (1.0_dp + eighths(i)*low)) + rest(i)*xi
