@@ -7,7 +7,7 @@ module bw_descriptor
   implicit none (type, external)
   private
   public :: new_file, open_to_read, open_to_change, close_descriptor
-  public :: write_bytes, write_bytes_at, read_bytes_at, bytes_in_file, set_length, copy_bytes
+  public :: write_bytes, write_bytes_at, read_bytes_at, bytes_in_file, set_length, copy_bytes, put_on_disk
 
   integer, parameter :: appending = 1, placing = 2, reading = 3
   integer(i8), parameter :: copied_at_once = 262144    !! bytes: fits into a cache; tuned
@@ -55,6 +55,11 @@ module bw_descriptor
       integer(c_int), value :: descriptor
       integer(c_int64_t), value :: length
     end function c_ftruncate
+    integer(c_int) function c_fsync(descriptor) bind(c, name='fsync')
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+    end function c_fsync
     type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
       import :: c_char, c_ptr
       implicit none (type, external)
@@ -201,5 +206,15 @@ contains
       have = have + more
     end do
   end function copy_bytes
+
+  logical function put_on_disk(path) result(done)
+    !! Wait until all of a file that is there would outlive the machine. False where the system refuses it.
+    character(*), intent(in) :: path
+    integer :: descriptor
+    descriptor = open_to_read(path)
+    done = descriptor >= 0
+    if (done) done = c_fsync(int(descriptor, c_int)) == 0
+    call close_descriptor(descriptor)
+  end function put_on_disk
 
 end module bw_descriptor

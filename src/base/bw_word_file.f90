@@ -8,7 +8,8 @@ module bw_word_file
   public :: write_words, words_in_file, read_words, as_words, checksum
 
   integer(i8), parameter :: word = 8          !! bytes
-  integer, parameter :: stretch = 250         !! words: not a part of a page, so that pages that change places change the sum
+  integer, parameter :: stretch = 251
+    !! words: not a part of a page, so that pages that change places change the sum; odd, so that equal words do not cancel
 
 contains
 
@@ -41,14 +42,23 @@ contains
   end function as_words
 
   pure integer(i8) function checksum(words) result(total)
-    !! A word that every change of one word changes, and nearly every change of more: the parities of stretches, each turned
-    !! by as many bits as its place says. As quick as the memory.
+    !! A word that every change of one word changes, and nearly every change of more: the parities of stretches, each stirred
+    !! as often as its place says. As quick as the memory.
     integer(i8), intent(in), contiguous :: words(:)
     integer(i8) :: first
     total = 0
     do first = 1, size(words, kind=i8), stretch
-      total = ieor(ishftc(total, 1), iparity(words(first:min(first + stretch - 1, size(words, kind=i8)))))
+      total = ieor(stirred(total), iparity(words(first:min(first + stretch - 1, size(words, kind=i8)))))
     end do
   end function checksum
+
+  pure integer(i8) function stirred(word)
+    !! Another word, which comes back to the first after 2⁶⁴ − 1 steps only (G. Marsaglia's xorshift, 2003): pages of equal
+    !! numbers, as fill, that are lost cannot cancel, however many they are.
+    integer(i8), intent(in) :: word
+    stirred = ieor(word, ishft(word, 13))
+    stirred = ieor(stirred, ishft(stirred, -7))
+    stirred = ieor(stirred, ishft(stirred, 17))
+  end function stirred
 
 end module bw_word_file

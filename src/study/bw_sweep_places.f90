@@ -1,6 +1,7 @@
 module bw_sweep_places
   !! The leader's first step of a sweep with long histories: the head of its result and the places of its cases, of an earlier
   !! run where they are there.
+  use bw_descriptor, only: put_on_disk
   use bw_error, only: error_type, fail_to_write
   use bw_posix, only: rename_file
   use bw_result_body, only: result_body
@@ -39,19 +40,22 @@ contains
   end subroutine settle_places
 
   subroutine make_head(scene, layout, unfinished, error)
-    !! All of the result but its cases, which gets its name when it is whole.
+    !! All of the result but its cases, which gets its name when it is whole, and on the disk: no checksum tells later what
+    !! a crash of the machine has taken from it.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(unfinished_work), intent(in) :: unfinished
     type(error_type), allocatable, intent(inout) :: error
     type(result_file) :: file
+    logical :: kept
     call create_result(unfinished%new_head_path(), scene, layout, file, error)
     if (allocated(error)) return
     call file%put_marks(error)
     call file%close(error)
     if (allocated(error)) return
-    if (.not. rename_file(unfinished%new_head_path(), unfinished%head_path())) &
-      call fail_to_write(error, unfinished%head_path())
+    kept = put_on_disk(unfinished%new_head_path())
+    if (kept) kept = rename_file(unfinished%new_head_path(), unfinished%head_path())
+    if (.not. kept) call fail_to_write(error, unfinished%head_path())
   end subroutine make_head
 
 end module bw_sweep_places
