@@ -5,7 +5,7 @@ module bw_reach
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
   implicit none (type, external)
   private
-  public :: undamped_reach, undamped_reaches, damped_reach, turns
+  public :: undamped_reaches, damped_reach, turns
 
   type, public :: stretch_type
     !! A part of a history, times in l²/h from the start of the motion.

@@ -14,7 +14,7 @@ module bw_scene_summary
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, result_bytes, working_bytes, claimed_bytes
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, claimed_bytes
 
   integer(i8), parameter :: lapack_bytes = 140000000
     !! what OpenBLAS claims at its first call, and hardly uses; where it is refused it asks again without end

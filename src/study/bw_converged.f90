@@ -1,6 +1,7 @@
 module bw_converged
   !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
-  !! estimate, and where modes have a closed form, by a direct sum in extended precision at some samples. test_bw_converged compares it with residues summed in 45 digits.
+  !! estimate, and where modes have a closed form, by a direct sum in extended precision at some samples. test_bw_converged
+  !! compares it with residues summed in 45 digits.
   use bw_kept_work, only: kept_work
   use bw_kinds, only: dp
   use bw_case_result, only: case_done, case_not_converged, case_result
