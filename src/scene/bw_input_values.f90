@@ -4,7 +4,7 @@ module bw_input_values
   use bw_input_name, only: name_length
   implicit none (type, external)
   private
-  public :: position_of
+  public :: is_new, position_of
 
   type, public :: input_value
     !! What a scene says about one name.
@@ -25,6 +25,7 @@ module bw_input_values
     !! What a scene says in one group: a value for each row of the group in the table of names.
     character(name_length) :: group = ''
     integer :: line = 0                        !! where the group opens; 0 where it is only implied
+    logical :: changed = .true.                !! values are others than those that the scene was built from last
     type(input_value), allocatable :: values(:)
   contains
     procedure :: at
@@ -48,6 +49,16 @@ contains
       if (same(groups(position_of)%group, group)) return
     end do
   end function position_of
+
+  pure logical function is_new(groups, group)
+    !! The group is there, and what was built from it last holds no more.
+    type(group_values), intent(in) :: groups(:)
+    character(*), intent(in) :: group
+    integer :: i
+    i = position_of(groups, group)
+    is_new = .false.
+    if (i > 0) is_new = groups(i)%changed
+  end function is_new
 
   pure integer function at(self, name)
     !! Place of a name in its group; 0 where the group has no such name.

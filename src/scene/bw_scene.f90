@@ -4,7 +4,7 @@ module bw_scene
   use bw_capture_par, only: build_capture, capture_par
   use bw_damping_par, only: build_damping, damping_par
   use bw_impact_par, only: build_impact, impact_par
-  use bw_input_values, only: group_values
+  use bw_input_values, only: group_values, is_new
   use bw_modes_par, only: build_modes, modes_par
   use bw_recontact_par, only: build_recontact, recontact_par
   use bw_release_par, only: build_release, release_par
@@ -44,26 +44,27 @@ module bw_scene
 contains
 
   pure subroutine build_scene(scene, messages)
-    !! Build the components from `scene%groups`, which are checked and settled. What follows from the inputs and
-    !! does not fit into double precision is reported. What no case of a sweep changes stays where it is there.
+    !! Build the components from those of `scene%groups` that are new, which are checked and settled; the others stay as they
+    !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
     integer :: before
     before = messages%count
-    if (.not. allocated(scene%header%title)) call build_header(scene%groups, scene%header)
-    call build_beam(scene%groups, scene%beam, messages)
+    if (is_new(scene%groups, 'scene')) call build_header(scene%groups, scene%header)
+    if (is_new(scene%groups, 'beam')) call build_beam(scene%groups, scene%beam, messages)
     if (messages%count > before) return
-    call build_rotation(scene%groups, scene%rotation)
-    call build_stiffening(scene%groups, scene%stiffening)
-    call build_shear(scene%groups, scene%shear)
-    call build_damping(scene%groups, scene%damping)
-    call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
-    call build_capture(scene%groups, scene%capture)
-    call build_release(scene%groups, scene%release)
-    call build_recontact(scene%groups, scene%recontact)
-    call build_modes(scene%groups, scene%modes)
-    if (.not. allocated(scene%response)) call build_response(scene%groups, scene%response)
-    if (.not. allocated(scene%spectrum)) call build_spectrum(scene%groups, scene%spectrum)
+    if (is_new(scene%groups, 'rotation')) call build_rotation(scene%groups, scene%rotation)
+    if (is_new(scene%groups, 'stiffening')) call build_stiffening(scene%groups, scene%stiffening)
+    if (is_new(scene%groups, 'shear')) call build_shear(scene%groups, scene%shear)
+    if (is_new(scene%groups, 'damping')) call build_damping(scene%groups, scene%damping)
+    if (is_new(scene%groups, 'impact') .or. is_new(scene%groups, 'beam')) &
+      call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
+    if (is_new(scene%groups, 'capture')) call build_capture(scene%groups, scene%capture)
+    if (is_new(scene%groups, 'release')) call build_release(scene%groups, scene%release)
+    if (is_new(scene%groups, 'recontact')) call build_recontact(scene%groups, scene%recontact)
+    if (is_new(scene%groups, 'modes')) call build_modes(scene%groups, scene%modes)
+    if (is_new(scene%groups, 'response')) call build_response(scene%groups, scene%response)
+    if (is_new(scene%groups, 'spectrum')) call build_spectrum(scene%groups, scene%spectrum)
   end subroutine build_scene
 
 end module bw_scene

@@ -40,10 +40,12 @@ contains
   end function case_positions
 
   pure subroutine case_scene(scene, index, one, error)
-    !! The scene of one case, checked, without sweeps. Cheap: nothing is read again.
+    !! The scene of one case, without sweeps. Cheap: nothing is read again, what no sweep changes stays as it is, and the
+    !! scales of all cases were checked at the corners of their sweeps when the scene was read.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
-    type(scene_type), intent(inout) :: one        !! empty, or another case of this scene, which is turned into this one
+    type(scene_type), intent(inout) :: one
+      !! empty, or another case of this scene, which is turned into this one; after an error of no use
     type(error_type), allocatable, intent(out) :: error
       !! `status_bad_input` where this combination of values makes no sense
     type(message_list) :: messages
@@ -68,11 +70,15 @@ contains
       one%name = scene%name
       one%groups = scene%groups
       allocate (one%sweeps(0))
+    else
+      do g = 1, size(one%groups)
+        one%groups(g)%changed = any(scene%groups(g)%values%sweep > 0)
+      end do
     end if
     do g = 1, size(one%groups)
-      call take_values(scene, scene%groups(g)%values, positions, one%groups(g)%values)
+      if (one%groups(g)%changed) call take_values(scene, scene%groups(g)%values, positions, one%groups(g)%values)
     end do
-    call complete(one, messages)
+    call build(one, messages)
   end subroutine take_case
 
   pure subroutine take_values(scene, given, positions, values)
@@ -98,12 +104,17 @@ contains
     !! From checked values to the components of a scene; report what does not fit together.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    call settle_groups(scene%groups, messages)
-    if (messages%count > 0) return
-    call build_scene(scene, messages)
-    if (messages%count > 0) return
-    call check_scales(scene, messages)
+    call build(scene, messages)
+    if (messages%count == 0) call check_scales(scene, messages)
   end subroutine complete
+
+  pure subroutine build(scene, messages)
+    !! The same without a look at the scales.
+    type(scene_type), intent(inout) :: scene
+    type(message_list), intent(inout) :: messages
+    call settle_groups(scene%groups, messages)
+    if (messages%count == 0) call build_scene(scene, messages)
+  end subroutine build
 
   pure subroutine check_corners(scene, messages)
     !! Check the cases in which every sweep takes its least or its largest value. What is checked of a case (products,
@@ -118,6 +129,7 @@ contains
     do corner = 0, 2**size(scene%sweeps) - 1
       positions = [(ends(1 + ibits(corner, i - 1, 1), i), i=1, size(scene%sweeps))]
       call take_case(scene, positions, one, messages)
+      if (messages%count == 0) call check_scales(one, messages)
       if (messages%count > 0) return
     end do
   end subroutine check_corners

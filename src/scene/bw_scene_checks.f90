@@ -5,7 +5,7 @@ module bw_scene_checks
   use bw_impact_par, only: check_impact
   use bw_input_name, only: accepted_text, has_word
   use bw_input_table, only: group_row, group_table, name_table, rows_of
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values, is_new, position_of
   use bw_modes_par, only: settle_modes
   use bw_recontact_par, only: check_recontact
   use bw_response_par, only: check_response
@@ -102,12 +102,13 @@ contains
   end subroutine check_excluded
 
   pure subroutine settle_groups(groups, messages)
-    !! Fill in the values that follow from others, which may change from case to case.
+    !! Fill in the values of new groups that follow from others, which may change from case to case.
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
     logical :: struck, captured
-    call settle_damping(groups)
-    call settle_shear(groups)
+    if (is_new(groups, 'damping')) call settle_damping(groups)
+    if (is_new(groups, 'shear')) call settle_shear(groups)
+    if (.not. is_new(groups, 'modes')) return
     struck = position_of(groups, 'impact') > 0
     captured = struck .and. position_of(groups, 'capture') > 0
     associate (modes => groups(position_of(groups, 'modes')))
