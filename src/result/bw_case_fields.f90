@@ -126,7 +126,7 @@ contains
     !! A case as numbers, or the part of it that these fields are.
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: fields(:)             !! the first of them, or all
-    real(dp), intent(out) :: numbers(:)                   !! (case_length)
+    real(dp), intent(out), contiguous :: numbers(:)       !! (case_length)
     integer :: i
     do i = 1, size(fields)
       associate (field => fields(i))

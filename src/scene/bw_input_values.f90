@@ -55,9 +55,12 @@ contains
     type(group_values), intent(in) :: groups(:)
     character(*), intent(in) :: group
     integer :: i
-    i = position_of(groups, group)
+    do i = 1, size(groups)
+      is_new = groups(i)%changed
+      if (is_new) is_new = same(groups(i)%group, group)
+      if (is_new) return
+    end do
     is_new = .false.
-    if (i > 0) is_new = groups(i)%changed
   end function is_new
 
   pure integer function at(self, name)

@@ -6,7 +6,7 @@ module bw_case_journal
   use bw_descriptor, only: close_descriptor, new_file, open_to_read
   use bw_kinds, only: dp, i8
   use bw_text, only: append, string
-  use bw_word_file, only: checksum, read_words, words_in_file, write_words
+  use bw_word_file, only: as_words, checksum, read_words, words_in_file, write_words
   implicit none (type, external)
   private
 
@@ -59,23 +59,19 @@ contains
     !! Keep a case. False where the system refuses it: a full disk.
     class(journal_writer), intent(inout) :: self
     integer(i8), intent(in) :: index                        !! of the case
-    real(dp), intent(in), contiguous :: numbers(:)          !! all, or those that do not lie elsewhere
+    real(dp), intent(in), contiguous, target :: numbers(:)  !! all, or those that do not lie elsewhere
     type(string), intent(in) :: notes(:)
     integer(i8), intent(in) :: elsewhere                    !! how many do
     integer(i8), intent(in) :: total                        !! their checksum
     character(:), allocatable :: text
     integer(i8) :: n, words
-    integer :: i
-    text = ''
-    do i = 1, size(notes)
-      text = text//notes(i)%text//new_line('a')
-    end do
+    text = text_of_lines(notes)
     n = size(numbers, kind=i8)
     words = n + words_of(len(text, i8))
     call make_room(self%record, header_length + words)
-    associate (body => self%record(header_length + 1:header_length + words))
-      body(:n) = transfer(numbers, body, n)
-      body(n + 1:) = transfer(text//repeat(' ', word), body, words - n)
+    associate (body => self%record(header_length + 1:header_length + words), bits => as_words(numbers))
+      body(:n) = bits
+      if (words > n) body(n + 1:) = transfer(text//repeat(' ', word), body, words - n)
       self%record(:header_length) = [mark, index, n, len(text, i8), elsewhere, total, 0_i8]
       self%record(header_length) = sum_of(self%record(:header_length), body)
     end associate
