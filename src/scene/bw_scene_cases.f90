@@ -72,7 +72,7 @@ contains
       allocate (one%sweeps(0))
     else
       do g = 1, size(one%groups)
-        one%groups(g)%changed = any(scene%groups(g)%values%sweep > 0)
+        one%groups(g)%changed = differs(scene, scene%groups(g)%values, positions, one%groups(g)%values)
       end do
     end if
     do g = 1, size(one%groups)
@@ -80,6 +80,23 @@ contains
     end do
     call build(one, messages)
   end subroutine take_case
+
+  pure logical function differs(scene, given, positions, values)
+    !! Some swept number of a group is not what it was, to the bit: zeros have signs.
+    type(scene_type), intent(in) :: scene
+    type(input_value), intent(in) :: given(:)     !! of all cases
+    integer, intent(in) :: positions(:)
+    type(input_value), intent(in) :: values(:)    !! of another case
+    integer :: v
+    differs = .false.
+    do v = 1, size(given)
+      if (given(v)%sweep == 0) cycle
+      associate (number => scene%sweeps(given(v)%sweep)%values(positions(given(v)%sweep)))
+        differs = transfer(number, 0_i8) /= transfer(values(v)%number, 0_i8)
+      end associate
+      if (differs) return
+    end do
+  end function differs
 
   pure subroutine take_values(scene, given, positions, values)
     !! The numbers of a group, as they were before any was settled. Texts and lists are those of all cases.
