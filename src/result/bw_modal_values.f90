@@ -50,19 +50,26 @@ contains
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: unit
     real(dp), intent(out), contiguous :: values(:)
-    type(dd), allocatable :: square(:), root(:)
     if (allocated(modes%damping)) then
-      square = turning_square(modes%beta_squared, modes%damping)
+      call put_roots(turning_square(modes%beta_squared, modes%damping), unit, values)
     else
-      square = modes%beta_squared
+      call put_roots(modes%beta_squared, unit, values)
     end if
+  end subroutine put_frequency
+
+  pure subroutine put_roots(square, unit, values)
+    !! Roots, missing where there is none.
+    type(dd), intent(in) :: square(:)
+    real(dp), intent(in) :: unit
+    real(dp), intent(out), contiguous :: values(:)
+    type(dd), allocatable :: root(:)
     if (all(square%hi >= 0.0_dp)) then
       root = sqrt(square)             ! of a whole list: a few times as fast
       values = root%hi*unit
     else
       values = scaled(frequency_of(square), unit)
     end if
-  end subroutine put_frequency
+  end subroutine put_roots
 
   pure subroutine put_growth_rate(modes, unit, values)
     !! The real part of the slower eigenvalue; of undamped modes |β| where β² < 0, and 0 elsewhere.
