@@ -133,10 +133,10 @@ contains
   subroutine add_modes(self, beta, q_dot, shapes, q)
     !! Adds modes to all grids.
     class(nonuniform_sum), intent(inout) :: self
-    type(dd), intent(in) :: beta(:)                 !! β > 0, (modes)
-    real(dp), intent(in) :: q_dot(:)                !! modal velocities at t = 0, (modes)
+    type(dd), intent(in), contiguous :: beta(:)     !! β > 0, (modes)
+    real(dp), intent(in), contiguous :: q_dot(:)    !! modal velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
-    real(dp), intent(in), optional :: q(:)          !! modal displacements at t = 0, (modes); for a sum opened for them
+    real(dp), intent(in), optional, contiguous :: q(:)   !! modal displacements at t = 0, (modes); for a sum opened for them
     real(dp) :: offset(batch), side(batch), amplitude(batch), coefficients(batch, size(self%spectra, 2))
     type(dd) :: turns
     integer :: place(batch), first, kind, last, n, p
@@ -158,7 +158,7 @@ contains
           amplitude(:n) = -side(:n)*(q(first:last)*beta(first:last)%hi)
         end select
         do p = 1, self%points
-          coefficients(:n, first_of(self, kind) + p - 1) = amplitude(:n)*shapes(first:last, p)
+          call multiply(n, amplitude, shapes(first:last, p), coefficients(:, first_of(self, kind) + p - 1))
         end do
       end do
       call spread_modes(self%kernel, place(:n) + 2, offset(:n), coefficients(:n, :), self%spectra)
@@ -168,6 +168,13 @@ contains
       if (self%with(rate_cosines)) self%start_dot(p) = self%start_dot(p) + dot_product(q_dot, shapes(:, p))
     end do
   end subroutine add_modes
+
+  pure subroutine multiply(n, a, b, product)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: a(n), b(n)
+    real(dp), intent(inout) :: product(n)
+    product = a*b
+  end subroutine multiply
 
   pure subroutine find_places(fraction, points, place, offset, side)
     !! Where modes lie among grid points m + ½, `points` to a turn. A frequency above half the sampling rate is that of

@@ -1,7 +1,7 @@
 module bw_spread
   !! Carries modes onto a grid of frequencies: the innermost loop of the non-uniform transform.
   use bw_kinds, only: dp
-  use bw_spreading_kernel, only: cells, degree, spreading_kernel, vector
+  use bw_spreading_kernel, only: cells, high_degree, low_degree, spreading_kernel, vector
   implicit none (type, external)
   private
   public :: spread_modes, rows_of
@@ -25,39 +25,69 @@ contains
       !! where in the spacing left of the middle of those points it lies, 0 … 1, (modes)
     real(dp), intent(in), contiguous :: coefficients(:, :)   !! (modes, grids)
     real(dp), intent(inout), contiguous :: grid(:, :)        !! (grid points, grids)
-    real(dp) :: place(few)
+    real(dp) :: place(few), weights(vector, few)
     integer :: b, cell(few), k, n
     do k = 0, size(first) - 1, few
       n = min(few, size(first) - k)
       cell(:n) = min(cells, int(offset(k + 1:k + n)*cells) + 1)
       place(:n) = 2.0_dp*(offset(k + 1:k + n)*cells - (cell(:n) - 1)) - 1.0_dp
       do b = 1, rows_of(kernel%width)/vector
-        call spread_few(kernel%table(:, :, :, b), n, cell, place, k, size(first), first, (b - 1)*vector, size(grid, 2), &
-                        coefficients, size(grid, 1), grid)
+        if (kernel%degree == low_degree) then
+          call low_weights(kernel%table(:, :, :, b), n, cell, place, weights)
+        else
+          call high_weights(kernel%table(:, :, :, b), n, cell, place, weights)
+        end if
+        call spread_few(n, weights, k, size(first), first, (b - 1)*vector, size(grid, 2), coefficients, size(grid, 1), grid)
       end do
     end do
   end subroutine spread_modes
 
-  pure subroutine spread_few(t, n, cell, place, done, modes, first, beyond, grids, coefficients, points, grid)
-    !! One vector of the weights of the next `n` modes.
-    real(dp), intent(in) :: t(vector, 0:degree, cells)               !! of the kernel
+  ! Horner's rule is written out: as a loop the compiler takes it apart.
+
+  pure subroutine low_weights(t, n, cell, x, weights)
+    !! One vector of the weights of `n` modes, by polynomials of the lower degree.
+    real(dp), intent(in) :: t(vector, 0:low_degree, cells)           !! of the kernel
     integer, intent(in) :: n, cell(n)
-    real(dp), intent(in) :: place(n)                                 !! in the cell, −1 … 1
+    real(dp), intent(in) :: x(n)                                     !! place in the cell, −1 … 1
+    real(dp), intent(inout) :: weights(vector, few)
+    integer :: c, i, k
+    do k = 1, n
+      c = cell(k)
+      !GCC$ unroll 1
+      do i = 1, vector
+        weights(i, k) = (((t(i, 4, c)*x(k) + t(i, 3, c))*x(k) + t(i, 2, c))*x(k) + t(i, 1, c))*x(k) + t(i, 0, c)
+      end do
+    end do
+  end subroutine low_weights
+
+  pure subroutine high_weights(t, n, cell, x, weights)
+    !! The same by those of the higher degree.
+    real(dp), intent(in) :: t(vector, 0:high_degree, cells)
+    integer, intent(in) :: n, cell(n)
+    real(dp), intent(in) :: x(n)
+    real(dp), intent(inout) :: weights(vector, few)
+    integer :: c, i, k
+    do k = 1, n
+      c = cell(k)
+      !GCC$ unroll 1
+      do i = 1, vector
+        weights(i, k) = ((((((t(i, 7, c)*x(k) + t(i, 6, c))*x(k) + t(i, 5, c))*x(k) + t(i, 4, c))*x(k) + t(i, 3, c))*x(k) &
+                          + t(i, 2, c))*x(k) + t(i, 1, c))*x(k) + t(i, 0, c)
+      end do
+    end do
+  end subroutine high_weights
+
+  pure subroutine spread_few(n, weights, done, modes, first, beyond, grids, coefficients, points, grid)
+    !! One vector of the weights of the next `n` modes is put to use.
+    integer, intent(in) :: n
+    real(dp), intent(in) :: weights(vector, few)
     integer, intent(in) :: done                                      !! modes before them
     integer, intent(in) :: modes, first(modes), grids, points
     integer, intent(in) :: beyond                                    !! grid points before this vector
     real(dp), intent(in) :: coefficients(modes, grids)
     real(dp), intent(inout) :: grid(points, grids)
-    real(dp) :: coefficient, weights(vector, few)
+    real(dp) :: coefficient
     integer :: i, k, low, p
-    do k = 1, n
-      do i = 1, vector             ! Horner's rule is written out: as a loop the compiler takes it apart
-        associate (c => cell(k), x => place(k))
-          weights(i, k) = ((((((t(i, 7, c)*x + t(i, 6, c))*x + t(i, 5, c))*x + t(i, 4, c))*x + t(i, 3, c))*x &
-                            + t(i, 2, c))*x + t(i, 1, c))*x + t(i, 0, c)
-        end associate
-      end do
-    end do
     do k = 1, n
       do p = 1, grids
         coefficient = coefficients(done + k, p)
