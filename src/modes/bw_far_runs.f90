@@ -3,8 +3,8 @@ module bw_far_runs
   !! interpolated.
   !!
   !! With A = (k − ¾)π these are β − A², δ = α − A, and the sizes of Φ(1) and Φ(1)/M, all of them analytic in k but near
-  !! k = 0: a polynomial through the values at `few` modes near Chebyshev's points is off by rounding alone in a run that
-  !! begins far enough from there. β − A² hardly changes within a run, so it is the change that is interpolated: phases
+  !! k = 0: a polynomial through the values at a few modes near Chebyshev's points is off by rounding alone in a run that
+  !! begins far enough from there, with fewer of them the farther it begins. β − A² hardly changes within a run, so it is the change that is interpolated: phases
   !! keep the digits of the few roots, which may be extended ones.
   !!
   !! **Errors**: 2e-15 relatively, of β as `is_coarse` demands.
@@ -17,11 +17,14 @@ module bw_far_runs
   public :: is_far_run, far_run_terms
 
   integer, parameter, public :: run_length = 256         !! tuned: modes of a run
-  integer, parameter :: few = 12
-  integer, parameter :: lowest = 1024                    ! from here on `few` are enough
+  integer, parameter :: most = 12, few = 8               ! modes of it that are found; multiples of `together`
+  integer, parameter :: lowest = 1024                    ! from here on `most` are enough
+  integer, parameter :: distant = 6144                   ! and `few` from here on
   integer, parameter :: highest = 2**24                  ! up to here (4k − 3)² is exact in binary64
-  integer, parameter :: known(few) = [144, 1, 254, 50, 205, 79, 229, 10, 176, 26, 245, 111]
-    !! those that are found, from 0; in Leja's order, in which Newton's divided differences are stable
+  integer, parameter :: known(most) = [144, 1, 254, 50, 205, 79, 229, 10, 176, 26, 245, 111]
+    !! those that are found, from 0; in Leja's order, in which the first of them serve too, and Newton's divided differences
+    !! are stable
+  integer, parameter :: together = 4                     ! powers of a polynomial
   real(dp), parameter :: half_run = 0.5_dp*run_length, middle_place = half_run - 0.5_dp
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: slow_turning = 0.01_dp          ! of α²: a faster rotation brings the root of α⁴ − ω² too near
@@ -54,24 +57,15 @@ contains
     type(dd), intent(out) :: beta(run_length)
     real(dp), intent(out) :: drive(run_length), shapes(:, :)
     logical, intent(out) :: found                        !! false: phases would not be right for so long
-    real(dp) :: eighths(run_length), values(run_length, 4), some(4, few)
-    real(dp) :: rest(few), drive_of(few), tip(few, 1), sign_of
-    type(dd) :: alpha(few), middle, some_beta(few)
-    integer :: j, p
-    call far_shapes_and_roots(first + known, gamma, .false., [1.0_dp], rest, alpha, drive_of, tip)
-    call far_frequencies(first + known, gamma, .false., omega, longest, rest, alpha, some_beta)
-    some_beta = some_beta - squares(4.0_dp*(first + known) - 3.0_dp)
-    middle = some_beta(1)
+    real(dp) :: eighths(run_length), values(run_length, 4), some(4, most), sign_of
+    type(dd) :: middle
+    integer :: j, n, p
+    n = merge(few, most, first >= distant)
     sign_of = merge(1.0_dp, -1.0_dp, mod(first, 2) == 0)
-    do j = 1, few
-      some_beta(j) = some_beta(j) - middle
-      some(excess, j) = some_beta(j)%hi
-      some(drives:tips, j) = [drive_of(j), tip(j, 1)]*merge(sign_of, -sign_of, mod(known(j), 2) == 0)
-      some(rests, j) = rest(j)
-    end do
-    found = .not. is_coarse(maxval(abs(some(excess, :))), 1.0_dp, longest=longest)
+    call find_some(first, known(:n), gamma, omega, longest, middle, some(:, :n))
+    found = .not. is_coarse(maxval(abs(some(excess, :n))), 1.0_dp, longest=longest)
     if (.not. found) return
-    call interpolate(some, values)
+    call interpolate(n, some(:, :n), values)
     values(1::2, drives:tips) = sign_of*values(1::2, drives:tips)
     values(2::2, drives:tips) = -sign_of*values(2::2, drives:tips)
     eighths = [(4*(first + j) - 3, j=0, run_length - 1)]
@@ -86,40 +80,66 @@ contains
     end do
   end subroutine far_run_terms
 
-  pure subroutine interpolate(some, values)
+  pure subroutine find_some(first, place, gamma, omega, longest, middle, some)
+    !! What is interpolated, at the modes that are found.
+    integer, intent(in) :: first
+    integer, intent(in) :: place(:)                      !! of them in the run, from 0, (n)
+    real(dp), intent(in) :: gamma, longest
+    type(dd), intent(in), optional :: omega
+    type(dd), intent(out) :: middle                      !! β − A² of the first of them, which others add to
+    real(dp), intent(out) :: some(:, :)                  !! (quantities, n), sizes without signs
+    real(dp) :: rest(size(place)), drive(size(place)), tip(size(place), 1)
+    type(dd) :: alpha(size(place)), beta(size(place))
+    integer :: j
+    call far_shapes_and_roots(first + place, gamma, .false., [1.0_dp], rest, alpha, drive, tip)
+    call far_frequencies(first + place, gamma, .false., omega, longest, rest, alpha, beta)
+    beta = beta - squares(4.0_dp*(first + place) - 3.0_dp)
+    middle = beta(1)
+    do j = 1, size(place)
+      beta(j) = beta(j) - middle
+      some(excess, j) = beta(j)%hi
+      some(drives:tips, j) = [drive(j), tip(j, 1)]*merge(1.0_dp, -1.0_dp, mod(first + place(j), 2) == 0)
+      some(rests, j) = rest(j)
+    end do
+  end subroutine find_some
+
+  pure subroutine interpolate(n, some, values)
     !! The polynomials through the known values, at all modes of a run.
-    real(dp), intent(in) :: some(4, few)                 !! (quantities, few)
-    real(dp), intent(out) :: values(run_length, 4)              !! (run, quantities)
-    real(dp) :: p(4, 0:few - 1), x(run_length)
-    integer :: k, q
-    call find_powers(some, p)
+    integer, intent(in) :: n                             !! of them
+    real(dp), intent(in) :: some(4, n)                   !! (quantities, n)
+    real(dp), intent(out) :: values(run_length, 4)       !! (run, quantities)
+    real(dp) :: p(4, 0:n - 1), x(run_length)
+    integer :: j, k, q
+    call find_powers(n, some, p)
     x = [((k - middle_place)/half_run, k=0, run_length - 1)]
+    values = 0.0_dp
     do q = 1, 4
-      do k = 1, run_length                ! Horner's rule is written out: as a loop it keeps the other one out of vector registers
-        values(k, q) = ((((((((((p(q, 11)*x(k) + p(q, 10))*x(k) + p(q, 9))*x(k) + p(q, 8))*x(k) + p(q, 7))*x(k) &
-                              + p(q, 6))*x(k) + p(q, 5))*x(k) + p(q, 4))*x(k) + p(q, 3))*x(k) + p(q, 2))*x(k) &
-                        + p(q, 1))*x(k) + p(q, 0)
+      do j = n - together, 0, -together
+        do k = 1, run_length              ! Horner's rule is written out: as a loop it keeps this one out of vector registers
+          values(k, q) = (((values(k, q)*x(k) + p(q, j + 3))*x(k) + p(q, j + 2))*x(k) + p(q, j + 1))*x(k) + p(q, j)
+        end do
       end do
     end do
   end subroutine interpolate
 
-  pure subroutine find_powers(some, p)
+  pure subroutine find_powers(n, some, p)
     !! Newton's divided differences, then the coefficients of powers of the place in the run, −1 … 1: from far off as runs
     !! are from where quantities vary fast, they fall so quickly that powers are as good as any polynomials.
-    real(dp), intent(in) :: some(4, few)
-    real(dp), intent(out) :: p(4, 0:few - 1)
-    real(dp) :: c(4, few)
+    integer, intent(in) :: n
+    real(dp), intent(in) :: some(4, n)
+    real(dp), intent(out) :: p(4, 0:n - 1)
+    real(dp) :: c(4, n)
     integer :: i, j
     c = some
-    do j = 1, few - 1
-      do i = few, j + 1, -1
+    do j = 1, n - 1
+      do i = n, j + 1, -1
         c(:, i) = (c(:, i) - c(:, i - 1))*(half_run/(known(i) - known(i - j)))
       end do
     end do
     p = 0.0_dp
-    p(:, 0) = c(:, few)
-    do i = few - 1, 1, -1
-      do j = few - i, 1, -1
+    p(:, 0) = c(:, n)
+    do i = n - 1, 1, -1
+      do j = n - i, 1, -1
         p(:, j) = p(:, j - 1) - ((known(i) - middle_place)/half_run)*p(:, j)
       end do
       p(:, 0) = c(:, i) - ((known(i) - middle_place)/half_run)*p(:, 0)
