@@ -8,7 +8,7 @@ module bench_sum
   use bw_monitor, only: silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: response_type, start_histories, sum_tolerance
-  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source
+  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source, rest_type
   use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation, only: tail_error
@@ -17,7 +17,6 @@ module bench_sum
 
   integer, parameter :: part = 256               ! modes at a time, as in a run
   integer, parameter :: few = 20                 ! the first modes, as in a run
-  real(dp), parameter :: loosest = 1.0e-4_dp     ! tolerance of a sum, as in a run
   real(dp), parameter :: points(2) = [0.5_dp, 1.0_dp]
 
 contains
@@ -34,17 +33,15 @@ contains
     type(response_type) :: response
     type(time_grid) :: grid
     type(silent_monitor) :: monitor
-    real(dp) :: rest
     grid = time_grid_of(duration, samples, to_dd(1.0_dp))
     call start_histories(grid, 2, .false., response)
     source = source_in_closed_form(gamma)
-    rest = rest_of(source, gamma, grid)
-    call add_modes_in_parts(source, gamma, few, n, rest, points, grid, 1.0_dp, [tolerance, min(loosest, tolerance/rest)], &
+    call add_modes_in_parts(source, gamma, few, n, rest_of(source, gamma, grid), points, grid, 1.0_dp, [tolerance, tolerance], &
                             monitor, response, sum)
     displacement = response%displacement
   end subroutine whole_job
 
-  real(dp) function rest_of(source, gamma, grid) result(rest)
+  type(rest_type) function rest_of(source, gamma, grid) result(rest)
     !! An estimate of what the modes after the first few add, over the peak of these at some of the samples.
     type(closed_form_source), intent(in) :: source
     real(dp), intent(in) :: gamma
@@ -58,8 +55,8 @@ contains
     coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
     call start_histories(coarse, size(points), .false., response)
     call add_modes_of_source(source, gamma, 1, few, points, coarse, 1.0_dp, sum_tolerance, monitor, response)
-    rest = maxval(tail_error(few, source, gamma, points, grid%samples*grid%step%hi, grid%samples, .false.))
-    rest = rest/maxval(abs(response%displacement))
+    rest%tail = maxval(tail_error(few, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
+    rest%share = gamma*rest%tail/maxval(abs(response%displacement))
   end function rest_of
 
   subroutine terms(n, gamma, duration, beta, rate, shapes) bind(c, name='bench_terms')

@@ -11,41 +11,50 @@ module bw_streamed_modes
   use bw_stopwatch, only: wall_seconds
   use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice, sum_seconds
   use bw_time_grid, only: time_grid
+  use bw_truncation, only: tail_error
   implicit none (type, external)
   private
   public :: add_modes_in_parts, add_modes_of_source
 
   integer, parameter :: part = 256             !! tuned: modes whose arrays stay in the cache
+  integer, parameter :: several = 8            !! tuned: times the first few, which may be summed to all digits instead
+  real(dp), parameter :: loosest = 1.0e-4_dp   !! tolerance of a sum, over its own peak
+
+  type, public :: rest_type
+    !! What the modes after the first few are estimated to add to a displacement.
+    real(dp) :: share = 1.0_dp                 !! over the peak, at most 1
+    real(dp) :: tail = 0.0_dp                  !! `tail_error` with a force of 1, l²/h; 0: not known
+  end type rest_type
 
 contains
 
   subroutine add_modes_in_parts(source, force, few, count, rest, points, grid, unit_time, tolerances, monitor, response, kept)
-    !! Add the first `count` modes in one sum, or the first few, which make the motion, apart from the many that add little
+    !! Add the first `count` modes in one sum, or the first ones, which make the motion, apart from the many that add little
     !! and need fewer digits: whichever is faster.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force                !! as that of `add_modes_of_source`, also what follows
-    integer, intent(in) :: few                   !! < `count`
+    integer, intent(in) :: few                   !! first modes, at least; < `count`
     integer, intent(in) :: count
-    real(dp), intent(in) :: rest                 !! what the modes after the first few add, over the peak
+    type(rest_type), intent(in) :: rest          !! what the modes after the first few add
     real(dp), intent(in) :: points(:)
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: unit_time
-    real(dp), intent(in) :: tolerances(2)        !! of the first few, and of the others, over the peak of what they add
+    real(dp), intent(in) :: tolerances(2)        !! over the peak: of the first ones, and of what the others add to them
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response
     type(nonuniform_sum), intent(inout) :: kept
-    real(dp) :: error
-    integer :: histories
-    histories = histories_of(response)
-    if (sum_seconds(count, grid%samples, histories, tolerances(1)) <= &
-        sum_seconds(few, grid%samples, histories, tolerances(1)) &
-        + sum_seconds(count - few, grid%samples, histories, tolerances(2))) then
+    real(dp) :: error, share
+    integer :: first
+    first = faster_part(few, count, rest, grid%samples, histories_of(response), tolerances)
+    if (first == count) then
       call add(1, count, tolerances(1))
     else
-      call add(1, few, tolerances(1))
+      share = rest%share
+      if (first > few) share = share_after(first, source, rest, points, grid)
+      call add(1, first, tolerances(1))
       error = response%sum_error
-      call add(few + 1, count, tolerances(2))
-      response%sum_error = error + rest*(response%sum_error - error)
+      call add(first + 1, count, coarse(share, tolerances))
+      response%sum_error = error + share*(response%sum_error - error)
     end if
   contains
     subroutine add(first, last, tolerance)
@@ -56,6 +65,47 @@ contains
       call add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, part_of_it, response, kept)
     end subroutine add
   end subroutine add_modes_in_parts
+
+  pure integer function faster_part(few, count, rest, samples, histories, tolerances) result(first)
+    !! How many modes to sum to all digits: the first few, several times as many, or all.
+    integer, intent(in) :: few, count
+    type(rest_type), intent(in) :: rest
+    integer, intent(in) :: samples, histories
+    real(dp), intent(in) :: tolerances(2)
+    real(dp) :: seconds(3)
+    integer :: parts(3)
+    parts = [count, few, several*few]
+    seconds(1) = sum_seconds(count, samples, histories, tolerances(1))
+    seconds(2) = seconds_of_parts(few, rest%share)
+    seconds(3) = huge(seconds)
+    if (rest%tail > 0.0_dp .and. several*few < count) seconds(3) = seconds_of_parts(several*few, rest%share/several**2)
+    first = parts(minloc(seconds, dim=1))
+  contains
+    pure real(dp) function seconds_of_parts(part, share)
+      integer, intent(in) :: part
+      real(dp), intent(in) :: share              !! what the others add: amplitudes fall about as k⁻³ (Eqs 18 and 21)
+      seconds_of_parts = sum_seconds(part, samples, histories, tolerances(1)) &
+        + sum_seconds(count - part, samples, histories, coarse(share, tolerances))
+    end function seconds_of_parts
+  end function faster_part
+
+  pure real(dp) function coarse(share, tolerances) result(tolerance)
+    !! Of a sum of modes that add so little, over its own peak.
+    real(dp), intent(in) :: share                !! over the peak
+    real(dp), intent(in) :: tolerances(2)
+    tolerance = min(loosest, max(tolerances(1), tolerances(2)/share))
+  end function coarse
+
+  real(dp) function share_after(first, source, rest, points, grid) result(share)
+    !! What the modes after so many first ones add, over the peak.
+    integer, intent(in) :: first
+    class(mode_source), intent(in) :: source
+    type(rest_type), intent(in) :: rest
+    real(dp), intent(in) :: points(:)
+    type(time_grid), intent(in) :: grid
+    share = maxval(tail_error(first, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
+    share = max(epsilon(share), rest%share*min(1.0_dp, share/rest%tail))
+  end function share_after
 
   subroutine add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, monitor, response, kept)
     !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform

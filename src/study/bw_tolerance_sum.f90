@@ -13,7 +13,7 @@ module bw_tolerance_sum
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_released_motion, only: peak_released, plan_released, release_continuum
   use bw_response, only: finish_histories, response_type, start_histories, sum_tolerance
-  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source
+  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source, rest_type
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -24,7 +24,6 @@ module bw_tolerance_sum
 
   integer, parameter :: previewed = 1000     !! samples that show the peak well enough to plan with it
   real(dp), parameter :: sum_share = 0.01_dp !! of a tolerance that the sum of the modes may take
-  real(dp), parameter :: loosest = 1.0e-4_dp !! tolerance of a sum, over its own peak
 
 contains
 
@@ -37,9 +36,10 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: sum   !! kept from motion to motion
     type(case_result), intent(inout) :: result
-    real(dp) :: reached, rest
+    real(dp) :: reached
+    type(rest_type) :: rest
     call choose_count(scene, source, alone, grid, result, reached, rest)
-    if (scene%response%velocity) rest = 1.0_dp        ! velocities after the first modes are no smaller than theirs
+    if (scene%response%velocity) rest = rest_type()   ! velocities after the first modes are no smaller than theirs
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
     if (reached > scene%modes%tolerance) then
       result%status = case_not_converged
@@ -59,7 +59,7 @@ contains
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source, alone
     type(time_grid), intent(in) :: grid
-    real(dp), intent(in) :: rest                 !! as that of `sum_in_parts`
+    type(rest_type), intent(in) :: rest          !! as that of `sum_in_parts`
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: sum
     type(case_result), intent(inout) :: result   !! its histories are started
@@ -97,16 +97,14 @@ contains
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
     type(time_grid), intent(in) :: grid
-    real(dp), intent(in) :: rest                !! what the modes after the first add, over the peak
+    type(rest_type), intent(in) :: rest         !! what the modes after the first add
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: sum   !! kept from motion to motion
     type(case_result), intent(inout) :: result
-    real(dp) :: coarse
-    coarse = min(loosest, max(sum_tolerance, sum_share*scene%modes%tolerance/rest))
     associate (unit_time => result%units%time%hi)
       call add_modes_in_parts(source, force_of(scene)*(result%approach_velocity*unit_time), first_modes, result%mode_count, &
-                              rest, scene%response%points, grid, unit_time, [sum_tolerance, coarse], monitor, &
-                              result%response, sum)
+                              rest, scene%response%points, grid, unit_time, [sum_tolerance, sum_share*scene%modes%tolerance], &
+                              monitor, result%response, sum)
     end associate
   end subroutine sum_in_parts
 
@@ -117,7 +115,7 @@ contains
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
-    real(dp), intent(out) :: rest               !! what the modes after the first are estimated to add, over the peak; at most 1
+    type(rest_type), intent(out) :: rest        !! what the modes after the first are estimated to add
     type(time_grid) :: early
     real(dp) :: peak, force, longest, tail
     logical :: extended
@@ -126,7 +124,6 @@ contains
     result%mode_count = first_modes
     result%released_count = first_modes
     reached = 0.0_dp
-    rest = 1.0_dp
     force = force_of(scene)
     if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp) return
     associate (points => scene%response%points)
@@ -137,7 +134,7 @@ contains
       if (peak == 0.0_dp) return
       tail = maxval(tail_error(first_modes, source, force, points, longest, early%samples, .false.))
       peak = max(0.5_dp*peak, peak - tail)
-      rest = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
+      rest = rest_type(min(1.0_dp, max(epsilon(1.0_dp), tail/peak)), tail/force)
       do
         call plan_all(scene%modes%tolerance*peak, source, alone, force, points, grid, early, result, reached)
         if (reached <= scene%modes%tolerance*peak) exit
@@ -204,7 +201,8 @@ contains
     type(case_result), intent(inout) :: result
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: estimate    !! of the error over the peak
-    real(dp) :: reached, rest
+    real(dp) :: reached
+    type(rest_type) :: rest
     integer :: line
     call choose_count(scene, source, alone, &
                       time_grid_of(scene%response%duration, scene%response%samples, result%units%time), result, reached, rest)
