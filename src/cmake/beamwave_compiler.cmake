@@ -1,5 +1,5 @@
 # Compiler flags of every target. No -ffast-math: results keep IEEE arithmetic, and the compensated
-# products of src/base need each product rounded on its own (-ffp-contract=off).
+# products of src/base need each product rounded on its own (-ffp-contract=off; beamwave_fused_products names the exceptions).
 if(NOT CMAKE_Fortran_COMPILER_ID STREQUAL "GNU")
   message(WARNING "beamwave was tried with gfortran only; this is ${CMAKE_Fortran_COMPILER_ID}")
 endif()

@@ -4,8 +4,8 @@ module bw_far_runs
   !!
   !! With A = (k − ¾)π these are β − A², δ = α − A, and the sizes of Φ(1) and Φ(1)/M, all of them analytic in k but near
   !! k = 0: a polynomial through the values at a few modes near Chebyshev's points is off by rounding alone in a run that
-  !! begins far enough from there, with fewer of them the farther it begins. β − A² hardly changes within a run, so it is the change that is interpolated: phases
-  !! keep the digits of the few roots, which may be extended ones.
+  !! begins far enough from there, of the fewer the farther it begins. β − A² hardly changes within a run, so it is the change
+  !! that is interpolated: phases keep the digits of the few roots, which may be extended ones.
   !!
   !! **Errors**: 2e-15 relatively, of β as `is_coarse` demands.
   use bw_kinds, only: dp
@@ -115,7 +115,7 @@ contains
     values = 0.0_dp
     do q = 1, 4
       do j = n - together, 0, -together
-        do k = 1, run_length              ! Horner's rule is written out: as a loop it keeps this one out of vector registers
+        do k = 1, run_length       ! Horner's rule is written out: as a loop it keeps this one out of vector registers
           values(k, q) = (((values(k, q)*x(k) + p(q, j + 3))*x(k) + p(q, j + 2))*x(k) + p(q, j + 1))*x(k) + p(q, j)
         end do
       end do
