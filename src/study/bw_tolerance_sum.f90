@@ -134,7 +134,8 @@ contains
       if (peak == 0.0_dp) return
       tail = maxval(tail_error(first_modes, source, force, points, longest, early%samples, .false.))
       peak = max(0.5_dp*peak, peak - tail)
-      rest = rest_type(min(1.0_dp, max(epsilon(1.0_dp), tail/peak)), tail/force)
+      rest%share = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
+      if (.not. allocated(source%damping)) rest%tail = tail/force     ! damped modes are summed without the transform
       do
         call plan_all(scene%modes%tolerance*peak, source, alone, force, points, grid, early, result, reached)
         if (reached <= scene%modes%tolerance*peak) exit
