@@ -22,6 +22,8 @@ module bw_release_error
   integer, parameter :: fewest = 256              !! modes of the better state
   integer, parameter :: most_more = 6000          !! at most so many more: the projection takes the square of their number
   real(dp), parameter :: margin = 1.25_dp         !! empirical: for what the better state lacks itself
+  real(dp), parameter :: tip_share = 0.05_dp      !! of the tip's velocity that a sum lacks; so well is the better state's known
+  integer, parameter :: tip_times = 64            !! by at most so many times its modes; light masses would ask for far more
 
 contains
 
@@ -114,28 +116,29 @@ contains
     class(mode_set), allocatable :: many, free
     type(deviation_type) :: sums(size(points))
     type(tip_rest) :: rest
-    real(dp) :: first(size(points))
+    real(dp) :: first(size(points)), usual
     real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
     integer :: n
+    error = 0.0_dp
+    if (force == 0.0_dp) return
     n = max(count, size(q))
     n = min(max(fewest, min(4*n, n + most_more)), loaded%highest, alone%highest)
     call loaded%find(first_numbers(n), many)
     call alone%find(first_numbers(n), free)
     allocate (start(n), source=0.0_dp)
     start_rate = force*many%tip/many%modal_mass
+    usual = sqrt(0.5_dp*sum((many%tip(count + 1:)*start_rate(count + 1:))**2))    ! were the phases random
+    call find_tip_rest(loaded, force, n, released, tip_share*usual, rest, highest=tip_times*n)
     call move(many, released, start, start_rate)
-    lacking = free%overlap_of_beam(many, start)/free%modal_mass
-    lacking_rate = free%overlap_of_beam(many, start_rate)/free%modal_mass
+    lacking = (free%overlap_of_beam(many, start) - loaded%gamma*rest%displacement*free%tip)/free%modal_mass
+    lacking_rate = (free%overlap_of_beam(many, start_rate) - loaded%gamma*rest%velocity*free%tip)/free%modal_mass
     lacking(:size(q)) = lacking(:size(q)) - q
     lacking_rate(:size(q)) = lacking_rate(:size(q)) - rate
     first = 0.0_dp
     call add_state(free, lacking, lacking_rate, 1.0_dp, points, stretch, velocity, sums, first)
     call add_tail(n, loaded, force, points, since_capture(stretch, released), velocity, sums, shown=alone)
-    error = margin*max(largest(sums, stretch%samples), abs(first))
-    if (n < 4*max(count, size(q)) .and. n == min(loaded%highest, alone%highest)) then
-      call find_tip_rest(loaded, force, n, released, 0.0_dp, rest)
-      error = error + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
-    end if
+    error = margin*max(largest(sums, stretch%samples), abs(first)) &
+      + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
   end function release_error
 
   pure subroutine add_state(modes, q, rate, weight, points, stretch, velocity, sums, seen)

@@ -36,19 +36,22 @@ module bw_tip_rest
 
 contains
 
-  subroutine find_tip_rest(source, force, first, time, bound, rest)
-    !! In octaves, until the uncertainty is within a bound; or all modes there are, or 10⁷. Roots are solved in extended
-    !! precision where phases call for it, also where a scene asks for that in every root: the terms fall as k⁻².
+  subroutine find_tip_rest(source, force, first, time, bound, rest, highest)
+    !! In octaves, until the uncertainty is within a bound; or all modes there are, or 10⁷, or as many as are told. Roots are
+    !! solved in extended precision where phases call for it, also where a scene asks for that in every root: the terms fall
+    !! as k⁻².
     class(mode_source), intent(in) :: source      !! of beam and mass, γ > 0
     real(dp), intent(in) :: force                 !! (1+e)γ: modal velocities at t = 0 are this times Φ_k(1)/M_k
     integer, intent(in) :: first                  !! n; every growing mode is among the first n
     type(dd), intent(in) :: time                  !! of the instant, l²/h
     real(dp), intent(in) :: bound                 !! of the velocity, V
     type(tip_rest), intent(out) :: rest
+    integer, intent(in), optional :: highest      !! > n; no mode beyond it is looked at
     type(running_sum) :: sum
     real(dp) :: octave, earlier, before
     integer :: last, most
     most = min(most_terms, source%highest)
+    if (present(highest)) most = min(most, highest)
     last = min(first, most)
     octave = 0.0_dp
     earlier = 0.0_dp

@@ -88,6 +88,7 @@ contains
     type(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
     call file%put_numbers('peak_displacement', '', 'm', 'largest displacement of the converged run', [list%peak], error)
+    call file%put_numbers('converged_tolerance', '', '1', 'tolerance of the converged run', [list%converged_tolerance], error)
     call file%put_counts('converged_mode_count', '', 'number of modes of the converged run', [list%converged_count], error)
     call file%put_numbers('converged_error', '', '1', &
                           'the converged run''s estimate of its own error, over the peak: smaller errors are not resolved', &

@@ -38,6 +38,7 @@ module bw_price_list
   type, public :: price_list
     type(rung_type), allocatable :: rungs(:)   !! ladder by ladder, from coarse to fine
     real(dp) :: peak = 0.0_dp                  !! largest displacement of the converged run, m
+    real(dp) :: converged_tolerance = missing  !! that the converged run keeps
     integer :: converged_count = 0             !! modes of the converged run
     real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
     real(dp) :: converged_difference = missing !! largest difference from the direct sum over the peak; missing: not taken

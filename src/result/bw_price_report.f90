@@ -41,8 +41,10 @@ contains
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     call lines%append_line('  Errors are the largest of the displacement over its peak, '//shortest(list%peak, 4)//' m, against a')
-    call lines%append_line('  converged run of '//text_of(list%converged_count)//' modes, whose own error is estimated at '// &
-                           small(list%converged_error)//'; what is below that stands as <')
+    call lines%append_line('  converged run of '//text_of(list%converged_count)//' modes, tolerance '// &
+                           shortest(list%converged_tolerance, 2)//', whose own error is estimated at '// &
+                           small(list%converged_error)//';')
+    call lines%append_line('  what is below that stands as <')
     if (is_missing(list%converged_difference)) return
     call lines%append_line('  At '//text_of(list%checked_samples)//' samples it is within '//small(list%converged_difference)// &
                            ' of a direct sum of the same modes in extended precision')

@@ -3,14 +3,15 @@ module bw_accuracy
   use bw_kinds, only: dp, i8
   use bw_accuracy_ladder, only: ladder_of, leave_out_of_reach, scene_of_rung, take_errors, take_seconds
   use bw_case_result, only: case_done, case_result
-  use bw_converged, only: converge, converged_run
+  use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
+  use bw_foreseen, only: foresight
   use bw_missing, only: is_missing
   use bw_model_error, only: model_errors
   use bw_monitor, only: part_monitor
   use bw_outcome, only: outcome_type
   use bw_price_file, only: put_prices
-  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long
+  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
   use bw_progress, only: progress_type
   use bw_scene, only: scene_type
@@ -24,7 +25,8 @@ module bw_accuracy
   public :: measure_accuracy
 
   real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
-  real(dp), parameter :: patience = 5.0_dp     !! s; a rung that takes longer is run once, and finer ones are left out
+  real(dp), parameter :: patience = 3.0_dp     !! s; a rung that takes longer is run once, and finer ones are left out
+  real(dp), parameter :: steepest_count = 3.0_dp   !! of seconds over the number of modes, as a power: LAPACK's
   real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
 
   type :: study_state
@@ -100,7 +102,7 @@ contains
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
-    call leave_out_of_reach(state%converged%tolerance, state%runs, state%list%rungs)
+    call leave_out_of_reach(state%converged, state%runs, state%list%rungs)
     call run_rungs(progress, state, whole)
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)
@@ -116,10 +118,15 @@ contains
     type(case_result) :: result
     type(part_monitor) :: part
     type(timed_run) :: first
+    type(foresight) :: foreseen
     integer :: i
     whole = .true.
     do i = 1, size(state%runs)
       associate (rung => state%list%rungs(i), run => state%runs(i))
+        if (i > 1) then
+          if (rung%ladder /= state%list%rungs(i - 1)%ladder) foreseen = foresight()
+        end if
+        if (run%is_timed .and. next_seconds(foreseen, rung) > patience) call leave_out(state, i)
         if (.not. run%is_timed) cycle
         part = part_monitor(progress, measuring*(0.5_dp + 0.5_dp*i/size(state%runs)), 0.0_dp)
         first = timed_run(run%scene)
@@ -128,21 +135,38 @@ contains
         if (.not. whole) return
         call take_errors(run%scene, result, state%converged, rung)
         run%is_timed = rung%status /= rung_out_of_reach
+        call foreseen%book(fineness(rung), first%seconds%total())
         if (first%seconds%total() <= patience) cycle
-        call leave_out(state, i)
-        if (run%is_timed) run = first            ! nor is it run again
+        if (run%is_timed) run = first            ! it is not run again
         run%is_timed = .false.
+        call leave_out(state, i + 1)
       end associate
     end do
   end subroutine run_rungs
 
-  pure subroutine leave_out(state, slow)
-    !! The finer rungs of the same ladder.
+  pure real(dp) function next_seconds(foreseen, rung) result(seconds)
+    type(foresight), intent(in) :: foreseen
+    type(rung_type), intent(in) :: rung
+    seconds = foreseen%next_seconds(fineness(rung), merge(steepest_count, steepest_tolerance, is_missing(rung%tolerance)))
+  end function next_seconds
+
+  pure real(dp) function fineness(rung)
+    !! What grows along a ladder.
+    type(rung_type), intent(in) :: rung
+    if (is_missing(rung%tolerance)) then
+      fineness = rung%mode_count
+    else
+      fineness = 1.0_dp/rung%tolerance
+    end if
+  end function fineness
+
+  pure subroutine leave_out(state, first)
+    !! A rung and the finer ones of its ladder.
     type(study_state), intent(inout) :: state
-    integer, intent(in) :: slow
+    integer, intent(in) :: first
     integer :: i
-    do i = slow + 1, size(state%runs)
-      if (state%list%rungs(i)%ladder /= state%list%rungs(slow)%ladder) exit
+    do i = first, size(state%runs)
+      if (state%list%rungs(i)%ladder /= state%list%rungs(max(1, first - 1))%ladder) exit
       if (state%runs(i)%is_timed) state%list%rungs(i)%status = rung_too_long
       state%runs(i)%is_timed = .false.
     end do
@@ -161,7 +185,8 @@ contains
       list%converged_error = converged%error
       list%converged_difference = converged%difference
       list%checked_samples = converged%checked_samples
-      if (.not. converged%in_reach) list%reachable = converged%tolerance
+      list%converged_tolerance = converged%tolerance
+      if (converged%reach > converged_tolerance) list%reachable = converged%reach
       list%model_errors = model_errors(scene, converged%result)
       do i = 1, size(converged%result%notes)
         call append(state%notes, converged%result%notes(i)%text)

@@ -7,7 +7,7 @@ module bw_accuracy_ladder
   use bw_missing, only: is_missing, missing
   use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
-    rung_out_of_reach, rung_too_long, rung_type
+    rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_refined_count, only: refined_count
   use bw_scene, only: scene_type
   use bw_scene_variant, only: with_counts, with_tolerance
@@ -57,27 +57,38 @@ contains
     end if
   end function scene_of_rung
 
-  subroutine leave_out_of_reach(reachable, runs, rungs)
-    !! Tolerances that the program refuses are not run.
-    real(dp), intent(in) :: reachable          !! the finest tolerance in reach
+  subroutine leave_out_of_reach(converged, runs, rungs)
+    !! Tolerances that the program refuses are not run, nor those for which a run takes too long.
+    type(converged_run), intent(in) :: converged
     type(timed_run), intent(inout) :: runs(:)
     type(rung_type), intent(inout) :: rungs(:)
-    type(error_type), allocatable :: error
-    integer :: i, count
+    integer :: i
     do i = 1, size(rungs)
       if (is_missing(rungs(i)%tolerance)) cycle
-      runs(i)%is_timed = rungs(i)%tolerance >= reachable
-      if (runs(i)%is_timed .and. rungs(i)%ladder == all_extended) then
-        call plan_case(runs(i)%scene, count, error)
-        runs(i)%is_timed = .not. allocated(error)
-      end if
-      if (.not. runs(i)%is_timed) rungs(i)%status = rung_out_of_reach
-      if (runs(i)%is_timed .and. rungs(i)%ladder == all_extended .and. count > most_extended) then
-        runs(i)%is_timed = .false.
+      if (rungs(i)%tolerance < converged%reach) then
+        rungs(i)%status = rung_out_of_reach
+      else if (rungs(i)%tolerance < converged%tolerance) then
         rungs(i)%status = rung_too_long
+      else if (rungs(i)%ladder == all_extended) then
+        rungs(i)%status = status_extended(runs(i)%scene)
       end if
+      runs(i)%is_timed = rungs(i)%status == rung_measured
     end do
   end subroutine leave_out_of_reach
+
+  integer function status_extended(scene) result(status)
+    !! Of a rung with every root in extended precision.
+    type(scene_type), intent(in) :: scene
+    type(error_type), allocatable :: error
+    integer :: count
+    call plan_case(scene, count, error)
+    status = rung_measured
+    if (allocated(error)) then
+      status = rung_out_of_reach
+    else if (count > most_extended) then
+      status = rung_too_long
+    end if
+  end function status_extended
 
   pure subroutine take_errors(scene, result, converged, rung)
     !! What a run of the rung yielded beside the converged run.

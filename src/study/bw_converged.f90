@@ -8,6 +8,7 @@ module bw_converged
   use bw_direct_motion, only: sum_directly
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
+  use bw_foreseen, only: foresight
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case, run_case
@@ -21,13 +22,16 @@ module bw_converged
   public :: converge, find_reach
 
   real(dp), parameter, public :: converged_tolerance = 1.0e-13_dp   !! a hundredth of the finest rung
+  integer, parameter :: first_decade = 6, decades = 2   !! of the tolerances of the runs that come ever nearer to it
+  real(dp), parameter :: patience = 5.0_dp           !! s of the processor; a run that would take longer is not made
+  real(dp), parameter, public :: steepest_tolerance = 1.0_dp   !! of seconds over 1/tolerance, as a power
   integer, parameter :: checked = 32            !! samples, at most
   integer, parameter, public :: most_extended = 500000    !! modes; extended precision for more would take longer than all the rungs
 
   type, public :: converged_run
     type(case_result) :: result
-    real(dp) :: tolerance = missing             !! that it keeps
-    logical :: in_reach = .true.                !! `converged_tolerance` is
+    real(dp) :: reach = missing                 !! the finest tolerance there is
+    real(dp) :: tolerance = missing             !! that the run keeps: `reach`, or the finest that does not take too long
     real(dp) :: peak = 0.0_dp                   !! m, over all points
     real(dp) :: error = missing                 !! its own estimate over the peak
     real(dp) :: difference = missing            !! from the direct sum over the peak; missing where it was not taken
@@ -44,32 +48,69 @@ contains
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: fine
+    type(foresight) :: foreseen
+    real(dp) :: seconds
+    integer :: decade
+    whole = .true.
+    call find_reach(scene, run%reach, error)
+    if (allocated(error)) return
+    do decade = first_decade, huge(decade) - decades, decades
+      run%tolerance = tolerance_of(decade, run%reach)
+      fine = with_tolerance(scene, run%tolerance)
+      call run_fine(fine, monitor, run, seconds, whole, error)
+      if (allocated(error) .or. .not. whole) return
+      if (run%tolerance == run%reach) exit
+      call foreseen%book(1.0_dp/run%tolerance, seconds)
+      if (foreseen%next_seconds(1.0_dp/tolerance_of(decade + decades, run%reach), steepest_tolerance) > patience) exit
+    end do
+    call take_peak(run)
+    call check(fine, monitor, run, whole)
+  end subroutine converge
+
+  pure real(dp) function tolerance_of(decade, reach) result(tolerance)
+    !! A power of ten, or what is in reach where that is near.
+    integer, intent(in) :: decade
+    real(dp), intent(in) :: reach
+    real(dp), parameter :: near = 20.0_dp       ! a decade, and something for rounding
+    tolerance = 10.0_dp**(-decade)
+    if (tolerance < near*reach) tolerance = reach
+  end function tolerance_of
+
+  subroutine run_fine(fine, monitor, run, seconds, whole, error)
+    !! One run, every root in extended precision where there are not too many.
+    !! **Errors**: `status_not_trusted` where it does not keep its tolerance.
+    type(scene_type), intent(inout) :: fine
+    class(monitor_type), intent(inout) :: monitor
+    type(converged_run), intent(inout) :: run
+    real(dp), intent(out) :: seconds            !! of the processor, which other work on the machine changes least
+    logical, intent(out) :: whole               !! false where the monitor asked to stop
+    type(error_type), allocatable, intent(out) :: error
     type(kept_work) :: kept
     type(stopwatch) :: watch
     integer :: count
+    real(dp) :: began, ended
     whole = .true.
-    call find_reach(scene, run%tolerance, error)
-    if (allocated(error)) return
-    run%in_reach = run%tolerance == converged_tolerance
-    fine = with_tolerance(scene, run%tolerance)
+    call cpu_time(began)
     call plan_case(fine, count, error)
     if (allocated(error)) return
     fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
     call run_case(fine, layout_of(fine), watch, monitor, kept, run%result, whole)
-    if (.not. whole) return
-    if (run%result%status == case_not_converged) then
-      call fail(error, status_not_trusted, scene%file//': no converged run: '// &
-                run%result%notes(size(run%result%notes))%text)
-      return
-    end if
+    call cpu_time(ended)
+    seconds = ended - began
+    if (.not. whole .or. run%result%status /= case_not_converged) return
+    call fail(error, status_not_trusted, fine%file//': no converged run: '//run%result%notes(size(run%result%notes))%text)
+  end subroutine run_fine
+
+  pure subroutine take_peak(run)
+    !! The peak, and the run's own estimate of its error over it.
+    type(converged_run), intent(inout) :: run
     associate (response => run%result%response)
       if (response%finite_samples > 0) run%peak = maxval(abs(response%displacement(:response%finite_samples, :)))
       if (.not. allocated(response%displacement_error)) return
       run%error = 0.0_dp
       if (run%peak > 0.0_dp) run%error = maxval(response%displacement_error)/run%peak
     end associate
-    call check(fine, monitor, run, whole)
-  end subroutine converge
+  end subroutine take_peak
 
   subroutine find_reach(scene, tolerance, error)
     !! The finest tolerance that can be kept, down to `converged_tolerance`.
