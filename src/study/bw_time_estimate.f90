@@ -17,6 +17,7 @@ module bw_time_estimate
 
   integer, parameter :: most_samples = 200
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
+  real(dp), parameter :: modes_part = 0.5_dp               !! of a case that was stopped before its histories were begun; rough
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: start_seconds = 2.5e-2_dp         !! of the program itself, most of them its libraries'; measured
   real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
@@ -60,7 +61,7 @@ contains
         index = place(samples, cases)
         ! a case shares work with the one before it
         if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, one, kept, part, spent)
-        call sample(scene, layout, index, began + 2.0_dp*budget, one, kept, part, spent)
+        call sample(scene, layout, index, wall_seconds() + budget, one, kept, part, spent)
         seconds = seconds + spent/part
         elapsed = wall_seconds() - began
         if (elapsed > budget) exit
@@ -113,7 +114,7 @@ contains
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
-    if (.not. whole) part = max(limit%fraction, 1.0e-6_dp)
+    if (.not. whole) part = merge(limit%fraction, modes_part, limit%fraction > 0.0_dp)
   end subroutine sample
 
   subroutine advance(self, fraction)
