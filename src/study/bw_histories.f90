@@ -76,14 +76,15 @@ contains
     class(mode_source), intent(in) :: source, alone
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
-    real(dp) :: speed
+    real(dp) :: rounding, speed
     speed = abs(result%approach_velocity)
+    rounding = result%response%sum_error + growth_error(result%modes, grid)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
-      + result%response%sum_error*largest_magnitude(result%response%displacement)
+      + rounding*largest_magnitude(result%response%displacement)
     if (scene%response%velocity) result%response%velocity_error = &
       with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
                  result%approach_velocity*(1.0_dp + scene%impact%restitution)) &
-      + result%response%sum_error*largest_magnitude(result%response%velocity)
+      + rounding*largest_magnitude(result%response%velocity)
   contains
     function errors(velocity) result(values)
       logical, intent(in) :: velocity
@@ -111,6 +112,13 @@ contains
       end associate
     end function errors
   end subroutine estimate_errors
+
+  pure real(dp) function growth_error(modes, grid) result(error)
+    !! Of exp(σt) at the end, as a part of it: the growth rate σ has the digits of binary64.
+    class(mode_set), intent(in) :: modes          !! growing ones among them
+    type(time_grid), intent(in) :: grid
+    error = epsilon(error)*sqrt(max(0.0_dp, maxval(-modes%beta_squared%hi)))*(grid%samples*grid%step%hi)
+  end function growth_error
 
   function after_release(scene, source, alone, force, grid, result, velocity) result(values)
     !! The same after the mass has left, (points).
