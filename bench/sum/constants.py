@@ -23,6 +23,7 @@ from .compare import Call, seconds
 from .library import Beamwave
 
 VECTOR = 8  # grid points whose weights are made together
+NARROW, POWERS = 8, 5 / 8  # a kernel no wider has polynomials of so many of the terms of others
 ENOUGH = 3e-3  # seconds of one way, in as many runs as that takes
 LONGEST = 0.25  # seconds that one sum of the fit or the check may take by the model's older constants
 FIT = ((4, 32, 256, 2048, 16384), (64, 1024, 16384, 131072), (1, 3, 12), (1e-3, 1e-7, 2e-13))
@@ -39,7 +40,7 @@ PRODUCTS = {
 TRANSFORM = {
     "set_up": "kernel and plan",
     "mode_phase": "place and phase of a mode",
-    "mode_weight": "a vector of weights of the kernel",
+    "mode_weight": "a vector of weights of a wide kernel",
     "mode_spread": "a vector of weights put to use, for each history",
     "grid_point": "a point of the grid and step of the fast transform, for each history",
     "sample": "a sample made and added, for each history",
@@ -65,7 +66,8 @@ def transform_steps(n: int, samples: int, points: int, width: int, half: int) ->
     """What the constants of TRANSFORM are multiplied with."""
     vectors = -(-width // VECTOR)
     grid = 2 * half
-    steps = [1, n, n * vectors, n * vectors * points, points * grid * math.log2(grid), points * samples, samples]
+    powers = POWERS if width <= NARROW else 1
+    steps = [1, n, n * vectors * powers, n * vectors * points, points * grid * math.log2(grid), points * samples, samples]
     return [float(step) for step in steps]
 
 

@@ -13,7 +13,7 @@ module bw_spreading_kernel
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: kernel_of, kernel_factors, transform_error
+  public :: degree_of, kernel_of, kernel_factors, transform_error
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: cells = 16       !! polynomials per spacing of the grid
@@ -38,12 +38,18 @@ contains
     integer, intent(in) :: width            !! w, a multiple of 4, 4 … 20
     real(dp), intent(in) :: oversampling    !! grid points per sample wanted, > 1
     kernel%width = width
-    kernel%degree = merge(low_degree, high_degree, width <= narrow)
+    kernel%degree = degree_of(width)
     kernel%sharpness = pi*width*(1.0_dp - 0.5_dp/oversampling)
     kernel%peak = sum(unscaled(kernel, [0.0_dp]))
     allocate (kernel%table(vector, 0:kernel%degree, cells, (width + vector - 1)/vector), source=0.0_dp)
     call fill_table(width, kernel%degree, kernel)
   end function kernel_of
+
+  elemental integer function degree_of(width) result(degree)
+    !! Of the polynomials of a kernel.
+    integer, intent(in) :: width
+    degree = merge(low_degree, high_degree, width <= narrow)
+  end function degree_of
 
   pure subroutine fill_table(width, degree, kernel)
     !! Polynomials through the kernel at Chebyshev's nodes of every cell.

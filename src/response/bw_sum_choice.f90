@@ -8,7 +8,7 @@ module bw_sum_choice
   use bw_modal_sum, only: block_length
   use bw_sine_sum, only: next_fast_half
   use bw_spread, only: rows_of
-  use bw_spreading_kernel, only: transform_error, vector
+  use bw_spreading_kernel, only: degree_of, high_degree, transform_error, vector
   implicit none (type, external)
   private
   public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
@@ -27,19 +27,19 @@ module bw_sum_choice
 
   ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios
   ! matter alone.
-  real(dp), parameter :: product_set_up = 27.5e-6_dp  ! a call
-  real(dp), parameter :: product_mode = 241e-9_dp     ! a mode
-  real(dp), parameter :: product_turn = 1.29e-9_dp    ! an entry of the tables of turns, each for a mode
-  real(dp), parameter :: product_state = 186e-12_dp   ! a mode's state at a block of a history
-  real(dp), parameter :: product_term = 80.6e-12_dp   ! a mode at a sample of a history
-  real(dp), parameter :: product_sample = 1.28e-9_dp  ! a sample of a history
-  real(dp), parameter :: set_up = 94.8e-6_dp          ! kernel and plan
-  real(dp), parameter :: mode_phase = 9.7e-9_dp       ! place and phase of a mode
-  real(dp), parameter :: mode_weight = 13e-9_dp       ! a vector of weights of the kernel
-  real(dp), parameter :: mode_spread = 2.68e-9_dp     ! a vector of weights put to use, for each history
-  real(dp), parameter :: grid_point = 809e-12_dp      ! a point of the grid and step of the fast transform, for each history
-  real(dp), parameter :: sample = 2.44e-9_dp          ! a sample made and added, for each history
-  real(dp), parameter :: factor = 8.19e-9_dp          ! the kernel's factor of a sample
+  real(dp), parameter :: product_set_up = 27.1e-6_dp   ! a call
+  real(dp), parameter :: product_mode = 246e-9_dp      ! a mode
+  real(dp), parameter :: product_turn = 2.44e-9_dp     ! an entry of the tables of turns, each for a mode
+  real(dp), parameter :: product_state = 932e-12_dp    ! a mode's state at a block of a history
+  real(dp), parameter :: product_term = 76.6e-12_dp    ! a mode at a sample of a history
+  real(dp), parameter :: product_sample = 1.24e-9_dp   ! a sample of a history
+  real(dp), parameter :: set_up = 87.2e-6_dp           ! kernel and plan
+  real(dp), parameter :: mode_phase = 9.47e-9_dp       ! place and phase of a mode
+  real(dp), parameter :: mode_weight = 17.2e-9_dp      ! a vector of weights of a wide kernel
+  real(dp), parameter :: mode_spread = 3.71e-9_dp      ! a vector of weights put to use, for each history
+  real(dp), parameter :: grid_point = 727e-12_dp       ! a point of the grid and step of the fast transform, for each history
+  real(dp), parameter :: sample = 6.22e-9_dp           ! a sample made and added, for each history
+  real(dp), parameter :: factor = 9.79e-9_dp           ! the kernel's factor of a sample
 
 contains
 
@@ -113,10 +113,11 @@ contains
 
   pure real(dp) function transform_seconds(modes, samples, histories, width, half) result(seconds)
     integer, intent(in) :: modes, samples, histories, width, half
-    real(dp) :: points, vectors
+    real(dp) :: points, powers, vectors
     points = 2.0_dp*half
     vectors = rows_of(width)/vector
-    seconds = set_up + modes*(mode_phase + vectors*(mode_weight + mode_spread*histories)) + factor*samples &
+    powers = (degree_of(width) + 1.0_dp)/(high_degree + 1)
+    seconds = set_up + modes*(mode_phase + vectors*(mode_weight*powers + mode_spread*histories)) + factor*samples &
       + histories*(grid_point*points*log(points)/log(2.0_dp) + sample*samples)
   end function transform_seconds
 
