@@ -50,6 +50,6 @@ class Job:
 
 JOBS = [
     Job("frequencies", "frequencies and wave velocities of 20 modes", modes=20, cases=10_000),
-    Job("histories", "with histories of 4096 samples at two points, 40 modes", modes=40, cases=2_000, samples=4096),
-    Job("spectra", "with amplitude spectra of these", modes=40, cases=2_000, samples=4096, spectrum=True),
+    Job("histories", "with histories of 4096 samples at two points, 40 modes", modes=40, cases=5_000, samples=4096),
+    Job("spectra", "with amplitude spectra of these", modes=40, cases=5_000, samples=4096, spectrum=True),
 ]
