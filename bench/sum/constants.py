@@ -26,13 +26,14 @@ VECTOR = 8  # grid points whose weights are made together
 NARROW, POWERS = 8, 5 / 8  # a kernel no wider has polynomials of so many of the terms of others
 ENOUGH = 3e-3  # seconds of one way, in as many runs as that takes
 LONGEST = 0.25  # seconds that one sum of the fit or the check may take by the model's older constants
-FIT = ((4, 32, 256, 2048, 16384), (64, 1024, 16384, 131072), (1, 3, 12), (1e-3, 1e-7, 2e-13))
+FIT = ((4, 32, 256, 2048, 16384), (64, 1024, 16384, 131072), (1, 2, 6, 40), (1e-3, 1e-7, 2e-13))
 CHECK = ((2, 8, 20, 50, 120, 300, 1000, 5000), (50, 300, 2000, 10000, 65536), (1, 2, 6, 40), (1e-4, 1e-8, 2e-13))
 
 PRODUCTS = {
     "product_set_up": "a call",
     "product_mode": "a mode",
     "product_turn": "an entry of the tables of turns, each for a mode",
+    "product_entry": "an entry of these tables, read for all histories of a block",
     "product_state": "a mode's state at a block of a history",
     "product_term": "a mode at a sample of a history",
     "product_sample": "a sample of a history",
@@ -59,7 +60,7 @@ def product_steps(n: int, samples: int, points: int) -> list[float]:
     """What the constants of PRODUCTS are multiplied with."""
     length = 2 ** min(8, max(3, round(0.5 * math.log2(samples))))
     blocks = -(-samples // length)
-    return [1, n, n * (length + blocks), n * blocks * points, n * length * blocks * points, samples * points]
+    return [1, n, n * (length + blocks), n * length * blocks, n * blocks * points, n * length * blocks * points, samples * points]
 
 
 def transform_steps(n: int, samples: int, points: int, width: int, half: int) -> list[float]:

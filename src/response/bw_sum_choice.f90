@@ -27,19 +27,20 @@ module bw_sum_choice
 
   ! Seconds, tuned: printed by bench/sum/constants.py on one core with AVX-512, gfortran 12 -O3 -march=native. Their ratios
   ! matter alone.
-  real(dp), parameter :: product_set_up = 27.1e-6_dp   ! a call
-  real(dp), parameter :: product_mode = 246e-9_dp      ! a mode
-  real(dp), parameter :: product_turn = 2.44e-9_dp     ! an entry of the tables of turns, each for a mode
-  real(dp), parameter :: product_state = 932e-12_dp    ! a mode's state at a block of a history
-  real(dp), parameter :: product_term = 76.6e-12_dp    ! a mode at a sample of a history
-  real(dp), parameter :: product_sample = 1.24e-9_dp   ! a sample of a history
-  real(dp), parameter :: set_up = 87.2e-6_dp           ! kernel and plan
-  real(dp), parameter :: mode_phase = 9.47e-9_dp       ! place and phase of a mode
-  real(dp), parameter :: mode_weight = 17.2e-9_dp      ! a vector of weights of a wide kernel
-  real(dp), parameter :: mode_spread = 3.71e-9_dp      ! a vector of weights put to use, for each history
-  real(dp), parameter :: grid_point = 727e-12_dp       ! a point of the grid and step of the fast transform, for each history
-  real(dp), parameter :: sample = 6.22e-9_dp           ! a sample made and added, for each history
-  real(dp), parameter :: factor = 9.79e-9_dp           ! the kernel's factor of a sample
+  real(dp), parameter :: product_set_up = 25.5e-6_dp   ! a call
+  real(dp), parameter :: product_mode = 292e-9_dp      ! a mode
+  real(dp), parameter :: product_turn = 0e0_dp         ! an entry of the tables of turns, each for a mode
+  real(dp), parameter :: product_entry = 36.1e-12_dp   ! an entry of these tables, read for all histories of a block
+  real(dp), parameter :: product_state = 1.34e-9_dp    ! a mode's state at a block of a history
+  real(dp), parameter :: product_term = 69.4e-12_dp    ! a mode at a sample of a history
+  real(dp), parameter :: product_sample = 1.64e-9_dp   ! a sample of a history
+  real(dp), parameter :: set_up = 88.4e-6_dp           ! kernel and plan
+  real(dp), parameter :: mode_phase = 7.08e-9_dp       ! place and phase of a mode
+  real(dp), parameter :: mode_weight = 11.4e-9_dp      ! a vector of weights of a wide kernel
+  real(dp), parameter :: mode_spread = 4.11e-9_dp      ! a vector of weights put to use, for each history
+  real(dp), parameter :: grid_point = 917e-12_dp       ! a point of the grid and step of the fast transform, for each history
+  real(dp), parameter :: sample = 2.45e-9_dp           ! a sample made and added, for each history
+  real(dp), parameter :: factor = 7.92e-9_dp           ! the kernel's factor of a sample
 
 contains
 
@@ -107,7 +108,7 @@ contains
     length = block_length(samples)
     blocks = aint((samples - 1)/length) + 1.0_dp
     states = modes*blocks*histories
-    seconds = product_set_up + modes*(product_mode + product_turn*(length + blocks)) &
+    seconds = product_set_up + modes*(product_mode + product_turn*(length + blocks) + product_entry*(length*blocks)) &
       + states*(product_state + product_term*length) + product_sample*samples*histories
   end function product_seconds
 
