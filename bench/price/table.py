@@ -17,7 +17,7 @@ Made by `bench/price.sh` ([bench/](../bench/README.md) says how): `beamwave accu
 short record. Errors are the largest of the displacement at midpoint and tip over the peak, against a converged run; the estimate is
 the run's own. Seconds are those of the stages up to the histories, medians of interleaved repeats, with the half of what their middle
 half spans. The aim is that from 1e-3 to 1e-11 each further digit costs at most a quarter more time.
-Few modes are summed by products, which cost as much as there are modes: below 1e-5 that is far less than any transform, and the steps
+Few modes are summed by products, which cost as much as there are modes: down to 1e-5 that is far less than any transform, and the steps
 up to it are large for that reason.
 
 ![Error against seconds]({picture})
