@@ -5,6 +5,7 @@ module bench_sum
   use bw_closed_form, only: closed_form_source, source_in_closed_form
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_modal_sum, only: add_stable_modes
+  use bw_mode_choice, only: first_modes
   use bw_monitor, only: silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: response_type, start_histories, sum_tolerance
@@ -16,7 +17,6 @@ module bench_sum
   private
 
   integer, parameter :: part = 256               ! modes at a time, as in a run
-  integer, parameter :: few = 20                 ! the first modes, as in a run
   real(dp), parameter :: points(2) = [0.5_dp, 1.0_dp]
 
 contains
@@ -36,8 +36,8 @@ contains
     grid = time_grid_of(duration, samples, to_dd(1.0_dp))
     call start_histories(grid, 2, .false., response)
     source = source_in_closed_form(gamma)
-    call add_modes_in_parts(source, gamma, few, n, rest_of(source, gamma, grid), points, grid, 1.0_dp, [tolerance, tolerance], &
-                            monitor, response, sum)
+    call add_modes_in_parts(source, gamma, first_modes, n, rest_of(source, gamma, grid), points, grid, 1.0_dp, &
+                            [tolerance, tolerance], monitor, response, sum)
     displacement = response%displacement
   end subroutine whole_job
 
@@ -54,8 +54,8 @@ contains
     stride = (grid%samples - 1)/previewed + 1
     coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
     call start_histories(coarse, size(points), .false., response)
-    call add_modes_of_source(source, gamma, 1, few, points, coarse, 1.0_dp, sum_tolerance, monitor, response)
-    rest%tail = maxval(tail_error(few, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
+    call add_modes_of_source(source, gamma, 1, first_modes, points, coarse, 1.0_dp, sum_tolerance, monitor, response)
+    rest%tail = maxval(tail_error(first_modes, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
     rest%share = gamma*rest%tail/maxval(abs(response%displacement))
   end function rest_of
 

@@ -14,6 +14,7 @@ module bw_mode_choice
   private
   public :: modes_for
 
+  integer, parameter, public :: first_modes = 64   !! the least number: enough to know the peak of the motion
   integer, parameter, public :: most_modes = 10000000
   integer, parameter, public :: most_released = 10000
     !! modes that a state is handed on to when the mass leaves, each from each: the square of their number, some seconds

@@ -17,7 +17,8 @@ module bw_streamed_modes
   public :: add_modes_in_parts, add_modes_of_source
 
   integer, parameter :: part = 256             !! tuned: modes whose arrays stay in the cache
-  integer, parameter :: several = 8            !! tuned: times the first few, which may be summed to all digits instead
+  real(dp), parameter :: fewer_or_more(2) = [1.0_dp/3.0_dp, 8.0_dp]
+    !! tuned: times the first few, which may be summed to all digits instead of these
   real(dp), parameter :: loosest = 1.0e-4_dp   !! tolerance of a sum, over its own peak
 
   type, public :: rest_type
@@ -33,7 +34,7 @@ contains
     !! and need fewer digits: whichever is faster.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force                !! as that of `add_modes_of_source`, also what follows
-    integer, intent(in) :: few                   !! first modes, at least; < `count`
+    integer, intent(in) :: few                   !! first modes, whose rest is known; < `count`
     integer, intent(in) :: count
     type(rest_type), intent(in) :: rest          !! what the modes after the first few add
     real(dp), intent(in) :: points(:)
@@ -50,7 +51,7 @@ contains
       call add(1, count, tolerances(1))
     else
       share = rest%share
-      if (first > few) share = share_after(first, source, rest, points, grid)
+      if (first /= few) share = share_after(first, source, rest, points, grid)
       call add(1, first, tolerances(1))
       error = response%sum_error
       call add(first + 1, count, coarse(share, tolerances))
@@ -67,23 +68,27 @@ contains
   end subroutine add_modes_in_parts
 
   pure integer function faster_part(few, count, rest, samples, histories, tolerances) result(first)
-    !! How many modes to sum to all digits: the first few, several times as many, or all.
+    !! How many modes to sum to all digits: the first few, fewer, several times as many, or all.
     integer, intent(in) :: few, count
     type(rest_type), intent(in) :: rest
     integer, intent(in) :: samples, histories
     real(dp), intent(in) :: tolerances(2)
-    real(dp) :: seconds(3)
-    integer :: parts(3)
-    parts = [count, few, several*few]
+    real(dp) :: seconds(4)
+    integer :: parts(4)
+    parts = [count, few, max(1, nint(fewer_or_more*few))]
     seconds(1) = sum_seconds(count, samples, histories, tolerances(1))
-    seconds(2) = seconds_of_parts(few, rest%share)
-    seconds(3) = huge(seconds)
-    if (rest%tail > 0.0_dp .and. several*few < count) seconds(3) = seconds_of_parts(several*few, rest%share/several**2)
+    seconds(2) = seconds_of_parts(few)
+    seconds(3:) = huge(seconds)
+    if (rest%tail > 0.0_dp) then
+      seconds(3) = seconds_of_parts(parts(3))
+      if (parts(4) < count) seconds(4) = seconds_of_parts(parts(4))
+    end if
     first = parts(minloc(seconds, dim=1))
   contains
-    pure real(dp) function seconds_of_parts(part, share)
+    pure real(dp) function seconds_of_parts(part)
       integer, intent(in) :: part
-      real(dp), intent(in) :: share              !! what the others add: amplitudes fall about as k⁻³ (Eqs 18 and 21)
+      real(dp) :: share                          ! what the others add: amplitudes fall about as k⁻³ (Eqs 18 and 21)
+      share = min(1.0_dp, rest%share*(real(few, dp)/part)**2)
       seconds_of_parts = sum_seconds(part, samples, histories, tolerances(1)) &
         + sum_seconds(count - part, samples, histories, coarse(share, tolerances))
     end function seconds_of_parts
@@ -104,7 +109,7 @@ contains
     real(dp), intent(in) :: points(:)
     type(time_grid), intent(in) :: grid
     share = maxval(tail_error(first, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
-    share = max(epsilon(share), rest%share*min(1.0_dp, share/rest%tail))
+    share = max(epsilon(share), min(1.0_dp, rest%share*(share/rest%tail)))
   end function share_after
 
   subroutine add_modes_of_source(source, force, first, last, points, grid, unit_time, tolerance, monitor, response, kept)

@@ -9,6 +9,7 @@ module bw_case_modes
   use bw_galerkin_source, only: galerkin_source, galerkin_source_of
   use bw_kept_modes, only: kept_modes
   use bw_kept_operators, only: kept_operators
+  use bw_mode_choice, only: first_modes
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_mode_notes, only: note_coupling, note_no_effect, note_strain, note_unresolved
   use bw_modes_par, only: by_tolerance
@@ -21,7 +22,6 @@ module bw_case_modes
   private
   public :: find_modes, extend_modes
 
-  integer, parameter, public :: first_modes = 64   !! of a scene with a tolerance: enough to know the peak of the motion
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes without a closed form that a tolerance may take, without and with shear: about two seconds' work
 

@@ -1,12 +1,12 @@
 module bw_tolerance_sum
   !! A history within a tolerance: how many modes of the continuum it takes, and their sum.
   use bw_kinds, only: dp
-  use bw_case_modes, only: extend_modes, first_modes
+  use bw_case_modes, only: extend_modes
   use bw_case_result, only: case_result, add_note, case_not_converged
   use bw_course_histories, only: add_course, last_sample, take
   use bw_double_double, only: operator(*)
   use bw_error, only: error_type, fail, status_bad_input
-  use bw_mode_choice, only: modes_for, most_modes, most_released
+  use bw_mode_choice, only: first_modes, modes_for, most_modes, most_released
   use bw_mode_set, only: mode_set, mode_source
   use bw_input_values, only: position_of
   use bw_monitor, only: monitor_type, part_monitor, silent_monitor
