@@ -1,6 +1,6 @@
 module bw_result_header
   !! What a result file says before its first case: global attributes, coordinates, and the inputs.
-  use bw_kinds, only: dp, i4, i8
+  use bw_kinds, only: dp, i4
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
   use bw_late_values, only: late_values
@@ -8,8 +8,8 @@ module bw_result_header
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
   use bw_scene, only: scene_type
   use bw_scene_method, only: method_name
-  use bw_scene_cases, only: case_count
-  use bw_scene_resolved, only: input_in_case, numeric_input, numeric_inputs, resolved_text
+  use bw_scene_cases, only: case_count, times_in_a_row
+  use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text
   use bw_stopwatch, only: stage_count, stage_words
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
@@ -134,12 +134,12 @@ contains
     character(*), intent(in) :: name, long_name
     type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
-    integer :: dimension, variable, i
+    integer :: dimension, variable
     if (.not. has_dimension(layout, name) .or. allocated(error)) return
     call check(nf90_inq_dimid(file, name, dimension), path, error)
     call define_variable(file, path, name, nf90_int, [dimension], '1', long_name, variable, error)
     if (allocated(error)) return
-    call late%add(variable, [(real(i, dp), i=1, dimension_length(layout, name))])
+    call late%add_numbers(variable, dimension_length(layout, name))
   end subroutine put_numbers
 
   subroutine put_stages(file, path, late, error)
@@ -215,7 +215,6 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     integer, allocatable :: dimensions(:)
     integer :: variable, kind
-    integer(i8) :: i
     kind = merge(nf90_int, nf90_double, input%is_integer)
     allocate (dimensions(merge(1, 0, input%is_swept)))
     if (input%is_swept) call check(nf90_inq_dimid(file, 'case', dimensions(1)), path, error)
@@ -223,7 +222,8 @@ contains
                          error, coordinate=.true.)
     if (allocated(error)) return
     if (input%is_swept) then
-      call late%add(variable, [(input_in_case(scene, input, i), i=1, case_count(scene))])
+      call late%add_repeated(variable, scene%sweeps(input%sweep)%values, times_in_a_row(scene, input%sweep), &
+                             int(case_count(scene)))
     else
       call late%add(variable, [input%value], is_scalar=.true.)
     end if

@@ -193,19 +193,19 @@ contains
     integer(i8), parameter :: frame = 10      ! words of a record beside its numbers
     type(case_field), allocatable :: fields(:)
     allocate (fields, source=fields_of(layout))
-    bytes = 8*layout%cases*(case_length(fields(:short_fields(fields))) + frame) + 200000
+    bytes = 8_i8*layout%cases*(case_length(fields(:short_fields(fields))) + frame) + 200000
   end function journal_bytes
 
   pure integer(i8) function working_bytes(layout) result(bytes)
     !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
-    !! 25 MB of program and libraries.
+    !! 25 MB of program and libraries; of a sweep also marks of the cases that are done.
     type(result_layout), intent(in) :: layout
     integer(i8) :: histories, spectra, modal
     histories = int(layout%samples, i8)*layout%points*merge(2, 1, layout%velocity)
     spectra = int(layout%frequencies, i8)*(layout%points + 30)
     modal = int(max(layout%modes, layout%modes_before), i8)*(60 + 4*layout%points)
     bytes = 8*(2*histories + spectra + modal) + 25000000
-    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 2*layout%cases
+    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 4_i8*layout%cases
   end function working_bytes
 
   pure integer(i8) function claimed_bytes(layout) result(bytes)

@@ -10,7 +10,7 @@ module bw_scene_cases
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: case_count, case_positions, case_scene, check_corners, complete
+  public :: case_count, case_positions, case_scene, check_corners, complete, times_in_a_row
 
 contains
 
@@ -38,6 +38,17 @@ contains
       rest = rest/n
     end do
   end function case_positions
+
+  pure integer function times_in_a_row(scene, sweep) result(cases)
+    !! In how many neighbouring cases a sweep takes the same value.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: sweep                  !! its number
+    integer :: i
+    cases = 1
+    do i = sweep + 1, size(scene%sweeps)
+      cases = cases*size(scene%sweeps(i)%values)
+    end do
+  end function times_in_a_row
 
   pure subroutine case_scene(scene, index, one, error)
     !! The scene of one case, without sweeps. Cheap: nothing is read again, what no sweep changes stays as it is, and the

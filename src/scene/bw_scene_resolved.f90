@@ -6,13 +6,12 @@ module bw_scene_resolved
   use bw_input_values, only: group_values, input_value, position_of
   use bw_kinds, only: dp, i8
   use bw_scene, only: scene_type
-  use bw_scene_cases, only: case_positions
   use bw_sweep_par, only: sweep_par
   use bw_text, only: text_of
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: input_in_case, numeric_inputs, resolved_text
+  public :: numeric_inputs, resolved_text
 
   type, public :: numeric_input
     !! A number that the resolved scene holds.
@@ -20,7 +19,7 @@ module bw_scene_resolved
     character(8) :: unit = ''            !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
-    logical :: is_swept = .false.        !! `input_in_case` gives its value in each case
+    logical :: is_swept = .false.        !! it has a value in each case
     integer :: sweep = 0                 !! the sweep that it follows; 0: none
     real(dp) :: value = 0.0_dp           !! in every case, or in the first where it is swept
   end type numeric_input
@@ -158,17 +157,5 @@ contains
     end do
     inputs = found(:n)
   end function numeric_inputs
-
-  pure real(dp) function input_in_case(scene, input, index) result(value)
-    !! A number of the resolved scene in one case.
-    type(scene_type), intent(in) :: scene
-    type(numeric_input), intent(in) :: input
-    integer(i8), intent(in) :: index              !! 1 … case_count(scene)
-    integer :: positions(size(scene%sweeps))
-    value = input%value
-    if (.not. input%is_swept) return
-    positions = case_positions(scene, index)
-    value = scene%sweeps(input%sweep)%values(positions(input%sweep))
-  end function input_in_case
 
 end module bw_scene_resolved
