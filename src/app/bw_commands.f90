@@ -77,12 +77,14 @@ contains
     logical :: seen                                !! the report has shown the warnings to the same eyes
     status = outcome%status
     if (present(error)) then
+      if (allocated(outcome%remarks)) call print_warnings(scene, outcome%remarks)
       call print_error(error)
       status = error%status
       return
     end if
     if (outcome%was_there) then
-      if (.not. command%quiet) call print_report(outcome%file//': nothing to do, the result of this scene is there')
+      if (.not. command%quiet) call print_report(outcome%file//': nothing to do, the result of this scene is there'// &
+                                                 trust_text(outcome))
       return
     end if
     if (.not. command%quiet) call print_report(outcome%report)
@@ -90,8 +92,18 @@ contains
     if (.not. command%quiet .and. status /= status_stopped) seen = seen_together()
     if (seen) return
     if (processes > 1 .and. .not. command%quiet) call pause(between_streams)
+    if (allocated(outcome%remarks)) call print_warnings(scene, outcome%remarks)
     call print_warnings(scene, outcome%warnings)
   end function print_outcome
+
+  pure function trust_text(outcome) result(text)
+    !! Of a result that was there already, what it cannot be trusted for.
+    type(outcome_type), intent(in) :: outcome
+    character(:), allocatable :: text
+    text = ''
+    if (outcome%not_trusted > 0) text = '; '//text_of(outcome%not_trusted)//' of its cases '// &
+      'cannot be trusted, as its notes say'
+  end function trust_text
 
   logical function seen_together()
     !! Report and warnings come to the same eyes, and the report ends with the same notes.

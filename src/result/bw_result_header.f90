@@ -1,6 +1,7 @@
 module bw_result_header
   !! What a result file says before its first case: global attributes, coordinates, and the inputs.
-  use bw_kinds, only: dp, i4
+  use bw_kinds, only: dp, i4, i8
+  use bw_case_result, only: case_done
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
   use bw_late_values, only: late_values
@@ -9,15 +10,15 @@ module bw_result_header
   use bw_scene, only: scene_type
   use bw_scene_method, only: method_name
   use bw_scene_cases, only: case_count, times_in_a_row
-  use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text
+  use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text, values_of_sweep
   use bw_stopwatch, only: stage_count, stage_words
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
-  use netcdf, only: nf90_close, nf90_double, nf90_global, nf90_inq_dimid, nf90_int, nf90_noerr, nf90_nowrite, nf90_open, &
-    nf90_put_att
+  use netcdf, only: nf90_close, nf90_double, nf90_get_var, nf90_global, nf90_inq_dimid, nf90_inq_varid, &
+    nf90_inquire_dimension, nf90_inquire_variable, nf90_int, nf90_noerr, nf90_nowrite, nf90_open, nf90_put_att
   implicit none (type, external)
   private
-  public :: put_global_attributes, put_coordinates, put_inputs, swept_names, holds_scene, source_text
+  public :: put_global_attributes, put_coordinates, put_inputs, swept_names, holds_scene, cases_not_trusted, source_text
 
 contains
 
@@ -42,6 +43,35 @@ contains
     if (same .and. .not. present(study)) same = text_attribute(id, 'study') == ''
     status = nf90_close(id)
   end function holds_scene
+
+  integer(i8) function cases_not_trusted(path) result(cases)
+    !! How many cases of a finished result hold numbers that cannot be trusted; of a scene without sweeps 1 or 0.
+    character(*), intent(in) :: path
+    integer, parameter :: at_once = 65536
+    integer :: dimension(1), file, first, length, rank, status, variable
+    integer, allocatable :: ended(:)
+    cases = 0
+    if (nf90_open(path, nf90_nowrite, file) /= nf90_noerr) return
+    length = 1
+    status = nf90_inq_varid(file, 'case_status', variable)
+    if (status == nf90_noerr) status = nf90_inquire_variable(file, variable, ndims=rank)
+    if (status == nf90_noerr .and. rank == 1) then
+      status = nf90_inquire_variable(file, variable, dimids=dimension)
+      if (status == nf90_noerr) status = nf90_inquire_dimension(file, dimension(1), len=length)
+    end if
+    do first = 1, length, at_once
+      if (status /= nf90_noerr) exit
+      allocate (ended(min(at_once, length - first + 1)))
+      if (rank == 1) then
+        status = nf90_get_var(file, variable, ended, start=[first])
+      else
+        status = nf90_get_var(file, variable, ended(1))
+      end if
+      if (status == nf90_noerr) cases = cases + count(ended /= case_done)
+      deallocate (ended)
+    end do
+    status = nf90_close(file)
+  end function cases_not_trusted
 
   subroutine put_global_attributes(file, path, scene, error, study)
     !! What the file says of itself: scene, program, method. **Errors**: `status_bad_file`.
@@ -222,7 +252,7 @@ contains
                          error, coordinate=.true.)
     if (allocated(error)) return
     if (input%is_swept) then
-      call late%add_repeated(variable, scene%sweeps(input%sweep)%values, times_in_a_row(scene, input%sweep), &
+      call late%add_repeated(variable, values_of_sweep(scene, input), times_in_a_row(scene, input%sweep), &
                              int(case_count(scene)))
     else
       call late%add(variable, [input%value], is_scalar=.true.)

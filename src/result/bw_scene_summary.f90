@@ -1,5 +1,6 @@
 module bw_scene_summary
   !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
+  use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
   use bw_case_fields, only: case_field, case_length, fields_of, short_fields
@@ -160,10 +161,13 @@ contains
   end function number_or_swept
 
   pure logical function is_swept(scene, name)
+    !! A sweep gives it, or what it follows from.
     type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: name
-    integer :: s
-    is_swept = any([(scene%sweeps(s)%parameter == name, s=1, size(scene%sweeps))])
+    character(*), intent(in) :: name              !! of a group that is there
+    integer :: g, gap
+    gap = index(name, '%')
+    g = position_of(scene%groups, name(:gap - 1))
+    is_swept = scene%groups(g)%values(scene%groups(g)%at(name(gap + 1:)))%sweep > 0
   end function is_swept
 
   function cost_summary(layout) result(text)

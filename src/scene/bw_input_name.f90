@@ -103,6 +103,7 @@ contains
       text = text_of(nint(row%range%low, i8))//' to '//text_of(nint(row%range%high, i8))
     else if (low .and. high) then
       text = text_of(row%range%low)//' to '//text_of(row%range%high)
+      if (row%range%above) text = '> '//text_of(row%range%low)//', up to '//text_of(row%range%high)
     else if (low) then
       text = trim(merge('> ', '>=', row%range%above))//' '//text_of(row%range%low)
     else

@@ -6,12 +6,13 @@ module bw_scene_resolved
   use bw_input_values, only: group_values, input_value, position_of
   use bw_kinds, only: dp, i8
   use bw_scene, only: scene_type
+  use bw_shear_par, only: circle_coefficient
   use bw_sweep_par, only: sweep_par
   use bw_text, only: text_of
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: numeric_inputs, resolved_text
+  public :: numeric_inputs, resolved_text, values_of_sweep
 
   type, public :: numeric_input
     !! A number that the resolved scene holds.
@@ -19,7 +20,7 @@ module bw_scene_resolved
     character(8) :: unit = ''            !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
-    logical :: is_swept = .false.        !! it has a value in each case
+    logical :: is_swept = .false.        !! `values_of_sweep` are those it takes
     integer :: sweep = 0                 !! the sweep that it follows; 0: none
     real(dp) :: value = 0.0_dp           !! in every case, or in the first where it is swept
   end type numeric_input
@@ -157,5 +158,16 @@ contains
     end do
     inputs = found(:n)
   end function numeric_inputs
+
+  pure function values_of_sweep(scene, input) result(values)
+    !! What an input that is swept takes along its sweep, the sweep's values or what follows from them.
+    type(scene_type), intent(in) :: scene
+    type(numeric_input), intent(in) :: input
+    real(dp), allocatable :: values(:)
+    associate (sweep => scene%sweeps(input%sweep))
+      values = sweep%values
+      if (input%name == 'shear_coefficient' .and. sweep%parameter == 'shear%poisson_ratio') values = circle_coefficient(values)
+    end associate
+  end function values_of_sweep
 
 end module bw_scene_resolved

@@ -108,16 +108,18 @@ contains
     self%descriptor = -1
   end subroutine close_writer
 
-  logical function open_reader(self, path, work) result(same)
+  logical function open_reader(self, path, work, readable) result(same)
     !! Open a journal; false where it cannot be read or belongs to other work.
     class(journal_reader), intent(inout) :: self
     character(*), intent(in) :: path
     character(*), intent(in) :: work
+    logical, intent(out), optional :: readable
     type(string), allocatable :: notes(:)
     real(dp) :: nothing(0)
     integer(i8) :: index
     same = .false.
     self%descriptor = open_to_read(path)
+    if (present(readable)) readable = self%descriptor >= 0
     if (self%descriptor < 0) return
     self%position = 1
     self%size = 0

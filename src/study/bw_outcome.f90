@@ -12,13 +12,18 @@ module bw_outcome
   implicit none (type, external)
   private
 
+  character(*), parameter, public :: work_taken_away = 'unfinished work of another scene or version lay there and was taken away'
+
   type, public :: outcome_type
     integer :: status = status_done           !! an exit status
     logical :: was_there = .false.            !! the finished result was there already
     character(:), allocatable :: file         !! the result
     character(:), allocatable :: report       !! what to print
-    character(:), allocatable :: warnings     !! lines
+    character(:), allocatable :: warnings     !! lines, which the result has too
+    character(:), allocatable :: remarks      !! lines about this run, which the result has not
+    integer(i8) :: not_trusted = 0            !! cases of a result that was there already that cannot be trusted
   contains
+    procedure :: remark
     procedure :: set_notes
     procedure :: notes_text
     procedure :: set_report
@@ -26,6 +31,14 @@ module bw_outcome
   end type outcome_type
 
 contains
+
+  subroutine remark(self, text)
+    !! Something to say about this run, however it ends.
+    class(outcome_type), intent(inout) :: self
+    character(*), intent(in) :: text          !! a line
+    if (.not. allocated(self%remarks)) self%remarks = ''
+    self%remarks = self%remarks//text//new_line('a')
+  end subroutine remark
 
   subroutine set_notes(self, notes, layout, not_trusted)
     !! The warnings, and the status that they call for.
@@ -44,9 +57,14 @@ contains
     !! The warnings without the last line's end.
     class(outcome_type), intent(in) :: self
     character(:), allocatable :: text
-    text = self%warnings
-    if (len(text) > 0) text = text(:len(text) - 1)
+    text = without_last_end(self%warnings)
   end function notes_text
+
+  pure function without_last_end(lines) result(text)
+    character(*), intent(in) :: lines
+    character(:), allocatable :: text
+    text = lines(:max(0, len(lines) - 1))
+  end function without_last_end
 
   subroutine set_report(self, scene, layout, body, taken_over, times)
     !! What to print of a scene that is done.
@@ -62,7 +80,12 @@ contains
     call report%append(body)
     if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
     call report%append_line('')
-    if (len(self%notes_text()) > 0) call report%append_line(notes_report(self%notes_text()))
+    if (allocated(self%remarks)) call report%append(notes_report(without_last_end(self%remarks)))
+    if (len(self%notes_text()) > 0) then
+      call report%append_line(notes_report(self%notes_text()))
+    else if (allocated(self%remarks)) then
+      call report%append_line('')
+    end if
     call report%append(times)
     call report%append_line('  result     '//self%file)
     self%report = report%text()

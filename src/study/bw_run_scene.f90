@@ -8,7 +8,7 @@ module bw_run_scene
   use bw_one_case, only: plan_case
   use bw_outcome, only: outcome_type
   use bw_progress, only: progress_type
-  use bw_result_header, only: source_text
+  use bw_result_header, only: cases_not_trusted, source_text
   use bw_result_layout, only: result_layout, layout_of
   use bw_run_single, only: run_single
   use bw_run_sweep, only: run_sweep
@@ -44,7 +44,10 @@ contains
     if (layout%cases == 0 .and. .not. crew%leads()) return
     go = 0
     if (crew%leads()) call look_first(scene, layout, overwrite, outcome, go, error)
-    if (outcome%was_there) call unfinished%clear()
+    if (outcome%was_there) then
+      outcome%not_trusted = cases_not_trusted(outcome%file)
+      call unfinished%clear()
+    end if
     if (layout%cases > 0) call crew%agree(go)
     if (go == 0) return
     if (layout%cases == 0) then

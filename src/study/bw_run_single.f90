@@ -6,7 +6,7 @@ module bw_run_single
   use bw_kinds, only: i8
   use bw_notes, only: notes_type
   use bw_one_case, only: run_case
-  use bw_outcome, only: outcome_type
+  use bw_outcome, only: outcome_type, work_taken_away
   use bw_posix, only: rename_file
   use bw_progress, only: progress_type
   use bw_report, only: case_report
@@ -36,6 +36,7 @@ contains
     logical :: whole
     call unfinished%begin(error)
     if (allocated(error)) return
+    if (size(unfinished%journals()) > 0) call outcome%remark(work_taken_away)
     call unfinished%remove_result()
     call progress%begin(scene%name, 1_i8, 0_i8)
     call run_case(scene, layout, watch, progress, kept, result, whole)

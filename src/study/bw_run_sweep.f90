@@ -7,7 +7,7 @@ module bw_run_sweep
   use bw_error, only: error_type, fail, status_bad_file
   use bw_gathering, only: gathering_type
   use bw_kinds, only: dp, i1, i8
-  use bw_outcome, only: outcome_type
+  use bw_outcome, only: outcome_type, work_taken_away
   use bw_posix, only: rename_file
   use bw_progress, only: progress_type
   use bw_result_body, only: result_body
@@ -53,6 +53,9 @@ contains
     if (crew%leads()) then
       allocate (gathering)
       call take_up(scene, layout, unfinished, crew%processes, body, state, gathering, number, error)
+      if (state%discarded) call outcome%remark(work_taken_away)
+      if (state%damaged > 0) call outcome%remark(text_of(state%damaged)// &
+        ' finished cases of an earlier run were not as it had left them and are done again')
     end if
     call crew%agree(number)
     if (number == 0 .and. crew%leads()) then
@@ -123,7 +126,8 @@ contains
     call settle_places(scene, layout, unfinished, body, error)
     if (allocated(error)) return
     allocate (done(layout%cases), source=0_i1)
-    call unfinished%survey(done, body, state%discarded, state%damaged)
+    call unfinished%survey(done, body, state%discarded, state%damaged, error)
+    if (allocated(error)) return
     call gathering%assembly%begin(scene, layout, unfinished, body, error)
     if (allocated(error)) return
     number = unfinished%next_number()
@@ -205,10 +209,6 @@ contains
     call unfinished%discard()
     call outcome%set_report(scene, layout, gathering%assembly%table%text(), state%taken_over, &
       stage_table(watch, wall_seconds() - state%began, processes, state%cases - state%taken_over))
-    if (state%discarded) outcome%warnings = outcome%warnings// &
-      'unfinished work of another scene or version lay there and was taken away'//new_line('a')
-    if (state%damaged > 0) outcome%warnings = outcome%warnings//text_of(state%damaged)// &
-      ' finished cases of an earlier run were not as it had left them and were done again'//new_line('a')
   end subroutine complete
 
 end module bw_run_sweep

@@ -34,6 +34,7 @@ module bw_unfinished
     procedure :: release
     procedure :: discard
     procedure :: clear
+    procedure, private :: holds_others
   end type unfinished_work
 
 contains
@@ -61,26 +62,34 @@ contains
     end do
   end subroutine begin
 
-  subroutine survey(self, done, body, foreign, damaged)
+  subroutine survey(self, done, body, foreign, damaged, error)
     !! Which cases are finished. What belongs to another scene or version is taken away.
+    !! **Errors**: a journal cannot be read. It may hold finished cases, and stays.
     class(unfinished_work), intent(in) :: self
     integer(i1), intent(inout) :: done(:)    !! (cases), set to 1
     type(result_body), intent(in) :: body    !! where their long fields lie
     logical, intent(out) :: foreign          !! something was taken away
     integer(i8), intent(out) :: damaged      !! how many cases were finished, and their long fields are not what they were
+    type(error_type), allocatable, intent(out) :: error
     type(string), allocatable :: paths(:)
     type(journal_reader) :: reader
     real(dp), allocatable :: room(:)
     integer(i1) :: lost(size(done))
     integer(i8) :: index
+    logical :: readable
     integer :: i
+    damaged = 0
     foreign = file_exists(self%directory//notes_name)        ! of a version that kept its cases in another form
     call remove_file(self%directory//notes_name)
     lost = 0_i1
     allocate (room(body%case_length()))
     paths = self%journals()
     do i = 1, size(paths)
-      if (.not. reader%open(paths(i)%text, self%work)) then
+      if (.not. reader%open(paths(i)%text, self%work, readable)) then
+        if (.not. readable) then
+          call fail(error, status_bad_file, paths(i)%text//': cannot be read; it may hold finished cases')
+          return
+        end if
         foreign = .true.
         call remove_file(paths(i)%text)
         cycle
@@ -207,11 +216,32 @@ contains
 
   subroutine clear(self)
     !! Take away what a run left that was killed when its result had its final name already, unless another run is at work.
+    !! Cases of another scene or version are not touched: a run of that may still want them.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable :: ignored
     if (.not. is_directory(self%directory)) return
     call self%begin(ignored)
-    if (.not. allocated(ignored)) call self%discard()
+    if (allocated(ignored)) return
+    if (self%holds_others()) then
+      call self%release()
+    else
+      call self%discard()
+    end if
   end subroutine clear
+
+  logical function holds_others(self)
+    !! A journal is there that is not of this work, or cannot be read.
+    class(unfinished_work), intent(in) :: self
+    type(string), allocatable :: paths(:)
+    type(journal_reader) :: reader
+    integer :: i
+    holds_others = .false.
+    paths = self%journals()
+    do i = 1, size(paths)
+      holds_others = .not. reader%open(paths(i)%text, self%work)
+      if (holds_others) return
+      call reader%close()
+    end do
+  end function holds_others
 
 end module bw_unfinished

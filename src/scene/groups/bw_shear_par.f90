@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear, settle_shear, usual_shear
+  public :: build_shear, check_shear, circle_coefficient, settle_shear, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -41,7 +41,7 @@ contains
   end subroutine check_shear
 
   pure subroutine settle_shear(groups)
-    !! The coefficient of a circle is that of its material, but where a sweep goes through materials.
+    !! The coefficient of a circle is that of its material; where a sweep goes through materials it follows.
     type(group_values), intent(inout) :: groups(:)
     integer :: shear, beam
     shear = position_of(groups, 'shear')
@@ -49,9 +49,7 @@ contains
     if (shear == 0 .or. beam == 0) return
     if (groups(shear)%given('shear_coefficient') .or. .not. groups(beam)%given('diameter')) return
     associate (ratio => groups(shear)%values(groups(shear)%at('poisson_ratio')))
-      if (ratio%known .and. ratio%sweep == 0) then
-        call groups(shear)%settle('shear_coefficient', circle_coefficient(ratio%number), 0)
-      end if
+      if (ratio%known) call groups(shear)%settle('shear_coefficient', circle_coefficient(ratio%number), ratio%sweep)
     end associate
   end subroutine settle_shear
 
@@ -64,11 +62,7 @@ contains
     if (i == 0) return
     allocate (shear)
     shear%poisson_ratio = groups(i)%number('poisson_ratio')
-    if (groups(i)%known('shear_coefficient')) then
-      shear%shear_coefficient = groups(i)%number('shear_coefficient')
-    else
-      shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
-    end if
+    if (groups(i)%known('shear_coefficient')) shear%shear_coefficient = groups(i)%number('shear_coefficient')
   end subroutine build_shear
 
   pure type(shear_par) function usual_shear() result(shear)

@@ -1,0 +1,113 @@
+"""Unfinished work is taken away by a run that puts its own in its place, which says so, and by nobody else."""
+
+import os
+import pty
+
+import pytest
+from journals import cases_in
+from workplace import SECONDS, captured_beam
+
+SMALL = {"modes": {"before": 4, "after": 4}}
+# small cases with much to sum, and so many that any build is under way when the time is up
+ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
+OTHER = {**ENDLESS, "rotation": {"angular_velocity": 51.0}}
+CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
+TAKEN_AWAY = "unfinished work of another scene or version lay there and was taken away"
+
+
+def stop_early(here, *words, **options):
+    """Run `a` for a while; what it said, and the cases that it left."""
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5", *words, **options)
+    assert ended.returncode == 5, ended.stderr
+    return ended, cases_in(here.directory / "output/a.partial")
+
+
+def test_a_run_with_nothing_to_do_leaves_the_cases_of_another_scene(here):
+    here.scene("a", captured_beam(**SMALL))
+    here.run("a")
+    here.scene("a", ENDLESS, CASES)
+    _, saved = stop_early(here, "--overwrite")
+    assert saved
+    here.scene("a", captured_beam(**SMALL))
+    assert "nothing to do" in here.beamwave("run", "a.nml").stdout
+    assert cases_in(here.directory / "output/a.partial") == saved
+    here.scene("a", ENDLESS, CASES)
+    _, more = stop_early(here, "--overwrite")
+    assert more > saved
+
+
+def test_what_a_finished_run_left_of_itself_is_taken_away(here):
+    speeds = {"parameter": "rotation%angular_velocity", "values": [10.0, 20.0]}
+    here.scene("a", captured_beam(**SMALL), speeds)
+    partial = here.directory / "output/a.partial"
+    here.run("a")
+    partial.mkdir()
+    (partial / "result.nc").write_text("as far as it came")
+    assert "nothing to do" in here.beamwave("run", "a.nml").stdout
+    assert here.left() == ["a.nc"]
+
+
+@pytest.mark.parametrize("words", [(), ("--quiet",)], ids=["aloud", "quiet"])
+def test_a_changed_sweep_says_what_it_took_away_though_it_is_stopped(here, words):
+    here.scene("a", OTHER, CASES)
+    stop_early(here)
+    here.scene("a", ENDLESS, CASES)
+    ended, _ = stop_early(here, *words)
+    assert ended.stderr.count(TAKEN_AWAY) == 1
+    ended, _ = stop_early(here, *words)
+    assert TAKEN_AWAY not in ended.stderr
+
+
+def test_a_single_scene_says_so_too(here):
+    here.scene("a", ENDLESS, CASES)
+    stop_early(here)
+    here.scene("a", captured_beam(**SMALL))
+    ended = here.beamwave("run", "a.nml")
+    assert (ended.returncode, ended.stderr.count(TAKEN_AWAY)) == (0, 1)
+    assert TAKEN_AWAY not in here.result("a").attributes["notes"]
+    assert here.left() == ["a.nc"]
+
+
+def test_a_terminal_shows_it_once(here):
+    here.scene("a", ENDLESS, CASES)
+    stop_early(here)
+    here.scene("a", captured_beam(**SMALL))
+    try:
+        ours, theirs = pty.openpty()
+    except OSError as reason:
+        pytest.skip(f"no pseudo-terminal here: {reason}")
+    running = here.start("run", "a.nml", stdout=theirs, stderr=theirs)
+    os.close(theirs)
+    shown = b""
+    try:
+        while part := os.read(ours, 65536):
+            shown += part
+    except OSError:  # how Linux says that the other end is closed
+        pass
+    os.close(ours)
+    running.communicate(timeout=SECONDS)
+    assert shown.decode().count(TAKEN_AWAY) == 1
+
+
+def test_a_journal_that_cannot_be_read_stays(here):
+    here.scene("a", ENDLESS, CASES)
+    _, saved = stop_early(here)
+    journal = here.directory / "output/a.partial/000001.cases"
+    elsewhere = here.directory / "elsewhere"
+    journal.rename(elsewhere)
+    journal.symlink_to("where its disk is not mounted")
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5")
+    assert ended.returncode == 3
+    assert "000001.cases: cannot be read; it may hold finished cases" in ended.stderr
+    journal.unlink()
+    elsewhere.rename(journal)
+    _, more = stop_early(here)
+    assert more > saved
+
+
+def test_a_result_that_cannot_be_trusted_is_called_so_again(here):
+    growing = captured_beam(rotation={"angular_velocity": 3000.0}, response={"duration": 10.0, "samples": 64})
+    here.scene("a", growing, {"parameter": "rotation%angular_velocity", "values": [10.0, 3000.0]})
+    assert here.beamwave("run", "a.nml").returncode == 4
+    again = here.beamwave("run", "a.nml")
+    assert "nothing to do" in again.stdout and "1 of its cases cannot be trusted" in again.stdout
