@@ -3,6 +3,7 @@ module bw_monitor
   use bw_kinds, only: dp
   implicit none (type, external)
   private
+  public :: stops
 
   type, abstract, public :: monitor_type
   contains
@@ -45,6 +46,13 @@ module bw_monitor
   end type part_monitor
 
 contains
+
+  logical function stops(monitor)
+    !! What the monitor says, where there is one.
+    class(monitor_type), intent(inout), optional :: monitor
+    stops = .false.
+    if (present(monitor)) stops = monitor%stop_requested()
+  end function stops
 
   recursive subroutine advance_whole(self, fraction)    ! the whole may be a part itself
     class(part_monitor), intent(inout) :: self

@@ -4,6 +4,7 @@ module bw_line_residual
   use bw_fourier, only: transform_in_place
   use bw_kinds, only: dp
   use bw_line, only: line_type, main_lobe, points, sidelobe, subtract_line
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
   public :: find_residual, plain_bins, strength, visible_peaks
@@ -25,11 +26,12 @@ module bw_line_residual
 
 contains
 
-  subroutine find_residual(record, lines, residual)
+  subroutine find_residual(record, lines, residual, monitor)
     !! The lines are taken out in the memory of the transforms: a long record is not held more often than it must be.
     real(dp), intent(in) :: record(0:, :)      !! (N, points)
     type(line_type), intent(in) :: lines(:)
-    type(residual_type), intent(inout), target :: residual   !! empty, or of the same record
+    type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; of no use where the monitor stops
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without window and with it
     real(dp) :: rounding, largest
     integer :: i, n, p
@@ -44,11 +46,13 @@ contains
     largest = maxval(abs(seen(:n, :)))
     left(:n, :) = record
     do i = 1, size(lines)
+      if (stops(monitor)) return
       call subtract_line(lines(i), left(:n, :))
     end do
     call copy(left(:n, :), seen(:n, :))        ! an assignment of pointers would go through a third array
     call apply_window(seen(:n, :))
     do p = 1, points
+      if (stops(monitor)) return
       call transform_in_place(n, residual%windowed(:, p))
       call transform_in_place(n, residual%plain(:, p))
     end do

@@ -6,6 +6,7 @@ module bw_line_search
   use bw_line_group, only: band_of, refit_group, group_type
   use bw_line_needless, only: drop_needless
   use bw_line_residual, only: find_residual, residual_type, strength, visible_peaks
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
   public :: find_lines, line_groups
@@ -15,6 +16,7 @@ module bw_line_search
   real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
   real(dp), parameter :: faintest = 1.0e-12_dp !! of the strongest line; less is made of rounding
   integer, parameter :: beside = 3             !! bins; within the main lobe
+  real(dp), parameter :: line_work = 0.045_dp  !! of a line taken from the record, over that of two windowed transforms; measured
 
   type :: closed_type
     !! A peak where a further line has failed to help.
@@ -24,37 +26,51 @@ module bw_line_search
 
 contains
 
-  subroutine find_lines(record, lines, residual)
-    !! Lines by ascending position, and what is left without them.
+  subroutine find_lines(record, lines, residual, monitor)
+    !! Lines by ascending position, and what is left without them; both of no use where the monitor stops.
     real(dp), intent(in) :: record(0:, :)      !! tip and midpoint, (N, points), not zero everywhere
     type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
+    class(monitor_type), intent(inout), optional :: monitor
     integer, allocatable :: peak(:)
     type(closed_type), allocatable :: closed(:)
-    real(dp) :: size_now, size_before
+    real(dp) :: size_now, size_before, work
     integer :: round
     allocate (lines(0), peak(0), closed(0))
-    call find_residual(record, lines, residual)
+    call find_residual(record, lines, residual, monitor)
     size_before = huge(1.0_dp)
+    work = residual_work(0)
     do round = 1, max_rounds
+      if (stops(monitor)) return
       peak = open_peaks(visible_peaks(residual), lines, closed)
       if (round == 1 .and. size(peak) == 0) peak = [maxloc(strength(residual), dim=1) - 1]  ! lines in every bin
       size_now = maxval(abs(residual%windowed))
       if (size(peak) == 0 .and. size_now > 0.5_dp*size_before) exit
       if (size(lines) + size(peak) > most_lines) exit
       size_before = size_now
-      call fit_groups(residual, peak, lines, closed)
-      call find_residual(record, lines, residual)
+      if (present(monitor)) call monitor%advance(work/(work + 2*residual_work(size(lines) + size(peak))))
+      call fit_groups(residual, peak, lines, closed, monitor)
+      if (stops(monitor)) return
+      call find_residual(record, lines, residual, monitor)
+      work = work + residual_work(size(lines))
     end do
-    call thin_out(record, lines, residual)
-    call drop_rounding(record, lines, residual)
+    call thin_out(record, lines, residual, monitor)
+    if (stops(monitor)) return
+    call drop_rounding(record, lines, residual, monitor)
   end subroutine find_lines
 
-  subroutine thin_out(record, lines, residual)
+  pure real(dp) function residual_work(lines) result(work)
+    !! What a residual takes, in units of that without lines.
+    integer, intent(in) :: lines
+    work = 1.0_dp + lines*line_work
+  end function residual_work
+
+  subroutine thin_out(record, lines, residual, monitor)
     !! Leave out lines that those beside them do without.
     real(dp), intent(in) :: record(0:, :)      !! (N, points)
     type(line_type), allocatable, intent(inout) :: lines(:)
     type(residual_type), intent(inout) :: residual
+    class(monitor_type), intent(inout), optional :: monitor
     type(group_type), allocatable :: group(:)
     type(line_type), allocatable :: needed(:)
     integer :: i
@@ -66,23 +82,25 @@ contains
     end do
     if (size(needed) == size(lines)) return
     call move_alloc(needed, lines)
-    call find_residual(record, lines, residual)
+    call find_residual(record, lines, residual, monitor)
   end subroutine thin_out
 
-  subroutine drop_rounding(record, lines, residual)
+  subroutine drop_rounding(record, lines, residual, monitor)
     !! Leave out the lines that are rounding of the strongest one, and let those beside them take their places back.
     real(dp), intent(in) :: record(0:, :)
     type(line_type), allocatable, intent(inout) :: lines(:)
     type(residual_type), intent(inout) :: residual
+    class(monitor_type), intent(inout), optional :: monitor
     type(closed_type), allocatable :: closed(:)
     real(dp) :: seen(size(lines))
     allocate (closed(0))
     seen = line_image(lines, residual%count)
     if (all(seen > faintest*maxval(seen))) return
     lines = pack(lines, seen > faintest*maxval(seen))
-    call find_residual(record, lines, residual)
-    call fit_groups(residual, [integer ::], lines, closed)
-    call find_residual(record, lines, residual)
+    call find_residual(record, lines, residual, monitor)
+    if (stops(monitor)) return
+    call fit_groups(residual, [integer ::], lines, closed, monitor)
+    if (.not. stops(monitor)) call find_residual(record, lines, residual, monitor)
   end subroutine drop_rounding
 
   elemental real(dp) function line_image(line, count)
@@ -112,18 +130,20 @@ contains
     neighbours = count(abs(line_position(lines) - bin) < 2*apart)
   end function neighbours
 
-  subroutine fit_groups(residual, peak, lines, closed)
+  subroutine fit_groups(residual, peak, lines, closed, monitor)
     !! Fit each group of lines and new peaks; peaks that made no line are closed.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peak(:)
     type(line_type), allocatable, intent(inout) :: lines(:)
     type(closed_type), allocatable, intent(inout) :: closed(:)
+    class(monitor_type), intent(inout), optional :: monitor
     type(line_type), allocatable :: fitted(:)
     type(group_type), allocatable :: group(:)
     integer :: i, j, lines_before
     allocate (group, source=line_groups(lines, peak))
     allocate (fitted(0))
     do i = 1, size(group)
+      if (stops(monitor)) return
       lines_before = size(group(i)%lines)
       call refit_group(residual, group(i), leakage(residual, group(i), peak))
       if (size(group(i)%lines) <= lines_before) closed = &

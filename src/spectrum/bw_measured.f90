@@ -7,6 +7,7 @@ module bw_measured
   use bw_line_search, only: find_lines
   use bw_measured_notes, only: measured_notes
   use bw_missing, only: is_missing, missing
+  use bw_monitor, only: monitor_type, stops
   use bw_mode_numbering, only: curve_type, folded_mode, mode_type, number_modes
   use bw_text, only: string
   implicit none (type, external)
@@ -28,7 +29,7 @@ module bw_measured
 
 contains
 
-  subroutine measure_waves(tip, midpoint, duration, length, max_peaks, uniform, measured)
+  subroutine measure_waves(tip, midpoint, duration, length, max_peaks, uniform, measured, monitor)
     !! Frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
     !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
@@ -41,7 +42,8 @@ contains
     real(dp), intent(in) :: length       !! of the beam, > 0, m
     integer, intent(in) :: max_peaks     !! ≥ 0
     logical, intent(in) :: uniform       !! Eqs 18 and 20 hold; otherwise wave numbers and velocities are missing
-    type(measured_type), intent(out) :: measured
+    type(measured_type), intent(out) :: measured        !! of no use where the monitor stops
+    class(monitor_type), intent(inout), optional :: monitor
     type(line_type), allocatable :: lines(:)
     type(residual_type) :: residual
     type(peak_type), allocatable :: peaks(:)
@@ -55,7 +57,8 @@ contains
       power = exponent(max(maxval(abs(tip)), maxval(abs(midpoint))))
       record(:, 1) = scale(tip, -power)
       record(:, 2) = scale(midpoint, -power)
-      call find_lines(record, lines, residual)
+      call find_lines(record, lines, residual, monitor)
+      if (stops(monitor)) return
       peaks = peaks_of(lines, residual)
     end if
     faint = count(.not. peaks%stands_out)

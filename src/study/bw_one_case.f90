@@ -1,27 +1,23 @@
 module bw_one_case
   !! One case from scene to result: modes, events, response, spectrum.
   use bw_kinds, only: dp
-  use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_beam_units, only: units_of
   use bw_blow, only: blow_type, continuum_blow
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_result, add_note, case_done
-  use bw_course_histories, only: last_sample
+  use bw_case_spectrum, only: part_of_histories, take_spectrum
   use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_histories, only: respond
   use bw_kept_blows, only: find_blow, kept_blows
   use bw_kept_work, only: kept_work
   use bw_later_events, only: follow_events
-  use bw_measured, only: measure_waves
   use bw_mode_set, only: mode_set, mode_source
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
   use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
   use bw_text, only: shortest, text_of
-  use bw_time_grid, only: time_grid, time_grid_of
   use bw_tolerance_sum, only: plan_count
   implicit none (type, external)
   private
@@ -34,13 +30,14 @@ contains
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     type(kept_work), intent(inout), target :: kept !! what other cases have found
     type(case_result), intent(out), target :: result
-    logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was summed
+    logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was done
     class(mode_set), pointer :: free, loaded       ! modes of the beam alone, and of beam and mass
     class(mode_source), allocatable :: source     ! of beam and mass
     class(mode_source), allocatable :: alone      ! of the beam alone
+    type(part_monitor) :: first, second           ! histories; what is measured in them
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
@@ -54,11 +51,14 @@ contains
       call follow_events(scene, free, loaded, result)
     end if
     if (allocated(scene%impact)) call watch%lap(stage_events)
-    call respond(scene, free, loaded, source, alone, monitor, kept%sum, result, whole)
+    first = part_monitor(monitor, 0.0_dp, part_of_histories(scene, result))
+    second = part_monitor(monitor, first%share, 1.0_dp - first%share)
+    call respond(scene, free, loaded, source, alone, first, kept%sum, result, whole)
     if (.not. whole) return
     if (allocated(scene%response)) call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
-    call take_spectrum(scene, layout, kept%spectrum, result)
+    call take_spectrum(scene, layout, kept%spectrum, second, result, whole)
+    if (.not. whole) return
     if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
   end subroutine run_case
 
@@ -133,58 +133,5 @@ contains
       ' of what the mass brought; beam and mass then hold '//shortest(capture%energy_after/approach, 4)// &
       ' of its energy')
   end subroutine note_added_energy
-
-  subroutine take_spectrum(scene, layout, plan, result)
-    !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.
-    type(scene_type), intent(in) :: scene
-    type(result_layout), intent(in) :: layout
-    type(spectrum_plan), intent(inout) :: plan
-    type(case_result), intent(inout) :: result
-    integer :: p
-    if (.not. allocated(scene%spectrum)) return
-    if (result%status /= case_done) call add_note(result, 'no spectrum: the histories are not finished')
-    if (layout%middle == 0 .or. layout%tip == 0) then
-      call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
-    else
-      call take_waves(scene, layout, result)     ! before the spectra are held, for it needs more memory than they do
-    end if
-    if (result%status /= case_done) return
-    associate (histories => result%response%displacement)
-      allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
-      do p = 1, size(histories, 2)
-        call amplitude_spectrum(histories(:, p), scene%spectrum%window, plan, result%amplitude(:, p))
-      end do
-    end associate
-  end subroutine take_spectrum
-
-  subroutine take_waves(scene, layout, result)
-    type(scene_type), intent(in) :: scene
-    type(result_layout), intent(in) :: layout
-    type(case_result), intent(inout) :: result
-    integer :: first, i
-    allocate (result%measured)
-    first = 1
-    if (allocated(result%courses)) first = first_of_last(scene, result)
-    associate (histories => result%response%displacement)
-      call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
-                         scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &
-                         scene%beam%length, scene%spectrum%max_peaks, .not. changes_shapes(scene), &
-                         result%measured)
-    end associate
-    do i = 1, size(result%measured%notes)
-      call add_note(result, result%measured%notes(i)%text)
-    end do
-  end subroutine take_waves
-
-  integer function first_of_last(scene, result) result(first)
-    !! The sample, from 1, with which the last course of the motion begins: waves are measured from there on.
-    type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result
-    type(time_grid) :: grid
-    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
-    first = last_sample(result%courses, size(result%courses) - 1, grid) + 1
-    call add_note(result, 'measured: the waves are those of the '//text_of(grid%samples - first + 1)// &
-                  ' samples after the last event')
-  end function first_of_last
 
 end module bw_one_case

@@ -1,0 +1,97 @@
+module bw_case_spectrum
+  !! What the histories of a case are searched for: amplitude spectra, and waves measured at tip and midpoint.
+  use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
+  use bw_case_result, only: case_result, add_note, case_done
+  use bw_course_histories, only: last_sample
+  use bw_kinds, only: dp
+  use bw_measured, only: measure_waves
+  use bw_monitor, only: monitor_type
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
+  use bw_text, only: text_of
+  use bw_time_grid, only: time_grid, time_grid_of
+  implicit none (type, external)
+  private
+  public :: part_of_histories, take_spectrum
+
+contains
+
+  pure real(dp) function part_of_histories(scene, result) result(part)
+    !! How much of the time of a case goes into its histories; roughly.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(in) :: result
+    integer, parameter :: most_lines = 200, lines_a_round = 64
+    real(dp) :: histories, lines, rounds, spectrum
+    part = 1.0_dp
+    if (.not. allocated(scene%spectrum)) return
+    lines = min(most_lines, result%modes%count)
+    rounds = aint(lines/lines_a_round) + 1.0_dp
+    histories = 1.0e-7_dp*(result%modes%count + 2.0_dp*scene%response%samples)
+    spectrum = 0.1_dp + scene%response%samples*(1.0e-7_dp*(rounds + 2.0_dp) + 4.5e-9_dp*lines*(0.5_dp*rounds + 1.5_dp))
+    part = histories/(histories + spectrum)
+  end function part_of_histories
+
+  subroutine take_spectrum(scene, layout, plan, monitor, result, whole)
+    !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(spectrum_plan), intent(inout) :: plan
+    class(monitor_type), intent(inout) :: monitor
+    type(case_result), intent(inout) :: result
+    logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was done
+    integer :: p
+    whole = .true.
+    if (.not. allocated(scene%spectrum)) return
+    if (result%status /= case_done) call add_note(result, 'no spectrum: the histories are not finished')
+    if (layout%middle == 0 .or. layout%tip == 0) then
+      call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
+    else
+      call take_waves(scene, layout, monitor, result, whole)     ! before the spectra are held, for it needs more memory than they do
+    end if
+    if (result%status /= case_done .or. .not. whole) return
+    associate (histories => result%response%displacement)
+      allocate (result%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
+      do p = 1, size(histories, 2)
+        whole = .not. monitor%stop_requested()
+        if (.not. whole) return
+        call amplitude_spectrum(histories(:, p), scene%spectrum%window, plan, result%amplitude(:, p))
+      end do
+    end associate
+  end subroutine take_spectrum
+
+  subroutine take_waves(scene, layout, monitor, result, whole)
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    class(monitor_type), intent(inout) :: monitor
+    type(case_result), intent(inout) :: result
+    logical, intent(out) :: whole
+    integer :: first, i
+    allocate (result%measured)
+    first = 1
+    if (allocated(result%courses)) first = first_of_last(scene, result)
+    associate (histories => result%response%displacement)
+      call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
+                         scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &
+                         scene%beam%length, scene%spectrum%max_peaks, .not. changes_shapes(scene), &
+                         result%measured, monitor)
+    end associate
+    whole = .not. monitor%stop_requested()
+    if (.not. whole) return
+    do i = 1, size(result%measured%notes)
+      call add_note(result, result%measured%notes(i)%text)
+    end do
+  end subroutine take_waves
+
+  integer function first_of_last(scene, result) result(first)
+    !! The sample, from 1, with which the last course of the motion begins: waves are measured from there on.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    type(time_grid) :: grid
+    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
+    first = last_sample(result%courses, size(result%courses) - 1, grid) + 1
+    call add_note(result, 'measured: the waves are those of the '//text_of(grid%samples - first + 1)// &
+                  ' samples after the last event')
+  end function first_of_last
+
+end module bw_case_spectrum
