@@ -47,7 +47,8 @@ contains
     if (layout%middle == 0 .or. layout%tip == 0) then
       call add_note(result, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
     else
-      call take_waves(scene, layout, monitor, result, whole)     ! before the spectra are held, for it needs more memory than they do
+      ! before the spectra are held, for it needs more memory than they do
+      call take_waves(scene, layout, monitor, result, whole)
     end if
     if (result%status /= case_done .or. .not. whole) return
     associate (histories => result%response%displacement)
