@@ -1,10 +1,8 @@
 """A run over a second shows a bar on a terminal, which vanishes, and plain lines in a log; `--quiet` shows neither."""
 
-import os
-import pty
 import re
 
-import pytest
+from terminals import ended_on_terminal
 from workplace import captured_beam
 
 # small cases with much to sum, and so many that any build is under way when the time is up
@@ -13,33 +11,9 @@ CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 2
 CLEAR = "\r\x1b[K"
 
 
-@pytest.fixture
-def on_terminal(here):
-    """Runs the program with standard error on a terminal; gives status and what the terminal got."""
-
-    def run(*words):
-        try:
-            ours, theirs = pty.openpty()
-        except OSError as reason:
-            pytest.skip(f"no pseudo-terminal here: {reason}")
-        running = here.start("run", "a.nml", *words, stderr=theirs)
-        os.close(theirs)
-        shown = b""
-        try:
-            while part := os.read(ours, 65536):
-                shown += part
-        except OSError:  # how Linux says that the other end is closed
-            pass
-        os.close(ours)
-        running.communicate(timeout=60)
-        return running.returncode, shown.decode()
-
-    return run
-
-
-def test_a_bar_shows_on_a_terminal_and_vanishes(here, on_terminal):
+def test_a_bar_shows_on_a_terminal_and_vanishes(here):
     here.scene("a", ENDLESS, CASES)
-    status, shown = on_terminal("--max-seconds", "2")
+    status, shown = ended_on_terminal(here, "run", "a.nml", "--max-seconds", "2")
     assert status == 5
     bars = re.findall(r"\r\[#*\.*\] a  (\d+) %  case (\d+) of 20000", shown)
     assert bars
@@ -49,14 +23,14 @@ def test_a_bar_shows_on_a_terminal_and_vanishes(here, on_terminal):
     assert "[" not in after.replace("\r\n", "")
 
 
-def test_a_short_run_shows_nothing(here, on_terminal):
+def test_a_short_run_shows_nothing(here):
     here.scene("a", captured_beam())
-    assert on_terminal() == (0, "")
+    assert ended_on_terminal(here, "run", "a.nml") == (0, "")
 
 
-def test_quiet_shows_warnings_alone_on_a_terminal(here, on_terminal):
+def test_quiet_shows_warnings_alone_on_a_terminal(here):
     here.scene("a", ENDLESS, CASES)
-    status, shown = on_terminal("--quiet", "--max-seconds", "2")
+    status, shown = ended_on_terminal(here, "run", "a.nml", "--quiet", "--max-seconds", "2")
     assert status == 5
     assert re.fullmatch(r"a\.nml: warning: .* cases saved; the same command goes on from there\r\n", shown)
 

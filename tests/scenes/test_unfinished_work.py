@@ -1,11 +1,9 @@
 """Unfinished work is taken away by a run that puts its own in its place, which says so, and by nobody else."""
 
-import os
-import pty
-
 import pytest
 from journals import cases_in
-from workplace import SECONDS, captured_beam
+from terminals import ended_on_terminal
+from workplace import captured_beam
 
 SMALL = {"modes": {"before": 4, "after": 4}}
 # small cases with much to sum, and so many that any build is under way when the time is up
@@ -72,21 +70,8 @@ def test_a_terminal_shows_it_once(here):
     here.scene("a", ENDLESS, CASES)
     stop_early(here)
     here.scene("a", captured_beam(**SMALL))
-    try:
-        ours, theirs = pty.openpty()
-    except OSError as reason:
-        pytest.skip(f"no pseudo-terminal here: {reason}")
-    running = here.start("run", "a.nml", stdout=theirs, stderr=theirs)
-    os.close(theirs)
-    shown = b""
-    try:
-        while part := os.read(ours, 65536):
-            shown += part
-    except OSError:  # how Linux says that the other end is closed
-        pass
-    os.close(ours)
-    running.communicate(timeout=SECONDS)
-    assert shown.decode().count(TAKEN_AWAY) == 1
+    _, shown = ended_on_terminal(here, "run", "a.nml", streams=("stdout", "stderr"))
+    assert shown.count(TAKEN_AWAY) == 1
 
 
 def test_a_journal_that_cannot_be_read_stays(here):
