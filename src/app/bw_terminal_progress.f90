@@ -14,6 +14,7 @@ module bw_terminal_progress
   real(dp), parameter :: quiet_seconds = 1.0_dp       !! shorter runs show nothing
   real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two pictures of the bar
   real(dp), parameter :: log_interval = 5.0_dp        !! s between two lines of a log
+  real(dp), parameter :: least_part = 0.01_dp        !! of a single case that has to be done before one can tell what is left
   integer, parameter :: bar_width = 30
 
   type, extends(progress_type), public :: terminal_progress
@@ -89,7 +90,8 @@ contains
     if (self%cases > 1) line = line//'  case '//text_of(self%done)//' of '//text_of(self%cases)
     if (self%cases > 1 .and. self%done > self%taken_over) line = line//'  '// &
       shortest(real(self%done - self%taken_over, dp)/(now - self%started), 3)//' cases/s'
-    if (new_part > 0.0_dp) line = line//'  '//duration_text((now - self%started)*(1.0_dp - part)/new_part)//' left'
+    if (new_part > merge(least_part, 0.0_dp, self%cases == 1)) line = line//'  '// &
+      duration_text((now - self%started)*(1.0_dp - part)/new_part)//' left'
     if (self%on_terminal) then
       filled = min(bar_width, int(bar_width*part))
       line = achar(13)//'['//repeat('#', filled)//repeat('.', bar_width - filled)//'] '//line//achar(27)//'[K'

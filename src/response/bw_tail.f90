@@ -36,12 +36,14 @@ module bw_tail
 
 contains
 
-  elemental real(dp) function largest(sums, samples) result(error)
+  elemental real(dp) function largest(sums, samples, coherence) result(error)
     !! The estimate that follows from the sums of one point.
     type(deviation_type), intent(in) :: sums
     integer, intent(in) :: samples
+    real(dp), intent(in), optional :: coherence     !! at least so many times the mean square's root
     real(dp) :: times                               ! of the mean square's root
     times = max(safety*sqrt(2.0_dp*log(2.0_dp*max(2, samples))), revival*sqrt(sqrt(real(samples, dp))))
+    if (present(coherence)) times = max(times, coherence)
     error = sums%growing + min(sums%magnitude, times*sqrt(0.5_dp*sums%square))
   end function largest
 

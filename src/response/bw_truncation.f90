@@ -64,21 +64,47 @@ contains
     real(dp) :: error(size(points))
     type(deviation_type) :: sums(size(points))
     type(stretch_type), allocatable :: stretches(:)
-    real(dp) :: estimate(size(points))
+    real(dp) :: coherence(size(points)), estimate(size(points))
     integer :: i
     error = 0.0_dp
+    coherence = coherence_near_tip(count, points, longest/samples, velocity)
+    if (allocated(source%damping)) coherence = 0.0_dp
     stretches = stretches_of(source, longest, samples)
     do i = 1, size(stretches)
       sums = deviation_type()
       if (present(lacking)) call add_modes(modes, lacking, points, stretches(i), velocity, 1.0_dp, sums)
       call add_tail(count, source, force, points, stretches(i), velocity, sums)
-      estimate = largest(sums, stretches(i)%samples)
+      estimate = largest(sums, stretches(i)%samples, coherence)
       if (allocated(source%damping) .and. .not. present(lacking) .and. i <= stretches_summed .and. i < size(stretches)) then
         estimate = min(estimate, largest_seen(count, source, force, points, stretches(i), longest/samples, velocity))
       end if
       error = max(error, estimate)
     end do
   end function worst_stretch
+
+  elemental real(dp) function coherence_near_tip(count, xi, step, velocity) result(times)
+    !! How far the modes after the first `count` go together where the blow's wave passes, over their mean square's root.
+    !!
+    !! At the distance d from the tip and the time τ the phases α²τ ± αd of the modes are stationary at α = d/(2τ). By the
+    !! method of stationary phase these add up to A_k √(k/2d), the amplitudes falling as k⁻³ (velocities as k⁻¹), which is
+    !! 2.2/√d (1.2/√d) times the root of ½ΣA² from k on; at the tip itself all of them agree. It matters where samples are
+    !! so close together that one of them sees it.
+    integer, intent(in) :: count
+    real(dp), intent(in) :: xi                    !! where, ξ
+    real(dp), intent(in) :: step                  !! between samples, l²/h
+    logical, intent(in) :: velocity
+    real(dp), parameter :: pi = acos(-1.0_dp)
+    real(dp) :: alpha, distance
+    times = 0.0_dp
+    alpha = pi*max(1, count)
+    distance = 1.0_dp - xi
+    if (step*alpha**2 > alpha*distance + 4.0_dp*pi) return    ! the first sample comes after the wave of these modes
+    if (velocity) then
+      times = 2.5_dp/sqrt(max(distance, 1.0_dp/alpha))
+    else
+      times = 4.0_dp/sqrt(max(distance, tiny(times)))
+    end if
+  end function coherence_near_tip
 
   function largest_seen(count, source, force, points, stretch, step, velocity) result(largest_motion)
     !! What the modes from `count` + 1 on add at the samples of a stretch: the first of them with their signs, the others

@@ -204,11 +204,13 @@ contains
     !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
     !! 25 MB of program and libraries; of a sweep also marks of the cases that are done.
     type(result_layout), intent(in) :: layout
-    integer(i8) :: histories, spectra, modal
+    integer(i8) :: histories, spectra, modal, shapes
+    integer, parameter :: most_shapes = 2**22        ! held at a time
     histories = int(layout%samples, i8)*layout%points*merge(2, 1, layout%velocity)
+    shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
     spectra = int(layout%frequencies, i8)*(layout%points + 30)
-    modal = int(max(layout%modes, layout%modes_before), i8)*(60 + 4*layout%points)
-    bytes = 8*(2*histories + spectra + modal) + 25000000
+    modal = (int(layout%modes, i8) + layout%modes_before)*16
+    bytes = 8*(2*histories + spectra + modal + shapes) + 25000000
     if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 4_i8*layout%cases
   end function working_bytes
 

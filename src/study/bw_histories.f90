@@ -1,7 +1,7 @@
 module bw_histories
   !! The histories of a case: from the modes that a scene counts, or from as many as its tolerance takes.
   use bw_kinds, only: dp
-  use bw_case_result, only: case_result, add_note, case_diverged, case_done
+  use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
   use bw_course_histories, only: last_sample, sum_courses
   use bw_continuum, only: continuum_velocity
   use bw_magnitude, only: largest_magnitude
@@ -58,8 +58,24 @@ contains
       call note_overflow(scene, result)
     else if (present(source) .and. result%status == case_done) then
       call estimate_errors(scene, source, alone, grid, result)
+      if (by_tolerance(scene%modes) .and. grid%samples > 1) call note_missed_tolerance(scene, grid, result)
     end if
   end subroutine respond
+
+  subroutine note_missed_tolerance(scene, grid, result)
+    !! The number of modes was planned for a larger motion than there is.
+    type(scene_type), intent(in) :: scene
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(inout) :: result
+    real(dp), parameter :: slack = 1.5_dp        ! of the peak that was planned with
+    real(dp) :: error, peak
+    error = maxval(result%response%displacement_error)
+    peak = largest_magnitude(result%response%displacement)
+    if (error <= (slack*scene%modes%tolerance + result%response%sum_error + growth_error(result%modes, grid))*peak) return
+    result%status = case_not_converged
+    call add_note(result, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
+                  shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m')
+  end subroutine note_missed_tolerance
 
   subroutine note_overflow(scene, result)
     type(scene_type), intent(in) :: scene

@@ -17,6 +17,7 @@ module bw_time_estimate
 
   integer, parameter :: most_samples = 200
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
+  real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
   real(dp), parameter :: modes_part = 0.5_dp               !! of a case that was stopped before its histories were begun; rough
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: start_seconds = 2.5e-2_dp         !! of the program itself, most of them its libraries'; measured
@@ -29,6 +30,8 @@ module bw_time_estimate
     !! Stops when the time is up, and remembers how much of the case was done.
     real(dp) :: deadline = 0.0_dp
     real(dp) :: fraction = 0.0_dp
+    real(dp) :: before = -1.0_dp              !! s of the processor when the first part was done; below 0: not yet
+    real(dp) :: first = 0.0_dp                !! that part
   contains
     procedure :: advance
     procedure :: stop_requested
@@ -114,12 +117,22 @@ contains
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
-    if (.not. whole) part = merge(limit%fraction, modes_part, limit%fraction > 0.0_dp)
+    if (whole) return
+    if (limit%fraction > limit%first) then          ! what comes before the histories is not a part of them
+      spent = (limit%before - began) + (ended - limit%before)*((1.0_dp - limit%first)/(limit%fraction - limit%first))
+    else
+      part = modes_part
+    end if
   end subroutine sample
 
   subroutine advance(self, fraction)
     class(time_limit), intent(inout) :: self
     real(dp), intent(in) :: fraction
+    if (self%before < 0.0_dp) then
+      call cpu_time(self%before)
+      self%first = fraction
+      self%deadline = max(self%deadline, wall_seconds() + least_look)
+    end if
     self%fraction = fraction
   end subroutine advance
 

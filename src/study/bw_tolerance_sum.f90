@@ -23,6 +23,7 @@ module bw_tolerance_sum
   public :: sum_to_tolerance, plan_count, force_of
 
   integer, parameter :: previewed = 1000     !! samples that show the peak well enough to plan with it
+  integer, parameter :: most_previewed = 2**16 !! modes that are summed to see it
   real(dp), parameter :: sum_share = 0.01_dp !! of a tolerance that the sum of the modes may take
 
 contains
@@ -117,7 +118,8 @@ contains
     real(dp), intent(out) :: reached            !! the estimated error over the peak
     type(rest_type), intent(out) :: rest        !! what the modes after the first are estimated to add
     type(time_grid) :: early
-    real(dp) :: peak, force, longest, tail
+    real(dp) :: peak, force, longest, tail, missing
+    integer :: few
     logical :: extended
     early = captured_part(grid, result)
     longest = early%samples*early%step%hi
@@ -125,15 +127,22 @@ contains
     result%released_count = first_modes
     reached = 0.0_dp
     force = force_of(scene)
-    if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp) return
+    if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp .or. grid%samples == 1) return
     associate (points => scene%response%points)
-      call preview(scene, source, early, result, peak)
+      tail = largest_tail(first_modes)
+      missing = tail
+      few = first_modes
+      do
+        call preview(scene, source, few, early, result, peak)
+        if (missing <= 0.5_dp*peak .or. 4*few > min(most_previewed, source%highest)) exit
+        few = 4*few                             ! what is missing is all that is seen: nothing has moved far yet
+        missing = largest_tail(few)
+      end do
       if (allocated(result%courses)) then
         peak = max(peak, peak_released(first_modes, source, alone, force, points, grid, previewed, result))
       end if
       if (peak == 0.0_dp) return
-      tail = maxval(tail_error(first_modes, source, force, points, longest, early%samples, .false.))
-      peak = max(0.5_dp*peak, peak - tail)
+      peak = max(0.5_dp*peak, peak - missing)
       rest%share = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
       if (.not. allocated(source%damping)) rest%tail = tail/force     ! damped modes are summed without the transform
       do
@@ -144,6 +153,11 @@ contains
       end do
     end associate
     reached = reached/peak
+  contains
+    real(dp) function largest_tail(count)
+      integer, intent(in) :: count
+      largest_tail = maxval(tail_error(count, source, force, scene%response%points, longest, early%samples, .false.))
+    end function largest_tail
   end subroutine choose_count
 
   subroutine plan_all(bound, source, alone, force, points, grid, early, result, reached)
@@ -162,11 +176,12 @@ contains
     reached = max(reached, after)
   end subroutine plan_all
 
-  subroutine preview(scene, source, grid, result, peak)
+  subroutine preview(scene, source, few, grid, result, peak)
     !! The largest displacement of the first modes, in l²/h times the approach velocity, at some of the samples; at all
     !! of them where a mode grows, whose peak is at the end.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source
+    integer, intent(in) :: few                  !! how many
     type(time_grid), intent(in) :: grid
     type(case_result), intent(in) :: result
     real(dp), intent(out) :: peak
@@ -178,7 +193,7 @@ contains
     if (any(result%modes%beta_squared%hi <= 0.0_dp)) stride = 1
     coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
     call start_histories(coarse, size(scene%response%points), .false., response)
-    call add_modes_of_source(source, force_of(scene), 1, first_modes, scene%response%points, coarse, &
+    call add_modes_of_source(source, force_of(scene), 1, few, scene%response%points, coarse, &
                              result%units%time%hi, sum_tolerance, monitor, response)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end subroutine preview
