@@ -13,8 +13,8 @@ contains
 
   pure function model_errors(scene, result) result(errors)
     !! By each absent effect, over the peak of the displacement: mode by mode its amplitude times what a frequency that is
-    !! off by δβ adds up to over the record, min(2, δβ T). An estimate, within a factor of three in the tests; the shapes
-    !! are taken as they are.
+    !! off by δβ adds up to over the record, min(2, δβ T); all of it where a mode grows that would not. An estimate, within a
+    !! factor of three in the tests; the shapes are taken as they are.
     type(scene_type), intent(in) :: scene          !! without sweeps, with a response
     type(case_result), intent(in) :: result        !! of this scene; its first modes are taken
     real(dp) :: errors(size(absent_words))
@@ -33,6 +33,7 @@ contains
     where (beta > 0.0_dp) amplitude = amplitude/beta/peak
     do e = 1, size(errors)
       errors(e) = sum(amplitude*min(2.0_dp, abs(change(:, e))*beta*scene%response%duration), mask=beta > 0.0_dp)
+      if (steadies(e)) errors(e) = max(1.0_dp, errors(e))
     end do
   end function model_errors
 

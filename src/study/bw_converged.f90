@@ -10,6 +10,7 @@ module bw_converged
   use bw_error, only: error_type, fail, status_not_trusted
   use bw_foreseen, only: foresight
   use bw_missing, only: missing
+  use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case, run_case
   use bw_result_layout, only: layout_of
@@ -118,7 +119,6 @@ contains
     type(scene_type), intent(in) :: scene
     real(dp), intent(out) :: tolerance
     type(error_type), allocatable, intent(out) :: error
-    real(dp), parameter :: coarsest = 0.5_dp
     real(dp), parameter :: margin = 1.02_dp     ! what is reached is rounded elsewhere, and
     integer, parameter :: most_tries = 8        ! depends a little on what is asked for
     real(dp) :: reached
@@ -127,7 +127,7 @@ contains
     do i = 1, most_tries
       if (allocated(error)) deallocate (error)
       call plan_case(with_tolerance(scene, tolerance), count, error, reached)
-      if (.not. allocated(error) .or. reached > coarsest) return
+      if (.not. allocated(error) .or. reached > coarsest_tolerance) return
       tolerance = margin*max(tolerance, reached)
     end do
   end subroutine find_reach

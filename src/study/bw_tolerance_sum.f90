@@ -14,6 +14,7 @@ module bw_tolerance_sum
   use bw_released_motion, only: peak_released, plan_released, release_continuum
   use bw_response, only: finish_histories, response_type, start_histories, sum_tolerance
   use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source, rest_type
+  use bw_modes_par, only: coarsest_tolerance
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -205,7 +206,11 @@ contains
     character(:), allocatable :: text
     text = shortest(scene%modes%tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, source%highest))//' modes'
     if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, source%highest))//' after it'
-    text = text//'; accepted: '//shortest(1.05_dp*reached, 2)//' or more'
+    if (1.05_dp*reached <= coarsest_tolerance) then
+      text = text//'; accepted: '//shortest(1.05_dp*reached, 2)//' or more'
+    else
+      text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
+    end if
   end function out_of_reach
 
   subroutine plan_count(scene, source, alone, result, error, estimate)
@@ -219,14 +224,16 @@ contains
     real(dp), intent(out), optional :: estimate    !! of the error over the peak
     real(dp) :: reached
     type(rest_type) :: rest
+    character(:), allocatable :: place
     integer :: line
     call choose_count(scene, source, alone, &
                       time_grid_of(scene%response%duration, scene%response%samples, result%units%time), result, reached, rest)
     if (present(estimate)) estimate = reached
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
-    call fail(error, status_bad_input, scene%file//':'//text_of(line)//': modes%tolerance: '// &
-              out_of_reach(scene, source, reached))
+    place = scene%file
+    if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
+    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, source, reached))
   end subroutine plan_count
 
   pure real(dp) function force_of(scene)

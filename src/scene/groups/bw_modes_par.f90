@@ -24,6 +24,7 @@ module bw_modes_par
   integer, parameter, public :: shown_modes = 20      !! modes that a result holds where the sum has as many as it takes
   integer, parameter :: default_count = 20            !! where no history depends on it
   real(dp), parameter, public :: default_tolerance = 1.0e-6_dp
+  real(dp), parameter, public :: coarsest_tolerance = 0.5_dp
   type(number_range), parameter :: counts = number_range(1.0_dp, 1e7_dp)
 
   type(input_group), parameter, public :: modes_group = input_group( &
@@ -38,7 +39,7 @@ module bw_modes_par
                meaning='modes of the beam alone, which the impact excites'), &
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
-    input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, 0.5_dp), swept=.true., &
+    input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
                excludes='before after', meaning='largest error of the displacement over its peak')]
 
 contains
