@@ -100,7 +100,7 @@ contains
     distance = 1.0_dp - xi
     if (step*alpha**2 > alpha*distance + 4.0_dp*pi) return    ! the first sample comes after the wave of these modes
     if (velocity) then
-      times = 2.5_dp/sqrt(max(distance, 1.0_dp/alpha))
+      times = 3.5_dp/sqrt(max(distance, 1.0_dp/alpha))
     else
       times = 4.0_dp/sqrt(max(distance, tiny(times)))
     end if
