@@ -78,9 +78,13 @@ def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupte
 def test_a_time_limit_stops_in_order_as_often_as_it_takes(here, uninterrupted):
     whole, seconds = uninterrupted
     here.scene("a", LONG, SPEEDS)
-    statuses = []
-    while not statuses or (statuses[-1] == 5 and len(statuses) < 50):
-        statuses.append(here.beamwave("run", "a.nml", "--quiet", "--max-seconds", f"{seconds / 3:.4f}").returncode)
+    for parts in (3, 12, 48):  # a run that is much faster than the one that was timed is begun anew with less time
+        shutil.rmtree(here.directory / "output", ignore_errors=True)
+        statuses = []
+        while not statuses or (statuses[-1] == 5 and len(statuses) < 50):
+            statuses.append(here.beamwave("run", "a.nml", "--quiet", "--max-seconds", f"{seconds / parts:.4f}").returncode)
+        if len(statuses) > 1:
+            break
     assert len(statuses) > 1
     assert statuses[-1] == STATUS
     assert results.differences(here.result("a"), whole) == []
