@@ -6,6 +6,7 @@ module bw_commands
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp
   use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_posix, only: is_terminal, pause, standard_error, standard_output
   use bw_result_layout, only: result_layout, layout_of
@@ -128,32 +129,41 @@ contains
     !! Say what each good scene would simulate; list what is wrong with the others.
     type(command_type), intent(in) :: command
     type(scene_type), allocatable :: scenes(:)
+    type(terminal_progress) :: progress            ! shows nothing: it asks to stop after a signal
     type(result_layout) :: layout
     type(error_type), allocatable :: error
-    character(:), allocatable :: planned
+    character(:), allocatable :: text
     integer :: i, count
+    progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
     call read_and_list(command, .true., scenes, count, status)
     do i = 1, count
       layout = layout_of(scenes(i))
-      call plan_tolerance(scenes(i), planned, error)
-      if (allocated(error)) then
+      call plan_tolerance(scenes(i), progress, text, error)
+      if (.not. allocated(error) .and. .not. command%quiet) text = scene_heading(scenes(i))// &
+        scene_summary(scenes(i), layout)//text//cost_summary(layout)// &
+        time_summary(scenes(i), layout, check_seconds/count, progress)
+      if (progress%stop_requested()) then
+        call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
+        status = max(status, status_stopped)
+        return
+      else if (allocated(error)) then
         call print_error(error)
         status = max(status, error%status)
       else if (.not. command%quiet) then
-        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//planned//cost_summary(layout)// &
-                          time_summary(scenes(i), layout, check_seconds/count))
+        call print_report(text)
       end if
     end do
   end function check_command
 
-  function time_summary(scene, layout, budget) result(text)
+  function time_summary(scene, layout, budget, monitor) result(text)
     !! What `check` says of the time.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                 !! of the estimate itself, s
+    class(monitor_type), intent(inout) :: monitor
     character(:), allocatable :: text
-    text = '  time       about '//expected_text(estimated_seconds(scene, layout, min(budget, most_check_seconds)))// &
-      ' on one core'
+    text = '  time       about '// &
+      expected_text(estimated_seconds(scene, layout, min(budget, most_check_seconds), monitor))//' on one core'
     if (layout%cases > 1) text = text//', shared by the processes of beamwave-mpi'
     text = text//new_line('a')
   end function time_summary
@@ -169,15 +179,17 @@ contains
     end if
   end function expected_text
 
-  subroutine plan_tolerance(scene, text, error)
+  subroutine plan_tolerance(scene, monitor, text, error)
     !! How many modes a tolerance takes, where there is one case to ask for.
     type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
     integer :: count
     text = ''
     if (.not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
-    call plan_case(scene, count, error)
+    call plan_case(scene, monitor, count, error)
+    if (monitor%stop_requested()) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
       'the polynomials of the Galerkin basis do not resolve the modes; every number of the case would be fill')
     text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')

@@ -102,7 +102,7 @@ contains
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
-    call leave_out_of_reach(state%converged, state%runs, state%list%rungs)
+    call leave_out_of_reach(state%converged, part, state%runs, state%list%rungs)
     call run_rungs(progress, state, whole)
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)

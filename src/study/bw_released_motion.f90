@@ -9,7 +9,7 @@ module bw_released_motion
   use bw_later_events, only: end_capture
   use bw_mode_choice, only: modes_for
   use bw_mode_set, only: first_numbers, mode_set, mode_source
-  use bw_monitor, only: silent_monitor
+  use bw_monitor, only: monitor_type, silent_monitor
   use bw_reach, only: stretch_type
   use bw_release, only: release_mass
   use bw_release_error, only: blow_reach, release_tail
@@ -101,31 +101,34 @@ contains
     end associate
   end function released_error
 
-  subroutine release_continuum(scene, source, alone, force, grid, result, free)
+  subroutine release_continuum(scene, source, alone, force, grid, monitor, result, free)
     !! The release as infinitely many modes have it, but for those of the beam alone beyond `released_count`.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source, alone
     real(dp), intent(in) :: force
     type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     type(case_result), intent(inout) :: result
     class(mode_set), allocatable, intent(out) :: free    !! modes that move after it
     class(mode_set), allocatable :: loaded
     real(dp), dimension(result%released_count) :: q, rate
-    call find_state(source, force, grid, result, loaded, q, rate)
-    call alone%find(first_numbers(size(q)), free, grid%samples*grid%step%hi)
+    call find_state(source, force, grid, result, monitor, loaded, q, rate)
+    call alone%find(first_numbers(size(q)), free, grid%samples*grid%step%hi, monitor)
+    if (monitor%stop_requested()) return
     call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
-                                         result%tip_rest), result)
+                                         result%tip_rest, monitor), result)
   end subroutine release_continuum
 
-  subroutine find_state(source, force, grid, result, loaded, q, rate)
+  subroutine find_state(source, force, grid, result, monitor, loaded, q, rate)
     !! Beam and mass when it leaves, in V l²/h and V.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     type(time_grid), intent(in) :: grid
     type(case_result), intent(in) :: result
+    class(monitor_type), intent(inout) :: monitor
     class(mode_set), allocatable, intent(out) :: loaded
     real(dp), intent(out) :: q(:), rate(:)
-    call source%find(first_numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi))
+    call source%find(first_numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi), monitor)
     q = 0.0_dp
     rate = force*loaded%tip/loaded%modal_mass
     call move(loaded, result%courses(2)%start, q, rate)
@@ -145,7 +148,7 @@ contains
     type(time_grid) :: coarse
     real(dp) :: q(count), rate(count)
     integer :: samples, stride
-    call find_state(source, force, grid, result, loaded, q, rate)
+    call find_state(source, force, grid, result, monitor, loaded, q, rate)
     call alone%find(first_numbers(count), free, grid%samples*grid%step%hi)
     samples = grid%samples - last_sample(result%courses, 1, grid)
     stride = (samples - 1)/most + 1

@@ -5,6 +5,7 @@ module bw_run_scene
   use bw_existing_result, only: look_at_existing
   use bw_kinds, only: i1
   use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_outcome, only: outcome_type
   use bw_progress, only: progress_type
@@ -43,7 +44,7 @@ contains
     unfinished%work = source_text()//new_line('a')//resolved_text(scene)
     if (layout%cases == 0 .and. .not. crew%leads()) return
     go = 0
-    if (crew%leads()) call look_first(scene, layout, overwrite, outcome, go, error)
+    if (crew%leads()) call look_first(scene, layout, overwrite, progress, outcome, go, error)
     if (outcome%was_there) then
       outcome%not_trusted = cases_not_trusted(outcome%file)
       call unfinished%clear()
@@ -57,29 +58,31 @@ contains
     end if
   end subroutine run_scene
 
-  subroutine look_first(scene, layout, overwrite, outcome, go, error)
+  subroutine look_first(scene, layout, overwrite, monitor, outcome, go, error)
     !! Whether there is something to do, and room to do it.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     logical, intent(in) :: overwrite
+    class(monitor_type), intent(inout) :: monitor
     type(outcome_type), intent(inout) :: outcome
     integer, intent(out) :: go                  !! 1: yes
     type(error_type), allocatable, intent(out) :: error
     go = 0
     call look_at_existing(outcome%file, scene, overwrite, outcome%was_there, error)
     if (allocated(error) .or. outcome%was_there) return
-    call refuse_out_of_reach(scene, error)
+    call refuse_out_of_reach(scene, monitor, error)
     if (.not. allocated(error)) call ask_for_memory(scene, layout, error)
     if (.not. allocated(error)) go = 1
   end subroutine look_first
 
-  subroutine refuse_out_of_reach(scene, error)
+  subroutine refuse_out_of_reach(scene, monitor, error)
     !! A single case whose tolerance is out of reach is refused before anything is written; in a sweep such a case is
     !! recorded and the others go on.
     type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
     type(error_type), allocatable, intent(out) :: error
     integer :: ignored
-    if (by_tolerance(scene%modes) .and. size(scene%sweeps) == 0) call plan_case(scene, ignored, error)
+    if (by_tolerance(scene%modes) .and. size(scene%sweeps) == 0) call plan_case(scene, monitor, ignored, error)
   end subroutine refuse_out_of_reach
 
   subroutine ask_for_memory(scene, layout, error)

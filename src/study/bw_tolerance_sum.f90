@@ -40,7 +40,8 @@ contains
     type(case_result), intent(inout) :: result
     real(dp) :: reached
     type(rest_type) :: rest
-    call choose_count(scene, source, alone, grid, result, reached, rest)
+    call choose_count(scene, source, alone, grid, monitor, result, reached, rest)
+    if (monitor%stop_requested()) return
     if (scene%response%velocity) rest = rest_type()   ! velocities after the first modes are no smaller than theirs
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
     if (reached > scene%modes%tolerance) then
@@ -81,7 +82,8 @@ contains
     whole%mode_seconds = result%response%mode_seconds
     whole%transformed = result%response%transformed
     result%response = whole
-    call release_continuum(scene, source, alone, force_of(scene), grid, result, free)
+    call release_continuum(scene, source, alone, force_of(scene), grid, monitor, result, free)
+    if (monitor%stop_requested()) return
     call add_course(result%courses(2), free, grid%samples, scene%response%points, grid, monitor, result)
     call finish_histories(1.0_dp, result%response)
   end subroutine sum_around_release
@@ -110,11 +112,12 @@ contains
     end associate
   end subroutine sum_in_parts
 
-  subroutine choose_count(scene, source, alone, grid, result, reached, rest)
+  subroutine choose_count(scene, source, alone, grid, monitor, result, reached, rest)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(inout) :: source, alone
     type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor    !! nothing is chosen where it asks to stop
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
     type(rest_type), intent(out) :: rest        !! what the modes after the first are estimated to add
@@ -149,7 +152,7 @@ contains
       do
         call plan_all(scene%modes%tolerance*peak, source, alone, force, points, grid, early, result, reached)
         if (reached <= scene%modes%tolerance*peak) exit
-        call extend_modes(scene, result%units, source, alone, extended)
+        call extend_modes(scene, result%units, source, alone, monitor, extended)
         if (.not. extended) exit
       end do
     end associate
@@ -213,12 +216,13 @@ contains
     end if
   end function out_of_reach
 
-  subroutine plan_count(scene, source, alone, result, error, estimate)
+  subroutine plan_count(scene, source, alone, monitor, result, error, estimate)
     !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
     !! **Errors**: `status_bad_input` where more modes than there may be would be needed.
     type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
     class(mode_source), intent(inout) :: source    !! modes of beam and mass
     class(mode_source), intent(inout) :: alone     !! modes of the beam alone
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     type(case_result), intent(inout) :: result
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: estimate    !! of the error over the peak
@@ -227,8 +231,10 @@ contains
     character(:), allocatable :: place
     integer :: line
     call choose_count(scene, source, alone, &
-                      time_grid_of(scene%response%duration, scene%response%samples, result%units%time), result, reached, rest)
+                      time_grid_of(scene%response%duration, scene%response%samples, result%units%time), monitor, result, &
+                      reached, rest)
     if (present(estimate)) estimate = reached
+    if (monitor%stop_requested()) return
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
