@@ -23,7 +23,7 @@ module bw_far_field
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: leaf = 64                   !! tuned: mode numbers of a cell of the lowest level
   integer, parameter :: nodes = 20                  !! (3 + √8)^(−20) is 5e-16
-  integer, parameter :: between_questions = 1000    !! cells, some ms
+  integer, parameter :: between_questions = 64      !! cells, less than a ms
 
   type :: level_type
     real(dp), allocatable :: node(:, :)             !! weights, or sums, at the nodes, (nodes, cells)

@@ -51,7 +51,7 @@ contains
     logical, intent(in) :: onto_free
     real(dp), intent(inout) :: sums(:)
     class(monitor_type), intent(inout), optional :: monitor
-    integer, parameter :: between_questions = 1000   ! cells, some ms
+    integer, parameter :: between_questions = 64     ! cells, about a ms
     integer, allocatable :: here(:), there(:)
     integer :: c, cells, first, last
     cells = max(cells_to(onto), cells_to(from))

@@ -43,7 +43,8 @@ contains
       return
     end do
     call galerkin_source_of(operator, count, source, monitor)
-    if (count > most_modes .or. stops(monitor)) return
+    if (stops(monitor)) return
+    if (count > most_modes) return
     place = 1 + mod(self%found, most_operators)
     self%list(place)%operator = operator
     self%list(place)%source = source

@@ -90,6 +90,7 @@ contains
       call dpotrf('L', size(s, 1), s, size(s, 1), info)
       if (info == 0) call divide_by_factor(s, b, monitor)
     end associate
+    if (stops(monitor)) return
     if (info == 0) call singular_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info, monitor)
     modes%resolved = info == 0
     if (stops(monitor)) modes%resolved = .false.

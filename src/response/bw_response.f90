@@ -114,7 +114,9 @@ contains
     type(nonuniform_sum), intent(inout) :: sum
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
+    type(part_monitor) :: part
     logical :: turns(modes%count), left(modes%count)
+    part = part_monitor(monitor)
     turns = turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), grid)
     choice = chosen_sum(count(turns), grid%samples, histories_of(response), sum_tolerance)
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
@@ -124,11 +126,11 @@ contains
                            response%velocity)
       if (monitor%stop_requested()) return
       left = modes%beta_squared%hi > 0.0_dp .and. .not. turns
+      part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! of few modes
     else
       left = modes%beta_squared%hi > 0.0_dp
     end if
-    if (any(left)) call add_products(modes, left, displaced, rate, points, grid, monitor, response%displacement, &
-                                     response%velocity)
+    if (any(left)) call add_products(modes, left, displaced, rate, points, grid, part, response%displacement, response%velocity)
   end subroutine add_stable
 
   subroutine add_damped(modes, displaced, rate, points, grid, unit_time, monitor, response)

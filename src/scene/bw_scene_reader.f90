@@ -47,10 +47,12 @@ contains
     scene%name = stem(path)
     call tokenise(text, .false., tokens, messages)
     call parse(text, tokens, parsed, messages)
-    call fill_groups(text, tokens, parsed, scene%groups, messages)
-    call take_sweeps(scene%groups, scene%sweeps, messages)
-    call check_groups(scene%groups, messages)
-    call complete(scene, messages)
+    if (.not. messages%cut) then
+      call fill_groups(text, tokens, parsed, scene%groups, messages)
+      call take_sweeps(scene%groups, scene%sweeps, messages)
+      call check_groups(scene%groups, messages)
+      call complete(scene, messages)
+    end if
     if (messages%count == 0) call check_corners(scene, messages)
     if (messages%count > 0) call fail(error, status_bad_input, messages%text())
   end subroutine read_scene_text

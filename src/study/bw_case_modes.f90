@@ -49,6 +49,7 @@ contains
     nullify (free, loaded)
     if (changes_shapes(scene)) then
       call find_galerkin(scene, result, operators, alone, source, monitor)
+      if (monitor%stop_requested()) return
     else
       call find_closed_form(scene, result, kept, alone, source)
     end if
@@ -124,6 +125,7 @@ contains
       call note_strain(scene, result)
     end if
     if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), loaded)
+    if (monitor%stop_requested()) return
     if (allocated(scene%release)) then
       call solve(.false., max(scene%modes%before, enough_for_errors(scene)), alone)
     else

@@ -9,8 +9,9 @@ module bw_case_shares
   private
   public :: case_seconds, case_shares, stage_part
 
-  integer, parameter, public :: modes_share = 1, events_share = 2, histories_share = 3, spectrum_share = 4
-  integer, parameter :: shares = 4
+  integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5
+    !! events at t = 0, and later ones
+  integer, parameter :: shares = 5
 
   ! seconds, measured on one core
   real(dp), parameter :: mode_seconds = 2.0e-7_dp      ! a mode in closed form
@@ -45,7 +46,7 @@ contains
     seconds(modes_share) = seconds_of_modes(scene, before) + seconds_of_modes(scene, after)
     if (allocated(scene%impact)) seconds(events_share) = shape_seconds*before*scene%impact%profile_points
     if (allocated(scene%capture)) seconds(events_share) = seconds(events_share) + handed_seconds*(before + after)
-    if (allocated(scene%release)) seconds(events_share) = seconds(events_share) + 2.0_dp*handed_seconds*(before + after)
+    if (allocated(scene%release)) seconds(later_share) = 2.0_dp*handed_seconds*(before + after)
     if (.not. allocated(scene%response)) return
     seconds(histories_share) = sum_seconds*(max(before, after) + 2.0_dp*scene%response%samples)
     if (allocated(scene%spectrum)) seconds(spectrum_share) = seconds_of_spectrum(scene, max(before, after))

@@ -56,6 +56,7 @@ contains
       part = stage_part(monitor, share, events_share)
       call apply_events(scene, free, loaded, part, kept%blows, result)
       whole = .not. monitor%stop_requested()
+      part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)     ! how long later events take is not known
       if (whole) call follow_events(scene, free, loaded, part, result)
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
