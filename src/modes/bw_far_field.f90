@@ -46,7 +46,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
     type(interpolation) :: chebyshev
     type(level_type), allocatable :: weights(:)
-    type(level_type) :: field, above
+    real(dp), allocatable :: field(:, :)
     integer :: cells, level, top
     chebyshev = interpolation_of_cells()
     cells = max(cells_to(onto), cells_to(from))
@@ -55,19 +55,18 @@ contains
       top = top + 1
     end do
     allocate (weights(0:top))
-    call gather(chebyshev, from, weight, weights(0)%node, monitor)
+    weights(0)%node = gathered(chebyshev, from, weight, monitor)
     do level = 1, top
-      call lift(chebyshev, weights(level - 1)%node, weights(level)%node)
+      weights(level)%node = lifted(chebyshev, weights(level - 1)%node)
     end do
-    allocate (above%node(nodes, 2), source=0.0_dp)
+    allocate (field(nodes, 2), source=0.0_dp)
     cells = cells_to(onto)
     do level = top, 0, -1
       if (stops(monitor)) return
-      call lower(chebyshev, above%node, (cells - 1)/2**level + 1, field%node)
-      call exchange(chebyshev, leaf*2.0_dp**level, weights(level)%node, field%node, monitor)
-      call move_alloc(field%node, above%node)
+      field = lowered(chebyshev, field, (cells - 1)/2**level + 1)
+      call exchange(chebyshev, leaf*2.0_dp**level, weights(level)%node, field, monitor)
     end do
-    call scatter(chebyshev, onto, above%node, sums, monitor)
+    call scatter(chebyshev, onto, field, sums, monitor)
   end subroutine add_far_field
 
   pure integer function cells_to(roots) result(cells)
@@ -133,16 +132,16 @@ contains
     t = (0.25_dp*(root%eighths - (4*cell - 2)*leaf) + root%rest/pi)*(2.0_dp/leaf)
   end function place_in_cell
 
-  subroutine gather(chebyshev, from, weight, node, monitor)
+  function gathered(chebyshev, from, weight, monitor) result(node)
     !! From modes to the nodes of their cells.
     type(interpolation), intent(in) :: chebyshev
     type(root_type), intent(in) :: from(:)
     real(dp), intent(in) :: weight(:)
-    real(dp), allocatable, intent(out) :: node(:, :)
     class(monitor_type), intent(inout), optional :: monitor
-    integer :: first(cells_to(from) + 1), c
-    first = first_in_cells(from, cells_to(from))
-    allocate (node(nodes, size(first) - 1), source=0.0_dp)
+    real(dp) :: node(nodes, cells_to(from))
+    integer :: first(size(node, 2) + 1), c
+    first = first_in_cells(from, size(node, 2))
+    node = 0.0_dp
     do c = 1, size(node, 2)
       if (mod(c, between_questions) == 0) then
         if (stops(monitor)) return
@@ -151,34 +150,33 @@ contains
         node(:, c) = matmul(chebyshev%series, matmul(weight(i:j), chebyshev_polynomials(place_in_cell(from(i:j), c))))
       end associate
     end do
-  end subroutine gather
+  end function gathered
 
-  pure subroutine lift(chebyshev, node, above)
+  pure function lifted(chebyshev, node) result(above)
     !! Weights of cells to the nodes of those that hold two of them.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: node(:, :)
-    real(dp), allocatable, intent(out) :: above(:, :)
+    real(dp) :: above(nodes, (size(node, 2) + 1)/2)
     integer :: c
-    allocate (above(nodes, (size(node, 2) + 1)/2), source=0.0_dp)
+    above = 0.0_dp
     do c = 1, size(node, 2)
       associate (whole => above(:, (c + 1)/2))
         whole = whole + matmul(chebyshev%halves(:, :, 2 - mod(c, 2)), node(:, c))
       end associate
     end do
-  end subroutine lift
+  end function lifted
 
-  pure subroutine lower(chebyshev, above, cells, node)
+  pure function lowered(chebyshev, above, cells) result(node)
     !! Sums at the nodes of cells to those of their halves.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: above(:, :)
     integer, intent(in) :: cells
-    real(dp), allocatable, intent(out) :: node(:, :)
+    real(dp) :: node(nodes, cells)
     integer :: c
-    allocate (node(nodes, cells))
     do c = 1, cells
       node(:, c) = matmul(above(:, (c + 1)/2), chebyshev%halves(:, :, 2 - mod(c, 2)))
     end do
-  end subroutine lower
+  end function lowered
 
   subroutine exchange(chebyshev, width, weights, field, monitor)
     !! What cells of one level see of those that do not touch them while their parents touch.

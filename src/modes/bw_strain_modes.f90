@@ -120,14 +120,11 @@ contains
     real(dp), intent(inout) :: b(:, :)
     class(monitor_type), intent(inout), optional :: monitor
     integer, parameter :: some = 512
-    real(dp), allocatable :: rows(:, :)
     integer :: first, last
     do first = 1, size(b, 1), some
       if (stops(monitor)) return
       last = min(first + some - 1, size(b, 1))
-      rows = b(first:last, :)
-      call dtrsm('R', 'L', 'T', 'N', size(rows, 1), size(rows, 2), 1.0_dp, s, size(s, 1), rows, size(rows, 1))
-      b(first:last, :) = rows
+      call dtrsm('R', 'L', 'T', 'N', last - first + 1, size(b, 2), 1.0_dp, s, size(s, 1), b(first:last, :), last - first + 1)
     end do
   end subroutine divide_by_factor
 

@@ -8,7 +8,7 @@ module bw_result_file
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_late_values, only: late_values
-  use bw_netcdf, only: check, create_file
+  use bw_netcdf, only: check, create_file, plain_path
   use bw_result_definition, only: define_dimensions, define_variables, open_file
   use bw_result_header, only: put_global_attributes, put_coordinates, put_inputs, swept_names
   use bw_result_layout, only: result_layout
@@ -64,7 +64,7 @@ contains
     type(result_file), intent(out) :: file
     type(error_type), allocatable, intent(inout) :: error
     file%path = path
-    if (.not. allocated(error)) call check(nf90_open(path, nf90_write, file%id), path, error)
+    if (.not. allocated(error)) call check(nf90_open(plain_path(path), nf90_write, file%id), path, error)
   end subroutine open_result
 
   subroutine find_variables(file, error)

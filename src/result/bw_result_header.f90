@@ -5,7 +5,7 @@ module bw_result_header
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
   use bw_late_values, only: late_values
-  use bw_netcdf, only: check, define_variable, put_words, text_attribute
+  use bw_netcdf, only: check, define_variable, plain_path, put_words, text_attribute
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
   use bw_scene, only: scene_type
   use bw_scene_method, only: method_name
@@ -34,7 +34,7 @@ contains
     type(scene_type), intent(in) :: scene
     character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
     integer :: id, status
-    status = nf90_open(path, nf90_nowrite, id)
+    status = nf90_open(plain_path(path), nf90_nowrite, id)
     same = status == nf90_noerr
     if (.not. same) return
     same = text_attribute(id, 'scene') == resolved_text(scene)
@@ -51,7 +51,7 @@ contains
     integer :: dimension(1), file, first, length, rank, status, variable
     integer, allocatable :: ended(:)
     cases = 0
-    if (nf90_open(path, nf90_nowrite, file) /= nf90_noerr) return
+    if (nf90_open(plain_path(path), nf90_nowrite, file) /= nf90_noerr) return
     length = 1
     status = nf90_inq_varid(file, 'case_status', variable)
     if (status == nf90_noerr) status = nf90_inquire_variable(file, variable, ndims=rank)
