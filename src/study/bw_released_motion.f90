@@ -58,7 +58,8 @@ contains
   contains
     subroutine plan_share(tail_bound)
       real(dp), intent(in) :: tail_bound
-      call plan_counts(tail_bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, tip, monitor)
+      call plan_counts(tail_bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, tip, &
+                       monitor)
     end subroutine plan_share
   end subroutine plan_released
 
