@@ -47,6 +47,35 @@ lock() {
 
 unlock() { exec 9>&-; }
 
+# --- what is left behind ----------------------------------------------------------------------------
+
+scratch=  # a directory that lives no longer than the script
+
+# leave_nothing: whatever ends this script, also kill -9, what it has made and started in `scratch` and `in_group` ends with it.
+# Another process sees to that, which waits for the end of file descriptor 8. Where there is no setsid nothing is seen to.
+leave_nothing() {
+  { setsid --version && mktemp --version; } > /dev/null 2>&1 || return 0
+  scratch=$(mktemp -d)
+  exec 8> >(exec setsid bash "$root/src/cmake/clean_up.sh" "$scratch" > /dev/null 2>&1 8>&- 9>&-)
+}
+
+# removed_at_end FILE …: to be removed when the script ends, if not before
+removed_at_end() { [ -z "$scratch" ] || printf '%s\n' "$@" >> "$scratch/files"; }
+
+# in_group COMMAND …: runs a command that ends with this script, as does all that it starts
+in_group() {
+  if [ -z "$scratch" ]; then
+    "$@" 9>&-
+    return
+  fi
+  local status=0
+  setsid "$@" 8>&- 9>&- < /dev/null &
+  echo $! > "$scratch/group"
+  wait $! || status=$?
+  rm -f "$scratch/group"
+  return "$status"
+}
+
 # --- what is missing -------------------------------------------------------------------------------
 
 # need WHAT PACKAGE PROBE …: remembers WHAT and the PACKAGE that brings it unless PROBE succeeds
@@ -156,7 +185,8 @@ configured() {
 # set_up PRESET [ARGUMENT …]: configures and builds this preset; arguments go to `cmake --build`
 set_up() {
   configured "$1"
-  (cd "$root" && cmake --build --preset "$@") >&2 || die "the preset $1 did not build"
+  # not in a subshell, which would outlive a killed script and hold its file descriptors
+  in_group bash -c 'cd -- "$1" && shift && exec cmake --build --preset "$@"' build "$root" "$@" >&2 || die "the preset $1 did not build"
 }
 
 # --- Python ----------------------------------------------------------------------------------------
