@@ -1,8 +1,8 @@
 program beamwave
   !! Bending waves in a rotating beam struck at its tip.
-  use bw_alone, only: alone
+  use bw_lone_process, only: lone_process
   use bw_main, only: main
   implicit none (type, external)
-  type(alone) :: crew
-  call main(crew)
+  type(lone_process) :: group
+  call main(group)
 end program beamwave
