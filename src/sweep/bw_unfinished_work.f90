@@ -6,6 +6,7 @@ module bw_unfinished_work
   use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, files_in, remove_file
   use bw_journal_reader, only: journal_reader
   use bw_kinds, only: i1, i8
+  use bw_system_calls, only: bw_kind_of_error, error_not_there
   use bw_text, only: append, string
   use bw_work_directory, only: work_directory
   implicit none (type, external)
@@ -45,7 +46,7 @@ contains
     if (allocated(self%own)) deallocate (self%own, self%others)
     allocate (self%own(0), self%others(0))
     problem = files_in(self%path, journal_suffix, names)
-    if (problem /= 0) call cannot_be_read(error, self%path, problem)
+    if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_read(error, self%path, problem)
     do i = 1, size(names)
       call reader%open(self%path//'/'//names(i)%text, error)
       call self%read_journal(reader, count, done, is_others, error)

@@ -131,7 +131,7 @@ contains
     integer :: first, letters, status
     if (ended < 0) then
       call fail(error, status_bad_file, it//'was ended by signal '//text_of(-ended)// &
-                ', as happens to NetCDF and HDF5 after a refused read or write')
+                ', as happens to HDF5 after a refused read or write; where nothing was refused, please report it')
     else if (ended == status_fault) then
       call fail(error, status_fault, it//'ended in a fault: please report it')
     else if (ended == status_bad_file) then

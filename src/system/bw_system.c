@@ -229,6 +229,7 @@ int bw_is_there(int64_t process) { return kill((pid_t)process, 0) == 0 || errno 
 
 /* ---- how this process ends ------------------------------------------------------------------------------------------- */
 
+static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
 static volatile sig_atomic_t received, is_child;
 static const char *fault_message, *memory_message;
 static int fault_status, memory_status;
@@ -239,20 +240,33 @@ static void on_stop(int number)
   received = number;
 }
 
-/* Nothing here may allocate. Where memory was refused just before, that is why: the compiler's library and others end so. */
-static void end_in_fault(void)
+/* Nothing here may allocate: the heap may be what is broken. */
+static void end_in_fault(int is_refusal)
 {
-  int refused = errno == ENOMEM;
-  const char *message = refused ? memory_message : fault_message;
-  if (!is_child && write(STDERR_FILENO, message, strlen(message)) < 0) _exit(refused ? memory_status : fault_status);
-  _exit(refused ? memory_status : fault_status);
+  const char *message = is_refusal ? memory_message : fault_message;
+  int status = is_refusal ? memory_status : fault_status;
+  if (!is_child && write(STDERR_FILENO, message, strlen(message)) < 0) _exit(status);
+  _exit(status);
 }
 
+/* A fault just after memory was refused comes of that. */
 static void on_fault(int number)
 {
   (void)number;
-  end_in_fault();
+  end_in_fault(errno == ENOMEM);
 }
+
+/* The Fortran library and FFTW exit with 1 where memory is refused, and the former with others after its other errors. */
+#ifdef __GLIBC__
+static void on_end(int status, void *unused)
+{
+  (void)unused;
+  end_in_fault(status == 1);
+}
+#else
+static void on_end(void) { end_in_fault(errno == ENOMEM); }
+#define on_exit(handler, unused) atexit(handler)
+#endif
 
 /* Standard streams that are closed go nowhere: the first file that is opened would take their place. */
 void bw_open_standard_streams(void)
@@ -265,14 +279,13 @@ void bw_open_standard_streams(void)
 void bw_watch(const char *of_fault, int fault, const char *of_memory, int memory)
 {
   static char room[65536];
-  const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
   const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
   struct sigaction action = {.sa_handler = on_stop, .sa_flags = SA_RESTART};
   fault_message = of_fault;
   fault_status = fault;
   memory_message = of_memory;
   memory_status = memory;
-  atexit(end_in_fault);
+  on_exit(on_end, NULL);
   for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) sigaction(stops[i], &action, NULL);
   sigaltstack(&stack, NULL);                                 /* for the fault of a stack that is full */
   action = (struct sigaction){.sa_handler = on_fault, .sa_flags = SA_ONSTACK};
@@ -303,9 +316,9 @@ int64_t bw_fork(int *channel)
   is_child = 1;
   close(ends[0]);
   *channel = ends[1];
-  signal(SIGINT, SIG_IGN);
-  signal(SIGTERM, SIG_IGN);
-  signal(SIGUSR1, SIG_IGN);
+  for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) signal(stops[i], SIG_IGN);
+  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) signal(faults[i], SIG_DFL);   /* the parent will see */
+  setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
