@@ -4,8 +4,8 @@ module bw_work_directory
   use bw_descriptors, only: flush_path
   use bw_error, only: error_type, fail, status_bad_file
   use bw_file_lock, only: draft_of_lock => draft_suffix, file_lock, unique_name
-  use bw_files, only: cannot_be_written, directory_of, files_in, flush_directory, link_file, look_at, path_state, &
-    remove_directory, remove_file, rename_file, same_file
+  use bw_files, only: cannot_be_written, directory_is_there, directory_of, files_in, flush_directory, link_file, look_at, &
+    path_state, remove_directory, remove_file, rename_file, same_file
   use bw_system_calls, only: bw_kind_of_error, error_is_there, error_not_offered
   use bw_text, only: string
   implicit none (type, external)
@@ -24,6 +24,7 @@ module bw_work_directory
     procedure :: new_draft
     procedure :: publish
     procedure :: leave
+    procedure :: clear
   end type work_directory
 
 contains
@@ -107,6 +108,15 @@ contains
     call self%lock%give_back()
     ignored = remove_directory(self%path)
   end subroutine leave
+
+  subroutine clear(self)
+    !! Take away what a run left that was killed when its result had its final name already, unless another run is at work.
+    class(work_directory), intent(inout) :: self
+    type(error_type), allocatable :: error
+    if (.not. directory_is_there(self%path)) return
+    call self%begin(error)
+    if (.not. allocated(error)) call self%leave()
+  end subroutine clear
 
   subroutine remove_all(path, suffix)
     !! Remove what has such a name, as far as that is possible.

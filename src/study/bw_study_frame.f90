@@ -47,6 +47,7 @@ contains
     outcome%file = directory//'/'//scene%name//'.'//self%study//'.nc'
     call self%work%plan(outcome%file, overwrite)
     call look_at_existing(outcome%file, self%scene, overwrite, outcome%was_there, ignored, error, self%study)
+    if (outcome%was_there) call self%work%clear()
     if (.not. (allocated(error) .or. outcome%was_there)) call self%work%begin(error)
   end subroutine begin
 

@@ -4,7 +4,7 @@ module bw_journal_writer
   !! to: its first record is a text, of which each record holds a sum.
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
   use bw_checksum, only: lane_sums, lanes, word_sum, words_of_text
-  use bw_descriptors, only: close_file, flush_file, look_at_open, new_file, open_file, write_words
+  use bw_descriptors, only: close_file, look_at_open, new_file, open_file, write_words
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_written, look_at, path_state, same_file
   use bw_journal_record, only: at_letters, at_sums, header, make_room, mark, words_of
@@ -104,16 +104,12 @@ contains
               ': is gone: somebody has removed it while cases were done, or its file system is no longer there')
   end subroutine look
 
-  subroutine close_writer(self, stays, error)
+  subroutine close_writer(self, error)
     !! **Errors**: some of what was written could not be kept.
     class(journal_writer), intent(inout) :: self
-    logical, intent(in) :: stays                            !! for a later run: it is to outlive the machine
     type(error_type), allocatable, intent(inout) :: error
-    integer :: problem, closed
-    problem = 0
-    if (stays .and. self%descriptor >= 0) problem = flush_file(self%descriptor)
-    closed = close_file(self%descriptor)
-    if (problem == 0) problem = closed
+    integer :: problem
+    problem = close_file(self%descriptor)
     if (problem /= 0) call cannot_be_written(error, self%path, problem)
     if (associated(self%record)) deallocate (self%record)
   end subroutine close_writer

@@ -4,6 +4,7 @@ module bw_run_sweep
   use bw_assembly, only: assembly_type
   use bw_case_fields, only: case_length, fields_of
   use bw_child_process, only: child_process
+  use bw_descriptors, only: flush_path
   use bw_error, only: error_type
   use bw_file_lock, only: unique_name
   use bw_files, only: cannot_be_written, flush_directory, look_at, path_state
@@ -56,8 +57,8 @@ contains
     if (.not. group%leads()) return
     call watch%set_totals(totals(:size(totals) - 1))
     done = layout%cases - size(left) + nint(totals(size(totals)), i8)
+    call add_journals(unfinished, run, group%processes)
     if (.not. allocated(error) .and. done == layout%cases) then
-      call add_journals(unfinished, run, group%processes)
       call assemble(scene, layout, unfinished, progress, watch, table, outcome, error)
     end if
     call progress%end()
@@ -199,9 +200,7 @@ contains
     type(error_type), allocatable :: unreadable
     integer(i1), allocatable :: found(:)
     character(:), allocatable :: text
-    integer :: problem
-    problem = flush_directory(unfinished%path)
-    if (problem /= 0) call cannot_be_written(error, unfinished%path, problem)
+    call flush_journals(unfinished, error)
     if (allocated(error)) then
       allocate (found(layout%cases), source=0_i1)
       call unfinished%survey(case_length(fields_of(layout)), found, unreadable)
@@ -215,5 +214,18 @@ contains
     end if
     call unfinished%leave()
   end subroutine leave_for_later
+
+  subroutine flush_journals(unfinished, error)
+    !! What is left for later is to outlive the machine.
+    type(unfinished_work), intent(in) :: unfinished
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: problem, i
+    do i = 1, size(unfinished%own)
+      problem = flush_path(unfinished%own(i)%text)
+      if (problem /= 0) call cannot_be_written(error, unfinished%own(i)%text, problem)
+    end do
+    problem = flush_directory(unfinished%path)
+    if (problem /= 0) call cannot_be_written(error, unfinished%path, problem)
+  end subroutine flush_journals
 
 end module bw_run_sweep

@@ -76,7 +76,7 @@ contains
       length = batch_length(size(left) - (first + length - 1), group%processes, (wall_seconds() - began)/length)
     end do
     call monitor%look()
-    call journal%close(monitor%stopped .or. allocated(error), error)
+    call journal%close(error)
     done = monitor%done
   end subroutine run_cases
 

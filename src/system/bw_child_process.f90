@@ -134,10 +134,8 @@ contains
                 ', as happens to HDF5 after a refused read or write; where nothing was refused, please report it')
     else if (ended == status_fault) then
       call fail(error, status_fault, it//'ended in a fault: please report it')
-    else if (ended == status_bad_file) then
-      call fail(error, status_bad_file, it//'was refused memory')
-    else if (index(message, nul//last_word) == 0) then
-      call fail(error, status_bad_file, it//'was not heard to its end')
+    else if (ended /= status_done .or. index(message, nul//last_word) == 0) then
+      call fail(error, status_bad_file, it//'was refused memory, or was not heard to its end')
     end if
     if (allocated(error)) return
     letters = index(message, nul)

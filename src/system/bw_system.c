@@ -256,12 +256,12 @@ static void on_fault(int number)
   end_in_fault(errno == ENOMEM);
 }
 
-/* The Fortran library and FFTW exit with 1 where memory is refused, and the former with others after its other errors. */
+/* Libraries exit with 1 or −1 where memory is refused (Fortran's, FFTW; HDF5); Fortran's has 2 for errors of the program. */
 #ifdef __GLIBC__
 static void on_end(int status, void *unused)
 {
   (void)unused;
-  end_in_fault(status == 1);
+  end_in_fault(status == 1 || status == -1 || status == 255);
 }
 #else
 static void on_end(void) { end_in_fault(errno == ENOMEM); }
