@@ -3,7 +3,7 @@ module bw_commands
   use bw_command_line, only: command_type
   use bw_console, only: print_error, print_report, print_warning
   use bw_descriptors, only: is_terminal, standard_error, standard_output
-  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
+  use bw_error, only: error_type, fail, status_bad_file, status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i4
   use bw_modes_par, only: by_tolerance
   use bw_one_case, only: plan_case
@@ -38,12 +38,19 @@ contains
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
     real(dp) :: deadline
+    type(error_type), allocatable :: error
     integer(i4), allocatable :: stop(:)            ! of one number: 1 where the leader has to stop
     integer :: i, count
     deadline = huge(1.0_dp)
     if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
     progress = terminal_progress_to(deadline, command%quiet .or. .not. group%leads())
     call read_and_list(command, group%leads(), scenes, count, status)
+    call agree_on_scenes(group, count, error)
+    if (allocated(error)) then
+      if (group%leads()) call print_error(error)
+      status = error%status
+      return
+    end if
     do i = 1, count
       stop = [merge(1_i4, 0_i4, progress%stop_requested())]
       call group%share(stop)
@@ -56,6 +63,21 @@ contains
       status = max(status, run_one(command, scenes(i), group, progress))
     end do
   end function run_command
+
+  subroutine agree_on_scenes(group, count, error)
+    !! **Errors**: one of the processes could not read what the leader has read. All get it.
+    class(process_group), intent(inout) :: group
+    integer, intent(in) :: count                   !! of good scenes
+    type(error_type), allocatable, intent(out) :: error
+    integer(i4), allocatable :: counts(:)
+    real(dp) :: nothing(0)
+    counts = [count]
+    call group%share(counts)
+    if (count /= counts(1)) call fail(error, status_bad_file, 'beamwave: process '//text_of(group%number)//' of '// &
+      text_of(group%processes)//' reads '//text_of(count)//' good scenes, the first one '//text_of(counts(1))// &
+      ': a file could not be read')
+    call group%collect(nothing, error)
+  end subroutine agree_on_scenes
 
   integer function run_one(command, scene, group, progress) result(status)
     type(command_type), intent(in) :: command

@@ -4,9 +4,9 @@
      BEAMWAVE_FAULT_COUNTS=FILE   the counts, one 64-bit integer for each kind, shared by the processes; made by the caller
      BEAMWAVE_FAULT_UNDER=DIR     only files under this directory count, and relative paths; malloc counts after the first of them
      BEAMWAVE_FAULT=KIND:N:WHAT   WHAT is an error's number; short, for a read or write of half the bytes; kill, to die instead of the
-                                  call, or torn, in the middle of a write; a + behind N: this call and all after it
+                                  call, or torn, in the middle of a write; a + before it: this call and all after it
 
-   Kinds are those of `kinds` below. */
+   Kinds are those of `kinds` below. Only programs called beamwave… are concerned, not what starts them. */
 #define _GNU_SOURCE
 #include <dirent.h>
 #include <dlfcn.h>
@@ -36,9 +36,10 @@ static int kind = -1, number, for_good, is_short, is_kill, is_torn, is_ready, is
 static void get_ready(void)
 {
   const char *text;
-  char name[16] = "", what[16] = "", plus = 0;
+  char name[16] = "", what[16] = "";
   if (is_ready) return;
   is_ready = 1;
+  if (strncmp(program_invocation_short_name, "beamwave", 8)) return;
   if ((text = getenv("BEAMWAVE_FAULT_UNDER"))) under = text;
   if ((text = getenv("BEAMWAVE_FAULT_COUNTS"))) {
     int file = (int)syscall(SYS_openat, AT_FDCWD, text, O_RDWR, 0);
@@ -48,10 +49,10 @@ static void get_ready(void)
   }
   if (!(text = getenv("BEAMWAVE_FAULT"))) return;
   unsigned long long place = 0;
-  if (sscanf(text, "%15[a-z]:%llu%c%15s", name, &place, &plus, what) < 4) return;
-  for_good = plus == '+';
+  if (sscanf(text, "%15[a-z]:%llu:%15s", name, &place, what) < 3) return;
+  for_good = what[0] == '+';
   at = place;
-  text = what + (for_good ? 1 : 0);
+  text = what + for_good;
   for (int i = 0; i < KINDS; i++) if (!strcmp(kinds[i], name)) kind = i;
   is_short = !strcmp(text, "short");
   is_kill = !strcmp(text, "kill");
