@@ -1,8 +1,8 @@
 program beamwave
   !! Bending waves in a rotating beam struck at its tip.
-  use bw_lone_process, only: lone_process
   use bw_main, only: main
+  use bw_process_group, only: process_group
   implicit none (type, external)
-  type(lone_process) :: group
+  type(process_group) :: group
   call main(group)
 end program beamwave

@@ -5,7 +5,7 @@ module bw_mpi_processes
   use bw_error, only: error_type, fail, status_done
   use bw_kinds, only: dp, i4, i8
   use bw_process, only: pause
-  use bw_process_group, only: process_group
+  use bw_process_group, only: process_group, stopped_at
   use mpi_f08, only: mpi_2integer, mpi_address_kind, mpi_character, mpi_comm_rank, mpi_comm_size, mpi_comm_world, &
     mpi_double_precision, mpi_fetch_and_op, mpi_finalize, mpi_iallreduce, mpi_ibarrier, mpi_ibcast, mpi_info_null, mpi_init, &
     mpi_integer, mpi_integer8, mpi_maxloc, mpi_no_op, mpi_op, mpi_replace, mpi_request, mpi_status_ignore, mpi_sum, &
@@ -15,7 +15,6 @@ module bw_mpi_processes
 
   integer, parameter :: pause_microseconds = 50
   integer(mpi_address_kind), parameter :: next_place = 0, done_cases = 1    !! the integers of the window
-  integer(i8), parameter :: stopped_at = 2_i8**62
 
   type, extends(process_group), public :: mpi_processes
     type(mpi_win), private :: window

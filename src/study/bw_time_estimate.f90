@@ -22,8 +22,8 @@ module bw_time_estimate
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: start_seconds = 2.5e-2_dp         !! of the program itself, most of them its libraries'; measured
   real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
-  real(dp), parameter :: put_seconds = 4.0e-6_dp           !! of a case into its journal and the result; measured
-  real(dp), parameter :: number_seconds = 1.5e-8_dp        !! of each of its numbers: written twice, read once; measured
+  real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into its journal and the result; measured
+  real(dp), parameter :: number_seconds = 1.0e-8_dp        !! of each of its numbers: written twice, read once; measured
 
   type, extends(monitor_type) :: time_limit
     !! Stops when the time is up, and remembers how much of the case was done.
