@@ -2,13 +2,14 @@ module bw_commands
   !! The commands of the program. Each returns an exit status.
   use bw_command_line, only: command_type
   use bw_console, only: print_error, print_report, print_warning
-  use bw_crew, only: crew_type
-  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
-  use bw_kinds, only: dp
+  use bw_descriptors, only: is_terminal, standard_error, standard_output
+  use bw_error, only: error_type, fail, status_bad_file, status_done, status_not_trusted, status_stopped
+  use bw_kinds, only: dp, i4
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
-  use bw_posix, only: is_terminal, pause, standard_error, standard_output
+  use bw_process, only: pause
+  use bw_process_group, only: process_group
   use bw_result_layout, only: result_layout, layout_of
   use bw_outcome, only: outcome_type
   use bw_run_scene, only: run_scene
@@ -31,41 +32,64 @@ module bw_commands
 
 contains
 
-  integer function run_command(command, crew) result(status)
+  integer function run_command(command, group) result(status)
     !! Run every good scene; the status is the highest of any. Called by all processes; only the leader speaks.
     type(command_type), intent(in) :: command
-    class(crew_type), intent(inout) :: crew
+    class(process_group), intent(inout) :: group
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
     real(dp) :: deadline
-    integer :: i, count, stop
+    type(error_type), allocatable :: error
+    integer(i4), allocatable :: stop(:)            ! of one number: 1 where the leader has to stop
+    integer :: i, count
     deadline = huge(1.0_dp)
     if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
-    progress = terminal_progress_to(deadline, command%quiet .or. .not. crew%leads())
-    call read_and_list(command, crew%leads(), scenes, count, status)
+    progress = terminal_progress_to(deadline, command%quiet .or. .not. group%leads())
+    call read_and_list(command, group%leads(), scenes, count, status)
+    call agree_on_scenes(group, count, error)
+    if (allocated(error)) then
+      if (group%leads()) call print_error(error)
+      status = error%status
+      return
+    end if
     do i = 1, count
-      stop = merge(1, 0, progress%stop_requested())
-      call crew%agree(stop)
-      if (stop == 1) then
-        if (crew%leads()) call print_warning('beamwave: stopped before '//scenes(i)%file// &
+      stop = [merge(1_i4, 0_i4, progress%stop_requested())]
+      call group%share(stop)
+      if (stop(1) == 1) then
+        if (group%leads()) call print_warning('beamwave: stopped before '//scenes(i)%file// &
                                              '; the same command goes on from there')
         status = max(status, status_stopped)
         return
       end if
-      status = max(status, run_one(command, scenes(i), crew, progress))
+      status = max(status, run_one(command, scenes(i), group, progress))
     end do
   end function run_command
 
-  integer function run_one(command, scene, crew, progress) result(status)
+  subroutine agree_on_scenes(group, count, error)
+    !! **Errors**: one of the processes could not read what the leader has read. All get it.
+    class(process_group), intent(inout) :: group
+    integer, intent(in) :: count                   !! of good scenes
+    type(error_type), allocatable, intent(out) :: error
+    integer(i4), allocatable :: counts(:)
+    real(dp) :: nothing(0)
+    counts = [count]
+    call group%share(counts)
+    if (count /= counts(1)) call fail(error, status_bad_file, 'beamwave: process '//text_of(group%number)//' of '// &
+      text_of(group%processes)//' reads '//text_of(count)//' good scenes, the first one '//text_of(counts(1))// &
+      ': a file could not be read')
+    call group%collect(nothing, error)
+  end subroutine agree_on_scenes
+
+  integer function run_one(command, scene, group, progress) result(status)
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
-    class(crew_type), intent(inout) :: crew
+    class(process_group), intent(inout) :: group
     type(terminal_progress), intent(inout) :: progress
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
-    call run_scene(scene, command%output, command%overwrite, crew, progress, outcome, error)
+    call run_scene(scene, command%output, command%overwrite, group, progress, outcome, error)
     status = outcome%status
-    if (crew%leads()) status = print_outcome(command, crew%processes, scene, outcome, error)
+    if (group%leads()) status = print_outcome(command, group%processes, scene, outcome, error)
   end function run_one
 
   integer function print_outcome(command, processes, scene, outcome, error) result(status)

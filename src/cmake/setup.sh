@@ -95,6 +95,12 @@ compiler_compiles() {
   logged compiler ${FC:-gfortran} "$setup/probe.f90" -o "$setup/probe" && logged compiler "$setup/probe"
 }
 
+c_compiles() {
+  echo 'int main(void) { return 0; }' > "$setup/probe.c"
+  # shellcheck disable=SC2086
+  logged compiler-c ${CC:-cc} "$setup/probe.c" -o "$setup/probe" && logged compiler-c "$setup/probe"
+}
+
 cmake_runs() {
   echo 'cmake_minimum_required(VERSION 3.21)' > "$setup/probe.cmake"
   logged cmake cmake -P "$setup/probe.cmake"
@@ -113,6 +119,7 @@ cmake_found() { ! grep -q "^ *$1 (" "$setup/configure.log"; }
 # what CMake needs before it can look for libraries
 find_tools() {
   need "a Fortran compiler (${FC:-gfortran})" gfortran compiler_compiles
+  need "a C compiler (${CC:-cc})" gcc c_compiles
   need 'CMake 3.21 or newer' cmake cmake_runs
   need 'make' make build_tool_runs
 }

@@ -5,11 +5,11 @@ module bw_netcdf
   use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_missing, only: missing
   use bw_text, only: joined
-  use netcdf, only: nf90_clobber, nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_get_att, nf90_global, &
-    nf90_inquire_attribute, nf90_netcdf4, nf90_noerr, nf90_put_att, nf90_strerror
+  use netcdf, only: nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_netcdf4, nf90_noclobber, nf90_noerr, &
+    nf90_put_att, nf90_strerror
   implicit none (type, external)
   private
-  public :: check, create_file, define_variable, has_backslash, plain_path, put_words, text_attribute
+  public :: check, create_file, define_variable, has_backslash, plain_path, put_words
 
   integer(i4), parameter, public :: unwritten = nf90_fill_int   !! what an integer reads as before it is written
 
@@ -27,11 +27,11 @@ contains
   end subroutine check
 
   subroutine create_file(path, id, error)
-    !! A new NetCDF-4 file in place of any other. **Errors**: `status_bad_file`.
+    !! A new NetCDF-4 file under a name that nothing has. **Errors**: `status_bad_file`.
     character(*), intent(in) :: path
     integer, intent(out) :: id
     type(error_type), allocatable, intent(out) :: error
-    call check(nf90_create(plain_path(path), ior(nf90_netcdf4, nf90_clobber), id), path, error)
+    call check(nf90_create(plain_path(path), ior(nf90_netcdf4, nf90_noclobber), id), path, error)
   end subroutine create_file
 
   pure function plain_path(path) result(text)
@@ -91,19 +91,5 @@ contains
     call check(nf90_put_att(file, variable, 'flag_values', [(int(i, i4), i=first, first + size(words) - 1)]), path, error)
     call check(nf90_put_att(file, variable, 'flag_meanings', joined(words)), path, error)
   end subroutine put_words
-
-  function text_attribute(file, name) result(text)
-    !! A global attribute; empty where it is not there.
-    integer, intent(in) :: file
-    character(*), intent(in) :: name
-    character(:), allocatable :: text
-    integer :: length, status
-    text = ''
-    if (nf90_inquire_attribute(file, nf90_global, name, len=length) /= nf90_noerr) return
-    deallocate (text)
-    allocate (character(length) :: text)
-    status = nf90_get_att(file, nf90_global, name, text)
-    if (status /= nf90_noerr) text = ''
-  end function text_attribute
 
 end module bw_netcdf

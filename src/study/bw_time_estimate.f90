@@ -1,7 +1,7 @@
 module bw_time_estimate
   !! How long a scene will take: a few of its cases are run for a bounded time.
   use bw_case_shares, only: case_seconds, case_shares, histories_share
-  use bw_case_fields, only: case_field, case_length, fields_of, short_fields
+  use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_kept_work, only: kept_work
@@ -22,9 +22,8 @@ module bw_time_estimate
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: start_seconds = 2.5e-2_dp         !! of the program itself, most of them its libraries'; measured
   real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
-  real(dp), parameter :: put_seconds = 4.0e-6_dp           !! of a case into its journal and the result; measured
-  real(dp), parameter :: number_seconds = 1.5e-8_dp        !! of each of its numbers: written twice, read once; measured
-  real(dp), parameter :: long_seconds = 8.0e-9_dp          !! of those in long fields: written once; measured
+  real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into its journal and the result; measured
+  real(dp), parameter :: number_seconds = 1.0e-8_dp        !! of each of its numbers: written twice, read once; measured
 
   type, extends(monitor_type) :: time_limit
     !! Stops when the time is up, or its user asks to, and remembers how much of the case was done.
@@ -84,11 +83,7 @@ contains
   pure real(dp) function writing_seconds(layout) result(seconds)
     !! Of a case onto the disk, s.
     type(result_layout), intent(in) :: layout
-    type(case_field), allocatable :: fields(:)
-    integer(i8) :: short
-    allocate (fields, source=fields_of(layout))
-    short = case_length(fields(:short_fields(fields)))
-    seconds = put_seconds + number_seconds*short + long_seconds*(case_length(fields) - short)
+    seconds = put_seconds + number_seconds*case_length(fields_of(layout))
   end function writing_seconds
 
   pure integer(i8) function place(sample, cases)

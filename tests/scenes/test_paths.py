@@ -1,5 +1,8 @@
 """Paths are taken for what they are: names of files and directories, whatever NetCDF or another system would make of them."""
 
+import os
+import subprocess
+
 import pytest
 import results
 from workplace import captured_beam, namelist
@@ -48,6 +51,53 @@ def test_a_scene_of_any_name_gives_its_name_to_the_result(inside, name):
     assert ended.returncode == 0, ended.stderr
     assert inside.left() == [f"{name}.nc"]
     assert results.read(inside.directory / "output" / f"{name}.nc")["mode_count"] == 2
+
+
+def test_a_scene_comes_out_of_a_pipe(inside):
+    """As a shell makes one of `<(command)`."""
+    inside.write("a.nml", namelist(FEW))
+    command = ["bash", "-c", f"'{inside.program}' run <(sleep 0.3; cat a.nml)"]
+    ended = subprocess.run(command, cwd=inside.directory, capture_output=True, text=True, check=False)
+    assert ended.returncode == 0, ended.stderr
+    assert len(inside.left()) == 1
+
+
+@pytest.mark.parametrize("path", ["pipe", "/dev/zero", "/dev/null"])
+def test_what_is_no_file_is_not_waited_for(inside, path):
+    os.mkfifo(inside.directory / "pipe")
+    ended = inside.beamwave("check", path)
+    assert ended.returncode == (2 if path == "/dev/null" else 3)
+    assert f"{path}: " in ended.stderr
+
+
+def test_a_blank_at_the_end_belongs_to_a_name(inside):
+    inside.write("a.nml", namelist(FEW))
+    ended = inside.beamwave("check", "a.nml ")
+    assert ended.returncode == 3
+    assert "a.nml : cannot be read" in ended.stderr
+
+
+@pytest.mark.parametrize("planted", ["output/a.nc", "output/a.partial", "output"])
+@pytest.mark.parametrize("sweeps", [[], [RATIOS]], ids=["case", "sweep"])
+def test_nothing_is_written_through_a_link_that_somebody_else_has_planted(inside, planted, sweeps):
+    """To a file, or to a directory where work would lie; the directory of results itself may be a link."""
+    inside.scene("a", FEW, *sweeps)
+    treasure = inside.directory / "treasure"
+    link = inside.directory / planted
+    link.parent.mkdir(exist_ok=True)
+    if planted.endswith(".nc"):
+        treasure.write_text("kept")
+    else:
+        treasure.mkdir()
+    link.symlink_to(treasure)
+    ended = inside.beamwave("run", "a.nml", "--overwrite")
+    if planted == "output":
+        assert ended.returncode == 0, ended.stderr
+        assert inside.left("treasure") == ["a.nc"]
+    elif treasure.is_file():
+        assert treasure.read_text() == "kept"
+    else:
+        assert inside.left("treasure") == []
 
 
 @pytest.mark.parametrize("command", ["run", "accuracy", "effects"])
