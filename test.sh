@@ -22,6 +22,8 @@ mpi_compiles() {
 }
 
 lock
+leave_nothing
+[ -z "$scratch" ] || export TMPDIR=$scratch
 left_out=
 mpi_compiles || apt_install libopenmpi-dev openmpi-bin || say 'no MPI: its tests will be skipped'
 without_sanitizers=
@@ -38,12 +40,12 @@ for preset in "${presets[@]}"; do
   say "testing the preset $preset"
   hard_cases=build/${preset#default}/tests/numbers/hard_cases.md  # what the test `numbers` measures
   rm -f "$hard_cases"
-  ctest --preset "$preset" --no-tests=error "$@" 9>&- || failed+=("$preset")
+  in_group ctest --preset "$preset" --no-tests=error "$@" || failed+=("$preset")
   [ ! -f "$hard_cases" ] || cat "$hard_cases"
 done
 if [ -z "$without_sanitizers" ]; then
   say 'testing the preset sanitize: the fuzz of the scene reader'
-  ctest --preset sanitize -L '^fuzz$' "$@" 9>&- || failed+=(sanitize)
+  in_group ctest --preset sanitize -L '^fuzz$' "$@" || failed+=(sanitize)
 fi
 [ -z "$without_sanitizers" ] || say 'the compiler has no sanitizers: the fuzz with them was left out'
 [ -z "$left_out" ] || say "$left_out"

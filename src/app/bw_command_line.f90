@@ -102,7 +102,7 @@ contains
       i = i + 1
       value = argument(i)
     end if
-    if (value == '') call fail(error, status_bad_input, 'beamwave: '//word//' needs a value')
+    if (len(value) == 0) call fail(error, status_bad_input, 'beamwave: '//word//' needs a value')
   end subroutine take_value
 
   subroutine set_value(command, name, value, error)

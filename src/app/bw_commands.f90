@@ -2,12 +2,14 @@ module bw_commands
   !! The commands of the program. Each returns an exit status.
   use bw_command_line, only: command_type
   use bw_console, only: print_error, print_report, print_warning
-  use bw_crew, only: crew_type
-  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
-  use bw_kinds, only: dp
+  use bw_descriptors, only: is_terminal, standard_error, standard_output
+  use bw_error, only: error_type, fail, status_bad_file, status_done, status_not_trusted, status_stopped
+  use bw_kinds, only: dp, i4
   use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
-  use bw_posix, only: is_terminal, pause, standard_error, standard_output
+  use bw_process, only: pause
+  use bw_process_group, only: process_group
   use bw_result_layout, only: result_layout, layout_of
   use bw_outcome, only: outcome_type
   use bw_run_scene, only: run_scene
@@ -30,41 +32,64 @@ module bw_commands
 
 contains
 
-  integer function run_command(command, crew) result(status)
+  integer function run_command(command, group) result(status)
     !! Run every good scene; the status is the highest of any. Called by all processes; only the leader speaks.
     type(command_type), intent(in) :: command
-    class(crew_type), intent(inout) :: crew
+    class(process_group), intent(inout) :: group
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
     real(dp) :: deadline
-    integer :: i, count, stop
+    type(error_type), allocatable :: error
+    integer(i4), allocatable :: stop(:)            ! of one number: 1 where the leader has to stop
+    integer :: i, count
     deadline = huge(1.0_dp)
     if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
-    progress = terminal_progress_to(deadline, command%quiet .or. .not. crew%leads())
-    call read_and_list(command, crew%leads(), scenes, count, status)
+    progress = terminal_progress_to(deadline, command%quiet .or. .not. group%leads())
+    call read_and_list(command, group%leads(), scenes, count, status)
+    call agree_on_scenes(group, count, error)
+    if (allocated(error)) then
+      if (group%leads()) call print_error(error)
+      status = error%status
+      return
+    end if
     do i = 1, count
-      stop = merge(1, 0, progress%stop_requested())
-      call crew%agree(stop)
-      if (stop == 1) then
-        if (crew%leads()) call print_warning('beamwave: stopped before '//scenes(i)%file// &
+      stop = [merge(1_i4, 0_i4, progress%stop_requested())]
+      call group%share(stop)
+      if (stop(1) == 1) then
+        if (group%leads()) call print_warning('beamwave: stopped before '//scenes(i)%file// &
                                              '; the same command goes on from there')
         status = max(status, status_stopped)
         return
       end if
-      status = max(status, run_one(command, scenes(i), crew, progress))
+      status = max(status, run_one(command, scenes(i), group, progress))
     end do
   end function run_command
 
-  integer function run_one(command, scene, crew, progress) result(status)
+  subroutine agree_on_scenes(group, count, error)
+    !! **Errors**: one of the processes could not read what the leader has read. All get it.
+    class(process_group), intent(inout) :: group
+    integer, intent(in) :: count                   !! of good scenes
+    type(error_type), allocatable, intent(out) :: error
+    integer(i4), allocatable :: counts(:)
+    real(dp) :: nothing(0)
+    counts = [count]
+    call group%share(counts)
+    if (count /= counts(1)) call fail(error, status_bad_file, 'beamwave: process '//text_of(group%number)//' of '// &
+      text_of(group%processes)//' reads '//text_of(count)//' good scenes, the first one '//text_of(counts(1))// &
+      ': a file could not be read')
+    call group%collect(nothing, error)
+  end subroutine agree_on_scenes
+
+  integer function run_one(command, scene, group, progress) result(status)
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
-    class(crew_type), intent(inout) :: crew
+    class(process_group), intent(inout) :: group
     type(terminal_progress), intent(inout) :: progress
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
-    call run_scene(scene, command%output, command%overwrite, crew, progress, outcome, error)
+    call run_scene(scene, command%output, command%overwrite, group, progress, outcome, error)
     status = outcome%status
-    if (crew%leads()) status = print_outcome(command, crew%processes, scene, outcome, error)
+    if (group%leads()) status = print_outcome(command, group%processes, scene, outcome, error)
   end function run_one
 
   integer function print_outcome(command, processes, scene, outcome, error) result(status)
@@ -128,32 +153,41 @@ contains
     !! Say what each good scene would simulate; list what is wrong with the others.
     type(command_type), intent(in) :: command
     type(scene_type), allocatable :: scenes(:)
+    type(terminal_progress) :: progress            ! shows nothing: it asks to stop after a signal
     type(result_layout) :: layout
     type(error_type), allocatable :: error
-    character(:), allocatable :: planned
+    character(:), allocatable :: text
     integer :: i, count
+    progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
     call read_and_list(command, .true., scenes, count, status)
     do i = 1, count
       layout = layout_of(scenes(i))
-      call plan_tolerance(scenes(i), planned, error)
-      if (allocated(error)) then
+      call plan_tolerance(scenes(i), progress, text, error)
+      if (.not. allocated(error) .and. .not. command%quiet) text = scene_heading(scenes(i))// &
+        scene_summary(scenes(i), layout)//text//cost_summary(layout)// &
+        time_summary(scenes(i), layout, check_seconds/count, progress)
+      if (progress%stop_requested()) then
+        call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
+        status = max(status, status_stopped)
+        return
+      else if (allocated(error)) then
         call print_error(error)
         status = max(status, error%status)
       else if (.not. command%quiet) then
-        call print_report(scene_heading(scenes(i))//scene_summary(scenes(i), layout)//planned//cost_summary(layout)// &
-                          time_summary(scenes(i), layout, check_seconds/count))
+        call print_report(text)
       end if
     end do
   end function check_command
 
-  function time_summary(scene, layout, budget) result(text)
+  function time_summary(scene, layout, budget, monitor) result(text)
     !! What `check` says of the time.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                 !! of the estimate itself, s
+    class(monitor_type), intent(inout) :: monitor
     character(:), allocatable :: text
-    text = '  time       about '//expected_text(estimated_seconds(scene, layout, min(budget, most_check_seconds)))// &
-      ' on one core'
+    text = '  time       about '// &
+      expected_text(estimated_seconds(scene, layout, min(budget, most_check_seconds), monitor))//' on one core'
     if (layout%cases > 1) text = text//', shared by the processes of beamwave-mpi'
     text = text//new_line('a')
   end function time_summary
@@ -169,15 +203,17 @@ contains
     end if
   end function expected_text
 
-  subroutine plan_tolerance(scene, text, error)
+  subroutine plan_tolerance(scene, monitor, text, error)
     !! How many modes a tolerance takes, where there is one case to ask for.
     type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
     integer :: count
     text = ''
     if (.not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
-    call plan_case(scene, count, error)
+    call plan_case(scene, monitor, count, error)
+    if (monitor%stop_requested()) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
       'the polynomials of the Galerkin basis do not resolve the modes; every number of the case would be fill')
     text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')

@@ -3,9 +3,10 @@ module bw_main
   use bw_command_line, only: command_type, help_text, read_command_line
   use bw_commands, only: check_command, describe_command, run_command
   use bw_console, only: print_error, print_report, print_warning, report_lost
-  use bw_crew, only: crew_type
   use bw_error, only: error_type, status_bad_file, status_done
-  use bw_process, only: leave, use_one_thread, watch_over_process
+  use bw_kinds, only: dp
+  use bw_process, only: leave, open_standard_streams, settle_libraries, watch_over_process
+  use bw_process_group, only: process_group
   use bw_study_commands, only: study_command
   use bw_version_text, only: version_text
   implicit none (type, external)
@@ -14,31 +15,36 @@ module bw_main
 
 contains
 
-  subroutine main(crew)
+  subroutine main(group)
     !! All processes run scenes; the leader does everything else alone, and its exit status is that of all.
-    class(crew_type), intent(inout) :: crew
+    class(process_group), intent(inout) :: group
     type(command_type) :: command
     type(error_type), allocatable :: error
+    real(dp) :: nothing(0)
     integer :: status
-    call crew%join()
+    call open_standard_streams()
+    call group%join()
     call watch_over_process()
-    call use_one_thread()
     status = status_done
     call read_command_line(command, error)
+    if (.not. allocated(error)) then
+      if (any(command%name == [character(8) :: 'run', 'check', 'accuracy', 'effects'])) call settle_libraries(error)
+    end if
+    call group%collect(nothing, error)                ! what stops one process stops all
     if (allocated(error)) then
       status = error%status
-      if (crew%leads()) call print_error(error)
+      if (group%leads()) call print_error(error)
     else if (command%name == 'run') then
-      status = run_command(command, crew)
-    else if (crew%leads()) then
+      status = run_command(command, group)
+    else if (group%leads()) then
       status = lone_command(command)
     end if
     if (report_lost) then
       call print_warning('beamwave: standard output cannot be written')
       status = max(status, status_bad_file)
     end if
-    call crew%part()
-    if (.not. crew%leads()) status = status_done
+    call group%part()
+    if (.not. group%leads()) status = status_done
     call leave(status)
   end subroutine main
 

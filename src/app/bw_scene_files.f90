@@ -1,7 +1,7 @@
 module bw_scene_files
   !! The scenes that a command line names: files, and directories that stand for their *.nml.
   use bw_error, only: error_type, status_bad_file, status_bad_input, status_done
-  use bw_posix, only: files_in, is_directory
+  use bw_files, only: directory_is_there, files_in, reason
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene, stem
   use bw_text, only: append, string
@@ -49,15 +49,18 @@ contains
     type(string), allocatable, intent(out) :: paths(:)
     type(string), allocatable, intent(inout) :: messages(:)
     type(string), allocatable :: found(:)
-    integer :: i, j
+    integer :: i, j, problem
     allocate (paths(0))
     do i = 1, size(words)
-      if (is_directory(words(i)%text)) then
-        found = files_in(without_slash(words(i)%text), '.nml')
-        if (size(found) == 0) call append(messages, words(i)%text// &
-          ': no scenes in this directory; accepted: files *.nml')
+      if (directory_is_there(words(i)%text)) then
+        problem = files_in(words(i)%text, '.nml', found)
+        if (problem /= 0) then
+          call append(messages, words(i)%text//': this directory cannot be listed: '//reason(problem))
+        else if (size(found) == 0) then
+          call append(messages, words(i)%text//': no scenes in this directory; accepted: files *.nml')
+        end if
         do j = 1, size(found)
-          call append(paths, found(j)%text)
+          call append(paths, without_slash(words(i)%text)//'/'//found(j)%text)
         end do
       else
         call append(paths, words(i)%text)

@@ -1,8 +1,8 @@
 module bw_terminal_progress
   !! Progress on standard error: a bar on a terminal once a run takes longer than a second, lines in a log; and when to
   !! stop: after a signal, or when the time that was given is up.
+  use bw_descriptors, only: is_terminal, standard_error, write_text
   use bw_kinds, only: dp, i8
-  use bw_posix, only: is_terminal, standard_error, write_text
   use bw_process, only: stop_signal
   use bw_progress, only: progress_type
   use bw_stopwatch, only: wall_seconds
@@ -83,7 +83,7 @@ contains
     real(dp) :: part, new_part
     character(:), allocatable :: line
     integer :: filled
-    logical :: ignored
+    integer :: ignored
     part = (real(self%done, dp) + fraction)/real(self%cases, dp)
     new_part = (real(self%done - self%taken_over, dp) + fraction)/real(self%cases, dp)
     line = self%name//'  '//text_of(nint(100.0_dp*part))//' %'
@@ -120,7 +120,7 @@ contains
   subroutine end_scene(self)
     !! Take the bar off the screen.
     class(terminal_progress), intent(inout) :: self
-    logical :: ignored
+    integer :: ignored
     if (.not. self%bar_stands) return
     ignored = write_text(standard_error, achar(13)//achar(27)//'[K')
     self%bar_stands = .false.

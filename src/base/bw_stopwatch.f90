@@ -26,6 +26,7 @@ module bw_stopwatch
     procedure :: start
     procedure :: lap
     procedure :: rebook
+    procedure :: add_cpu
     procedure :: totals
     procedure :: set_totals
     procedure, private :: share_cpu
@@ -93,6 +94,14 @@ contains
     self%cpu(from) = self%cpu(from) - cpu
     self%cpu(to) = self%cpu(to) + cpu
   end subroutine rebook
+
+  pure subroutine add_cpu(self, stage, seconds)
+    !! Processor time of another process, which worked for this one.
+    class(stopwatch), intent(inout) :: self
+    integer, intent(in) :: stage
+    real(dp), intent(in) :: seconds
+    self%cpu(stage) = self%cpu(stage) + seconds
+  end subroutine add_cpu
 
   function totals(self) result(values)
     !! All that was booked, as numbers that can be summed over processes.

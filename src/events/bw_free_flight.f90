@@ -5,6 +5,7 @@ module bw_free_flight
   use bw_double_double, only: accurate_sum, to_dd, operator(*)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   use bw_signal, only: signal_type
   implicit none (type, external)
   private
@@ -27,7 +28,7 @@ contains
     if (allocated(free%damping)) gap%c(:free%count) = free%damping
   end function gap_of
 
-  subroutine fly(free, omega, longest, opening, state, found, out_of_range)
+  subroutine fly(free, omega, longest, opening, state, found, out_of_range, monitor)
     !! Free motion to the next contact.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: omega, longest
@@ -35,6 +36,7 @@ contains
     type(body_state), intent(inout) :: state
     logical, intent(out) :: found
     logical, intent(out) :: out_of_range
+    class(monitor_type), intent(inout), optional :: monitor   !! nothing is found where it asks to stop
     type(signal_type) :: gap
     type(body_state) :: arrived
     real(dp) :: left, time, start, passing
@@ -50,9 +52,9 @@ contains
     passing = 1.0e3_dp*finest*longest
     do
       if (start == 0.0_dp .and. order <= 3) then
-        call gap%first_zero(start, left, finest*longest, found, time, order)
+        call gap%first_zero(start, left, finest*longest, found, time, order, monitor)
       else
-        call gap%first_zero(max(start, passing), left, finest*longest, found, time)
+        call gap%first_zero(max(start, passing), left, finest*longest, found, time, monitor=monitor)
       end if
       if (.not. found) return
       arrived = state_at(free, omega, state, time)

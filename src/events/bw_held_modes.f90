@@ -8,6 +8,7 @@ module bw_held_modes
   use bw_double_double, only: to_dd, operator(-)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
   public :: held_modes
@@ -28,12 +29,13 @@ module bw_held_modes
 
 contains
 
-  subroutine held_modes(free, gamma, speed, held)
+  subroutine held_modes(free, gamma, speed, held, monitor)
     !! All modes that the beam's own allow.
     class(mode_set), intent(in) :: free        !! of the beam alone
     real(dp), intent(in) :: gamma              !! mass ratio > 0
     real(dp), intent(in) :: speed              !! angular velocity in the plane of the motion, else 0
     type(held_set), intent(out) :: held
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     real(dp), dimension(free%count) :: pole, weight, mixed
     real(dp) :: scale
     integer :: k, n
@@ -45,6 +47,7 @@ contains
     pole = 1.0_dp/(free%beta_squared%hi + speed**2)
     weight = free%tip*sqrt(pole/free%modal_mass)
     do k = 1, n
+      if (stops(monitor)) return
       mixed = distances(pole, gamma*weight**2, k)
       held%beta_squared(k) = to_dd(1.0_dp/(pole(closest(mixed)) - mixed(closest(mixed)))) - to_dd(speed**2)
       mixed = weight/mixed*sqrt(pole/free%modal_mass)
@@ -131,20 +134,23 @@ contains
     values = matmul(transpose(self%mixing(:, first:last)), self%free%shapes(xi))
   end function held_shapes
 
-  pure function held_overlap_of_beam(self, from, amplitude) result(sums)
+  function held_overlap_of_beam(self, from, amplitude, monitor) result(sums)
     class(held_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    sums = matmul(self%free%overlap_of_beam(from, amplitude), self%mixing)
+    sums = matmul(self%free%overlap_of_beam(from, amplitude, monitor), self%mixing)
   end function held_overlap_of_beam
 
-  pure function held_overlap_with_mass(self, from, amplitude) result(sums)
+  function held_overlap_with_mass(self, from, amplitude, monitor) result(sums)
     class(held_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    sums = self%overlap_of_beam(from, amplitude) + self%gamma*self%tip*dot_product(from%tip, amplitude)
+    sums = self%overlap_of_beam(from, amplitude, monitor) &
+      + self%gamma*self%tip*dot_product(from%tip(:size(amplitude)), amplitude)
   end function held_overlap_with_mass
 
   pure function held_elastic(self) result(squares)

@@ -4,6 +4,7 @@ module bw_kept_blows
   use bw_blow, only: blow_of, blow_type
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
   public :: find_blow
@@ -25,12 +26,13 @@ module bw_kept_blows
 
 contains
 
-  subroutine find_blow(free, loaded, gamma, e, profile_points, kept, blow)
+  subroutine find_blow(free, loaded, gamma, e, profile_points, monitor, kept, blow)
     !! `blow_of`, remembered where it can be.
     class(mode_set), intent(in) :: free
     class(mode_set), intent(in), optional :: loaded
     real(dp), intent(in) :: gamma, e
     integer, intent(in) :: profile_points
+    class(monitor_type), intent(inout) :: monitor  !! nothing is found, nor kept, where it asks to stop
     type(kept_blows), intent(inout) :: kept
     type(blow_type), intent(out) :: blow
     integer :: place, shapes(2)
@@ -41,7 +43,8 @@ contains
       blow = kept%blows(place)%blow
       return
     end if
-    call blow_of(free, loaded, gamma, e, profile_points, blow)
+    call blow_of(free, loaded, gamma, e, profile_points, monitor, blow)
+    if (monitor%stop_requested()) return
     if (shapes(1) == 0 .or. (present(loaded) .and. shapes(2) == 0)) return
     if (free%count + size(blow%modal_velocity) + profile_points > most_numbers) return
     if (.not. allocated(kept%blows)) allocate (kept%blows(most_blows))

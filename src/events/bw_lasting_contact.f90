@@ -9,6 +9,7 @@ module bw_lasting_contact
   use bw_held_modes, only: held_modes, held_set
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, stops
   use bw_signal, only: signal_type
   implicit none (type, external)
   private
@@ -40,7 +41,7 @@ contains
     end if
   end function stays
 
-  subroutine hold(free, gamma, omega, longest, held, state, event, courses, ends, out_of_range)
+  subroutine hold(free, gamma, omega, longest, held, state, event, courses, ends, out_of_range, monitor)
     !! A contact that lasts: beam and mass together until the force between them falls to zero, or to the end. A course more.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: gamma, omega, longest
@@ -50,10 +51,12 @@ contains
     type(course_type), allocatable, intent(inout) :: courses(:)  !! to which that of beam and mass together is added
     logical, intent(out) :: ends                  !! before the record does
     logical, intent(inout) :: out_of_range        !! set where the motion grows so much that the search ended
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(signal_type) :: force
     real(dp), dimension(free%count) :: z, z_rate
     real(dp) :: left, time, before, swept
-    if (held%count == 0) call held_modes(free, gamma, omega, held)
+    if (held%count == 0) call held_modes(free, gamma, omega, held, monitor)
+    if (stops(monitor)) return
     before = state%speed + event%impulse/gamma             ! of the mass, when it arrived
     call held%take(state%q, state%rate, state%place, state%speed, z, z_rate)
     call append_course(courses, held_at_tip, state%time, z, z_rate)
@@ -63,9 +66,9 @@ contains
     if (.not. leaves_range(held, to_dd(left))) then
       force = force_of(held, omega, z, z_rate)
       if (force%start > 0.0_dp) then
-        call force%first_zero(0.0_dp, left, finest*longest, ends, time)
+        call force%first_zero(0.0_dp, left, finest*longest, ends, time, monitor=monitor)
       else
-        call force%first_zero(0.0_dp, left, finest*longest, ends, time, opening=1)
+        call force%first_zero(0.0_dp, left, finest*longest, ends, time, opening=1, monitor=monitor)
       end if
       swept = dot_product(held%tip, integral(held, z, z_rate, to_dd(time)))
       call move(held, to_dd(time), z, z_rate)

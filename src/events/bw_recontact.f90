@@ -13,6 +13,7 @@ module bw_recontact
   use bw_kinds, only: dp
   use bw_lasting_contact, only: hold, stays
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
   public :: follow_contacts
@@ -29,7 +30,7 @@ module bw_recontact
 
 contains
 
-  subroutine follow_contacts(free, gamma, restitution, omega, start_rate, mass_rate, longest, most, contacts)
+  subroutine follow_contacts(free, gamma, restitution, omega, start_rate, mass_rate, longest, most, contacts, monitor)
     !! From the state just after the impact.
     class(mode_set), intent(in) :: free           !! modes of the beam alone
     real(dp), intent(in) :: gamma, restitution    !! γ > 0, e
@@ -39,6 +40,7 @@ contains
     real(dp), intent(in) :: longest               !! the record
     integer, intent(in) :: most                   !! contacts that are followed
     type(contacts_type), intent(out) :: contacts
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(body_state) :: state
     type(event_type) :: event
     logical :: ends, found, pressed
@@ -49,9 +51,11 @@ contains
     if (stays(free, restitution, omega, longest, state)) call begin_contact(state, event, pressed)
     opening = 1
     do
+      if (stops(monitor)) return
       if (pressed) then
         if (.not. allocated(contacts%held)) allocate (contacts%held)
-        call hold(free, gamma, omega, longest, contacts%held, state, event, contacts%courses, ends, contacts%out_of_range)
+        call hold(free, gamma, omega, longest, contacts%held, state, event, contacts%courses, ends, contacts%out_of_range, &
+                  monitor)
         contacts%lasting = .not. ends
         contacts%events = [contacts%events, event]
         if (contacts%lasting) exit
@@ -60,7 +64,7 @@ contains
       if (.not. pressed .or. opening == 3) then
         call append_course(contacts%courses, free_modes, state%time, state%q, state%rate)
       end if
-      call fly(free, omega, longest, opening, state, found, contacts%out_of_range)
+      call fly(free, omega, longest, opening, state, found, contacts%out_of_range, monitor)
       if (.not. found) exit
       if (size(contacts%events) == most) then
         contacts%cut = .true.

@@ -10,6 +10,7 @@ module bw_release
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
   public :: release_mass, mass_energy
@@ -34,7 +35,7 @@ module bw_release
 
 contains
 
-  pure type(release_type) function release_mass(loaded, q, rate, free, speed, rest) result(release)
+  type(release_type) function release_mass(loaded, q, rate, free, speed, rest, monitor) result(release)
     !! Displacement and velocity of the beam go on as they were, the mass leaves with the tip's velocity. Where modes far
     !! above those of the beam alone are not there, all of them together are the blow −γφ_i(1) times what they add at the
     !! tip (bw_tip_rest).
@@ -43,12 +44,13 @@ contains
     class(mode_set), intent(in) :: free          !! modes of the beam alone
     real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
     type(tip_rest), intent(in), optional :: rest !! absent: the modes are what there is, however few
+    class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
     real(dp) :: tip_displacement, tip_velocity, body(2)
     tip_displacement = dot_product(loaded%tip, q)
     tip_velocity = dot_product(loaded%tip, rate)
     allocate (release%q(free%count), release%rate(free%count))
-    release%q = free%overlap_of_beam(loaded, q)/free%modal_mass
-    release%rate = free%overlap_of_beam(loaded, rate)/free%modal_mass
+    release%q = free%overlap_of_beam(loaded, q, monitor)/free%modal_mass
+    release%rate = free%overlap_of_beam(loaded, rate, monitor)/free%modal_mass
     if (present(rest)) then
       release%q = release%q - loaded%gamma*rest%displacement*free%tip/free%modal_mass
       release%rate = release%rate - loaded%gamma*rest%velocity*free%tip/free%modal_mass
@@ -66,20 +68,11 @@ contains
         event%energy_before = rest%energy
         event%energy_after = rest%energy
       end if
-      event%momentum_before = dot_product(first_seen(loaded, free), rate)/free%tip(1)
+      event%momentum_before = dot_product(loaded%overlap_with_mass(free, [1.0_dp]), rate)/free%tip(1)
       event%momentum_after = free%modal_mass(1)*release%rate(1)/free%tip(1) + loaded%gamma*tip_velocity
       release%energy_lost = event%energy_before - event%energy_after
     end associate
   end function release_mass
-
-  pure function first_seen(loaded, free) result(sums)
-    !! What the first mode of the beam alone is to the modes with the mass: ∫Φ̄_kφ_1 dξ + γΦ̄_k(1)φ_1(1).
-    class(mode_set), intent(in) :: loaded, free
-    real(dp) :: sums(loaded%count), first(free%count)
-    first = 0.0_dp
-    first(1) = 1.0_dp
-    sums = loaded%overlap_with_mass(free, first)
-  end function first_seen
 
   elemental real(dp) function mass_energy(gamma, displacement, velocity, speed) result(energy)
     !! ½γ(v² − ω²y²).

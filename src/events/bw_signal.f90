@@ -7,6 +7,7 @@ module bw_signal
   use bw_kinds, only: dp
   use bw_modal_flow, only: flow
   use bw_modal_increment, only: increment
+  use bw_monitor, only: monitor_type, stops
   use bw_safe_step, only: instant, instant_of, quarter, safe_step
   implicit none (type, external)
   private
@@ -25,6 +26,7 @@ module bw_signal
   end type signal_type
 
   integer, parameter :: most_steps = 20000000      !! no search here takes nearly as many
+  integer, parameter :: between_questions = 64     !! steps, of some µs each even with few modes
 
 contains
 
@@ -63,7 +65,7 @@ contains
     bound = sum(start%reach*start%rate**order)
   end function bound
 
-  pure subroutine first_zero(self, start, longest, resolution, found, time, opening)
+  subroutine first_zero(self, start, longest, resolution, found, time, opening, monitor)
     !! The first time after `start`, within `resolution`, at which the signal falls to zero.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: start                  !! ≥ 0; the signal is positive there, or `opening` says that it rises
@@ -73,6 +75,7 @@ contains
     real(dp), intent(out) :: time                  !! `longest` where none was found
     integer, intent(in), optional :: opening
       !! at time 0 the signal and its derivatives below this order are zero, and this one is positive
+    class(monitor_type), intent(inout), optional :: monitor   !! none is found where it asks to stop
     real(dp) :: u(size(self%u)), u_dot(size(self%u)), step, lower, now
     integer :: i
     found = .false.
@@ -81,6 +84,9 @@ contains
     if (present(opening)) call open_signal(self, opening, longest, time, lower)
     do i = 1, most_steps
       if (time >= longest) exit
+      if (mod(i, between_questions) == 0) then
+        if (stops(monitor)) exit
+      end if
       call self%at(to_dd(time), u, u_dot)
       now = max(accurate_increment(self, time), lower)
       lower = 0.0_dp

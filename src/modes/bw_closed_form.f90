@@ -7,6 +7,7 @@ module bw_closed_form
   use bw_frequency_equation, only: highest_mode, root_type
   use bw_kept_modes, only: chunk, kept_modes, kept_set
   use bw_mode_set, only: mode_set, mode_source, terms_of_set
+  use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: light_modes, near_modes, root_values, solve_roots
@@ -37,7 +38,7 @@ module bw_closed_form
 
 contains
 
-  pure type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
+  type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
     !! The first `count` modes; γ = 0 is the beam alone.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
@@ -47,7 +48,7 @@ contains
     call set_modes([(k, k=1, count)], gamma, omega, longest, modes)
   end function closed_form_modes
 
-  pure subroutine set_modes(number, gamma, omega, longest, modes)
+  subroutine set_modes(number, gamma, omega, longest, modes, monitor)
     !! Modes of any numbers, in their order.
     integer, intent(in) :: number(:)       !! k ≥ 1, ascending
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
@@ -56,6 +57,7 @@ contains
     real(dp), intent(in), optional :: longest
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(closed_form_set), intent(out) :: modes
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     type(shape_type) :: shape(chunk)
     type(dd) :: alpha(chunk)
     integer :: first, last, m
@@ -67,6 +69,8 @@ contains
       alpha(:m) = root_values(shape(:m)%root)
       call refine_roots(shape(:m)%root, is_coarse(shape(:m)%root%rest, alpha(:m)%hi, omega, longest), alpha(:m))
       call set_some(first, last, shape(:m), alpha(:m), omega, modes)
+      if (present(monitor)) call monitor%advance(real(last, dp)/size(number))
+      if (stops(monitor)) return
     end do
   end subroutine set_modes
 
@@ -162,54 +166,33 @@ contains
     if (knows) knows = all(self%known_at == xi)
   end function knows
 
-  pure function overlap_with_mass(self, from, amplitude) result(sums)
+  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    integer :: first, last
     select type (from)
     class is (closed_form_set)
-      associate (free => shapes_in_parts(from%root))
-        do first = 1, self%count, chunk
-          last = min(first + chunk - 1, self%count)
-          sums(first:last) = overlap_with_tip_mass(shapes_of(self%root(first:last)), free, amplitude)
-        end do
-      end associate
+      sums = overlap_with_tip_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
     class default
       error stop 'bw_closed_form: modes found in different ways have no overlap'
     end select
   end function overlap_with_mass
 
-  pure function overlap_of_beam(self, from, amplitude) result(sums)
+  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    integer :: first, last
     select type (from)
     class is (closed_form_set)
-      associate (shape => shapes_in_parts(from%root))
-        do first = 1, self%count, chunk
-          last = min(first + chunk - 1, self%count)
-          sums(first:last) = overlap_without_mass(shapes_of(self%root(first:last)), shape, amplitude)
-        end do
-      end associate
+      sums = overlap_without_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
     class default
       error stop 'bw_closed_form: modes found in different ways have no overlap'
     end select
   end function overlap_of_beam
-
-  pure function shapes_in_parts(root) result(shape)
-    !! `shapes_of` of many, whose work then takes no memory.
-    type(root_type), intent(in) :: root(:)
-    type(shape_type) :: shape(size(root))
-    integer :: first, last
-    do first = 1, size(root), chunk
-      last = min(first + chunk - 1, size(root))
-      shape(first:last) = shapes_of(root(first:last))
-    end do
-  end function shapes_in_parts
 
   pure type(closed_form_source) function source_in_closed_form(gamma, omega) result(source)
     !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
@@ -220,11 +203,12 @@ contains
     if (present(omega)) source%omega = omega
   end function source_in_closed_form
 
-  subroutine find_in_closed_form(self, number, modes, longest)
+  subroutine find_in_closed_form(self, number, modes, longest, monitor)
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
     real(dp), intent(in), optional :: longest
+    class(monitor_type), intent(inout), optional :: monitor
     type(closed_form_set), allocatable :: found
     integer :: place
     logical :: is_kept
@@ -235,7 +219,7 @@ contains
       call self%kept%place(size(number), self%gamma, place)
       call set_kept_modes(self%kept%sets(place), self%points, self%omega, longest, found)
     else
-      call set_modes(number, self%gamma, self%omega, longest, found)
+      call set_modes(number, self%gamma, self%omega, longest, found, monitor)
     end if
     call found%damp(self%damping)
     call move_alloc(found, modes)

@@ -8,6 +8,7 @@ module bw_galerkin
   use bw_galerkin_set, only: galerkin_set, tip_body
   use bw_local_waves, only: find_waves
   use bw_missing, only: missing
+  use bw_monitor, only: monitor_type
   use bw_strain_basis, only: tip_value
   use bw_strain_modes, only: solve_strain_modes, strain_modes
   implicit none (type, external)
@@ -19,14 +20,15 @@ module bw_galerkin
 
 contains
 
-  subroutine galerkin_modes(operator, count, set)
+  subroutine galerkin_modes(operator, count, set, monitor)
     !! The first `count` modes.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count                   !! ≥ 1
     type(galerkin_set), intent(out) :: set
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
     type(strain_modes) :: modes
     integer :: rows
-    call solve_strain_modes(operator, count, modes)
+    call solve_strain_modes(operator, count, modes, monitor)
     set%count = count
     set%gamma = operator%gamma
     set%body = body_of(operator)

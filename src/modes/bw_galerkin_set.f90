@@ -4,6 +4,7 @@ module bw_galerkin_set
   use bw_kinds, only: dp
   use bw_damping, only: damping_law
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   use bw_strain_basis, only: basis_values, integral
   implicit none (type, external)
   private
@@ -46,28 +47,32 @@ contains
     end do
   end function galerkin_shapes
 
-  pure function overlap_of_beam(self, from, amplitude) result(sums)
+  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! The coefficients' products: p_j are orthonormal.
     class(galerkin_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor     ! not asked: it takes no time
     real(dp) :: sums(self%count)
     select type (from)
     class is (galerkin_set)
       sums = products(self%deflection, from%deflection, amplitude)
       if (allocated(self%turning)) sums = sums + products(self%turning, from%turning, amplitude)
+      if (present(monitor)) continue
     class default
       error stop 'bw_galerkin: modes found in different ways have no overlap'
     end select
   end function overlap_of_beam
 
-  pure function overlap_with_mass(self, from, amplitude) result(sums)
+  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! A body's rotary inertia has no part: it arrives without spin.
     class(galerkin_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    sums = self%overlap_of_beam(from, amplitude) + self%gamma*self%tip*sum(from%tip*amplitude)
+    sums = self%overlap_of_beam(from, amplitude, monitor) &
+      + self%gamma*self%tip*sum(from%tip(:size(amplitude))*amplitude)
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)
@@ -126,7 +131,7 @@ contains
     real(dp) :: sums(size(onto, 2))
     integer :: n
     n = min(size(onto, 1), size(from, 1))
-    sums = matmul(matmul(from(:n, :), amplitude), onto(:n, :))
+    sums = matmul(matmul(from(:n, :size(amplitude)), amplitude), onto(:n, :))
   end function products
 
 end module bw_galerkin_set

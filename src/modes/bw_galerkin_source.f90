@@ -5,6 +5,7 @@ module bw_galerkin_source
   use bw_galerkin, only: galerkin_modes
   use bw_galerkin_set, only: galerkin_set
   use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
   public :: galerkin_source_of
@@ -17,12 +18,13 @@ module bw_galerkin_source
 
 contains
 
-  subroutine galerkin_source_of(operator, count, source)
+  subroutine galerkin_source_of(operator, count, source, monitor)
     !! The first `count` modes, and none beyond them.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     type(galerkin_source), intent(out) :: source
-    call galerkin_modes(operator, count, source%solved)
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
+    call galerkin_modes(operator, count, source%solved, monitor)
     source%gamma = operator%gamma
     source%highest = count
     source%decay = decay_of(operator, count)
@@ -41,12 +43,13 @@ contains
     if (alpha**2 < operator%tension(1)) decay = 2.0_dp
   end function decay_of
 
-  subroutine find_among_solved(self, number, modes, longest)
-    !! `longest` has no use here: β² has the digits that it has.
+  subroutine find_among_solved(self, number, modes, longest, monitor)
+    !! `longest` has no use here: β² has the digits that it has. Nor has the monitor: all is found already.
     class(galerkin_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
     real(dp), intent(in), optional :: longest
+    class(monitor_type), intent(inout), optional :: monitor
     type(galerkin_set), allocatable :: found
     allocate (found)
     associate (all => self%solved)
@@ -66,7 +69,7 @@ contains
       if (allocated(all%turning)) found%turning = all%turning(:, number)
     end associate
     call found%damp(self%damping)
-    if (present(longest)) continue
+    if (present(longest) .or. present(monitor)) continue
     call move_alloc(found, modes)
   end subroutine find_among_solved
 

@@ -4,6 +4,7 @@ module bw_kept_operators
   use bw_beam_operator, only: beam_operator
   use bw_double_double, only: dd
   use bw_galerkin_source, only: galerkin_source, galerkin_source_of
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
 
@@ -26,12 +27,13 @@ module bw_kept_operators
 
 contains
 
-  subroutine find_source(self, operator, count, source)
+  subroutine find_source(self, operator, count, source, monitor)
     !! `galerkin_source_of`, remembered where there is room.
     class(kept_operators), intent(inout) :: self
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     type(galerkin_source), intent(out) :: source
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found, nor kept, where it asks to stop
     integer :: place
     if (.not. allocated(self%list)) allocate (self%list(most_operators))
     do place = 1, min(self%found, most_operators)
@@ -40,7 +42,8 @@ contains
       source = self%list(place)%source
       return
     end do
-    call galerkin_source_of(operator, count, source)
+    call galerkin_source_of(operator, count, source, monitor)
+    if (stops(monitor)) return
     if (count > most_modes) return
     place = 1 + mod(self%found, most_operators)
     self%list(place)%operator = operator

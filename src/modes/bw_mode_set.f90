@@ -6,6 +6,7 @@ module bw_mode_set
   use bw_kinds, only: dp
   use bw_damping, only: damping_law
   use bw_double_double, only: dd, sqrt, operator(-)
+  use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
   public :: terms_of_set, first_numbers
@@ -58,26 +59,28 @@ module bw_mode_set
       real(dp) :: values(last - first + 1, size(xi))   !! (modes, points)
     end function shapes_interface
 
-    pure function overlap_interface(self, from, amplitude) result(sums)
+    function overlap_interface(self, from, amplitude, monitor) result(sums)
       !! What these modes see of a motion Σ_i a_iφ_i written in others: the sums over i of the weighted integrals of
       !! Φ_kφ_i, times a_i. Divided by the modal masses they are the motion's projection on these modes.
       !! **Limits**: both sets were found in the same way, for the same beam.
-      import :: mode_set, dp
+      import :: mode_set, monitor_type, dp
       implicit none (type, external)
       class(mode_set), intent(in) :: self
       class(mode_set), intent(in) :: from         !! modes φ_i
-      real(dp), intent(in) :: amplitude(:)        !! a_i, (from%count)
+      real(dp), intent(in) :: amplitude(:)        !! a_i of the first of them; the others are at rest
+      class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
       real(dp) :: sums(self%count)
     end function overlap_interface
 
-    subroutine find_interface(self, number, modes, longest)
-      import :: mode_set, mode_source, dp
+    subroutine find_interface(self, number, modes, longest, monitor)
+      import :: mode_set, mode_source, monitor_type, dp
       implicit none (type, external)
       class(mode_source), intent(in) :: self
       integer, intent(in) :: number(:)            !! 1 ≤ k ≤ `highest`, ascending
       class(mode_set), allocatable, intent(out) :: modes
       real(dp), intent(in), optional :: longest
         !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
+      class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     end subroutine find_interface
 
     pure function elastic_interface(self) result(squares)

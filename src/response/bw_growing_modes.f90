@@ -74,8 +74,8 @@ contains
     log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
   end function log_of_sum
 
-  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
-    !! Adds one mode's motion to the first `samples` samples.
+  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity, first)
+    !! Adds one mode's motion to the samples up to number `samples`.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: q, q_dot
     real(dp), intent(in) :: shapes(:)
@@ -83,10 +83,13 @@ contains
     integer, intent(in) :: samples               !! at most those of `find_overflow`
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
+    integer, intent(in), optional :: first       !! sample, from 1; absent: of all
     type(dd) :: rate, time, x
-    integer :: j
+    integer :: j, begin
     rate = sqrt(-beta_squared)
-    do j = 1, samples
+    begin = 1
+    if (present(first)) begin = first
+    do j = begin, samples
       time = grid%step*real(j - 1, dp)
       x = rate*time
       displacement(j, :) = displacement(j, :) + displacement_at(x, time%hi, rate%hi, q, q_dot, shapes)

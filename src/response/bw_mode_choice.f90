@@ -17,7 +17,8 @@ module bw_mode_choice
   integer, parameter, public :: first_modes = 64   !! the least number: enough to know the peak of the motion
   integer, parameter, public :: most_modes = 10000000
   integer, parameter, public :: most_released = 10000
-    !! modes that a state is handed on to when the mass leaves, each from each: the square of their number, some seconds
+    !! modes that move after a release. More would bring a tolerance down to half at best: then what 10⁷ modes lack of the
+    !! tip's velocity when the mass leaves is what is missing (bw_tip_rest)
   real(dp), parameter :: aim = 0.93_dp          !! of the bound, for the next try
   real(dp), parameter :: near = 0.85_dp         !! of the bound, tuned: no try follows; 6 % of the modes are one too many
   integer, parameter :: fineness = 32           !! as near as the modes that are sampled tell

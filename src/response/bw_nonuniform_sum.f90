@@ -15,6 +15,7 @@ module bw_nonuniform_sum
   !! doi:10.1137/18M120885X.
   use bw_kinds, only: dp, i8
   use bw_double_double, only: dd, dd_pi, rounder, operator(*), operator(/)
+  use bw_monitor, only: monitor_type, stops
   use bw_samples_of_grid, only: add_samples, fold_ends
   use bw_sine_sum, only: sine_sum_plan
   use bw_spread, only: rows_of, spread_modes
@@ -92,17 +93,19 @@ contains
     self%start_dot = self%start
   end subroutine open_sum
 
-  subroutine close_sum(self, displacement, velocity)
+  subroutine close_sum(self, displacement, velocity, monitor)
     !! Adds the samples to histories.
     class(nonuniform_sum), intent(inout) :: self
     real(dp), intent(inout), contiguous :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional, contiguous :: velocity(:, :)
+    class(monitor_type), intent(inout), optional :: monitor     !! the histories mean nothing where it asks to stop
     logical :: cosine(size(self%spectra, 2))
     integer :: kind, skip
     cosine = [(spread(of_cosines(kind), 1, merge(self%points, 0, self%with(kind))), kind=1, 4)]
     call fold_ends(self%half, self%kernel%width, cosine, self%spectra)
     skip = self%kernel%width/2
-    call self%plan%transform(self%half, cosine, skip, self%spectra)
+    call self%plan%transform(self%half, cosine, skip, self%spectra, monitor)
+    if (stops(monitor)) return
     do kind = 1, 4
       if (.not. self%with(kind)) cycle
       associate (grids => self%spectra(:, first_of(self, kind):first_of(self, kind) + self%points - 1))

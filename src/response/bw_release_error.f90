@@ -11,6 +11,7 @@ module bw_release_error
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_monitor, only: monitor_type, stops
   use bw_reach, only: damped_reach, stretch_type, turns
   use bw_release, only: tip_rest
   use bw_tip_rest, only: find_tip_rest
@@ -101,7 +102,7 @@ contains
     reach = sums%growing + sums%magnitude
   end function blow_reach
 
-  function release_error(q, rate, loaded, alone, count, force, released, points, stretch, velocity) result(error)
+  function release_error(q, rate, loaded, alone, count, force, released, points, stretch, velocity, monitor) result(error)
     !! Estimates of the largest error over the samples after the release, (points).
     real(dp), intent(in) :: q(:), rate(:)         !! state of the beam alone just after the release, (modes)
     class(mode_source), intent(in) :: loaded      !! modes with the mass
@@ -112,6 +113,7 @@ contains
     real(dp), intent(in) :: points(:)             !! ξ, (points)
     type(stretch_type), intent(in) :: stretch     !! after it, times from the release
     logical, intent(in) :: velocity               !! of the velocity, else of the displacement
+    class(monitor_type), intent(inout), optional :: monitor   !! the estimates mean nothing where it asks to stop
     real(dp) :: error(size(points))
     class(mode_set), allocatable :: many, free
     type(deviation_type) :: sums(size(points))
@@ -123,15 +125,16 @@ contains
     if (force == 0.0_dp) return
     n = max(count, size(q))
     n = min(max(fewest, min(4*n, n + most_more)), loaded%highest, alone%highest)
-    call loaded%find(first_numbers(n), many)
-    call alone%find(first_numbers(n), free)
+    call loaded%find(first_numbers(n), many, monitor=monitor)
+    call alone%find(first_numbers(n), free, monitor=monitor)
+    if (stops(monitor)) return
     allocate (start(n), source=0.0_dp)
     start_rate = force*many%tip/many%modal_mass
     usual = sqrt(0.5_dp*sum((many%tip(count + 1:)*start_rate(count + 1:))**2))    ! were the phases random
-    call find_tip_rest(loaded, force, n, released, tip_share*usual, rest, highest=tip_times*n)
+    call find_tip_rest(loaded, force, n, released, tip_share*usual, rest, highest=tip_times*n, monitor=monitor)
     call move(many, released, start, start_rate)
-    lacking = (free%overlap_of_beam(many, start) - loaded%gamma*rest%displacement*free%tip)/free%modal_mass
-    lacking_rate = (free%overlap_of_beam(many, start_rate) - loaded%gamma*rest%velocity*free%tip)/free%modal_mass
+    lacking = (free%overlap_of_beam(many, start, monitor) - loaded%gamma*rest%displacement*free%tip)/free%modal_mass
+    lacking_rate = (free%overlap_of_beam(many, start_rate, monitor) - loaded%gamma*rest%velocity*free%tip)/free%modal_mass
     lacking(:size(q)) = lacking(:size(q)) - q
     lacking_rate(:size(q)) = lacking_rate(:size(q)) - rate
     first = 0.0_dp

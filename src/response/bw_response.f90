@@ -89,7 +89,7 @@ contains
       else
         call add_stable(modes, displaced, rate, points, grid, monitor, own, response)
       end if
-      call add_growing(modes, displaced, rate, points, grid, unit_time, response)
+      call add_growing(modes, displaced, rate, points, grid, unit_time, monitor, response)
     end if
   end subroutine add_motion
 
@@ -114,7 +114,9 @@ contains
     type(nonuniform_sum), intent(inout) :: sum
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
+    type(part_monitor) :: part
     logical :: turns(modes%count), left(modes%count)
+    part = part_monitor(monitor)
     turns = turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), grid)
     choice = chosen_sum(count(turns), grid%samples, histories_of(response), sum_tolerance)
     response%sum_error = response%sum_error + error_of_sum(choice, grid%samples)
@@ -124,11 +126,11 @@ contains
                            response%velocity)
       if (monitor%stop_requested()) return
       left = modes%beta_squared%hi > 0.0_dp .and. .not. turns
+      part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! of few modes
     else
       left = modes%beta_squared%hi > 0.0_dp
     end if
-    if (any(left)) call add_products(modes, left, displaced, rate, points, grid, monitor, response%displacement, &
-                                     response%velocity)
+    if (any(left)) call add_products(modes, left, displaced, rate, points, grid, part, response%displacement, response%velocity)
   end subroutine add_stable
 
   subroutine add_damped(modes, displaced, rate, points, grid, unit_time, monitor, response)
@@ -172,7 +174,7 @@ contains
     up = slow_exponent(beta_squared(k), c(k))
     down = fast_exponent(beta_squared(k), c(k))
     growing = (rate(k) - down*q(k))/(up%hi - down)
-    call add_some_growing(number(k), -(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, response)
+    call add_some_growing(number(k), -(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, monitor, response)
   end subroutine add_some_damped
 
   elemental logical function turns_in_record(beta, grid)
@@ -189,13 +191,14 @@ contains
     if (allocated(response%velocity)) histories_of = 2*histories_of
   end function histories_of
 
-  pure subroutine add_growing(modes, displaced, rate, points, grid, unit_time, response)
+  subroutine add_growing(modes, displaced, rate, points, grid, unit_time, monitor, response)
     !! Modes at or beyond their critical speed.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in), optional :: displaced(:)
     real(dp), intent(in) :: rate(:), points(:)
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: unit_time
+    class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     real(dp), allocatable :: shapes(:, :)
     integer, allocatable :: k(:)
@@ -203,28 +206,33 @@ contains
     k = numbers_of(modes%beta_squared%hi <= 0.0_dp)
     shapes = modes%some_shapes(k(1), k(size(k)), points)
     call add_some_growing(k, modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), grid, unit_time, &
-                          response)
+                          monitor, response)
   end subroutine add_growing
 
-  pure subroutine add_some_growing(number, beta_squared, q, rate, shapes, grid, unit_time, response)
+  subroutine add_some_growing(number, beta_squared, q, rate, shapes, grid, unit_time, monitor, response)
     !! Up to the first sample at which their sum overflows, or a velocity in m/s.
     integer, intent(in) :: number(:)             !! of the modes
     type(dd), intent(in) :: beta_squared(:)      !! none above 0
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(time_grid), intent(in) :: grid
     real(dp), intent(in) :: unit_time
+    class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     real(dp), allocatable :: velocity_limit        ! absent: no velocity is asked for
-    integer :: k, finite, failing
+    integer, parameter :: block = 4096           ! samples
+    integer :: first, k, finite, failing
     if (allocated(response%velocity)) velocity_limit = log_huge + min(0.0_dp, log(unit_time))
     call find_overflow(beta_squared, q, rate, shapes, grid, log_huge, velocity_limit, finite, failing)
     if (finite < response%finite_samples) then
       response%finite_samples = finite
       response%failing_mode = number(failing)
     end if
-    do k = 1, size(q)
-      call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), grid, response%finite_samples, &
-                            response%displacement, response%velocity)
+    do first = 1, response%finite_samples, block
+      do k = 1, size(q)
+        if (monitor%stop_requested()) return
+        call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), grid, min(first + block - 1, response%finite_samples), &
+                              response%displacement, response%velocity, first)
+      end do
     end do
   end subroutine add_some_growing
 

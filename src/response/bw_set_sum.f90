@@ -82,9 +82,9 @@ contains
         if (monitor%stop_requested()) return
       end do
       if (present(velocity)) then
-        call sum%close(displacement(:, p:e), velocity(:, p:e))
+        call sum%close(displacement(:, p:e), velocity(:, p:e), monitor)
       else
-        call sum%close(displacement(:, p:e))
+        call sum%close(displacement(:, p:e), monitor=monitor)
       end if
     end do
     call sum%shrink()

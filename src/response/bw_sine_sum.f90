@@ -11,6 +11,7 @@ module bw_sine_sum
   !! **Source**: Makhoul (1980), doi:10.1109/TASSP.1980.1163351.
   use, intrinsic :: iso_c_binding
   use bw_kinds, only: dp
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
   public :: next_fast_half, fine_turns, turns_of_block, pair_sums, middle_sum, quarter_sums
@@ -56,7 +57,7 @@ contains
     end do
   end function next_fast_half
 
-  subroutine transform_columns(self, half, cosines, skip, values)
+  subroutine transform_columns(self, half, cosines, skip, values, monitor)
     !! In, after the first rows: x_m, m = 0 … n − 1. Out: Z_j, j = 0 … n/2 − 1, real and imaginary parts in turn: the
     !! transform of v taken as n/2 complex numbers, of which `pair_sums`, `middle_sum` and `quarter_sums` make the sums.
     !! Planned with FFTW_ESTIMATE: measured plans differ from run to run, and so would the last bits. Not in place: that would
@@ -66,12 +67,14 @@ contains
     logical, intent(in) :: cosines(:)              !! columns whose sums are of cosines
     integer, intent(in) :: skip                    !! rows before the first
     real(dp), intent(inout), contiguous, target :: values(0:, :)   !! (n and more, columns)
+    class(monitor_type), intent(inout), optional :: monitor        !! the sums mean nothing where it asks to stop
     complex(c_double_complex), pointer :: before(:), after(:)
     real(dp), allocatable, target :: work(:)
     integer :: h
     allocate (work(2*half))
     call c_f_pointer(c_loc(work), before, [half])
     do h = 1, size(values, 2)
+      if (stops(monitor)) return
       call c_f_pointer(c_loc(values(skip, h)), after, [half])
       call pack_column(half, merge(1.0_dp, -1.0_dp, cosines(h)), values(skip:skip + 2*half - 1, h), work)
       call prepare(self, half, fftw_alignment_of(values(skip:skip, h)), before, after)

@@ -220,9 +220,9 @@ contains
         if (monitor%stop_requested()) return
       end do
       if (with_velocity) then
-        call sum%close(response%displacement(:, p:e), response%velocity(:, p:e))
+        call sum%close(response%displacement(:, p:e), response%velocity(:, p:e), monitor)
       else
-        call sum%close(response%displacement(:, p:e))
+        call sum%close(response%displacement(:, p:e), monitor=monitor)
       end if
     end do
     call sum%shrink()

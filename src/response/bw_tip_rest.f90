@@ -15,6 +15,7 @@ module bw_tip_rest
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type, stops
   use bw_release, only: tip_rest
   use bw_turn, only: phase_angles
   implicit none (type, external)
@@ -36,7 +37,7 @@ module bw_tip_rest
 
 contains
 
-  subroutine find_tip_rest(source, force, first, time, bound, rest, highest)
+  subroutine find_tip_rest(source, force, first, time, bound, rest, highest, monitor)
     !! In octaves, until the uncertainty is within a bound; or all modes there are, or 10⁷, or as many as are told. Roots are
     !! solved in extended precision where phases call for it, also where a scene asks for that in every root: the terms fall
     !! as k⁻².
@@ -47,6 +48,7 @@ contains
     real(dp), intent(in) :: bound                 !! of the velocity, V
     type(tip_rest), intent(out) :: rest
     integer, intent(in), optional :: highest      !! > n; no mode beyond it is looked at
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(running_sum) :: sum
     real(dp) :: octave, earlier, before
     integer :: last, most
@@ -55,13 +57,14 @@ contains
     last = min(first, most)
     octave = 0.0_dp
     earlier = 0.0_dp
-    call add_modes(source, force, 1, last, time, .false., sum)
+    call add_modes(source, force, 1, last, time, .false., sum, monitor)
     do
+      if (stops(monitor)) exit
       sum%rest%uncertainty = uncertainty_of(sum, force/source%gamma, max(agreeing*octave, earlier))
       if (last == most .or. (last > first .and. sum%rest%uncertainty <= bound)) exit
       earlier = octave
       before = sum%rest%velocity
-      call add_modes(source, force, last + 1, min(2*last, most), time, .true., sum)
+      call add_modes(source, force, last + 1, min(2*last, most), time, .true., sum, monitor)
       last = min(2*last, most)
       octave = abs(sum%rest%velocity - before)
     end do
@@ -80,15 +83,17 @@ contains
     most = min(left*sum%kept, max(deviations*sqrt(0.5_dp*sum%last*left)*sum%kept, seen))
   end function uncertainty_of
 
-  subroutine add_modes(source, force, first, last, time, beyond, sum)
+  subroutine add_modes(source, force, first, last, time, beyond, sum, monitor)
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
     type(dd), intent(in) :: time
     logical, intent(in) :: beyond                 !! they are not among the first n
     type(running_sum), intent(inout) :: sum
+    class(monitor_type), intent(inout), optional :: monitor
     integer :: i, k
     do k = first, last, chunk
+      if (stops(monitor)) return
       if (allocated(source%damping)) then
         call add_damped(source, force, [(i, i=k, min(k + chunk - 1, last))], time, beyond, sum)
       else

@@ -1,7 +1,7 @@
 module bw_case_fields
   !! What the result file holds of a case, as one list of fields, and a case's numbers in that order: each field as long as
   !! its dimensions say, with fill where the case has less. All cases of a scene have the same length. Long histories and
-  !! spectra, which are most of a case, come last: they need not be copied on their way to the file.
+  !! spectra, which are most of a case, come last: they go into the file one by one, all else by blocks of cases.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_result
   use bw_event, only: no_event
@@ -11,7 +11,7 @@ module bw_case_fields
   use bw_result_values, only: key_of, put_value, value_key
   implicit none (type, external)
   private
-  public :: fields_of, case_length, short_fields, put_field, put_fields, long_values
+  public :: fields_of, case_length, short_fields, put_field, put_fields
 
   integer(i8), parameter :: long = 512          !! numbers of a history that is long: some pages of a file; tuned
 
@@ -59,7 +59,7 @@ contains
   end function fields_of
 
   elemental logical function is_long(field)
-    !! A history or spectrum that is worth a way of its own.
+    !! A history or spectrum that is worth a write of its own.
     type(case_field), intent(in) :: field
     is_long = field%rank == 2 .and. field%length >= long
   end function is_long
@@ -134,23 +134,6 @@ contains
       end associate
     end do
   end subroutine put_fields
-
-  subroutine long_values(result, field, values)
-    !! A case's numbers of a long field, where they lie.
-    type(case_result), intent(in), target :: result
-    type(case_field), intent(in) :: field
-    real(dp), pointer, contiguous, intent(out) :: values(:)   !! (field%length), none where the case has no such history
-    nullify (values)
-    select case (field%other)     ! by places in other_names
-    case (1, 2)
-      if (.not. allocated(result%response)) return
-      if (field%other == 1 .and. allocated(result%response%displacement)) &
-        values(1:field%length) => result%response%displacement
-      if (field%other == 2 .and. allocated(result%response%velocity)) values(1:field%length) => result%response%velocity
-    case default
-      if (allocated(result%amplitude)) values(1:field%length) => result%amplitude
-    end select
-  end subroutine long_values
 
   pure subroutine put_field(result, field, numbers)
     !! A case's numbers of one field; integers as reals, which hold them exactly.

@@ -5,32 +5,37 @@ module bw_effect_file
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
   use bw_processor, only: processor_name
-  use bw_study_file, only: study_file
+  use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
-  public :: put_effects
+
+  type, extends(study_values), public :: effect_values
+    type(effect_list) :: list
+  contains
+    procedure :: put => put_effects
+  end type effect_values
 
   character(*), parameter :: by_mode = 'effect mode'
 
 contains
 
-  subroutine put_effects(file, list, error)
+  subroutine put_effects(self, file, error)
     !! All rows into the file of the study.
+    class(effect_values), intent(in) :: self
     type(study_file), intent(in) :: file
-    type(effect_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
     call file%put_text('machine', processor_name(), error)
-    call file%put_text('remarks', remarks_of(list%rows), error)
-    call file%put_axis('effect', size(list%rows), 'effect', error, effect_words)
+    call file%put_text('remarks', remarks_of(self%list%rows), error)
+    call file%put_axis('effect', size(self%list%rows), 'effect', error, effect_words)
     call file%put_axis('mode', compared_modes, 'mode number k', error)
-    call file%put_flags('effect_state', 'effect', 'whether the scene has the effect', list%rows%state, state_words, error)
+    call file%put_flags('effect_state', 'effect', 'whether the scene has the effect', self%list%rows%state, state_words, error)
     call file%put_counts('matters_from_mode', 'effect', &
                          'first mode whose frequency the effect changes by more than the tolerance; 0 where none', &
-                         list%rows%matters_from, error)
+                         self%list%rows%matters_from, error)
     call file%put_numbers('frequency_tolerance', '', '1', 'change of a frequency above which an effect matters', &
-                          [list%tolerance], error)
-    call put_modes(file, list%rows, error)
-    call put_costs(file, list%rows, error)
+                          [self%list%tolerance], error)
+    call put_modes(file, self%list%rows, error)
+    call put_costs(file, self%list%rows, error)
   end subroutine put_effects
 
   subroutine put_modes(file, rows, error)

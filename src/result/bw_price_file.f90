@@ -7,25 +7,30 @@ module bw_price_file
     price_list, priced_stages, rung_words, work_slope
   use bw_processor, only: processor_name
   use bw_stopwatch, only: stage_words
-  use bw_study_file, only: study_file
+  use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
-  public :: put_prices
+
+  type, extends(study_values), public :: price_values
+    type(price_list) :: list
+  contains
+    procedure :: put => put_prices
+  end type price_values
 
 contains
 
-  subroutine put_prices(file, list, error)
+  subroutine put_prices(self, file, error)
     !! Everything that was measured.
+    class(price_values), intent(in) :: self
     type(study_file), intent(in) :: file
-    type(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
     call file%put_text('machine', processor_name(), error)
-    call file%put_axis('rung', size(list%rungs), 'number of the rung', error)
+    call file%put_axis('rung', size(self%list%rungs), 'number of the rung', error)
     call file%put_axis('stage', priced_stages, 'stage of the work', error, stage_words(:priced_stages))
-    call put_rungs(file, list, error)
-    call put_errors(file, list, error)
-    call put_seconds(file, list, error)
-    call put_converged(file, list, error)
+    call put_rungs(file, self%list, error)
+    call put_errors(file, self%list, error)
+    call put_seconds(file, self%list, error)
+    call put_converged(file, self%list, error)
   end subroutine put_prices
 
   subroutine put_rungs(file, list, error)

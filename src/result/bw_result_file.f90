@@ -1,10 +1,10 @@
 module bw_result_file
-  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once, by blocks of cases; where histories
-  !! are long, `bw_result_body` writes them, and this module only what comes before the first case and after the last.
+  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once: long histories and spectra case by
+  !! case, all else by blocks of cases. After a failure the file is not touched any more, as HDF5 does not bear that: who writes
+  !! it does so in a process of its own.
   use bw_kinds, only: dp, i4, i8
-  use bw_case_fields, only: case_field, fields_of, put_field
+  use bw_case_fields, only: case_field, fields_of, put_field, short_fields
   use bw_case_block, only: case_block
-  use bw_case_places, only: mark_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_late_values, only: late_values
@@ -13,21 +13,19 @@ module bw_result_file
   use bw_result_header, only: put_global_attributes, put_coordinates, put_inputs, swept_names
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use netcdf, only: nf90_close, nf90_global, nf90_inq_varid, nf90_nofill, nf90_open, nf90_put_att, nf90_put_var, nf90_set_fill, &
-    nf90_write
+  use netcdf, only: nf90_close, nf90_global, nf90_inq_varid, nf90_nofill, nf90_put_att, nf90_put_var, nf90_set_fill
   implicit none (type, external)
   private
-  public :: create_result, open_result
+  public :: create_result
 
   type, extends(open_file), public :: result_file
     type(case_field), allocatable, private :: fields(:)   !! what depends on the case
     integer, allocatable, private :: variables(:)         !! NetCDF's numbers of them
   contains
     procedure :: put_case
+    procedure :: put_long_fields
     procedure :: put_cases
-    procedure :: put_marks
     procedure :: finish
-    procedure :: close => close_file
   end type result_file
 
 contains
@@ -55,17 +53,7 @@ contains
     call put_inputs(file%id, path, scene, late, error)
     call late%put_all(file%id, path, error)
     call find_variables(file, error)
-    if (allocated(error)) call file%close()
   end subroutine create_result
-
-  subroutine open_result(path, file, error)
-    !! A file that has all of its cases, to be finished.
-    character(*), intent(in) :: path
-    type(result_file), intent(out) :: file
-    type(error_type), allocatable, intent(inout) :: error
-    file%path = path
-    if (.not. allocated(error)) call check(nf90_open(path, nf90_write, file%id), path, error)
-  end subroutine open_result
 
   subroutine find_variables(file, error)
     !! NetCDF's numbers, asked for once.
@@ -94,32 +82,33 @@ contains
     end do
   end subroutine put_case
 
+  subroutine put_long_fields(self, index, numbers, error)
+    !! The long histories and spectra of one case of a sweep.
+    class(result_file), intent(in) :: self
+    integer(i8), intent(in) :: index                      !! of the case
+    real(dp), intent(in), contiguous :: numbers(:)        !! all of the case
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    do i = short_fields(self%fields) + 1, size(self%fields)
+      associate (first => self%fields(i)%first, length => self%fields(i)%length)
+        call put_variable(self, i, index, 1, numbers(first:first + length - 1), error)
+      end associate
+    end do
+  end subroutine put_long_fields
+
   subroutine put_cases(self, first, block, error)
-    !! Consecutive cases of a sweep.
+    !! What is not long of consecutive cases of a sweep.
     class(result_file), intent(in) :: self
     integer(i8), intent(in) :: first                      !! number of the first of them
     type(case_block), intent(in) :: block
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
-    do i = 1, size(self%fields)
+    do i = 1, short_fields(self%fields)
       associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%held)
         call put_variable(self, i, first, block%held, block%numbers(begin:begin + length - 1), error)
       end associate
     end do
   end subroutine put_cases
-
-  subroutine put_marks(self, error)
-    !! Marks for the last case, by which the file gets room for all cases.
-    class(result_file), intent(in) :: self
-    type(error_type), allocatable, intent(inout) :: error
-    real(dp), allocatable :: marks(:)
-    integer :: i
-    do i = 1, size(self%fields)
-      allocate (marks(self%fields(i)%length), source=mark_of(i))
-      call put_variable(self, i, int(self%layout%cases, i8), 1, marks, error)
-      deallocate (marks)
-    end do
-  end subroutine put_marks
 
   subroutine put_variable(self, i, first, cases, numbers, error)
     class(result_file), intent(in) :: self
@@ -148,21 +137,13 @@ contains
     class(result_file), intent(inout) :: self
     character(*), intent(in) :: notes
     real(dp), intent(in) :: seconds(:)        !! (stages)
-    type(error_type), allocatable, intent(out) :: error
+    type(error_type), allocatable, intent(inout) :: error
     integer :: variable
+    if (allocated(error)) return
     call check(nf90_put_att(self%id, nf90_global, 'notes', notes), self%path, error)
     call check(nf90_inq_varid(self%id, 'stage_seconds', variable), self%path, error)
     call check(nf90_put_var(self%id, variable, seconds), self%path, error)
-    call self%close(error)
+    if (.not. allocated(error)) call check(nf90_close(self%id), self%path, error)
   end subroutine finish
-
-  subroutine close_file(self, error)
-    !! Close; after an error without a word.
-    class(result_file), intent(inout) :: self
-    type(error_type), allocatable, intent(inout), optional :: error
-    integer :: status
-    status = nf90_close(self%id)
-    if (present(error)) call check(status, self%path, error)
-  end subroutine close_file
 
 end module bw_result_file

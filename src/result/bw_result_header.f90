@@ -1,11 +1,10 @@
 module bw_result_header
   !! What a result file says before its first case: global attributes, coordinates, and the inputs.
-  use bw_kinds, only: dp, i4, i8
-  use bw_case_result, only: case_done
+  use bw_kinds, only: dp, i4
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
   use bw_late_values, only: late_values
-  use bw_netcdf, only: check, define_variable, put_words, text_attribute
+  use bw_netcdf, only: check, define_variable, put_words
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
   use bw_scene, only: scene_type
   use bw_scene_method, only: method_name
@@ -14,11 +13,10 @@ module bw_result_header
   use bw_stopwatch, only: stage_count, stage_words
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
-  use netcdf, only: nf90_close, nf90_double, nf90_get_var, nf90_global, nf90_inq_dimid, nf90_inq_varid, &
-    nf90_inquire_dimension, nf90_inquire_variable, nf90_int, nf90_noerr, nf90_nowrite, nf90_open, nf90_put_att
+  use netcdf, only: nf90_double, nf90_global, nf90_inq_dimid, nf90_int, nf90_put_att
   implicit none (type, external)
   private
-  public :: put_global_attributes, put_coordinates, put_inputs, swept_names, holds_scene, cases_not_trusted, source_text
+  public :: put_global_attributes, put_coordinates, put_inputs, swept_names, source_text
 
 contains
 
@@ -27,51 +25,6 @@ contains
     character(:), allocatable :: text
     text = 'beamwave '//program_version//' ('//program_commit//')'
   end function source_text
-
-  logical function holds_scene(path, scene, study) result(same)
-    !! Whether a file is the result, finished or not, of the same resolved scene by the same version.
-    character(*), intent(in) :: path
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
-    integer :: id, status
-    status = nf90_open(path, nf90_nowrite, id)
-    same = status == nf90_noerr
-    if (.not. same) return
-    same = text_attribute(id, 'scene') == resolved_text(scene)
-    if (same) same = text_attribute(id, 'source') == source_text()
-    if (same .and. present(study)) same = text_attribute(id, 'study') == study
-    if (same .and. .not. present(study)) same = text_attribute(id, 'study') == ''
-    status = nf90_close(id)
-  end function holds_scene
-
-  integer(i8) function cases_not_trusted(path) result(cases)
-    !! How many cases of a finished result hold numbers that cannot be trusted; of a scene without sweeps 1 or 0.
-    character(*), intent(in) :: path
-    integer, parameter :: at_once = 65536
-    integer :: dimension(1), file, first, length, rank, status, variable
-    integer, allocatable :: ended(:)
-    cases = 0
-    if (nf90_open(path, nf90_nowrite, file) /= nf90_noerr) return
-    length = 1
-    status = nf90_inq_varid(file, 'case_status', variable)
-    if (status == nf90_noerr) status = nf90_inquire_variable(file, variable, ndims=rank)
-    if (status == nf90_noerr .and. rank == 1) then
-      status = nf90_inquire_variable(file, variable, dimids=dimension)
-      if (status == nf90_noerr) status = nf90_inquire_dimension(file, dimension(1), len=length)
-    end if
-    do first = 1, length, at_once
-      if (status /= nf90_noerr) exit
-      allocate (ended(min(at_once, length - first + 1)))
-      if (rank == 1) then
-        status = nf90_get_var(file, variable, ended, start=[first])
-      else
-        status = nf90_get_var(file, variable, ended(1))
-      end if
-      if (status == nf90_noerr) cases = cases + count(ended /= case_done)
-      deallocate (ended)
-    end do
-    status = nf90_close(file)
-  end function cases_not_trusted
 
   subroutine put_global_attributes(file, path, scene, error, study)
     !! What the file says of itself: scene, program, method. **Errors**: `status_bad_file`.

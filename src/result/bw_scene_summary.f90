@@ -3,7 +3,7 @@ module bw_scene_summary
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
-  use bw_case_fields, only: case_field, case_length, fields_of, short_fields
+  use bw_case_fields, only: case_length, fields_of
   use bw_damping_par, only: by_ratio
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
@@ -15,10 +15,7 @@ module bw_scene_summary
   use bw_text_builder, only: text_builder
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, claimed_bytes
-
-  integer(i8), parameter :: lapack_bytes = 140000000
-    !! what OpenBLAS claims at its first call, and hardly uses; where it is refused it asks again without end
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
 
   integer(i8), parameter :: block_bytes = 8000000
     !! of cases that are written at a time
@@ -171,7 +168,7 @@ contains
   end function is_swept
 
   function cost_summary(layout) result(text)
-    !! What `beamwave check` says of memory and of the file.
+    !! What `beamwave check` says of memory and of the disk.
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
@@ -181,28 +178,26 @@ contains
   end function cost_summary
 
   pure integer(i8) function result_bytes(layout) result(bytes)
-    !! Size of the result file: its doubles, and about 60 kB of names.
+    !! Size of the result file: the numbers of its cases, long axes, and about 60 kB of names.
     type(result_layout), intent(in) :: layout
-    integer(i8) :: doubles, histories
-    histories = 1
-    if (layout%velocity) histories = 2
-    doubles = 8_i8*layout%modes + 8_i8*layout%modes_before + layout%profile + 8_i8*layout%peaks + 20 &
-      + histories*int(layout%samples, i8)*layout%points + int(layout%frequencies, i8)*layout%points
-    bytes = 8*(doubles*max(1, layout%cases) + layout%samples + layout%frequencies) + 60000
+    bytes = 8*(numbers_of_case(layout)*max(1, layout%cases) + layout%samples + layout%frequencies) + 60000
   end function result_bytes
 
-  pure integer(i8) function journal_bytes(layout) result(bytes)
-    !! What a sweep under way takes beside its result: records of all that is not long, and a head of about 200 kB.
+  pure integer(i8) function numbers_of_case(layout) result(numbers)
     type(result_layout), intent(in) :: layout
-    integer(i8), parameter :: frame = 10      ! words of a record beside its numbers
-    type(case_field), allocatable :: fields(:)
-    allocate (fields, source=fields_of(layout))
-    bytes = 8_i8*layout%cases*(case_length(fields(:short_fields(fields))) + frame) + 200000
+    numbers = case_length(fields_of(layout))
+  end function numbers_of_case
+
+  pure integer(i8) function journal_bytes(layout) result(bytes)
+    !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.
+    type(result_layout), intent(in) :: layout
+    integer(i8), parameter :: frame = 20      ! words of a record beside its numbers: header and notes
+    bytes = 8*layout%cases*(numbers_of_case(layout) + frame) + 5000
   end function journal_bytes
 
   pure integer(i8) function working_bytes(layout) result(bytes)
     !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
-    !! 25 MB of program and libraries; of a sweep also marks of the cases that are done.
+    !! 25 MB of program and libraries; of a sweep also the list of its cases.
     type(result_layout), intent(in) :: layout
     integer(i8) :: histories, spectra, modal, shapes
     integer, parameter :: most_shapes = 2**22        ! held at a time
@@ -211,15 +206,8 @@ contains
     spectra = int(layout%frequencies, i8)*(layout%points + 30)
     modal = (int(layout%modes, i8) + layout%modes_before)*16
     bytes = 8*(2*histories + spectra + modal + shapes) + 25000000
-    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 4_i8*layout%cases
+    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 6_i8*layout%cases
   end function working_bytes
-
-  pure integer(i8) function claimed_bytes(layout) result(bytes)
-    !! Memory that has to be granted, used or not.
-    type(result_layout), intent(in) :: layout
-    bytes = working_bytes(layout)
-    if (layout%peaks > 0) bytes = bytes + lapack_bytes
-  end function claimed_bytes
 
   pure function bytes_text(bytes) result(text)
     !! In kB, MB or GB of 1000s, three digits.

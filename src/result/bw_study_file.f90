@@ -1,11 +1,10 @@
 module bw_study_file
   !! The result of a study (what accuracy costs, what effects change): one NetCDF-4 file whose variables are defined and
-  !! written one after another. It lies under a temporary name until it is whole.
+  !! written one after another.
   use bw_kinds, only: dp
-  use bw_error, only: error_type, fail, status_bad_file
+  use bw_error, only: error_type
   use bw_late_values, only: late_values
   use bw_netcdf, only: check, create_file, define_variable, put_words
-  use bw_posix, only: remove_file, rename_file
   use bw_result_header, only: put_global_attributes, put_inputs
   use bw_scene, only: scene_type
   use netcdf, only: nf90_close, nf90_def_dim, nf90_double, nf90_global, nf90_inq_dimid, &
@@ -14,10 +13,8 @@ module bw_study_file
   private
   public :: create_study
 
-  character(*), parameter :: unfinished = '.unfinished'
-
   type, public :: study_file
-    character(:), allocatable :: path               !! the final name
+    character(:), allocatable :: path
     integer, private :: id = 0                      !! NetCDF's
   contains
     procedure :: put_axis
@@ -26,29 +23,43 @@ module bw_study_file
     procedure :: put_counts
     procedure :: put_flags
     procedure :: finish
-    procedure :: discard
     procedure, private :: dimension_ids
     procedure, private :: dimension_lengths
   end type study_file
 
+  type, abstract, public :: study_values
+    !! What a study has found.
+  contains
+    procedure(put_interface), deferred :: put
+  end type study_values
+
+  abstract interface
+    subroutine put_interface(self, file, error)
+      !! All of it into the file of the study.
+      import :: error_type, study_file, study_values
+      implicit none (type, external)
+      class(study_values), intent(in) :: self
+      type(study_file), intent(in) :: file
+      type(error_type), allocatable, intent(inout) :: error
+    end subroutine put_interface
+  end interface
+
 contains
 
   subroutine create_study(path, scene, study, file, error)
-    !! A new file with its global attributes and the scene's inputs. What an earlier run left unfinished under the same name
-    !! is replaced.
-    character(*), intent(in) :: path                !! the final name
+    !! A new file with its global attributes and the scene's inputs.
+    character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene           !! without sweeps
     character(*), intent(in) :: study               !! the command that makes it
     type(study_file), intent(out) :: file
     type(error_type), allocatable, intent(out) :: error
     type(late_values) :: late
     file%path = path
-    call create_file(path//unfinished, file%id, error)
+    call create_file(path, file%id, error)
     if (allocated(error)) return
     call put_global_attributes(file%id, path, scene, error, study)
     call put_inputs(file%id, path, scene, late, error)
     call late%put_all(file%id, path, error)
-    if (allocated(error)) call file%discard()
   end subroutine create_study
 
   subroutine put_axis(self, name, length, long_name, error, words)
@@ -116,26 +127,13 @@ contains
   end subroutine put_flags
 
   subroutine finish(self, notes, error)
-    !! Close the file and give it its final name; after a failure nothing is left.
+    !! The notes, then close.
     class(study_file), intent(inout) :: self
     character(*), intent(in) :: notes               !! what the report warned of, lines
     type(error_type), allocatable, intent(inout) :: error
     call self%put_text('notes', notes, error)
     if (.not. allocated(error)) call check(nf90_close(self%id), self%path, error)
-    if (.not. allocated(error)) then
-      if (rename_file(self%path//unfinished, self%path)) return
-      call fail(error, status_bad_file, self%path//': the finished result cannot be moved there')
-    end if
-    call self%discard()
   end subroutine finish
-
-  subroutine discard(self)
-    !! Leave nothing.
-    class(study_file), intent(inout) :: self
-    integer :: ignored
-    ignored = nf90_close(self%id)
-    call remove_file(self%path//unfinished)
-  end subroutine discard
 
   subroutine put_integers(self, name, dimensions, long_name, values, variable, error)
     class(study_file), intent(in) :: self

@@ -2,7 +2,7 @@ module bw_scene_characters
   !! Classes of characters in the text of a scene.
   implicit none (type, external)
   private
-  public :: ends_word, is_ascii, is_name, is_utf8, shown, stray_control
+  public :: ends_word, is_ascii, is_name, is_utf8, lines_up_to, shortened, shown, stray_control
 
   character(*), parameter :: tab = achar(9), line_feed = achar(10), return = achar(13)
   character(*), parameter, public :: blanks = ' '//tab//return//line_feed
@@ -29,7 +29,11 @@ contains
     !! All characters are of seven bits.
     character(*), intent(in) :: text
     integer :: i
-    is_ascii = all([(iachar(text(i:i)) < 128, i=1, len(text))])
+    do i = 1, len(text)
+      is_ascii = iachar(text(i:i)) < 128
+      if (.not. is_ascii) return
+    end do
+    is_ascii = .true.
   end function is_ascii
 
   pure integer function stray_control(text) result(at)
@@ -52,6 +56,17 @@ contains
     end do
     at = 0
   end function stray_control
+
+  pure integer function lines_up_to(text, at) result(lines)
+    !! Number of the line in which a character stands.
+    character(*), intent(in) :: text
+    integer, intent(in) :: at
+    integer :: i
+    lines = 1
+    do i = 1, at - 1
+      if (text(i:i) == line_feed) lines = lines + 1
+    end do
+  end function lines_up_to
 
   pure logical function is_utf8(text)
     !! Every byte above 127 belongs to a well-formed UTF-8 sequence (RFC 3629).
@@ -93,6 +108,15 @@ contains
     integer :: i
     all_continue = all([(iachar(bytes(i:i)) >= 128 .and. iachar(bytes(i:i)) < 192, i=1, len(bytes))])
   end function all_continue
+
+  pure function shortened(name) result(piece)
+    !! A name as a message may show it.
+    character(*), intent(in) :: name          !! ASCII
+    character(:), allocatable :: piece
+    integer, parameter :: most = 80
+    piece = name(:min(len(name), most))
+    if (len(name) > most) piece = piece//'...'
+  end function shortened
 
   pure function shown(text) result(piece)
     !! A piece of the scene, shortened, as a message may show it.

@@ -37,7 +37,8 @@ module bw_scene_describe
     '  and what does not fit into double precision are errors. A zero has no sign.', &
     '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
     '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
-    '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.']
+    '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &
+    '- A file has at most 64 MB, 2^22 words and signs, and 1000 groups. Of more than 1000 errors the first 1000 are listed.']
 
 contains
 

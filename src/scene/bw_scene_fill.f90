@@ -2,6 +2,7 @@ module bw_scene_fill
   !! Statements as values: each is matched with its row of the table and read.
   use bw_input_table, only: group_row, group_table, name_row, name_table, names_of, rows_of
   use bw_input_values, only: group_values
+  use bw_scene_characters, only: shortened
   use bw_scene_entries, only: place_of, read_value
   use bw_scene_items, only: item, read_items
   use bw_scene_lexer, only: tokenise
@@ -69,6 +70,7 @@ contains
     type(message_list), intent(inout) :: messages
     integer :: i
     do i = 1, size(rows)
+      if (messages%cut) return
       if (rows(i) > 0 .or. tokens(parsed%groups(i)%name)%kind == bad_group_token) cycle
       call report_group(name_in(text, tokens(parsed%groups(i)%name)), parsed%groups, i, rows, messages)
     end do
@@ -82,7 +84,7 @@ contains
     type(message_list), intent(inout) :: messages
     integer :: first
     if (group_row(group) == 0) then
-      call messages%add(opened(i)%line, '&'//group, unknown_group(group))
+      call messages%add(opened(i)%line, '&'//shortened(group), unknown_group(group))
     else
       first = findloc(rows, group_row(group), dim=1)
       call messages%add(opened(i)%line, '&'//group, 'is there again, after line '//text_of(opened(first)%line)// &
@@ -109,6 +111,7 @@ contains
     type(message_list), intent(inout) :: messages
     integer :: i
     do i = opened%first, opened%last
+      if (messages%cut) return
       call fill_value(text, tokens, parsed%statements(i), group, messages)
     end do
   end subroutine fill_group
@@ -125,7 +128,7 @@ contains
     if (tokens(source%name)%kind == bad_token) return
     name = name_in(text, tokens(source%name))
     line = tokens(source%name)%line
-    place = trim(group%group)//'%'//name
+    place = trim(group%group)//'%'//shortened(name)
     i = group%at(name)
     if (i == 0) then
       call messages%add(line, place, unknown_name(trim(group%group), name))

@@ -3,10 +3,11 @@ module bw_scene_lexer
   !!
   !! Text outside groups, unclosed quotes and characters that a namelist does not know are errors here; what tokens
   !! mean is the parser's business.
-  use bw_scene_characters, only: blanks, ends_word, is_ascii, is_name, is_utf8, shown, stray_control
+  use bw_scene_characters, only: blanks, ends_word, is_ascii, is_name, is_utf8, lines_up_to, shown, stray_control
   use bw_scene_messages, only: message_list
   use bw_scene_tokens, only: bad_group_token, bad_token, comma_token, end_token, equals_token, group_token, name_in, &
                              text_token, token, word_token
+  use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: tokenise
@@ -20,6 +21,7 @@ module bw_scene_lexer
     type(token), allocatable :: tokens(:)
   end type scanner
 
+  integer, parameter :: most_tokens = 2**22      !! two for each value that a scene may hold, and more
   character(*), parameter :: line_feed = achar(10)
   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
@@ -41,7 +43,11 @@ contains
       call report_control(text, stray, messages)
       lex%at = len(text) + 1
     end if
-    do while (lex%at <= len(text))
+    do while (lex%at <= len(text) .and. .not. messages%cut)
+      if (lex%count == most_tokens) then
+        call messages%add(lex%line, 'text', 'more than '//text_of(most_tokens)//' words and signs, which no scene has')
+        exit
+      end if
       call step(text, lex, messages)
     end do
     tokens = lex%tokens(:lex%count)
@@ -51,8 +57,8 @@ contains
     character(*), intent(in) :: text
     integer, intent(in) :: stray
     type(message_list), intent(inout) :: messages
-    integer :: line, i
-    line = 1 + count([(text(i:i) == line_feed, i=1, stray)])
+    integer :: line
+    line = lines_up_to(text, stray)
     select case (iachar(text(stray:stray)))
     case (0)
       call messages%add(line, 'text', 'a NUL byte; accepted: a text file in UTF-8')
@@ -149,9 +155,9 @@ contains
     type(message_list), intent(inout) :: messages
     integer :: first, last, closing
     first = lex%at + 1
-    last = line_end(text, lex%at) - 1
-    closing = first - 1 + closing_quote(text(first:last), text(lex%at:lex%at))
-    if (closing < first) then
+    closing = closing_quote(text, lex%at)
+    if (closing == 0) then
+      last = line_end(text, lex%at) - 1
       call messages%add(lex%line, 'text', 'no closing quote on this line: '//shown(text(lex%at:last)))
       call put(lex, bad_token, first, last)
     else if (.not. is_utf8(text(first:closing - 1))) then
@@ -165,15 +171,16 @@ contains
     end if
   end subroutine take_text
 
-  pure integer function closing_quote(rest, quote) result(at)
-    !! Place of the first quote that is not doubled; 0 for none.
-    character(*), intent(in) :: rest
-    character, intent(in) :: quote
-    at = 1
-    do while (at <= len(rest))
-      if (rest(at:at) == quote) then
-        if (at == len(rest)) return
-        if (rest(at + 1:at + 1) /= quote) return
+  pure integer function closing_quote(text, opening) result(at)
+    !! Place of the next quote of that kind on the line that is not doubled; 0 for none.
+    character(*), intent(in) :: text
+    integer, intent(in) :: opening
+    at = opening + 1
+    do while (at <= len(text))
+      if (text(at:at) == line_feed) exit
+      if (text(at:at) == text(opening:opening)) then
+        if (at == len(text)) return
+        if (text(at + 1:at + 1) /= text(opening:opening)) return
         at = at + 1
       end if
       at = at + 1

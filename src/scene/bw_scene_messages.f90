@@ -5,6 +5,8 @@ module bw_scene_messages
   implicit none (type, external)
   private
 
+  integer, parameter :: most_messages = 1000  !! who reads more, and where would they all be kept
+
   type :: located_message
     integer :: line = 0
     character(:), allocatable :: text
@@ -12,7 +14,8 @@ module bw_scene_messages
 
   type, public :: message_list
     character(:), allocatable :: file         !! the scene's path, as the user wrote it
-    integer :: count = 0
+    integer :: count = 0                      !! of all errors, listed or not
+    logical :: cut = .false.                  !! more is wrong than is listed: whoever reads on may stop
     type(located_message), allocatable, private :: items(:)
   contains
     procedure :: add
@@ -27,9 +30,11 @@ contains
     integer, intent(in) :: line               !! 0 for something absent: `FILE: place: what`
     character(*), intent(in) :: place         !! `group%name` or `&group`
     character(*), intent(in) :: what          !! what is wrong, and what would be accepted
-    if (.not. allocated(self%items)) allocate (self%items(8))
-    if (self%count == size(self%items)) call grow(self%items)
     self%count = self%count + 1
+    self%cut = self%count > most_messages
+    if (self%cut) return
+    if (.not. allocated(self%items)) allocate (self%items(8))
+    if (self%count > size(self%items)) call grow(self%items)
     self%items(self%count)%line = line
     if (line > 0) then
       self%items(self%count)%text = self%file//':'//text_of(line)//': '//place//': '//what
@@ -55,12 +60,14 @@ contains
     class(message_list), intent(in) :: self
     character(:), allocatable :: text
     type(text_builder) :: builder
-    integer :: order(self%count), i
-    order = by_line(self%items(:self%count)%line)
-    do i = 1, self%count
+    integer :: order(min(self%count, most_messages)), i
+    order = by_line(self%items(:size(order))%line)
+    do i = 1, size(order)
       if (i > 1) call builder%append(new_line('a'))
       call builder%append(self%items(order(i))%text)
     end do
+    if (self%cut) call builder%append(new_line('a')//self%file//': text: more is wrong than these '//text_of(most_messages)// &
+                                      ' errors; what else there is was not looked at')
     text = builder%text()
   end function text
 

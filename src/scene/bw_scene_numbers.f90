@@ -3,7 +3,7 @@ module bw_scene_numbers
   !! here the form is checked first, and what does not fit into double precision is refused.
   use bw_kinds, only: dp, qp
   use bw_scene_characters, only: shown
-  use bw_text, only: lower
+  use bw_text, only: lower, text_of
   implicit none (type, external)
   private
   public :: parse_real, parse_whole
@@ -11,6 +11,7 @@ module bw_scene_numbers
   character(*), parameter :: digits = '0123456789'
   character(*), parameter :: does_not_fit = ' does not fit into double precision; accepted: sizes of 5e-324 to 1.79e308'
   integer, parameter :: most_whole_digits = 15   !! exact in double precision
+  integer, parameter :: most_letters = 1100      !! the longest decimal of a number in double precision has 1075 digits
 
   type :: number_form
     !! Where the parts of [sign] digits [. digits] [letter [sign] digits] lie.
@@ -33,6 +34,10 @@ contains
     value = 0.0_dp
     problem = ''
     form = form_of(word)
+    if (len(word) > most_letters) then
+      problem = shown(word)//' is longer than the '//text_of(most_letters)//' letters of any number'
+      return
+    end if
     if (.not. form%good) then
       problem = shown(word)//' is not a number'//hint(word)
       return

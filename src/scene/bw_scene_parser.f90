@@ -1,12 +1,15 @@
 module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
-  use bw_scene_characters, only: shown
+  use bw_scene_characters, only: shortened, shown
   use bw_scene_messages, only: message_list
   use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, text_token, &
                              token, word_token
+  use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: parse
+
+  integer, parameter :: most_groups = 1000    !! far more than there are names to sweep
 
   type, public :: opened_group
     integer :: name = 0                  !! its token
@@ -39,7 +42,11 @@ contains
     allocate (parsed%statements(count(tokens%kind == equals_token)))
     open = .false.
     i = 1
-    do while (i <= size(tokens))
+    do while (i <= size(tokens) .and. .not. messages%cut)
+      if (parsed%groups_found == most_groups) then
+        call messages%add(tokens(i)%line, 'text', 'more than '//text_of(most_groups)//' groups, which no scene has')
+        return
+      end if
       select case (tokens(i)%kind)
       case (group_token, bad_group_token)
         call open_group(text, tokens, i, open, parsed, messages)
@@ -81,7 +88,7 @@ contains
     type(message_list), intent(inout) :: messages
     associate (group => parsed%groups(parsed%groups_found))
       if (tokens(group%name)%kind == bad_group_token) return
-      call messages%add(group%line, '&'//name_in(text, tokens(group%name)), &
+      call messages%add(group%line, '&'//shortened(name_in(text, tokens(group%name))), &
                         "is not closed; a group ends with '/'")
     end associate
   end subroutine report_open

@@ -10,14 +10,13 @@ module bw_accuracy
   use bw_model_error, only: model_errors
   use bw_monitor, only: part_monitor
   use bw_outcome, only: outcome_type
-  use bw_price_file, only: put_prices
+  use bw_price_file, only: price_values
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
   use bw_progress, only: progress_type
   use bw_scene, only: scene_type
   use bw_scene_method, only: changes_shapes
-  use bw_study_file, only: study_file
-  use bw_study_frame, only: begin_study, end_study, leave_study
+  use bw_study_frame, only: study_frame
   use bw_text, only: append, string
   use bw_timed_runs, only: repeat_runs, run_once, timed_run
   implicit none (type, external)
@@ -49,23 +48,20 @@ contains
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(study_state) :: state
-    type(study_file) :: file
-    type(scene_type) :: one
+    type(study_frame) :: frame
     logical :: whole
     call refuse(scene, error)
-    if (.not. allocated(error)) call begin_study('accuracy', scene, directory, overwrite, one, file, outcome, error)
+    frame%study = 'accuracy'
+    if (.not. allocated(error)) call frame%begin(scene, directory, overwrite, outcome, error)
     if (allocated(error) .or. outcome%was_there) return
     call progress%begin(scene%name, 1_i8, 0_i8)
-    call measure(one, progress, state, whole, error)
+    call measure(frame%scene, progress, state, whole, error)
     call progress%end()
-    if (allocated(error)) then
-      call file%discard()
-    else if (.not. whole) then
-      call leave_study(file, outcome)
+    if (allocated(error) .or. .not. whole) then
+      call frame%leave(outcome)
     else
       if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
-      call put_prices(file, state%list, error)
-      call end_study(scene, one, price_report(state%list), state%notes, file, outcome, error)
+      call frame%end(scene, price_values(state%list), price_report(state%list), state%notes, outcome, error)
     end if
   end subroutine measure_accuracy
 
@@ -102,7 +98,7 @@ contains
     do i = 1, size(state%runs)
       state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
     end do
-    call leave_out_of_reach(state%converged, state%runs, state%list%rungs)
+    call leave_out_of_reach(state%converged, part, state%runs, state%list%rungs)
     call run_rungs(progress, state, whole)
     if (.not. whole) return
     part = part_monitor(progress, measuring, 1.0_dp - measuring)

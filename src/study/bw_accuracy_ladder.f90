@@ -5,6 +5,7 @@ module bw_accuracy_ladder
   use bw_converged, only: converged_run, most_extended
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
+  use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
     rung_measured, rung_out_of_reach, rung_too_long, rung_type
@@ -57,9 +58,10 @@ contains
     end if
   end function scene_of_rung
 
-  subroutine leave_out_of_reach(converged, runs, rungs)
+  subroutine leave_out_of_reach(converged, monitor, runs, rungs)
     !! Tolerances that the program refuses are not run, nor those for which a run takes too long.
     type(converged_run), intent(in) :: converged
+    class(monitor_type), intent(inout) :: monitor
     type(timed_run), intent(inout) :: runs(:)
     type(rung_type), intent(inout) :: rungs(:)
     integer :: i
@@ -70,18 +72,19 @@ contains
       else if (rungs(i)%tolerance < converged%tolerance) then
         rungs(i)%status = rung_too_long
       else if (rungs(i)%ladder == all_extended) then
-        rungs(i)%status = status_extended(runs(i)%scene)
+        rungs(i)%status = status_extended(runs(i)%scene, monitor)
       end if
       runs(i)%is_timed = rungs(i)%status == rung_measured
     end do
   end subroutine leave_out_of_reach
 
-  integer function status_extended(scene) result(status)
+  integer function status_extended(scene, monitor) result(status)
     !! Of a rung with every root in extended precision.
     type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
     type(error_type), allocatable :: error
     integer :: count
-    call plan_case(scene, count, error)
+    call plan_case(scene, monitor, count, error)
     status = rung_measured
     if (allocated(error)) then
       status = rung_out_of_reach

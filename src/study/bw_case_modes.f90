@@ -13,6 +13,7 @@ module bw_case_modes
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_mode_notes, only: note_coupling, note_no_effect, note_strain, note_unresolved
   use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_record_stretch, only: record_stretch
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
@@ -27,7 +28,7 @@ module bw_case_modes
 
 contains
 
-  subroutine find_modes(scene, result, free, loaded, source, alone, kept, operators)
+  subroutine find_modes(scene, result, free, loaded, source, alone, monitor, kept, operators)
     !! `result%modes`, those in force: of beam and mass if the mass is captured, else of the beam alone; with a capture also
     !! `result%before`, of the beam alone. Where a tolerance says how many are summed, there are none before the capture,
     !! and the first few stand for those after it.
@@ -37,13 +38,18 @@ contains
       !! modes of the beam alone, and of beam and mass, in `result`: many modes are not held twice; null: there are none
     class(mode_source), allocatable, intent(out) :: source   !! of beam and mass; absent: the mass is not captured
     class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
+    class(monitor_type), intent(inout), target :: monitor    !! the modes mean nothing where it asks to stop
     type(kept_modes), intent(inout), target, optional :: kept
       !! what cases share, for as long as the sources live; absent: nothing is kept
     type(kept_operators), intent(inout), optional :: operators   !! the same of modes without a closed form
     real(dp), allocatable :: longest               ! absent: no history is asked for
+    type(part_monitor) :: first, second
+    first = part_monitor(monitor, 0.0_dp, scene%modes%after/(scene%modes%after + real(scene%modes%before, dp)))
+    second = part_monitor(monitor, first%share, 1.0_dp - first%share)
     nullify (free, loaded)
     if (changes_shapes(scene)) then
-      call find_galerkin(scene, result, operators, alone, source)
+      call find_galerkin(scene, result, operators, alone, source, monitor)
+      if (monitor%stop_requested()) return
     else
       call find_closed_form(scene, result, kept, alone, source)
     end if
@@ -52,14 +58,15 @@ contains
     call prepare(scene, result, source)
     if (allocated(scene%capture)) then
       source%stretch = record_stretch(scene)
-      call source%find(first_numbers(scene%modes%after), result%modes, longest)
+      call source%find(first_numbers(scene%modes%after), result%modes, longest, first)
       loaded => result%modes
+      if (monitor%stop_requested()) return
       call note_coupling(scene, result)
       if (by_tolerance(scene%modes)) return
-      call alone%find(first_numbers(scene%modes%before), result%before)
+      call alone%find(first_numbers(scene%modes%before), result%before, monitor=second)
       free => result%before
     else
-      call alone%find(first_numbers(scene%modes%before), result%modes, longest)
+      call alone%find(first_numbers(scene%modes%before), result%modes, longest, second)
       free => result%modes
       call note_coupling(scene, result)
     end if
@@ -102,12 +109,13 @@ contains
     end subroutine take_source
   end subroutine find_closed_form
 
-  subroutine find_galerkin(scene, result, operators, alone, loaded)
+  subroutine find_galerkin(scene, result, operators, alone, loaded, monitor)
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
     type(kept_operators), intent(inout), optional :: operators
     class(mode_source), allocatable, intent(out) :: alone, loaded
+    class(monitor_type), intent(inout) :: monitor
     result%can_grow = .not. allocated(scene%stiffening)
     if (allocated(scene%rotation)) then
       result%can_grow = result%can_grow .and. acts_in_plane(scene%rotation)
@@ -117,6 +125,7 @@ contains
       call note_strain(scene, result)
     end if
     if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), loaded)
+    if (monitor%stop_requested()) return
     if (allocated(scene%release)) then
       call solve(.false., max(scene%modes%before, enough_for_errors(scene)), alone)
     else
@@ -130,9 +139,9 @@ contains
       type(galerkin_source), allocatable :: found
       allocate (found)
       if (present(operators)) then
-        call operators%find(operator_of(scene, result%units, carries_mass), count, found)
+        call operators%find(operator_of(scene, result%units, carries_mass), count, found, monitor)
       else
-        call galerkin_source_of(operator_of(scene, result%units, carries_mass), count, found)
+        call galerkin_source_of(operator_of(scene, result%units, carries_mass), count, found, monitor)
       end if
       if (.not. found%solved%resolved) call note_unresolved(result)
       call move_alloc(found, source)
@@ -151,22 +160,24 @@ contains
     count = max(count, most, min(most_to_tolerance(2), 2*most))
   end function enough_for_errors
 
-  subroutine extend_modes(scene, units, source, alone, extended)
+  subroutine extend_modes(scene, units, source, alone, monitor, extended)
     !! Twice as many modes, if there may be more: closed forms know them all.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(mode_source), intent(inout) :: source    !! of beam and mass
     class(mode_source), intent(inout) :: alone     !! of the beam alone, which move after a release
+    class(monitor_type), intent(inout) :: monitor  !! nothing is extended where it asks to stop
     logical, intent(out) :: extended
-    call extend_source(scene, units, .true., source, extended)
-    if (extended .and. allocated(scene%release)) call extend_source(scene, units, .false., alone, extended)
+    call extend_source(scene, units, .true., source, monitor, extended)
+    if (extended .and. allocated(scene%release)) call extend_source(scene, units, .false., alone, monitor, extended)
   end subroutine extend_modes
 
-  subroutine extend_source(scene, units, carries_mass, source, extended)
+  subroutine extend_source(scene, units, carries_mass, source, monitor, extended)
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     logical, intent(in) :: carries_mass
     class(mode_source), intent(inout) :: source
+    class(monitor_type), intent(inout) :: monitor
     logical, intent(out) :: extended
     type(galerkin_source) :: more
     integer :: most
@@ -175,7 +186,7 @@ contains
     select type (source)
     type is (galerkin_source)
       if (source%highest >= most) return
-      call galerkin_source_of(operator_of(scene, units, carries_mass), min(2*source%highest, most), more)
+      call galerkin_source_of(operator_of(scene, units, carries_mass), min(2*source%highest, most), more, monitor)
       extended = more%solved%resolved
       if (.not. extended) return
       if (allocated(scene%damping)) more%damping = law_of(scene%damping, units)

@@ -13,24 +13,9 @@ module bw_case_spectrum
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
-  public :: part_of_histories, take_spectrum
+  public :: take_spectrum
 
 contains
-
-  pure real(dp) function part_of_histories(scene, result) result(part)
-    !! How much of the time of a case goes into its histories; roughly.
-    type(scene_type), intent(in) :: scene
-    type(case_result), intent(in) :: result
-    integer, parameter :: most_lines = 200, lines_a_round = 64
-    real(dp) :: histories, lines, rounds, spectrum
-    part = 1.0_dp
-    if (.not. allocated(scene%spectrum)) return
-    lines = min(most_lines, result%modes%count)
-    rounds = aint(lines/lines_a_round) + 1.0_dp
-    histories = 1.0e-7_dp*(result%modes%count + 2.0_dp*scene%response%samples)
-    spectrum = 0.1_dp + scene%response%samples*(1.0e-7_dp*(rounds + 2.0_dp) + 4.5e-9_dp*lines*(0.5_dp*rounds + 1.5_dp))
-    part = histories/(histories + spectrum)
-  end function part_of_histories
 
   subroutine take_spectrum(scene, layout, plan, monitor, result, whole)
     !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.

@@ -53,8 +53,9 @@ contains
     real(dp) :: seconds
     integer :: decade
     whole = .true.
-    call find_reach(scene, run%reach, error)
-    if (allocated(error)) return
+    call find_reach(scene, monitor, run%reach, error)
+    whole = .not. monitor%stop_requested()
+    if (allocated(error) .or. .not. whole) return
     do decade = first_decade, huge(decade) - decades, decades
       run%tolerance = tolerance_of(decade, run%reach)
       fine = with_tolerance(scene, run%tolerance)
@@ -92,7 +93,7 @@ contains
     real(dp) :: began, ended
     whole = .true.
     call cpu_time(began)
-    call plan_case(fine, count, error)
+    call plan_case(fine, monitor, count, error)
     if (allocated(error)) return
     fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
     call run_case(fine, layout_of(fine), watch, monitor, kept, run%result, whole)
@@ -113,10 +114,11 @@ contains
     end associate
   end subroutine take_peak
 
-  subroutine find_reach(scene, tolerance, error)
+  subroutine find_reach(scene, monitor, tolerance, error)
     !! The finest tolerance that can be kept, down to `converged_tolerance`.
     !! **Errors**: `status_bad_input` where there is none.
     type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
     real(dp), intent(out) :: tolerance
     type(error_type), allocatable, intent(out) :: error
     real(dp), parameter :: margin = 1.02_dp     ! what is reached is rounded elsewhere, and
@@ -126,7 +128,8 @@ contains
     tolerance = converged_tolerance
     do i = 1, most_tries
       if (allocated(error)) deallocate (error)
-      call plan_case(with_tolerance(scene, tolerance), count, error, reached)
+      call plan_case(with_tolerance(scene, tolerance), monitor, count, error, reached)
+      if (monitor%stop_requested()) return
       if (.not. allocated(error) .or. reached > coarsest_tolerance) return
       tolerance = margin*max(tolerance, reached)
     end do

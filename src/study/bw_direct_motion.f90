@@ -45,7 +45,9 @@ contains
     allocate (result%notes(0))
     allocate (displacement(size(sample), size(scene%response%points)), source=dd(0.0_dp, 0.0_dp))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source, alone)
+    call find_modes(scene, result, free, loaded, source, alone, monitor)
+    whole = .not. monitor%stop_requested()
+    if (.not. whole) return
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     times = grid%step*real(sample, dp)
     early = size(sample)
@@ -88,7 +90,7 @@ contains
     class(mode_set), allocatable :: free, loaded
     real(dp) :: q(run%released_count), rate(run%released_count), rest(2)
     integer :: first, last
-    call alone%find(first_numbers(run%released_count), free, endless)
+    call alone%find(first_numbers(run%released_count), free, endless, monitor)
     q = 0.0_dp
     rate = 0.0_dp
     rest = [run%tip_rest%displacement, run%tip_rest%velocity]

@@ -2,7 +2,7 @@ module bw_effects
   !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_done, case_result
-  use bw_effect_file, only: put_effects
+  use bw_effect_file, only: effect_values
   use bw_effect_list, only: compare_frequencies, compared_case, compared_modes, effect_list, effect_words
   use bw_effect_pairs, only: pairs_of
   use bw_effect_report, only: effect_report
@@ -14,8 +14,7 @@ module bw_effects
   use bw_progress, only: progress_type
   use bw_result_values, only: named_value
   use bw_scene, only: scene_type
-  use bw_study_file, only: study_file
-  use bw_study_frame, only: begin_study, end_study, leave_study
+  use bw_study_frame, only: study_frame
   use bw_text, only: append, string
   use bw_timed_runs, only: repeat_runs, run_once, timed_run
   implicit none (type, external)
@@ -47,20 +46,19 @@ contains
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(study_state) :: state
-    type(study_file) :: file
-    type(scene_type) :: one
+    type(study_frame) :: frame
     logical :: whole
-    call begin_study('effects', scene, directory, overwrite, one, file, outcome, error)
+    frame%study = 'effects'
+    call frame%begin(scene, directory, overwrite, outcome, error)
     if (allocated(error) .or. outcome%was_there) return
     call progress%begin(scene%name, 1_i8, 0_i8)
-    call compare(one, progress, state, whole)
+    call compare(frame%scene, progress, state, whole)
     call progress%end()
     if (.not. whole) then
-      call leave_study(file, outcome)
+      call frame%leave(outcome)
       return
     end if
-    call put_effects(file, state%list, error)
-    call end_study(scene, one, effect_report(state%list), state%notes, file, outcome, error)
+    call frame%end(scene, effect_values(state%list), effect_report(state%list), state%notes, outcome, error)
     if (.not. state%trusted) outcome%status = status_not_trusted
   end subroutine compare_effects
 

@@ -7,7 +7,7 @@ module bw_histories
   use bw_magnitude, only: largest_magnitude
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_par, only: by_tolerance
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
   use bw_scene, only: scene_type
@@ -57,7 +57,9 @@ contains
     if (result%response%failing_mode > 0) then
       call note_overflow(scene, result)
     else if (present(source) .and. result%status == case_done) then
-      call estimate_errors(scene, source, alone, grid, result)
+      call estimate_errors(scene, source, alone, grid, monitor, result)
+      whole = .not. monitor%stop_requested()
+      if (.not. whole) return
       if (by_tolerance(scene%modes) .and. grid%samples > 1) call note_missed_tolerance(scene, grid, result)
     end if
   end subroutine respond
@@ -86,13 +88,16 @@ contains
       ' s; the histories hold fill from there on')
   end subroutine note_overflow
 
-  subroutine estimate_errors(scene, source, alone, grid, result)
+  subroutine estimate_errors(scene, source, alone, grid, monitor, result)
     !! `displacement_error` and `velocity_error`, SI.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source, alone
     type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout), target :: monitor
     type(case_result), intent(inout) :: result
+    type(part_monitor) :: part
     real(dp) :: rounding, speed
+    part = part_monitor(monitor, 1.0_dp, 0.0_dp)
     speed = abs(result%approach_velocity)
     rounding = result%response%sum_error + growth_error(result%modes, grid)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
@@ -123,7 +128,7 @@ contains
         if (allocated(result%tip_rest)) then
           values = max(values, released_error(source, alone, force, points, grid, result, velocity))
         else if (.not. by_tolerance(scene%modes)) then
-          values = max(values, after_release(scene, source, alone, force, grid, result, velocity))
+          values = max(values, after_release(scene, source, alone, force, grid, result, velocity, part))
         end if
       end associate
     end function errors
@@ -136,7 +141,7 @@ contains
     error = epsilon(error)*sqrt(max(0.0_dp, maxval(-modes%beta_squared%hi)))*(grid%samples*grid%step%hi)
   end function growth_error
 
-  function after_release(scene, source, alone, force, grid, result, velocity) result(values)
+  function after_release(scene, source, alone, force, grid, result, velocity, monitor) result(values)
     !! The same after the mass has left, (points).
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source, alone
@@ -144,10 +149,11 @@ contains
     type(time_grid), intent(in) :: grid
     type(case_result), intent(in) :: result
     logical, intent(in) :: velocity
+    class(monitor_type), intent(inout) :: monitor
     real(dp), allocatable :: values(:)
     associate (course => result%courses(2))
       values = release_error(course%q, course%rate, source, alone, result%mode_count, force, course%start, &
-                             scene%response%points, stretch_after(grid, result), velocity)
+                             scene%response%points, stretch_after(grid, result), velocity, monitor)
     end associate
   end function after_release
 

@@ -7,6 +7,7 @@ module bw_later_events
   use bw_double_double, only: dd, to_dd, operator(/)
   use bw_event, only: event_type
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   use bw_recontact, only: contacts_type, follow_contacts
   use bw_release, only: release_mass, release_type
   use bw_rotation, only: speed_in_plane
@@ -18,19 +19,21 @@ module bw_later_events
 
 contains
 
-  subroutine follow_events(scene, free, loaded, result)
+  subroutine follow_events(scene, free, loaded, monitor, result)
     !! The courses of the motion, where there is more than one, and the events between them.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded    !! modes of the beam alone, and of beam and mass
+    class(monitor_type), intent(inout) :: monitor            !! what is found means nothing where it asks to stop
     type(case_result), intent(inout) :: result
-    if (allocated(scene%release)) call release_in_time(scene, result, free, loaded)
-    if (allocated(scene%recontact)) call meet_again(scene, free, result)
+    if (allocated(scene%release)) call release_in_time(scene, monitor, result, free, loaded)
+    if (allocated(scene%recontact)) call meet_again(scene, free, monitor, result)
   end subroutine follow_events
 
-  subroutine release_in_time(scene, result, free, loaded)
+  subroutine release_in_time(scene, monitor, result, free, loaded)
     !! A release within the record, and within the range of numbers. Where a tolerance asks for as many modes as it takes,
     !! only its time is known yet.
     type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
     class(mode_set), intent(in), optional :: free, loaded
     type(dd) :: time
@@ -44,7 +47,8 @@ contains
     result%courses(1)%q = q
     result%courses(1)%rate = rate
     call move(loaded, time, q, rate)
-    call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units)), result)
+    call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
+                                         monitor=monitor), result)
   end subroutine release_in_time
 
   logical function is_in_record(scene, time, result)
@@ -77,17 +81,19 @@ contains
     call note_release(release, result)
   end subroutine end_capture
 
-  subroutine meet_again(scene, free, result)
+  subroutine meet_again(scene, free, monitor, result)
     !! Contacts of a mass that rebounded.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: free
+    class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
     type(contacts_type) :: contacts
     if (scene%impact%mass_ratio == 0.0_dp .or. result%approach_velocity == 0.0_dp) return
     call follow_contacts(free, scene%impact%mass_ratio, scene%impact%restitution, &
                          speed_in_plane(scene%rotation, result%units), result%modal_velocity, &
                          result%impact%mass_velocity, scene%response%duration/result%units%time%hi, &
-                         scene%recontact%max_contacts, contacts)
+                         scene%recontact%max_contacts, contacts, monitor)
+    if (monitor%stop_requested()) return
     call in_seconds(contacts%events, scene%response%duration, result)
     result%events = [result%events, contacts%events]
     if (size(contacts%events) > 0) call move_alloc(contacts%courses, result%courses)

@@ -5,7 +5,8 @@ module bw_one_case
   use bw_blow, only: blow_type, continuum_blow
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_result, add_note, case_done
-  use bw_case_spectrum, only: part_of_histories, take_spectrum
+  use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
+  use bw_case_spectrum, only: take_spectrum
   use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_histories, only: respond
@@ -37,35 +38,46 @@ contains
     class(mode_set), pointer :: free, loaded       ! modes of the beam alone, and of beam and mass
     class(mode_source), allocatable :: source     ! of beam and mass
     class(mode_source), allocatable :: alone      ! of the beam alone
-    type(part_monitor) :: first, second           ! histories; what is measured in them
+    type(part_monitor) :: part                    ! for a stage
+    real(dp), allocatable :: share(:)
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source, alone, kept%modes, kept%operators)
+    share = case_shares(scene)
+    part = stage_part(monitor, share, modes_share)
+    call find_modes(scene, result, free, loaded, source, alone, part, kept%modes, kept%operators)
+    whole = .not. monitor%stop_requested()
+    if (.not. whole) return
     call note_growth(result)
     call watch%lap(stage_modes)
     allocate (result%events(0))
     if (result%status == case_done) then
       result%mode_count = result%modes%count
-      call apply_events(scene, free, loaded, kept%blows, result)
-      call follow_events(scene, free, loaded, result)
+      part = stage_part(monitor, share, events_share)
+      call apply_events(scene, free, loaded, part, kept%blows, result)
+      whole = .not. monitor%stop_requested()
+      part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)     ! how long later events take is not known
+      if (whole) call follow_events(scene, free, loaded, part, result)
+      whole = .not. monitor%stop_requested()
+      if (.not. whole) return
     end if
     if (allocated(scene%impact)) call watch%lap(stage_events)
-    first = part_monitor(monitor, 0.0_dp, part_of_histories(scene, result))
-    second = part_monitor(monitor, first%share, 1.0_dp - first%share)
-    call respond(scene, free, loaded, source, alone, first, kept%sum, result, whole)
+    part = stage_part(monitor, share, histories_share)
+    call respond(scene, free, loaded, source, alone, part, kept%sum, result, whole)
     if (.not. whole) return
     if (allocated(scene%response)) call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
-    call take_spectrum(scene, layout, kept%spectrum, second, result, whole)
+    part = stage_part(monitor, share, spectrum_share)
+    call take_spectrum(scene, layout, kept%spectrum, part, result, whole)
     if (.not. whole) return
     if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
   end subroutine run_case
 
-  subroutine plan_case(scene, count, error, reached)
+  subroutine plan_case(scene, monitor, count, error, reached)
     !! How many modes a scene with a tolerance will sum.
     !! **Errors**: `status_bad_input` where the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
@@ -75,11 +87,12 @@ contains
     result%units = units_of(scene%beam)
     allocate (result%notes(0))
     count = 0
-    call find_modes(scene, result, free, loaded, source, alone)
+    call find_modes(scene, result, free, loaded, source, alone, monitor)
+    if (monitor%stop_requested()) return
     if (result%status /= case_done) return         ! the run says so
     result%approach_velocity = scene%impact%approach_velocity
-    call follow_events(scene, free, loaded, result)
-    call plan_count(scene, source, alone, result, error, reached)
+    call follow_events(scene, free, loaded, monitor, result)
+    call plan_count(scene, source, alone, monitor, result, error, reached)
     count = result%mode_count
   end subroutine plan_case
 
@@ -94,10 +107,11 @@ contains
       shortest(result%modes%critical_speed%hi*result%units%frequency, 6)//' rad/s')
   end subroutine note_growth
 
-  subroutine apply_events(scene, free, loaded, kept, result)
+  subroutine apply_events(scene, free, loaded, monitor, kept, result)
     !! The impact, and the capture if the mass stays.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in), optional :: free, loaded
+    class(monitor_type), intent(inout) :: monitor  !! what is left means nothing where it asks to stop
     type(kept_blows), intent(inout) :: kept
     type(case_result), intent(inout) :: result
     type(blow_type) :: blow
@@ -105,7 +119,8 @@ contains
     result%approach_velocity = scene%impact%approach_velocity
     associate (gamma => scene%impact%mass_ratio, e => scene%impact%restitution, points => scene%impact%profile_points)
       if (present(free)) then
-        call find_blow(free, loaded, gamma, e, points, kept, blow)
+        call find_blow(free, loaded, gamma, e, points, monitor, kept, blow)
+        if (monitor%stop_requested()) return
       else
         call continuum_blow(result%modes, gamma, e, points, blow)
       end if

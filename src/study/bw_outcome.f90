@@ -2,7 +2,6 @@ module bw_outcome
   !! How a scene ended, and what there is to say of it.
   use bw_error, only: status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i8
-  use bw_notes, only: notes_type
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -43,10 +42,10 @@ contains
   subroutine set_notes(self, notes, layout, not_trusted)
     !! The warnings, and the status that they call for.
     class(outcome_type), intent(inout) :: self
-    type(notes_type), intent(in) :: notes
+    character(*), intent(in) :: notes         !! of the cases, put together; lines
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: not_trusted    !! cases that hold numbers that cannot be trusted
-    self%warnings = notes%lines(layout%cases)
+    self%warnings = notes
     if (not_trusted == 0) return
     self%status = status_not_trusted
     if (layout%cases > 0) self%warnings = self%warnings//text_of(not_trusted)//' of '//text_of(layout%cases)// &

@@ -9,7 +9,7 @@ module bw_released_motion
   use bw_later_events, only: end_capture
   use bw_mode_choice, only: modes_for
   use bw_mode_set, only: first_numbers, mode_set, mode_source
-  use bw_monitor, only: silent_monitor
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_reach, only: stretch_type
   use bw_release, only: release_mass
   use bw_release_error, only: blow_reach, release_tail
@@ -39,7 +39,7 @@ contains
     end associate
   end function stretch_after
 
-  subroutine plan_released(bound, fewest, source, alone, force, points, grid, result, reached)
+  subroutine plan_released(bound, fewest, source, alone, force, points, grid, result, reached, monitor)
     !! `released_count` and `tip_rest` of the result.
     real(dp), intent(in) :: bound               !! of the displacement, in V l²/h
     integer, intent(in) :: fewest               !! modes at least
@@ -50,6 +50,7 @@ contains
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! estimated error, V l²/h
+    class(monitor_type), intent(inout) :: monitor    !! nothing is planned where it asks to stop
     real(dp) :: tail, tip
     call plan_share(tail_share*bound)
     if (tail + tip > bound) call plan_share(max(least_share*bound, bound - tip))    ! what the tip leaves of it
@@ -57,11 +58,12 @@ contains
   contains
     subroutine plan_share(tail_bound)
       real(dp), intent(in) :: tail_bound
-      call plan_counts(tail_bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, tip)
+      call plan_counts(tail_bound, (1.0_dp - tail_share)*bound, fewest, source, alone, force, points, grid, result, tail, tip, &
+                       monitor)
     end subroutine plan_share
   end subroutine plan_released
 
-  subroutine plan_counts(tail_bound, tip_bound, fewest, source, alone, force, points, grid, result, tail, tip)
+  subroutine plan_counts(tail_bound, tip_bound, fewest, source, alone, force, points, grid, result, tail, tip, monitor)
     !! Counts within bounds for each; where they cannot be kept, those that come nearest.
     real(dp), intent(in) :: tail_bound, tip_bound
     integer, intent(in) :: fewest
@@ -71,6 +73,7 @@ contains
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: tail               !! estimated error by modes of the beam alone that are left out, V l²/h
     real(dp), intent(out) :: tip                !! and by the velocity of the tip when the mass leaves
+    class(monitor_type), intent(inout) :: monitor
     class(mode_set), allocatable :: free
     type(stretch_type) :: stretch
     real(dp) :: strength
@@ -81,7 +84,7 @@ contains
     strength = source%gamma*maxval(blow_reach(free, points, stretch, .false.))
     if (.not. allocated(result%tip_rest)) allocate (result%tip_rest)
     call find_tip_rest(source, force, result%released_count, result%courses(2)%start, &
-                       min(tip_bound, max(least_share*tip_bound, tip_share*tail))/strength, result%tip_rest)
+                       min(tip_bound, max(least_share*tip_bound, tip_share*tail))/strength, result%tip_rest, monitor=monitor)
     tip = strength*result%tip_rest%uncertainty
   end subroutine plan_counts
 
@@ -101,37 +104,40 @@ contains
     end associate
   end function released_error
 
-  subroutine release_continuum(scene, source, alone, force, grid, result, free)
+  subroutine release_continuum(scene, source, alone, force, grid, monitor, result, free)
     !! The release as infinitely many modes have it, but for those of the beam alone beyond `released_count`.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(in) :: source, alone
     real(dp), intent(in) :: force
     type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor        !! what is found means nothing where it asks to stop
     type(case_result), intent(inout) :: result
     class(mode_set), allocatable, intent(out) :: free    !! modes that move after it
     class(mode_set), allocatable :: loaded
     real(dp), dimension(result%released_count) :: q, rate
-    call find_state(source, force, grid, result, loaded, q, rate)
-    call alone%find(first_numbers(size(q)), free, grid%samples*grid%step%hi)
+    call find_state(source, force, grid, result, monitor, loaded, q, rate)
+    call alone%find(first_numbers(size(q)), free, grid%samples*grid%step%hi, monitor)
+    if (monitor%stop_requested()) return
     call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
-                                         result%tip_rest), result)
+                                         result%tip_rest, monitor), result)
   end subroutine release_continuum
 
-  subroutine find_state(source, force, grid, result, loaded, q, rate)
+  subroutine find_state(source, force, grid, result, monitor, loaded, q, rate)
     !! Beam and mass when it leaves, in V l²/h and V.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     type(time_grid), intent(in) :: grid
     type(case_result), intent(in) :: result
+    class(monitor_type), intent(inout) :: monitor
     class(mode_set), allocatable, intent(out) :: loaded
     real(dp), intent(out) :: q(:), rate(:)
-    call source%find(first_numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi))
+    call source%find(first_numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi), monitor)
     q = 0.0_dp
     rate = force*loaded%tip/loaded%modal_mass
     call move(loaded, result%courses(2)%start, q, rate)
   end subroutine find_state
 
-  real(dp) function peak_released(count, source, alone, force, points, grid, most, result) result(peak)
+  real(dp) function peak_released(count, source, alone, force, points, grid, most, result, monitor) result(peak)
     !! The largest displacement after the release as few modes show it, V l²/h: at some samples, at all where a mode grows.
     integer, intent(in) :: count                !! of the modes
     class(mode_source), intent(in) :: source, alone
@@ -139,20 +145,22 @@ contains
     type(time_grid), intent(in) :: grid
     integer, intent(in) :: most                 !! samples, nearly
     type(case_result), intent(in) :: result
+    class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
     class(mode_set), allocatable :: loaded, free
     type(response_type) :: response
-    type(silent_monitor) :: monitor
+    type(part_monitor) :: part
     type(time_grid) :: coarse
     real(dp) :: q(count), rate(count)
     integer :: samples, stride
-    call find_state(source, force, grid, result, loaded, q, rate)
+    call find_state(source, force, grid, result, monitor, loaded, q, rate)
     call alone%find(first_numbers(count), free, grid%samples*grid%step%hi)
     samples = grid%samples - last_sample(result%courses, 1, grid)
     stride = (samples - 1)/most + 1
     if (any(free%beta_squared%hi <= 0.0_dp)) stride = 1
     coarse = time_grid((samples - 1)/stride + 1, grid%step*real(stride, dp))
+    part = part_monitor(monitor, share=0.0_dp)
     call start_histories(coarse, size(points), .false., response)
-    call add_motion(free, free%overlap_of_beam(loaded, rate)/free%modal_mass, points, coarse, result%units%time%hi, monitor, &
+    call add_motion(free, free%overlap_of_beam(loaded, rate)/free%modal_mass, points, coarse, result%units%time%hi, part, &
                     response, displaced=free%overlap_of_beam(loaded, q)/free%modal_mass)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end function peak_released

@@ -1,6 +1,7 @@
 module bw_time_estimate
   !! How long a scene will take: a few of its cases are run for a bounded time.
-  use bw_case_fields, only: case_field, case_length, fields_of, short_fields
+  use bw_case_shares, only: case_seconds, case_shares, histories_share
+  use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_kept_work, only: kept_work
@@ -18,42 +19,46 @@ module bw_time_estimate
   integer, parameter :: most_samples = 200
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
   real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
-  real(dp), parameter :: modes_part = 0.5_dp               !! of a case that was stopped before its histories were begun; rough
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: start_seconds = 2.5e-2_dp         !! of the program itself, most of them its libraries'; measured
   real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
-  real(dp), parameter :: put_seconds = 4.0e-6_dp           !! of a case into its journal and the result; measured
-  real(dp), parameter :: number_seconds = 1.5e-8_dp        !! of each of its numbers: written twice, read once; measured
-  real(dp), parameter :: long_seconds = 8.0e-9_dp          !! of those in long fields: written once; measured
+  real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into its journal and the result; measured
+  real(dp), parameter :: number_seconds = 1.0e-8_dp        !! of each of its numbers: written twice, read once; measured
 
   type, extends(monitor_type) :: time_limit
-    !! Stops when the time is up, and remembers how much of the case was done.
+    !! Stops when the time is up, or its user asks to, and remembers how much of the case was done.
+    class(monitor_type), pointer :: user => null()
     real(dp) :: deadline = 0.0_dp
-    real(dp) :: fraction = 0.0_dp
-    real(dp) :: before = -1.0_dp              !! s of the processor when the first part was done; below 0: not yet
+    real(dp) :: histories = 0.0_dp            !! the part of the case that comes before its histories
+    real(dp) :: fraction = 0.0_dp             !! of the case that was done
+    real(dp) :: before = 0.0_dp               !! s of the processor when the first part of its histories was done; 0: not yet
     real(dp) :: first = 0.0_dp                !! that part
   contains
+    procedure :: start
     procedure :: advance
     procedure :: stop_requested
   end type time_limit
 
 contains
 
-  real(dp) function estimated_seconds(scene, layout, budget) result(seconds)
+  real(dp) function estimated_seconds(scene, layout, budget, monitor) result(seconds)
     !! Wall time of all cases by one process on a core of its own, s: the processor time of some of them, which other work
     !! on the machine changes least.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                !! what the estimate may take itself, s
+    class(monitor_type), intent(inout), target :: monitor    !! the estimate means nothing where it asks to stop
     real(dp) :: spent, began, elapsed, part
     type(kept_work) :: kept
     type(scene_type) :: one
     integer(i8) :: cases, index
     integer :: samples
     logical :: is_quick
+    type(time_limit) :: limit
+    limit%user => monitor
     cases = case_count(scene)
     began = wall_seconds()
-    call sample(scene, layout, 1_i8, began + budget, one, kept, part, spent)   ! a first case finds caches and plans empty
+    call sample(scene, layout, 1_i8, began + budget, one, kept, limit, part, spent)   ! a first case finds caches and plans empty
     seconds = spent/part
     if (part >= 1.0_dp .and. cases > 1) then
       samples = 0
@@ -63,11 +68,12 @@ contains
         samples = samples + 1
         index = place(samples, cases)
         ! a case shares work with the one before it
-        if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, one, kept, part, spent)
-        call sample(scene, layout, index, wall_seconds() + budget, one, kept, part, spent)
+        if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, one, kept, limit, part, spent)
+        call sample(scene, layout, index, wall_seconds() + budget, one, kept, limit, part, spent)
         seconds = seconds + spent/part
         elapsed = wall_seconds() - began
         if (elapsed > budget) exit
+        if (monitor%stop_requested()) exit
       end do
       seconds = seconds/samples
     end if
@@ -77,11 +83,7 @@ contains
   pure real(dp) function writing_seconds(layout) result(seconds)
     !! Of a case onto the disk, s.
     type(result_layout), intent(in) :: layout
-    type(case_field), allocatable :: fields(:)
-    integer(i8) :: short
-    allocate (fields, source=fields_of(layout))
-    short = case_length(fields(:short_fields(fields)))
-    seconds = put_seconds + number_seconds*short + long_seconds*(case_length(fields) - short)
+    seconds = put_seconds + number_seconds*case_length(fields_of(layout))
   end function writing_seconds
 
   pure integer(i8) function place(sample, cases)
@@ -93,7 +95,7 @@ contains
     place = 1 + min(cases - 1, int((position - floor(position))*real(cases, dp), i8))
   end function place
 
-  subroutine sample(scene, layout, index, deadline, one, kept, part, spent)
+  subroutine sample(scene, layout, index, deadline, one, kept, limit, part, spent)
     !! Run a case, or the part of it that there is time for.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -101,34 +103,49 @@ contains
     real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
     type(scene_type), intent(inout) :: one        !! the case before this one
     type(kept_work), intent(inout) :: kept
+    type(time_limit), intent(inout) :: limit
     real(dp), intent(out) :: part                 !! of the case that was done, above 0, at most 1
     real(dp), intent(out) :: spent                !! s of the processor
-    type(time_limit) :: limit
     type(stopwatch) :: watch
     type(case_result) :: result
     type(error_type), allocatable :: error
     real(dp) :: began, ended
     logical :: whole
     call cpu_time(began)
-    limit%deadline = deadline
     whole = .true.
     call case_scene(scene, index, one, error)
+    call limit%start(one, deadline)
     if (.not. allocated(error)) call run_case(one, layout, watch, limit, kept, result, whole)
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
     if (whole) return
-    if (limit%fraction > limit%first) then          ! what comes before the histories is not a part of them
+    if (limit%before > 0.0_dp .and. limit%fraction > limit%first) then   ! what comes before the histories is not a part of them
       spent = (limit%before - began) + (ended - limit%before)*((1.0_dp - limit%first)/(limit%fraction - limit%first))
+    else if (limit%before <= 0.0_dp .and. limit%fraction > 0.0_dp) then
+      part = limit%fraction
     else
-      part = modes_part
+      spent = max(2.0_dp*spent, case_seconds(one))
     end if
   end subroutine sample
+
+  subroutine start(self, scene, deadline)
+    !! Before a case.
+    class(time_limit), intent(inout) :: self
+    type(scene_type), intent(in) :: scene         !! without sweeps
+    real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
+    real(dp), allocatable :: share(:)
+    share = case_shares(scene)
+    self%histories = sum(share(:histories_share - 1))
+    self%deadline = deadline
+    self%fraction = 0.0_dp
+    self%before = 0.0_dp
+  end subroutine start
 
   subroutine advance(self, fraction)
     class(time_limit), intent(inout) :: self
     real(dp), intent(in) :: fraction
-    if (self%before < 0.0_dp) then
+    if (self%before <= 0.0_dp .and. fraction > self%histories) then
       call cpu_time(self%before)
       self%first = fraction
       self%deadline = max(self%deadline, wall_seconds() + least_look)
@@ -139,6 +156,7 @@ contains
   logical function stop_requested(self)
     class(time_limit), intent(inout) :: self
     stop_requested = wall_seconds() > self%deadline
+    if (.not. stop_requested) stop_requested = self%user%stop_requested()
   end function stop_requested
 
 end module bw_time_estimate

@@ -9,7 +9,7 @@ module bw_tolerance_sum
   use bw_mode_choice, only: first_modes, modes_for, most_modes, most_released
   use bw_mode_set, only: mode_set, mode_source
   use bw_input_values, only: position_of
-  use bw_monitor, only: monitor_type, part_monitor, silent_monitor
+  use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_released_motion, only: peak_released, plan_released, release_continuum
   use bw_response, only: finish_histories, response_type, start_histories, sum_tolerance
@@ -40,7 +40,8 @@ contains
     type(case_result), intent(inout) :: result
     real(dp) :: reached
     type(rest_type) :: rest
-    call choose_count(scene, source, alone, grid, result, reached, rest)
+    call choose_count(scene, source, alone, grid, monitor, result, reached, rest)
+    if (monitor%stop_requested()) return
     if (scene%response%velocity) rest = rest_type()   ! velocities after the first modes are no smaller than theirs
     call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
     if (reached > scene%modes%tolerance) then
@@ -81,7 +82,8 @@ contains
     whole%mode_seconds = result%response%mode_seconds
     whole%transformed = result%response%transformed
     result%response = whole
-    call release_continuum(scene, source, alone, force_of(scene), grid, result, free)
+    call release_continuum(scene, source, alone, force_of(scene), grid, monitor, result, free)
+    if (monitor%stop_requested()) return
     call add_course(result%courses(2), free, grid%samples, scene%response%points, grid, monitor, result)
     call finish_histories(1.0_dp, result%response)
   end subroutine sum_around_release
@@ -110,11 +112,12 @@ contains
     end associate
   end subroutine sum_in_parts
 
-  subroutine choose_count(scene, source, alone, grid, result, reached, rest)
+  subroutine choose_count(scene, source, alone, grid, monitor, result, reached, rest)
     !! `mode_count` from the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
     class(mode_source), intent(inout) :: source, alone
     type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout), target :: monitor    !! nothing is chosen where it asks to stop
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! the estimated error over the peak
     type(rest_type), intent(out) :: rest        !! what the modes after the first are estimated to add
@@ -134,22 +137,24 @@ contains
       missing = tail
       few = first_modes
       do
-        call preview(scene, source, few, early, result, peak)
+        call preview(scene, source, few, early, result, monitor, peak)
+        if (monitor%stop_requested()) return
         if (missing <= 0.5_dp*peak .or. 4*few > min(most_previewed, source%highest)) exit
         few = 4*few                             ! what is missing is all that is seen: nothing has moved far yet
         missing = largest_tail(few)
       end do
       if (allocated(result%courses)) then
-        peak = max(peak, peak_released(first_modes, source, alone, force, points, grid, previewed, result))
+        peak = max(peak, peak_released(first_modes, source, alone, force, points, grid, previewed, result, monitor))
+        if (monitor%stop_requested()) return
       end if
       if (peak == 0.0_dp) return
       peak = max(0.5_dp*peak, peak - missing)
       rest%share = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
       if (.not. allocated(source%damping)) rest%tail = tail/force     ! damped modes are summed without the transform
       do
-        call plan_all(scene%modes%tolerance*peak, source, alone, force, points, grid, early, result, reached)
+        call plan_all(scene%modes%tolerance*peak, source, alone, force, points, grid, early, monitor, result, reached)
         if (reached <= scene%modes%tolerance*peak) exit
-        call extend_modes(scene, result%units, source, alone, extended)
+        call extend_modes(scene, result%units, source, alone, monitor, extended)
         if (.not. extended) exit
       end do
     end associate
@@ -161,23 +166,24 @@ contains
     end function largest_tail
   end subroutine choose_count
 
-  subroutine plan_all(bound, source, alone, force, points, grid, early, result, reached)
+  subroutine plan_all(bound, source, alone, force, points, grid, early, monitor, result, reached)
     !! Counts for the captured motion, and for that after a release.
     real(dp), intent(in) :: bound               !! of the displacement, V l²/h
     class(mode_source), intent(in) :: source, alone
     real(dp), intent(in) :: force, points(:)
     type(time_grid), intent(in) :: grid, early
+    class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! estimated error, V l²/h
     real(dp) :: after
     call modes_for(bound, first_modes, source, force, points, early%samples*early%step%hi, early%samples, &
                    result%mode_count, reached)
     if (.not. allocated(result%courses)) return
-    call plan_released(bound, first_modes, source, alone, force, points, grid, result, after)
+    call plan_released(bound, first_modes, source, alone, force, points, grid, result, after, monitor)
     reached = max(reached, after)
   end subroutine plan_all
 
-  subroutine preview(scene, source, few, grid, result, peak)
+  subroutine preview(scene, source, few, grid, result, monitor, peak)
     !! The largest displacement of the first modes, in l²/h times the approach velocity, at some of the samples; at all
     !! of them where a mode grows, whose peak is at the end.
     type(scene_type), intent(in) :: scene
@@ -185,17 +191,19 @@ contains
     integer, intent(in) :: few                  !! how many
     type(time_grid), intent(in) :: grid
     type(case_result), intent(in) :: result
+    class(monitor_type), intent(inout), target :: monitor    !! nothing is seen where it asks to stop
     real(dp), intent(out) :: peak
     type(response_type) :: response
-    type(silent_monitor) :: monitor
+    type(part_monitor) :: part
     type(time_grid) :: coarse
     integer :: stride
     stride = (grid%samples - 1)/previewed + 1
     if (any(result%modes%beta_squared%hi <= 0.0_dp)) stride = 1
     coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
+    part = part_monitor(monitor, share=0.0_dp)
     call start_histories(coarse, size(scene%response%points), .false., response)
     call add_modes_of_source(source, force_of(scene), 1, few, scene%response%points, coarse, &
-                             result%units%time%hi, sum_tolerance, monitor, response)
+                             result%units%time%hi, sum_tolerance, part, response)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end subroutine preview
 
@@ -213,12 +221,13 @@ contains
     end if
   end function out_of_reach
 
-  subroutine plan_count(scene, source, alone, result, error, estimate)
+  subroutine plan_count(scene, source, alone, monitor, result, error, estimate)
     !! How many modes a tolerance takes, from a preview of the history: before a run, and for `beamwave check`.
     !! **Errors**: `status_bad_input` where more modes than there may be would be needed.
     type(scene_type), intent(in) :: scene       !! without sweeps, with a tolerance
     class(mode_source), intent(inout) :: source    !! modes of beam and mass
     class(mode_source), intent(inout) :: alone     !! modes of the beam alone
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     type(case_result), intent(inout) :: result
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: estimate    !! of the error over the peak
@@ -227,8 +236,10 @@ contains
     character(:), allocatable :: place
     integer :: line
     call choose_count(scene, source, alone, &
-                      time_grid_of(scene%response%duration, scene%response%samples, result%units%time), result, reached, rest)
+                      time_grid_of(scene%response%duration, scene%response%samples, result%units%time), monitor, result, &
+                      reached, rest)
     if (present(estimate)) estimate = reached
+    if (monitor%stop_requested()) return
     if (reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
