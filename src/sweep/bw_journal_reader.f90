@@ -87,6 +87,7 @@ contains
     integer, intent(out) :: verdict
     type(error_type), allocatable, intent(inout) :: error
     integer(i8), pointer, contiguous :: words(:)
+    real(dp), pointer, contiguous :: numbers(:)             ! and the word before them: there may be none
     integer(i8) :: head(header), count, length
     verdict = is_none
     call self%fetch(int(header, i8), words, error)
@@ -104,7 +105,8 @@ contains
     verdict = is_sound
     self%case = head(at_case)
     self%work = head(at_work)
-    call c_f_pointer(c_loc(words(header + 1)), self%numbers, [count])
+    call c_f_pointer(c_loc(words(header)), numbers, [count + 1])
+    self%numbers => numbers(2:)
     call split(words(header + count + 1:length), head(at_letters), self%notes)
     self%place = self%place + word*length
   end subroutine read_record
