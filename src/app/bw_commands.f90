@@ -8,7 +8,7 @@ module bw_commands
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
-  use bw_process, only: pause
+  use bw_process, only: pause, settle_libraries
   use bw_process_group, only: process_group
   use bw_result_layout, only: result_layout, layout_of
   use bw_outcome, only: outcome_type
@@ -19,7 +19,7 @@ module bw_commands
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
-  use bw_text, only: shortest, string, text_of
+  use bw_text, only: append, shortest, string, text_of
   use bw_time_estimate, only: estimated_seconds
   implicit none (type, external)
   private
@@ -76,7 +76,7 @@ contains
     call group%share(counts)
     if (count /= counts(1)) call fail(error, status_bad_file, 'beamwave: process '//text_of(group%number)//' of '// &
       text_of(group%processes)//' reads '//text_of(count)//' good scenes, the first one '//text_of(counts(1))// &
-      ': a file could not be read')
+      ': a file could not be read, or memory was refused')
     call group%collect(nothing, error)
   end subroutine agree_on_scenes
 
@@ -220,15 +220,22 @@ contains
   end subroutine plan_tolerance
 
   subroutine read_and_list(command, aloud, scenes, count, status)
-    !! Read all scenes and print what is wrong with the bad ones.
+    !! Read all scenes and print what is wrong with the bad ones; none is good where the system lets nothing be run.
     type(command_type), intent(in) :: command
     logical, intent(in) :: aloud                   !! print it
     type(scene_type), allocatable, intent(out) :: scenes(:)
     integer, intent(out) :: count                  !! how many of `scenes` are good
     integer, intent(out) :: status                 !! the highest of the errors'
     type(string), allocatable :: messages(:)
+    type(error_type), allocatable :: error
     integer :: i
     call read_scenes(command%words, scenes, count, messages, status)
+    if (count > 0) call settle_libraries(scenes(1)%file, error)
+    if (allocated(error)) then
+      call append(messages, error%message)
+      status = max(status, error%status)
+      count = 0
+    end if
     do i = 1, size(messages)
       if (aloud) call print_warning(messages(i)%text)
     end do

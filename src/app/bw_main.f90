@@ -4,8 +4,7 @@ module bw_main
   use bw_commands, only: check_command, describe_command, run_command
   use bw_console, only: print_error, print_report, print_warning, report_lost
   use bw_error, only: error_type, status_bad_file, status_done
-  use bw_kinds, only: dp
-  use bw_process, only: leave, open_standard_streams, settle_libraries, watch_over_process
+  use bw_process, only: leave, open_standard_streams, watch_over_process
   use bw_process_group, only: process_group
   use bw_study_commands, only: study_command
   use bw_version_text, only: version_text
@@ -20,17 +19,12 @@ contains
     class(process_group), intent(inout) :: group
     type(command_type) :: command
     type(error_type), allocatable :: error
-    real(dp) :: nothing(0)
     integer :: status
     call open_standard_streams()
     call group%join()
     call watch_over_process()
     status = status_done
     call read_command_line(command, error)
-    if (.not. allocated(error)) then
-      if (any(command%name == [character(8) :: 'run', 'check', 'accuracy', 'effects'])) call settle_libraries(error)
-    end if
-    call group%collect(nothing, error)                ! what stops one process stops all
     if (allocated(error)) then
       status = error%status
       if (group%leads()) call print_error(error)

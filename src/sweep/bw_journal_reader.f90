@@ -25,6 +25,7 @@ module bw_journal_reader
     real(dp), pointer, contiguous :: numbers(:) => null()
     type(string), allocatable :: notes(:)
     integer(i8) :: damaged = 0                              !! records so far that are not what they were
+    logical :: is_open = .false.
     integer, private :: descriptor = -1
     integer(i8), private :: place = 0                       !! of the next record, bytes from 0
     integer(i8), pointer, contiguous, private :: buffer(:) => null()
@@ -49,6 +50,7 @@ contains
     type(path_state) :: state
     integer :: problem
     self%path = path
+    self%is_open = .true.
     self%place = 0
     self%origin = 0
     self%have = 0
@@ -59,12 +61,13 @@ contains
     if (problem == 0 .and. state%kind /= is_file) call fail(error, status_bad_file, path//': is no file')
   end subroutine open_reader
 
-  subroutine next(self, found, error)
+  subroutine next(self, found, error, grows)
     !! Go to the next sound record, past what is none. A last one that is not whole was under way when its process ended.
     !! **Errors**: the journal cannot be read.
     class(journal_reader), intent(inout) :: self
     logical, intent(out) :: found
     type(error_type), allocatable, intent(inout) :: error
+    logical, intent(in), optional :: grows                  !! its process is at work: what is not sound yet is waited for
     integer :: verdict
     logical :: is_bad, is_torn                              ! what was passed over
     found = .false.
@@ -74,6 +77,12 @@ contains
       call self%read_record(verdict, error)
       found = verdict == is_sound
       if (found .or. verdict == is_none) exit
+      if (present(grows)) then
+        if (grows) then
+          self%have = 0                                     ! to be read again
+          return
+        end if
+      end if
       is_bad = is_bad .or. verdict == is_damaged
       is_torn = is_torn .or. verdict == is_cut
       call self%find_mark(error)
@@ -87,6 +96,7 @@ contains
     integer, intent(out) :: verdict
     type(error_type), allocatable, intent(inout) :: error
     integer(i8), pointer, contiguous :: words(:)
+    real(dp), pointer, contiguous :: numbers(:)             ! and the word before them: there may be none
     integer(i8) :: head(header), count, length
     verdict = is_none
     call self%fetch(int(header, i8), words, error)
@@ -104,7 +114,8 @@ contains
     verdict = is_sound
     self%case = head(at_case)
     self%work = head(at_work)
-    call c_f_pointer(c_loc(words(header + 1)), self%numbers, [count])
+    call c_f_pointer(c_loc(words(header)), numbers, [count + 1])
+    self%numbers => numbers(2:)
     call split(words(header + count + 1:length), head(at_letters), self%notes)
     self%place = self%place + word*length
   end subroutine read_record
@@ -184,6 +195,7 @@ contains
     class(journal_reader), intent(inout) :: self
     integer :: ignored
     ignored = close_file(self%descriptor)
+    self%is_open = .false.
     if (associated(self%buffer)) deallocate (self%buffer)
     self%numbers => null()
   end subroutine close_reader

@@ -31,18 +31,19 @@ contains
     call bw_watch(fault_message, int(status_fault, c_int), memory_message, int(status_bad_file, c_int))
   end subroutine watch_over_process
 
-  subroutine settle_libraries(error)
+  subroutine settle_libraries(scene, error)
     !! A process uses one thread, and no locks but its own: those of HDF5 are not there on every file system.
     !! **Errors**: the stack is too small, or OpenBLAS's memory is refused.
+    character(*), intent(in) :: scene                !! file of the first scene that is to be run, for messages
     type(error_type), allocatable, intent(out) :: error
     integer(c_int64_t) :: stack
     call bw_set_environment('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char)
     stack = bw_stack_limit()
     if (stack >= 0 .and. stack < least_stack) then
-      call fail(error, status_bad_file, 'beamwave: the stack may have '//text_of(stack/1024)//' kB, which is too small; '// &
+      call fail(error, status_bad_file, scene//': the stack may have '//text_of(stack/1024)//' kB, which is too small; '// &
                 'accepted: '//text_of(least_stack/1024)//' kB or more (ulimit -s)')
     else if (bw_settle_openblas(openblas_bytes) /= 0) then
-      call fail(error, status_bad_file, 'beamwave: memory was refused: the linear algebra (OpenBLAS) claims '// &
+      call fail(error, status_bad_file, scene//': memory was refused: the linear algebra (OpenBLAS) claims '// &
                 text_of(openblas_bytes/1000000)//' MB')
     end if
   end subroutine settle_libraries
