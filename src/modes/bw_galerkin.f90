@@ -63,8 +63,7 @@ contains
   pure type(tip_body) function body_of(operator) result(body)
     type(beam_operator), intent(in) :: operator
     if (allocated(operator%tip_inertia)) body%inertia = operator%tip_inertia
-    if (allocated(operator%omega) .and. .not. operator%in_plane) body%spin_squared = operator%omega%hi**2
-    if (allocated(operator%tension)) body%pull = sum(operator%tension)
+    if (allocated(operator%tension)) body%pull = operator%gamma*(operator%omega%hi**2 - operator%tension(2))
     if (allocated(operator%shear)) body%compliance = operator%shear%compliance
   end function body_of
 

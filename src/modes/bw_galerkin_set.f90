@@ -11,8 +11,7 @@ module bw_galerkin_set
   type, public :: tip_body
     !! What the energy of the body at the tip takes, beside its mass.
     real(dp) :: inertia = 0.0_dp                   !! J in m_i l²
-    real(dp) :: spin_squared = 0.0_dp              !! Ω² out of plane, where it acts on the turning; else 0
-    real(dp) :: pull = 0.0_dp                      !! T(1), tension that the body's mass brings
+    real(dp) :: pull = 0.0_dp                      !! T(1) = Ω²γ(1 + R), tension that the body's mass brings
     real(dp) :: compliance = 0.0_dp                !! s² of the beam
   end type tip_body
 
@@ -94,7 +93,8 @@ contains
   end function coupling
 
   pure function energy_of_body(self, q, rate) result(energy)
-    !! ½J(ψ̇² [− Ω²ψ²]) at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards.
+    !! ½Jψ̇² at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards. Rotation does no
+    !! work on the turning of the body: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
     class(galerkin_set), intent(in) :: self
     real(dp), intent(in) :: q(:), rate(:)          !! (modes)
     real(dp) :: energy(2)
@@ -104,8 +104,7 @@ contains
     strain = matmul(self%strain, sqrt(self%modal_mass)*q)
     associate (body => self%body, tip_rate => dot_product(self%strain(1, :), sqrt(self%modal_mass)*rate))
       energy(1) = 0.5_dp*body%inertia*tip_rate**2            ! ψ(1) is the first coefficient of the curvature
-      energy(2) = 0.5_dp*body%pull*slope_square(n, strain, body%compliance) &
-        - 0.5_dp*body%inertia*body%spin_squared*strain(1)**2
+      energy(2) = 0.5_dp*body%pull*slope_square(n, strain, body%compliance)
     end associate
   end function energy_of_body
 

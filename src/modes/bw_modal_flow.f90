@@ -9,7 +9,7 @@ module bw_modal_flow
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: flow, turning_square, slow_exponent, fast_exponent
+  public :: flow, turning_square, slow_exponent, fast_exponent, energy_gain
 
   real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
 
@@ -96,6 +96,35 @@ contains
     q = growing + decaying
     q_dot = slow%hi*growing + fast*decaying
   end subroutine part
+
+  elemental real(dp) function energy_gain(beta_squared, c, time, q, q_dot) result(gain)
+    !! By how much q̇² + β²q² changes in a time of free motion, never more than nothing. Nothing at all is changed where
+    !! nothing damps; a growing mode whose two terms are huge then keeps their difference.
+    !!
+    !! With q = a e^(st) + b e^(ft), s + f = −c and sf = β², the sum is −csa²e^(2st) + 4abβ²e^(−ct) − cfb²e^(2ft).
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c                !! ≥ 0; 0: undamped
+    type(dd), intent(in) :: time             !! as that of `flow`
+    real(dp), intent(in) :: q, q_dot         !! state from which the mode moves on
+    type(dd) :: slow
+    real(dp) :: later, later_dot, fast, a, b
+    gain = 0.0_dp
+    if (c == 0.0_dp) return
+    if (beta_squared%hi > 0.0_dp) then       ! both terms are energies of their own
+      later = q
+      later_dot = q_dot
+      call flow(beta_squared, c, time, later, later_dot)
+      gain = (later_dot**2 - q_dot**2) + beta_squared%hi*(later**2 - q**2)
+      return
+    end if
+    slow = slow_exponent(beta_squared, c)
+    fast = fast_exponent(beta_squared, c)
+    a = (q_dot - fast*q)/(slow%hi - fast)
+    b = (slow%hi*q - q_dot)/(slow%hi - fast)
+    gain = c*slow%hi*a**2*(1.0_dp - exp(2.0_dp*slow%hi*time%hi)) &
+      - 4.0_dp*a*b*beta_squared%hi*(1.0_dp - exp(-c*time%hi)) &
+      + c*fast*b**2*(1.0_dp - exp(2.0_dp*fast*time%hi))
+  end function energy_gain
 
   elemental real(dp) function angle_of(phase) result(angle)
     !! A phase less whole turns, rad.

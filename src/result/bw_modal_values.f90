@@ -3,7 +3,7 @@ module bw_modal_values
   use bw_case_result, only: case_result
   use bw_double_double, only: dd, sqrt, operator(-)
   use bw_kinds, only: dp
-  use bw_missing, only: missing
+  use bw_missing, only: missing, scaled
   use bw_modal_flow, only: slow_exponent, turning_square
   use bw_mode_set, only: mode_set
   implicit none (type, external)
@@ -37,13 +37,6 @@ contains
       end select
     end associate
   end subroutine put_modal
-
-  elemental real(dp) function scaled(value, unit)
-    !! What does not exist stays missing.
-    real(dp), intent(in) :: value, unit
-    scaled = missing
-    if (value /= missing) scaled = value*unit
-  end function scaled
 
   pure subroutine put_frequency(modes, unit, values)
     !! √(β² − c²/4) where it is real, 0 at the critical speed.

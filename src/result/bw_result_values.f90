@@ -7,7 +7,7 @@ module bw_result_values
   use bw_case_result, only: case_result
   use bw_event, only: event_type
   use bw_measured, only: measured_type
-  use bw_missing, only: missing
+  use bw_missing, only: missing, scaled
   use bw_modal_values, only: modal_names, put_modal
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
@@ -148,8 +148,8 @@ contains
     energy = momentum*result%approach_velocity
     select case (what)          ! by places in event_names
     case (1); values = events%impulse*momentum
-    case (2); values = events%energy_before*energy
-    case (3); values = events%energy_after*energy
+    case (2); values = scaled(events%energy_before, energy)
+    case (3); values = scaled(events%energy_after, energy)
     case (4); values = events%momentum_before*momentum
     case (5); values = events%momentum_after*momentum
     case (6); values = events%time

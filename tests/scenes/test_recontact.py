@@ -57,6 +57,21 @@ def test_energy_never_grows_and_histories_are_continuous(here, e, plane):
     assert np.abs(np.diff(result["displacement"], axis=1)).max() < fastest * step
 
 
+@pytest.mark.parametrize("e", [0.0, 0.5])
+@pytest.mark.parametrize("speed", [150.0, 180.0])
+def test_a_contact_that_grows_keeps_its_energy(here, e, speed):
+    """Beam and mass grow together by a factor of 1e9 and more, and what is left of their energy is that of the contact."""
+    scene = struck_beam(e, recontact={"max_contacts": 1000}, rotation={"angular_velocity": speed})
+    here.scene("a", {**scene, "response": {"duration": 0.3, "samples": 100}})
+    result = here.run("a")
+    start, end = contacts(result)
+    last = len(start)
+    assert end[-1] == 0.3 and end[-1] - start[-1] > 0.2
+    assert np.abs(result["displacement"]).max() > 1e5
+    # the blow that ends the approach takes 0.1 of it at most, the contact itself nothing
+    assert 0.9 * result["energy_before"][last] < result["energy_after"][last] <= result["energy_before"][last]
+
+
 @pytest.mark.parametrize("plane", ["in", "out"])
 @pytest.mark.parametrize("mass_ratio, e, count", [(0.2, 0.0, 5), (0.2, 0.2, 5), (0.2, 0.9, 20), (0.005, 0.9, 5), (0.05, 1.0, 12)])
 def test_the_hint_of_a_mass_that_would_be_back_is_that_of_a_run_with_it(here, mass_ratio, e, count, plane):

@@ -1,0 +1,87 @@
+"""Writes heavy_modes.txt: modes without a closed form of a beam with a very heavy body at its tip, by power series.
+
+The body's own mode has beta^2 + omega^2 (out of plane beta^2) near 3/gamma, or with tension near that of a pendulum; the others
+are near those of a beam whose tip is held. Its shape is that of a load at the tip, theirs move the tip by 1/gamma.
+"""
+
+from functools import partial
+from multiprocessing import Pool
+
+from mpmath import findroot, mp, mpf
+
+from effects_beam import Case, at_tip, mean_square, roots, series_determinant, shape
+from table import write_table
+
+MODES = 5
+WITHOUT_TENSION = [
+    Case(omega=omega, gamma=gamma, in_plane=in_plane, **effects)
+    for gamma in (1e2, 1e4, 1e8, 1e12, 1e24, 1e60, 1e300)
+    for omega, in_plane, effects in [
+        (1.5, 1, {"inertia": 0.01}),
+        (1.5, 0, {"inertia": 1.0}),
+        (1.5, 1, {"compliance": 2.5e-3, "rotary": 8e-4}),
+        (1.5, 0, {"compliance": 2.5e-3, "rotary": 8e-4, "inertia": 0.01}),
+    ]
+]
+WITH_TENSION = [
+    Case(omega=omega, hub=hub, gamma=gamma, in_plane=in_plane, **effects)
+    for omega, hub, gamma, effects in [
+        (3.0, 0.0, 1e2, {}),
+        (3.0, 0.5, 1e4, {}),
+        (3.0, 0.0, 1e4, {"inertia": 0.01}),
+        (3.0, 0.0, 1e4, {"compliance": 2.5e-3, "rotary": 8e-4}),
+        (1.0, 0.0, 1e6, {}),
+        (0.01, 0.0, 1e8, {}),
+        (1e-4, 0.3, 1e12, {}),
+    ]
+    for in_plane in (1, 0)
+]
+
+
+def pull(case):
+    return float(case.tension()[0])
+
+
+def settings(case):
+    """Terms of the series and digits: solutions grow as e^(alpha), with tension as e^(sqrt(T))."""
+    growth = pull(case) ** 0.5
+    if case.compliance:
+        growth /= (1 + case.compliance * pull(case)) ** 0.5
+    mp.dps = 70 + int(1.3 * growth)
+    return 150 + int(6 * growth)
+
+
+def squares_of(case, determinant):
+    """beta^2 of the first modes: the body's own mode from where it must be, the others from a change of sign."""
+    spin = mpf(case.omega) ** 2 if case.in_plane else mpf(0)
+    held = 3 / mpf(case.gamma) + (sum(case.tension()) / mpf(case.gamma) if case.hub is not None else 0)
+    low, high = held / 10 - spin, 2 * held - spin
+    assert determinant(low) * determinant(high) < 0
+    first = findroot(determinant, (low, high), solver="anderson", tol=mpf(10) ** (30 - 2 * mp.dps), verify=False)
+    start = (max(mpf(0), 2 * held - spin)) ** mpf("0.25") + mpf("0.1")
+    step = mpf("0.3") + mpf(pull(case)) ** mpf("0.25") / 30
+    return [first, *roots(determinant, start, step, MODES - 1)]
+
+
+def rows_of(case):
+    terms = settings(case)
+    rows = []
+    for k, square in enumerate(squares_of(case, partial(series_determinant, case, terms)), 1):
+        v, _ = shape(case, square, terms)
+        tip = at_tip(v)
+        middle = sum(c / mpf(2) ** i for i, c in enumerate(v))
+        size = mean_square(v)
+        rows.append((case.omega, int(case.hub is not None), case.hub or 0.0, case.gamma, case.compliance, case.rotary,
+                     case.inertia, case.in_plane, k, square, middle**2 / size, tip**2 / size * mpf(case.gamma) ** 2))
+    print(case, flush=True)
+    return rows
+
+
+if __name__ == "__main__":
+    with Pool(2) as pool:
+        table = [row for rows in pool.map(rows_of, WITHOUT_TENSION + WITH_TENSION, chunksize=1) for row in rows]
+    write_table("heavy_modes.txt", """
+Modes of a rotating beam with a heavy body at its tip: beta squared in (h/l^2)^2, the squares of the displacement at the
+midpoint and, times the mass ratio's square, at the tip, both over the mean square of the shape. Without compliance there is no shear.
+""", ["omega", "tension", "hub", "gamma", "compliance", "rotary", "inertia", "in_plane", "k", "beta_squared", "midpoint",
+              "tip"], table)
