@@ -3,6 +3,7 @@ module bw_galerkin_set
   !! polynomials being orthonormal.
   use bw_kinds, only: dp
   use bw_damping, only: damping_law
+  use bw_double_double, only: dd, to_dd, operator(+)
   use bw_mode_set, only: mode_set
   use bw_strain_basis, only: basis_values, integral
   implicit none (type, external)
@@ -19,6 +20,7 @@ module bw_galerkin_set
     !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
     real(dp), allocatable :: deflection(:, :)      !! coefficients of Φ, (functions, n)
     real(dp), allocatable :: turning(:, :)         !! coefficients of rψ; unallocated without shear, (functions, n)
+    real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
     real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
     type(tip_body) :: body
   contains
@@ -70,9 +72,11 @@ contains
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)
+    !! Less what rotation adds to it β² is the same, and is taken where that is the sharper way: exactly where nothing turns.
     class(galerkin_set), intent(in) :: self
-    real(dp) :: squares(self%count)
-    squares = sum(self%strain**2, dim=1)
+    type(dd) :: squares(self%count)
+    squares = to_dd(sum(self%strain**2, dim=1))
+    where (abs(self%rotation) <= abs(self%beta_squared%hi)) squares = self%beta_squared + to_dd(-self%rotation)
   end function galerkin_elastic
 
   real(dp) function coupling(self, law) result(ratio)
@@ -81,9 +85,11 @@ contains
     class(galerkin_set), intent(in) :: self
     type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
     real(dp) :: gram(self%count, self%count), rate(self%count)
+    type(dd) :: elastic(self%count)
     integer :: i, j
     gram = matmul(transpose(self%strain), self%strain)
-    rate = law%rates(self%elastic())
+    elastic = self%elastic()
+    rate = law%rates(elastic%hi)
     ratio = 0.0_dp
     do j = 1, self%count
       do i = 1, j - 1

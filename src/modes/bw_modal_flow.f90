@@ -9,7 +9,7 @@ module bw_modal_flow
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: flow, turning_square, slow_exponent, fast_exponent, energy_gain
+  public :: flow, turning_square, exponent_of, slow_exponent, fast_exponent, energy_gain
 
   real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
 
@@ -27,14 +27,20 @@ contains
     !! eigenvalue that matters longest.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
+    exponent = exponent_of(beta_squared, c, turning_square(beta_squared, c))
+  end function slow_exponent
+
+  elemental type(dd) function exponent_of(beta_squared, c, turning) result(exponent)
+    !! The same where β² − c²/4 is known to more digits than β² and c give it.
+    type(dd), intent(in) :: beta_squared, turning
+    real(dp), intent(in) :: c
     type(dd) :: sum
     exponent = to_dd(-0.5_dp*c)
-    sum = turning_square(beta_squared, c)
-    if (sum%hi > 0.0_dp) return
-    sum = sqrt(-sum) + 0.5_dp*c
+    if (turning%hi > 0.0_dp) return
+    sum = sqrt(-turning) + 0.5_dp*c
     exponent = dd()
     if (sum%hi > 0.0_dp) exponent = -(beta_squared/sum)
-  end function slow_exponent
+  end function exponent_of
 
   elemental real(dp) function fast_exponent(beta_squared, c) result(exponent)
     !! −(r + ½c) of a mode that does not turn.

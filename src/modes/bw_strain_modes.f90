@@ -4,6 +4,7 @@ module bw_strain_modes
   !! **Errors**: β² + σ within 1e-13 relatively for 200 modes, Ω from 0 to 1000 and every slenderness (tests).
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
+  use bw_heavy_value, only: give_heavy, heavy_value, is_heavy, take_heavy
   use bw_strain_system, only: build_system, strain_system
   implicit none (type, external)
   private
@@ -46,7 +47,7 @@ module bw_strain_modes
     type(strain_system) :: system                  !! without its matrices
     real(dp), allocatable :: period(:)             !! (β² + σ)^(−½), descending, (modes)
     real(dp), allocatable :: motion(:, :)          !! rows of B: coefficients of v, rψ, √γ v(1), √J ψ(1), (rows, modes)
-    real(dp), allocatable :: strain(:, :)          !! curvatures and 1/s times shear strains, (unknowns, modes)
+    real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, (unknowns, modes)
     logical :: resolved = .false.                  !! the functions were enough
   end type strain_modes
 
@@ -94,25 +95,64 @@ contains
       call dpotrf('L', size(s, 1), s, size(s, 1), info)
       if (info == 0) call dtrsm('R', 'L', 'T', 'N', size(b, 1), size(b, 2), 1.0_dp, s, size(s, 1), b, size(b, 1))
     end associate
-    if (info == 0) call singular_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info)
+    if (info == 0) call find_values(count, modes, info)
     modes%resolved = info == 0
     if (modes%resolved) modes%resolved = all(modes%period > 0.0_dp)
-    if (modes%resolved) call find_strains(operator, modes)
+    if (modes%resolved) call find_strains(modes)
     deallocate (modes%system%stiffness, modes%system%mass_root)
   end subroutine solve_with
 
-  subroutine find_strains(operator, modes)
-    !! x = L⁻ᵀ(right singular vector)/value, shear strains weighted so that the elastic stiffness is the identity.
-    type(beam_operator), intent(in) :: operator
+  subroutine find_values(count, modes, info)
+    !! Periods and motion, and in `strain` the vectors on the right.
+    integer, intent(in) :: count
     type(strain_modes), intent(inout) :: modes
-    integer :: k, n
-    n = modes%system%functions
+    integer, intent(out) :: info
+    type(heavy_value) :: heavy
+    real(dp), allocatable :: values(:), left(:, :), right(:, :), column(:)
+    associate (b => modes%system%mass_root, last => size(modes%system%mass_root, 2))
+      column = b(:, last)
+      if (is_heavy(b)) then
+        call take_heavy(b, heavy)
+        call singular_values(b(:, :last - 1), count - 1, values, left, right, info)
+        modes%period = [heavy%value, values]
+        modes%motion = reshape([heavy%left, left], [size(b, 1), count])
+        modes%strain = reshape([heavy%right, give_heavy(heavy, right)], [last, count])
+      else
+        call singular_values(b, count, modes%period, modes%motion, modes%strain, info)
+      end if
+    end associate
+    if (modes%system%tip_row > 0) call sharpen_tip(column, modes)
+  end subroutine find_values
+
+  pure subroutine sharpen_tip(column, modes)
+    !! The row of the tip mass in a motion u that hardly moves it, from the forces on it: with c = (b, g) the column of the
+    !! tip's own unknown, g in that row, Bᵀu = p(vector on the right) leaves g(b·u)/(p² − g²).
+    real(dp), intent(in) :: column(:)
+    type(strain_modes), intent(inout) :: modes
+    real(dp) :: beam(size(column)), gap, own
+    integer :: k
+    associate (row => modes%system%tip_row)
+      own = column(row)
+      beam = column
+      beam(row) = 0.0_dp
+      do k = 1, size(modes%period)
+        gap = modes%period(k)**2/own - own
+        if (norm2(beam) + abs(own*modes%motion(row, k)) > abs(gap)) cycle    ! rounding would take more than it takes now
+        modes%motion(row, k) = dot_product(beam, modes%motion(:, k))/gap
+      end do
+    end associate
+  end subroutine sharpen_tip
+
+  subroutine find_strains(modes)
+    !! z = L⁻ᵀ(right singular vector)/value, in the unknowns as they were before they were turned.
+    type(strain_modes), intent(inout) :: modes
+    integer :: k
     associate (s => modes%system%stiffness, x => modes%strain)
       call dtrsm('L', 'L', 'T', 'N', size(x, 1), size(x, 2), 1.0_dp, s, size(s, 1), x, size(x, 1))
       do k = 1, size(x, 2)
         x(:, k) = x(:, k)/modes%period(k)
       end do
-      if (allocated(operator%shear)) x(n + 1:, :) = x(n + 1:, :)/sqrt(operator%shear%compliance)
+      if (allocated(modes%system%tip)) call modes%system%tip%turn_back(x)
     end associate
   end subroutine find_strains
 

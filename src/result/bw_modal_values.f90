@@ -4,7 +4,7 @@ module bw_modal_values
   use bw_double_double, only: dd, sqrt, operator(-)
   use bw_kinds, only: dp
   use bw_missing, only: missing, scaled
-  use bw_modal_flow, only: slow_exponent, turning_square
+  use bw_modal_flow, only: exponent_of
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
@@ -44,7 +44,7 @@ contains
     real(dp), intent(in) :: unit
     real(dp), intent(out), contiguous :: values(:)
     if (allocated(modes%damping)) then
-      call put_roots(turning_square(modes%beta_squared, modes%damping), unit, values)
+      call put_roots(modes%damped_squared, unit, values)
     else
       call put_roots(modes%beta_squared, unit, values)
     end if
@@ -70,7 +70,7 @@ contains
     real(dp), intent(in) :: unit
     real(dp), intent(out), contiguous :: values(:)
     if (allocated(modes%damping)) then
-      associate (rate => slow_exponent(modes%beta_squared, modes%damping))
+      associate (rate => exponent_of(modes%beta_squared, modes%damping, modes%damped_squared))
         values = rate%hi*unit
       end associate
     else

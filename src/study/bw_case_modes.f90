@@ -88,11 +88,11 @@ contains
       if (result%can_grow) omega = dimensionless_speed(scene%rotation, result%units)
       if (.not. result%can_grow) call note_no_effect(result)
     end if
-    call take_source(0.0_dp, alone)
-    if (allocated(scene%capture)) call take_source(scene%impact%mass_ratio, loaded)
+    call take_source(dd(), alone)
+    if (allocated(scene%capture)) call take_source(dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low), loaded)
   contains
     subroutine take_source(gamma, source)
-      real(dp), intent(in) :: gamma
+      type(dd), intent(in) :: gamma
       class(mode_source), allocatable, intent(out) :: source
       type(closed_form_source), allocatable :: found
       allocate (found)

@@ -5,6 +5,7 @@ are near those of a beam whose tip is held. Its shape is that of a load at the t
 """
 
 from functools import partial
+from math import log10
 from multiprocessing import Pool
 
 from mpmath import findroot, mp, mpf
@@ -43,12 +44,13 @@ def pull(case):
 
 
 def settings(case):
-    """Terms of the series and digits: solutions grow as e^(alpha), with tension as e^(sqrt(T))."""
+    """Terms of the series and digits: solutions grow as e^(alpha), with tension as e^(sqrt(T)); what is left at a tip that is
+    held, 1/gamma, is their difference."""
     growth = pull(case) ** 0.5
     if case.compliance:
         growth /= (1 + case.compliance * pull(case)) ** 0.5
-    mp.dps = 70 + int(1.3 * growth)
-    return 150 + int(6 * growth)
+    mp.dps = 70 + int(1.3 * growth + 2.2 * log10(case.gamma))
+    return 120 + int(5.5 * growth) + mp.dps // 2
 
 
 def squares_of(case, determinant):
