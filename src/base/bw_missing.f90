@@ -17,10 +17,11 @@ contains
   end function is_missing
 
   elemental real(dp) function scaled(value, unit)
-    !! In another unit; what does not exist stays missing.
+    !! In another unit; what does not exist stays missing, and what is larger than any number does not exist.
     real(dp), intent(in) :: value, unit
     scaled = missing
-    if (.not. is_missing(value)) scaled = value*unit
+    if (is_missing(value)) return
+    if (abs(value) <= huge(value)/max(1.0_dp, abs(unit))) scaled = value*unit
   end function scaled
 
 end module bw_missing

@@ -1,16 +1,17 @@
 module bw_heavy_value
-  !! Singular values of a matrix whose last column is far longer than all others together, as that of a heavy mass is.
+  !! Singular values of a matrix, one or two columns of which are far longer than all others, as those of a heavy body are.
   !!
   !! Side by side the small values would have the large one's rounding. So the large one is found first, by iteration from its
-  !! column: with the vector (y, 1) on the right, y ← A₁ᵀ(c + A₁y)/σ² gains the ratio of the lengths' squares in every step, and
-  !! of y, small as it is, every digit. What is at right angles to it then is a matrix of its own, with no large number in it.
+  !! column c: with the vector (y, 1) on the right, y ← A₁ᵀ(c + A₁y)/σ², A₁ the other columns, gains the ratio of their squares to
+  !! that of c in every step and keeps every digit of y, small as it is. What is at right angles to it then is a matrix of
+  !! its own, with no such number in it.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: is_heavy, take_heavy, give_heavy
+  public :: heavy_column, take_heavy, give_heavy
 
-  real(dp), parameter :: far_longer = 10.0_dp
-  integer, parameter :: most_steps = 30            !! two digits each; never needed
+  real(dp), parameter :: longer = 2.0_dp
+  integer, parameter :: most_steps = 40            !! each gains a factor of 4 and more
 
   type, public :: heavy_value
     real(dp) :: value = 0.0_dp
@@ -19,16 +20,19 @@ module bw_heavy_value
 
 contains
 
-  pure logical function is_heavy(matrix)
+  pure integer function heavy_column(matrix) result(column)
+    !! A column that is longer than all others together; 0 where there is none.
     real(dp), intent(in) :: matrix(:, :)           !! (rows, columns)
-    associate (last => size(matrix, 2))
-      is_heavy = last > 1 .and. norm2(matrix(:, last)) > far_longer*norm2(matrix(:, :last - 1))
-    end associate
-  end function is_heavy
+    real(dp) :: length(size(matrix, 2))
+    integer :: i
+    length = [(norm2(matrix(:, i)), i=1, size(length))]
+    column = maxloc(length, 1)
+    if (length(column) <= longer*norm2([length(:column - 1), length(column + 1:)])) column = 0
+  end function heavy_column
 
   pure subroutine take_heavy(matrix, heavy)
     !! The largest value, and in all columns but the last the matrix without it.
-    real(dp), intent(inout) :: matrix(:, :)        !! one that `is_heavy`; its last column is left as it is
+    real(dp), intent(inout) :: matrix(:, :)        !! one whose last column is heavy; it is left as it is
     type(heavy_value), intent(out) :: heavy
     real(dp) :: y(size(matrix, 2) - 1), before(size(matrix, 2) - 1), image(size(matrix, 1)), length
     integer :: i, last
@@ -37,10 +41,10 @@ contains
     do i = 1, most_steps
       before = y
       image = matrix(:, last) + matmul(matrix(:, :last - 1), y)
-      length = sqrt(1.0_dp + dot_product(y, y))
+      length = norm2([y, 1.0_dp])
       heavy%value = norm2(image)/length
       y = matmul(image/heavy%value, matrix(:, :last - 1))/heavy%value
-      if (norm2(y - before) <= 2.0_dp*epsilon(1.0_dp)*norm2(y)) exit
+      if (norm2(y - before) <= epsilon(1.0_dp)*norm2(y)) exit
     end do
     heavy%left = image/norm2(image)
     heavy%right = [y, 1.0_dp]/length

@@ -8,7 +8,7 @@ module bw_strain_system
   !! - mass is M = BᵀB, the rows of B being the coefficients of v and of rψ, and √γ v(1) and √J ψ(1): exact;
   !! - the tension's part is exact too, T being quadratic.
   !!
-  !! With a mass at the tip they are turned so that the last of them alone moves it (bw_tip_coordinate).
+  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_tip_coordinates).
   !!
   !! With the modes' equation A x = β²M x, S = A + σM is positive definite for the shift σ chosen here, even beyond a
   !! critical speed. With S = LLᵀ the singular values of B L⁻ᵀ are (β² + σ)^(−½) and its left singular vectors hold the
@@ -17,7 +17,7 @@ module bw_strain_system
   use bw_beam_operator, only: beam_operator
   use bw_double_double, only: dd, operator(*)
   use bw_strain_basis, only: integral, integral_transposed, times_quadratic
-  use bw_tip_coordinate, only: tip_coordinate, tip_coordinate_of
+  use bw_tip_coordinates, only: tip_coordinates, tip_coordinates_of
   implicit none (type, external)
   private
   public :: build_system
@@ -32,7 +32,11 @@ module bw_strain_system
     integer :: turn_row = 0                     !! where the n + 1 rows of rψ begin; 0: none
     integer :: tip_row = 0                      !! the row √γ v(1); 0: none
     integer :: inertia_row = 0                  !! the row √J ψ(1); 0: none
-    type(tip_coordinate), allocatable :: tip    !! how the unknowns are turned; unallocated: as they are
+    type(tip_coordinates), allocatable :: tip   !! unknowns of the tip; unallocated: strains alone
+    real(dp), allocatable :: force(:)           !! the row of v(1) in S, without the mass; unallocated where there is none
+    real(dp), allocatable :: pushed(:)          !! the column of v(1) in B, likewise
+    real(dp) :: mass = 0.0_dp                   !! γ at the tip
+    real(dp) :: held = 0.0_dp                   !! S has so many times the mass
     type(dd) :: shift                           !! σ
   end type strain_system
 
@@ -59,7 +63,7 @@ contains
     do j = 1, strains*functions
       call set_column(operator, weights, j, system)
     end do
-    if (system%tip_row > 0) call add_mass(operator, weights%deflection, system)
+    if (max(system%tip_row, system%inertia_row) > 0) call add_body(operator, weights, system)
   end subroutine build_system
 
   pure subroutine place_rows(operator, system, rows)
@@ -125,10 +129,6 @@ contains
     end if
     system%stiffness(:n, j) = integral_transposed(force + moment)
     system%stiffness(j, j) = system%stiffness(j, j) + 1.0_dp
-    if (system%inertia_row > 0 .and. j == 1) then        ! ψ(1) is the first coefficient of the curvature
-      system%mass_root(system%inertia_row, 1) = sqrt(operator%tip_inertia)
-      system%stiffness(1, 1) = system%stiffness(1, 1) + weights%inertia*operator%tip_inertia
-    end if
   end subroutine set_column
 
   pure subroutine strain_motion(operator, n, j, psi, slope)
@@ -145,23 +145,36 @@ contains
     if (j > n) slope(:n) = sqrt(operator%shear%compliance)*strain
   end subroutine strain_motion
 
-  pure subroutine add_mass(operator, weight, system)
-    !! Turns the unknowns, and puts the mass to the last of them.
+  pure subroutine add_body(operator, weights, system)
+    !! Unknowns of the tip, and mass and inertia of what it carries.
     type(beam_operator), intent(in) :: operator
-    real(dp), intent(in) :: weight                   !! of the mass in S
+    type(shift_weights), intent(in) :: weights
     type(strain_system), intent(inout) :: system
-    integer :: last
+    real(dp) :: inertia
+    inertia = 0.0_dp
+    if (allocated(operator%tip_inertia)) inertia = operator%tip_inertia
     if (allocated(operator%shear)) then
-      system%tip = tip_coordinate_of(system%functions, sqrt(operator%shear%compliance))
+      system%tip = tip_coordinates_of(system%functions, sqrt(operator%shear%compliance), inertia > operator%gamma/3.0_dp)
     else
-      system%tip = tip_coordinate_of(system%functions)
+      system%tip = tip_coordinates_of(system%functions, turning_last=inertia > operator%gamma/3.0_dp)
     end if
-    call system%tip%turn_columns(system%mass_root)
-    call system%tip%turn_columns(system%stiffness)
-    call system%tip%turn_rows(system%stiffness)
-    last = size(system%stiffness, 1)
-    system%mass_root(system%tip_row, last) = sqrt(operator%gamma)*system%tip%lever
-    system%stiffness(last, last) = system%stiffness(last, last) + weight*operator%gamma*system%tip%lever**2
-  end subroutine add_mass
+    call system%tip%to_columns(system%mass_root)
+    call system%tip%to_columns(system%stiffness)
+    call system%tip%to_rows(system%stiffness)
+    associate (v => system%tip%deflection, psi => system%tip%turning)
+      if (system%tip_row > 0) then
+        system%force = system%stiffness(v, :)
+        system%pushed = system%mass_root(:, v)
+        system%mass = operator%gamma
+        system%held = weights%deflection
+        system%mass_root(system%tip_row, v) = sqrt(operator%gamma)
+        system%stiffness(v, v) = system%stiffness(v, v) + weights%deflection*operator%gamma
+      end if
+      if (system%inertia_row > 0) then
+        system%mass_root(system%inertia_row, psi) = sqrt(inertia)
+        system%stiffness(psi, psi) = system%stiffness(psi, psi) + weights%inertia*inertia
+      end if
+    end associate
+  end subroutine add_body
 
 end module bw_strain_system

@@ -108,9 +108,8 @@ contains
     type(case_result), intent(inout) :: result
     type(kept_operators), intent(inout), optional :: operators
     class(mode_source), allocatable, intent(out) :: alone, loaded
-    result%can_grow = .not. allocated(scene%stiffening)
+    result%can_grow = .true.                       ! the modes know
     if (allocated(scene%rotation)) then
-      result%can_grow = result%can_grow .and. acts_in_plane(scene%rotation)
       if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
         call note_no_effect(result)
       end if

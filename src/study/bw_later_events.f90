@@ -7,7 +7,7 @@ module bw_later_events
   use bw_double_double, only: dd, to_dd, operator(/)
   use bw_energy, only: carry, energy_type, state_energy
   use bw_event, only: event_type
-  use bw_missing, only: is_missing
+  use bw_missing, only: is_missing, scaled
   use bw_mode_set, only: mode_set
   use bw_recontact, only: contacts_type, follow_contacts
   use bw_release, only: release_mass, release_type
@@ -121,17 +121,18 @@ contains
     type(release_type), intent(in) :: release
     type(case_result), intent(inout) :: result
     character(:), allocatable :: text
-    real(dp) :: unit
-    unit = result%units%mass*result%approach_velocity**2
-    text = 'energy of the release: the mass leaves with '//shortest(release%kinetic_leaving*unit, 4)//' J of motion'
-    if (.not. is_missing(release%energy_leaving)) then
-      text = text//' ('//shortest(release%energy_leaving*unit, 4)//' J with what the centrifugal force does)'
+    real(dp) :: joules(4)
+    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
+                    result%units%mass*result%approach_velocity**2)
+    if (is_missing(joules(1))) then
+      call add_note(result, 'energy of the release: too large for double precision')
+      return
     end if
-    if (.not. is_missing(release%event%energy_before)) then
-      text = text//' of '//shortest(release%event%energy_before*unit, 4)//' J in all'
-    end if
-    if (.not. (is_missing(release%energy_lost) .or. allocated(result%tip_rest))) then
-      text = text//'; the modes of the beam alone miss '//shortest(release%energy_lost*unit, 2)//' J'
+    text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
+    if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with what the centrifugal force does)'
+    if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
+    if (.not. (is_missing(joules(4)) .or. allocated(result%tip_rest))) then
+      text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
     end if
     call add_note(result, text)
   end subroutine note_release

@@ -8,7 +8,7 @@ from functools import partial
 from math import log10
 from multiprocessing import Pool
 
-from mpmath import findroot, mp, mpf
+from mpmath import findroot, mp, mpf, sqrt
 
 from effects_beam import Case, at_tip, mean_square, roots, series_determinant, shape
 from table import write_table
@@ -22,7 +22,13 @@ WITHOUT_TENSION = [
         (1.5, 0, {"inertia": 1.0}),
         (1.5, 1, {"compliance": 2.5e-3, "rotary": 8e-4}),
         (1.5, 0, {"compliance": 2.5e-3, "rotary": 8e-4, "inertia": 0.01}),
+        (20.0, 0, {"compliance": 2.5e-3, "rotary": 8e-4}),
     ]
+]
+TURNING = [  # bodies that are hard to turn
+    Case(omega=1.5, gamma=gamma, inertia=inertia, in_plane=in_plane, **effects)
+    for gamma, inertia in [(0.2, 1e4), (0.2, 1e12), (1e12, 1e10), (1e12, 1e12), (1e4, 1e24), (1e60, 1e59)]
+    for in_plane, effects in [(1, {}), (0, {}), (0, {"compliance": 2.5e-3, "rotary": 8e-4})]
 ]
 WITH_TENSION = [
     Case(omega=omega, hub=hub, gamma=gamma, in_plane=in_plane, **effects)
@@ -49,20 +55,37 @@ def settings(case):
     growth = pull(case) ** 0.5
     if case.compliance:
         growth /= (1 + case.compliance * pull(case)) ** 0.5
-    mp.dps = 70 + int(1.3 * growth + 2.2 * log10(case.gamma))
-    return 120 + int(5.5 * growth) + mp.dps // 2
+    mp.dps = 80 + int(growth + 2.2 * log10(max(case.gamma, 1)) + 2.2 * log10(max(case.inertia, 1)))
+    return 120 + int(4.5 * growth) + mp.dps // 2
+
+
+def places(case):
+    """Values of beta^2 between which no two modes lie: decades around 0 and -omega^2, where a heavy body has its own modes."""
+    spin = mpf(case.omega) ** 2 if case.in_plane else mpf(0)
+    tension = sum(case.tension())
+    least = min([1 / mpf(case.gamma)] + ([1 / mpf(case.inertia)] if case.inertia else []))
+    decades = [mpf(10) ** (mpf(k) / 3) for k in range(int(3 * log10(least)) - 3, 3)]
+    near = sorted({*(-spin + decade for decade in decades), *decades, *(-decade for decade in decades)})
+    near = [square for square in near if -spin < square < 1]
+    step = mpf("0.3") + mpf(pull(case)) ** mpf("0.25") / 30
+    if case.hub is not None:  # a pendulum, then a string
+        near = [square for square in near if square < spin + tension / mpf(case.gamma)]
+    return near + [(1 + i * step) ** 4 for i in range(1000)]
 
 
 def squares_of(case, determinant):
-    """beta^2 of the first modes: the body's own mode from where it must be, the others from a change of sign."""
-    spin = mpf(case.omega) ** 2 if case.in_plane else mpf(0)
-    held = 3 / mpf(case.gamma) + (sum(case.tension()) / mpf(case.gamma) if case.hub is not None else 0)
-    low, high = held / 10 - spin, 2 * held - spin
-    assert determinant(low) * determinant(high) < 0
-    first = findroot(determinant, (low, high), solver="anderson", tol=mpf(10) ** (30 - 2 * mp.dps), verify=False)
-    start = (max(mpf(0), 2 * held - spin)) ** mpf("0.25") + mpf("0.1")
-    step = mpf("0.3") + mpf(pull(case)) ** mpf("0.25") / 30
-    return [first, *roots(determinant, start, step, MODES - 1)]
+    """beta^2 of the first modes."""
+    found = []
+    squares = places(case)
+    before = determinant(squares[0])
+    for low, high in zip(squares, squares[1:]):
+        after = determinant(high)
+        if (before < 0) != (after < 0):
+            found.append(findroot(determinant, (low, high), solver="anderson", tol=mpf(10) ** -mp.dps, verify=False))
+            if len(found) == MODES:
+                return found
+        before = after
+    raise ValueError(case)
 
 
 def rows_of(case):
@@ -74,16 +97,17 @@ def rows_of(case):
         middle = sum(c / mpf(2) ** i for i, c in enumerate(v))
         size = mean_square(v)
         rows.append((case.omega, int(case.hub is not None), case.hub or 0.0, case.gamma, case.compliance, case.rotary,
-                     case.inertia, case.in_plane, k, square, middle**2 / size, tip**2 / size * mpf(case.gamma) ** 2))
+                     case.inertia, case.in_plane, k, square, middle**2 / size, abs(tip) / sqrt(size) * mpf(case.gamma)))
     print(case, flush=True)
     return rows
 
 
 if __name__ == "__main__":
     with Pool(2) as pool:
-        table = [row for rows in pool.map(rows_of, WITHOUT_TENSION + WITH_TENSION, chunksize=1) for row in rows]
+        table = [row for rows in pool.map(rows_of, WITHOUT_TENSION + TURNING + WITH_TENSION, chunksize=1) for row in rows]
     write_table("heavy_modes.txt", """
-Modes of a rotating beam with a heavy body at its tip: beta squared in (h/l^2)^2, the squares of the displacement at the
-midpoint and, times the mass ratio's square, at the tip, both over the mean square of the shape. Without compliance there is no shear.
+Modes of a rotating beam with a heavy body at its tip: beta squared in (h/l^2)^2, the square of the displacement at the
+midpoint over the mean square of the shape, and the displacement at the tip times the mass ratio over its root. Without
+compliance there is no shear.
 """, ["omega", "tension", "hub", "gamma", "compliance", "rotary", "inertia", "in_plane", "k", "beta_squared", "midpoint",
               "tip"], table)

@@ -91,6 +91,23 @@ def test_the_hint_of_a_mass_that_would_be_back_is_that_of_a_run_with_it(here, ma
         assert float(said[2]) == pytest.approx(1e3 * start[0], rel=0.06)  # half of the second digit
 
 
+@pytest.mark.parametrize("damping", [{"ratio": 0.3}, {"ratio": 100.0}, {"mass_proportional": 500.0}, {"stiffness_proportional": 1e-2}])
+@pytest.mark.parametrize("mass_ratio, e, count", [(0.2, 0.9, 20), (0.005, 0.9, 5)])
+def test_a_hint_knows_that_a_damped_tip_comes_back_in_another_way(here, mass_ratio, e, count, damping):
+    """Sooner or later than an undamped one, or never."""
+    groups = {"impact": {"mass_ratio": mass_ratio, "restitution": e}, "damping": damping}
+    response = {"duration": 0.2, "samples": 100}
+    scene = {**captured_beam(capture=None, modes=None, response=response, **groups), "modes": {"before": count}}
+    here.scene("without", scene)
+    here.scene("with", {**scene, "recontact": {"max_contacts": 1}})
+    said = re.search(r"recontact: the mass would be back after (\S+) ms", here.beamwave("check", "without.nml").stdout)
+    start, end = contacts(here.run("with"))
+    if said is None:
+        assert len(start) == 0
+    else:
+        assert float(said[1]) == pytest.approx(1e3 * start[0], rel=0.06)  # half of the second digit
+
+
 def test_until_the_first_contact_the_mass_might_not_be_there(here):
     here.scene("a", struck_beam(0.9))
     here.scene("b", struck_beam(0.9, recontact={}))

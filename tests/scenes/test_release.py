@@ -134,6 +134,15 @@ def test_an_energy_that_rounding_has_eaten_is_fill_and_is_told(here):
     assert "energy lost in rounding" in result.attributes["notes"]
 
 
+def test_an_energy_larger_than_any_number_is_fill_and_is_told(here):
+    grown = {"rotation": {"angular_velocity": 150.0}, "release": {"time": 2.5}, "impact": {"approach_velocity": 1e100}}
+    here.scene("a", released_beam(**grown, response={"duration": 2.6, "samples": 100}, modes={"before": 10, "after": 10}))
+    result = here.run("a")
+    assert results.is_fill(result["energy_after"][2])
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
+    assert "energy of the release: too large" in result.attributes["notes"]
+
+
 def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
     here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
     kept = here.run("a")
