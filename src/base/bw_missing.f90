@@ -4,7 +4,7 @@ module bw_missing
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: is_missing
+  public :: is_missing, scaled
 
   real(dp), parameter, public :: missing = 9.9692099683868690e+36_dp  !! NetCDF's own fill value for doubles
 
@@ -15,5 +15,13 @@ contains
     real(dp), intent(in) :: value
     is_missing = value == missing
   end function is_missing
+
+  elemental real(dp) function scaled(value, unit)
+    !! In another unit; what does not exist stays missing, and what is larger than any number does not exist.
+    real(dp), intent(in) :: value, unit
+    scaled = missing
+    if (is_missing(value)) return
+    if (abs(value) <= huge(value)/max(1.0_dp, abs(unit))) scaled = value*unit
+  end function scaled
 
 end module bw_missing

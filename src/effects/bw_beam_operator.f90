@@ -26,6 +26,7 @@ module bw_beam_operator
     type(dd), allocatable :: omega               !! Ω = |ω|l²/h
     logical :: in_plane = .false.                !! the beam rotates and bends in the plane of rotation
     real(dp), allocatable :: tension(:)          !! T(ξ) = t_0 + t_1ξ + t_2ξ² in EI/l², (3)
+    real(dp) :: hub_radius = 0.0_dp              !! R in l, where there is tension
     type(shear_numbers), allocatable :: shear
     real(dp), allocatable :: tip_inertia         !! J of the body at the tip in m_i l²
   end type beam_operator

@@ -4,6 +4,7 @@ module bw_damping
   !! tension that it brings damps anything.
   use bw_beam_units, only: beam_units
   use bw_damping_par, only: by_ratio, damping_par
+  use bw_double_double, only: dd, to_dd, operator(+), operator(*)
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -16,6 +17,7 @@ module bw_damping
     real(dp) :: stiffness = 0.0_dp   !! b
   contains
     procedure :: rates
+    procedure :: quarter_squares
   end type damping_law
 
 contains
@@ -38,5 +40,19 @@ contains
     real(dp), intent(in) :: elastic       !! λ = K/M ≥ 0, in (h/l²)²
     c = self%mass + 2.0_dp*self%ratio*sqrt(elastic) + self%stiffness*elastic
   end function rates
+
+  elemental type(dd) function quarter_squares(self, elastic) result(square)
+    !! c²/4 of a mode, to all digits of λ: ζ²λ, or ¼(a + bλ)². At and near the critical damping β² − c²/4 has only those that
+    !! it has beyond binary64.
+    class(damping_law), intent(in) :: self
+    type(dd), intent(in) :: elastic       !! λ, in (h/l²)²
+    type(dd) :: half
+    if (self%ratio > 0.0_dp) then
+      square = to_dd(self%ratio)*self%ratio*elastic
+    else
+      half = to_dd(0.5_dp*self%mass) + elastic*(0.5_dp*self%stiffness)
+      square = half*half
+    end if
+  end function quarter_squares
 
 end module bw_damping

@@ -29,7 +29,8 @@ contains
       operator%in_plane = acts_in_plane(scene%rotation)
     end if
     if (allocated(scene%stiffening)) then
-      operator%tension = tension_of(operator%omega%hi, scene%stiffening%hub_radius/units%length, operator%gamma)
+      operator%hub_radius = scene%stiffening%hub_radius/units%length
+      operator%tension = tension_of(operator%omega%hi, operator%hub_radius, operator%gamma)
     end if
     if (allocated(scene%shear)) operator%shear = shear_of(scene%shear, scene%beam)
   end function operator_of

@@ -2,15 +2,15 @@ module bw_body_state
   !! A beam and a mass that moves freely beside its tip: their state at a time, their energy and momentum, and how they
   !! move on. The mass runs in a guide that turns with the hub, y'' = ω²y in the plane of rotation and y'' = 0 out of it.
   !! Units of bw_course.
-  use bw_course, only: beam_energy, move
-  use bw_double_double, only: dd, to_dd, operator(+), operator(*)
+  use bw_course, only: move
+  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
+  use bw_energy, only: energy_later, energy_type, mass_energy, sharper, state_energy, operator(+)
   use bw_kinds, only: dp
   use bw_modal_flow, only: flow
   use bw_mode_set, only: mode_set
-  use bw_release, only: mass_energy
   implicit none (type, external)
   private
-  public :: energy_of, momentum_of, state_at
+  public :: energy_of, energy_reached, momentum_of, state_at
 
   type, public :: body_state
     !! Beam and mass at a time.
@@ -21,13 +21,23 @@ module bw_body_state
 
 contains
 
-  pure real(dp) function energy_of(free, gamma, omega, state) result(energy)
+  pure type(energy_type) function energy_of(free, gamma, omega, state) result(energy)
     !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: gamma, omega
     type(body_state), intent(in) :: state
-    energy = beam_energy(free, state%q, state%rate) + mass_energy(gamma, state%place, state%speed, omega)
+    energy = state_energy(free, state%q, state%rate) + mass_energy(gamma, state%place, state%speed, omega)
   end function energy_of
+
+  pure type(energy_type) function energy_reached(free, gamma, omega, start, state, energy) result(later)
+    !! The same after free motion from a start whose energy is known; that of the mass does not change.
+    class(mode_set), intent(in) :: free
+    real(dp), intent(in) :: gamma, omega
+    type(body_state), intent(in) :: start, state
+    type(energy_type), intent(in) :: energy       !! at the start
+    later = sharper(energy_later(free, state%time - start%time, start%q, start%rate, energy), &
+                    energy_of(free, gamma, omega, state))
+  end function energy_reached
 
   pure real(dp) function momentum_of(free, gamma, state) result(momentum)
     !! Generalised, of the first mode, per unit of its tip displacement.

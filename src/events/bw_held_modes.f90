@@ -5,7 +5,7 @@ module bw_held_modes
   !! With λ = β² + ω², M's square roots taken out and x = D^(−½)t, D = diag λ_i, the eigenproblem is that of
   !! D⁻¹ + m_jψψᵀ, ψ_i = φ_i(1)/√(M_iλ_i): a rank-one update, whose secular equation 1 + m_jΣψ_i²/(1/λ_i − μ) = 0 is
   !! solved for the distance of μ from the nearer pole. **Limits**: frequencies in binary64; the shapes are sums of n.
-  use bw_double_double, only: to_dd, operator(-)
+  use bw_double_double, only: dd, to_dd, operator(-)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
@@ -155,8 +155,9 @@ contains
 
   pure function held_elastic(self) result(squares)
     class(held_set), intent(in) :: self
-    real(dp) :: squares(self%count)
-    squares = matmul(self%free%modal_mass*self%free%elastic(), self%mixing**2)/self%modal_mass
+    type(dd) :: squares(self%count), free(self%free%count)
+    free = self%free%elastic()
+    squares = to_dd(matmul(self%free%modal_mass*free%hi, self%mixing**2)/self%modal_mass)
   end function held_elastic
 
 end module bw_held_modes

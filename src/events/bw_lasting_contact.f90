@@ -1,9 +1,10 @@
 module bw_lasting_contact
   !! A contact that lasts: beam and mass move together in the modes of bw_held_modes until the force between them falls to
   !! zero. Units of bw_course.
-  use bw_body_state, only: body_state, energy_of, momentum_of
+  use bw_body_state, only: body_state, momentum_of
   use bw_course, only: append_course, course_type, held_at_tip => held_modes, leaves_range, move
   use bw_double_double, only: accurate_sum, dd, to_dd, operator(+)
+  use bw_energy, only: carry, energy_type, known_energy, sharper, state_energy
   use bw_event, only: event_type
   use bw_free_flight, only: finest, gap_of, grazing
   use bw_held_modes, only: held_modes, held_set
@@ -41,13 +42,14 @@ contains
     end if
   end function stays
 
-  subroutine hold(free, gamma, omega, longest, held, state, event, courses, ends, out_of_range, monitor)
+  subroutine hold(free, gamma, omega, longest, held, state, event, energy, courses, ends, out_of_range, monitor)
     !! A contact that lasts: beam and mass together until the force between them falls to zero, or to the end. A course more.
     class(mode_set), intent(in) :: free
     real(dp), intent(in) :: gamma, omega, longest
     type(held_set), intent(inout) :: held         !! found when it is first asked for
     type(body_state), intent(inout) :: state
     type(event_type), intent(inout) :: event
+    type(energy_type), intent(inout) :: energy    !! of the state
     type(course_type), allocatable, intent(inout) :: courses(:)  !! to which that of beam and mass together is added
     logical, intent(out) :: ends                  !! before the record does
     logical, intent(inout) :: out_of_range        !! set where the motion grows so much that the search ended
@@ -71,7 +73,8 @@ contains
         call force%first_zero(0.0_dp, left, finest*longest, ends, time, opening=1, monitor=monitor)
       end if
       swept = dot_product(held%tip, integral(held, z, z_rate, to_dd(time)))
-      call move(held, to_dd(time), z, z_rate)
+      energy = sharper(energy, state_energy(held, z, z_rate))
+      call carry(held, to_dd(time), z, z_rate, energy)
       event%impulse = gamma*(before - dot_product(held%tip, z_rate) + omega**2*swept)
     else
       out_of_range = .true.
@@ -82,7 +85,7 @@ contains
     state%speed = dot_product(held%tip, z_rate)
     state%time = state%time + to_dd(time)
     event%end_time = merge(state%time%hi, longest, ends)
-    event%energy_after = energy_of(free, gamma, omega, state)
+    event%energy_after = known_energy(energy)
     event%momentum_after = momentum_of(free, gamma, state)
   end subroutine hold
 

@@ -1,7 +1,7 @@
 module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, operator(*), operator(+), operator(-)
+  use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-)
   use bw_far_runs, only: far_run_terms, is_far_run
   use bw_far_terms, only: far_terms
   use bw_frequency_equation, only: highest_mode, root_type
@@ -19,6 +19,7 @@ module bw_closed_form
 
   type, extends(mode_set), public :: closed_form_set
     type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
+    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
     real(dp), allocatable :: known_at(:)           !! points where they are known already; unallocated: none
     real(dp), allocatable :: known(:, :)           !! Φ_k there, (n, points)
   contains
@@ -29,12 +30,17 @@ module bw_closed_form
   end type closed_form_set
 
   type, extends(mode_source), public :: closed_form_source
+    type(dd) :: mass_ratio                         !! γ to all digits
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; absent: none
     type(kept_modes), pointer :: kept => null()    !! what cases share; not associated: nothing is kept
   contains
     procedure :: find => find_in_closed_form
     procedure :: terms => terms_in_closed_form
   end type closed_form_source
+
+  interface source_in_closed_form
+    module procedure :: source_of_number, source_of_ratio
+  end interface source_in_closed_form
 
 contains
 
@@ -45,13 +51,13 @@ contains
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
     integer :: k
-    call set_modes([(k, k=1, count)], gamma, omega, longest, modes)
+    call set_modes([(k, k=1, count)], to_dd(gamma), omega, longest, modes)
   end function closed_form_modes
 
   subroutine set_modes(number, gamma, omega, longest, modes, monitor)
     !! Modes of any numbers, in their order.
     integer, intent(in) :: number(:)       !! k ≥ 1, ascending
-    real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
+    type(dd), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
       !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
     real(dp), intent(in), optional :: longest
@@ -61,11 +67,12 @@ contains
     type(shape_type) :: shape(chunk)
     type(dd) :: alpha(chunk)
     integer :: first, last, m
-    call size_set(size(number), gamma, modes)
+    call size_set(size(number), gamma%hi, omega, modes)
     do first = 1, size(number), chunk
       last = min(first + chunk - 1, size(number))
       m = last - first + 1
-      shape(:m) = shapes_of(solve_roots(number(first:last), gamma))
+      shape(:m) = shapes_of(solve_roots(number(first:last), gamma%hi))
+      shape(:m)%root%gamma_low = gamma%lo
       alpha(:m) = root_values(shape(:m)%root)
       call refine_roots(shape(:m)%root, is_coarse(shape(:m)%root%rest, alpha(:m)%hi, omega, longest), alpha(:m))
       call set_some(first, last, shape(:m), alpha(:m), omega, modes)
@@ -83,7 +90,7 @@ contains
     type(closed_form_set), intent(out) :: modes
     type(dd) :: alpha(size(kept%shape))
     integer :: first, last
-    call size_set(size(kept%shape), kept%gamma, modes)
+    call size_set(size(kept%shape), kept%gamma%hi, omega, modes)
     modes%kept_as = kept%number
     if (present(points)) call kept%shapes_at(points, modes%known)
     if (allocated(modes%known)) modes%known_at = points
@@ -94,12 +101,14 @@ contains
     end do
   end subroutine set_kept_modes
 
-  pure subroutine size_set(n, gamma, modes)
+  pure subroutine size_set(n, gamma, omega, modes)
     integer, intent(in) :: n
     real(dp), intent(in) :: gamma
+    type(dd), intent(in), optional :: omega
     type(closed_form_set), intent(inout) :: modes
     modes%count = n
     modes%gamma = gamma
+    if (present(omega)) modes%omega = omega
     allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
     allocate (modes%phase_velocity(n), modes%group_velocity(n))
   end subroutine size_set
@@ -194,14 +203,22 @@ contains
     end select
   end function overlap_of_beam
 
-  pure type(closed_form_source) function source_in_closed_form(gamma, omega) result(source)
-    !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
+  pure type(closed_form_source) function source_of_number(gamma, omega) result(source)
+    !! The same for a mass ratio that is a binary64 number.
     real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega
+    source = source_of_ratio(to_dd(gamma), omega)
+  end function source_of_number
+
+  pure type(closed_form_source) function source_of_ratio(gamma, omega) result(source)
+    !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
+    type(dd), intent(in) :: gamma                  !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: none acts on the modes
-    source%gamma = gamma
+    source%gamma = gamma%hi
+    source%mass_ratio = gamma
     source%highest = highest_mode
     if (present(omega)) source%omega = omega
-  end function source_in_closed_form
+  end function source_of_ratio
 
   subroutine find_in_closed_form(self, number, modes, longest, monitor)
     class(closed_form_source), intent(in) :: self
@@ -216,20 +233,21 @@ contains
     is_kept = .false.
     if (associated(self%kept)) is_kept = self%kept%takes(number)
     if (is_kept) then
-      call self%kept%place(size(number), self%gamma, place)
+      call self%kept%place(size(number), self%mass_ratio, place)
       call set_kept_modes(self%kept%sets(place), self%points, self%omega, longest, found)
     else
-      call set_modes(number, self%gamma, self%omega, longest, found, monitor)
+      call set_modes(number, self%mass_ratio, self%omega, longest, found, monitor)
     end if
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_in_closed_form
 
   pure function closed_form_elastic(self) result(squares)
-    !! α⁴, Eq. 28.
+    !! α⁴, Eq. 28, of the roots that β² has, refined or not.
     class(closed_form_set), intent(in) :: self
-    real(dp) :: squares(self%count)
-    squares = self%alpha**4
+    type(dd) :: squares(self%count)
+    squares = self%beta_squared
+    if (allocated(self%omega)) squares = squares + self%omega*self%omega
   end function closed_form_elastic
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
@@ -244,7 +262,7 @@ contains
     logical :: found
     if (present(longest)) then
       if (is_far_run(number, self%gamma, self%omega, xi)) then
-        call far_run_terms(number(1), self%gamma, self%omega, xi, longest, beta, drive, shapes, found)
+        call far_run_terms(number(1), self%mass_ratio, self%omega, xi, longest, beta, drive, shapes, found)
         if (found) return
       end if
     end if
@@ -275,7 +293,7 @@ contains
           call self%kept%terms%terms(k, self%gamma, light, self%omega, xi, beta(first:last), drive(first:last), &
                                      shapes(first:last, :))
         else
-          call far_terms(k, self%gamma, light, self%omega, xi, longest, beta(first:last), drive(first:last), &
+          call far_terms(k, self%mass_ratio, light, self%omega, xi, longest, beta(first:last), drive(first:last), &
                          shapes(first:last, :))
         end if
       end associate

@@ -52,7 +52,8 @@ contains
   pure subroutine far_run_terms(first, gamma, omega, xi, longest, beta, drive, shapes, found)
     !! `far_terms` of the modes from `first` on.
     integer, intent(in) :: first
-    real(dp), intent(in) :: gamma, xi(:), longest        !! as those of `far_terms`
+    type(dd), intent(in) :: gamma                        !! as those of `far_terms`
+    real(dp), intent(in) :: xi(:), longest
     type(dd), intent(in), optional :: omega
     type(dd), intent(out) :: beta(run_length)
     real(dp), intent(out) :: drive(run_length), shapes(:, :)
@@ -84,14 +85,15 @@ contains
     !! What is interpolated, at the modes that are found.
     integer, intent(in) :: first
     integer, intent(in) :: place(:)                      !! of them in the run, from 0, (n)
-    real(dp), intent(in) :: gamma, longest
+    type(dd), intent(in) :: gamma
+    real(dp), intent(in) :: longest
     type(dd), intent(in), optional :: omega
     type(dd), intent(out) :: middle                      !! β − A² of the first of them, which others add to
     real(dp), intent(out) :: some(:, :)                  !! (quantities, n), sizes without signs
     real(dp) :: rest(size(place)), drive(size(place)), tip(size(place), 1)
     type(dd) :: alpha(size(place)), beta(size(place))
     integer :: j
-    call far_shapes_and_roots(first + place, gamma, .false., [1.0_dp], rest, alpha, drive, tip)
+    call far_shapes_and_roots(first + place, gamma%hi, .false., [1.0_dp], rest, alpha, drive, tip)
     call far_frequencies(first + place, gamma, .false., omega, longest, rest, alpha, beta)
     beta = beta - squares(4.0_dp*(first + place) - 3.0_dp)
     middle = beta(1)

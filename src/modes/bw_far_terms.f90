@@ -14,7 +14,7 @@ contains
   pure subroutine far_terms(k, gamma, light, omega, xi, longest, beta, drive, shapes)
     !! Modes whose exponentials are below rounding (bw_far_modes), all light or all heavy; a few hundred at a time.
     integer, intent(in) :: k(:)                !! ascending
-    real(dp), intent(in) :: gamma
+    type(dd), intent(in) :: gamma
     logical, intent(in) :: light
     type(dd), intent(in), optional :: omega    !! in-plane angular velocity in h/l²; absent: none acts on the modes
     real(dp), intent(in) :: xi(:)              !! ξ = 0 or αξ ≥ ½, (points)
@@ -24,7 +24,7 @@ contains
     real(dp), intent(out) :: shapes(:, :)      !! Φ_k(ξ), (modes, points)
     real(dp) :: rest(size(k))
     type(dd) :: alpha(size(k))
-    call far_shapes_and_roots(k, gamma, light, xi, rest, alpha, drive, shapes)
+    call far_shapes_and_roots(k, gamma%hi, light, xi, rest, alpha, drive, shapes)
     call far_frequencies(k, gamma, light, omega, longest, rest, alpha, beta)
   end subroutine far_terms
 
@@ -52,7 +52,7 @@ contains
   pure subroutine far_frequencies(k, gamma, light, omega, longest, rest, roots, beta)
     !! β of roots that are known: in binary64 where no phases are asked for.
     integer, intent(in) :: k(:)                !! as those of `far_terms`
-    real(dp), intent(in) :: gamma
+    type(dd), intent(in) :: gamma
     logical, intent(in) :: light
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
@@ -90,7 +90,7 @@ contains
   pure subroutine refine(k, gamma, light, rest, omega, longest, alpha)
     !! Solve again in extended precision what binary64 cannot carry.
     integer, intent(in) :: k(:)
-    real(dp), intent(in) :: gamma
+    type(dd), intent(in) :: gamma
     logical, intent(in) :: light
     real(dp), intent(in) :: rest(:)
     type(dd), intent(in), optional :: omega
@@ -101,7 +101,8 @@ contains
     root%k = k
     root%eighths = 4*k - merge(2, 3, light)
     root%rest = rest
-    root%gamma = gamma
+    root%gamma = gamma%hi
+    root%gamma_low = gamma%lo
     call refine_roots(root, is_coarse(rest, alpha%hi, omega, longest), alpha)
   end subroutine refine
 

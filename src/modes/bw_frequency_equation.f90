@@ -29,6 +29,7 @@ module bw_frequency_equation
     integer :: eighths = 0        !! q: 0 for k = 1, else 4k − 2 or 4k − 3
     real(dp) :: rest = 0.0_dp     !! δ; α itself for k = 1
     real(dp) :: gamma = 0.0_dp    !! mass ratio γ of the equation it solves
+    real(dp) :: gamma_low = 0.0_dp   !! what binary64 leaves of γ: only roots in extended precision know it
   end type root_type
 
 contains

@@ -9,6 +9,7 @@ module bw_galerkin
   use bw_local_waves, only: find_waves
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
+  use bw_rayleigh, only: elastic_part, rotation_part
   use bw_strain_basis, only: tip_value
   use bw_strain_modes, only: solve_strain_modes, strain_modes
   implicit none (type, external)
@@ -33,6 +34,7 @@ contains
     set%gamma = operator%gamma
     set%body = body_of(operator)
     set%resolved = modes%resolved
+    if (set%resolved) call find_squares(operator, modes, set)
     if (.not. set%resolved) then
       call leave_empty(set)
       return
@@ -45,11 +47,26 @@ contains
     call move_alloc(modes%strain, set%strain)
     set%tip = tip_values(operator%gamma, modes)
     call normalise(set)
-    set%beta_squared = squares_of(modes%period, modes%system%shift)
     allocate (set%alpha(count), set%phase_velocity(count), set%group_velocity(count))
     call find_waves(operator, set%beta_squared, set%alpha, set%phase_velocity, set%group_velocity)
     set%critical_speed = critical_speed_of(operator)
   end subroutine galerkin_modes
+
+  pure subroutine find_squares(operator, modes, set)
+    !! β² from the singular values, or from Rayleigh's quotient where the shift would leave a small difference. Where the two
+    !! do not agree the modes are not what they should be.
+    type(beam_operator), intent(in) :: operator
+    type(strain_modes), intent(in) :: modes
+    type(galerkin_set), intent(inout) :: set
+    real(dp), parameter :: agreement = 1.0e-8_dp
+    real(dp), dimension(size(modes%period)) :: quotient, scale
+    set%rotation = rotation_part(operator, modes)
+    set%beta_squared = squares_of(modes%period, modes%system%shift)
+    quotient = elastic_part(modes) + set%rotation
+    scale = abs(set%beta_squared%hi) + modes%system%shift%hi
+    set%resolved = all(abs(quotient - set%beta_squared%hi) <= agreement*scale)
+    where (abs(set%beta_squared%hi) < 0.5_dp*modes%system%shift%hi) set%beta_squared = to_dd(quotient)
+  end subroutine find_squares
 
   pure subroutine leave_empty(set)
     !! A set whose modes could not be found: arrays of the right lengths, in which nothing moves.
@@ -59,14 +76,14 @@ contains
     allocate (set%alpha(n), set%phase_velocity(n), set%group_velocity(n), source=missing)
     allocate (set%modal_mass(n), source=1.0_dp)
     allocate (set%tip(n), set%deflection(2, n), set%strain(2, n), source=0.0_dp)
-    allocate (set%beta_squared(n), source=dd())
+    set%beta_squared = spread(dd(), 1, n)
+    set%rotation = spread(0.0_dp, 1, n)
   end subroutine leave_empty
 
   pure type(tip_body) function body_of(operator) result(body)
     type(beam_operator), intent(in) :: operator
     if (allocated(operator%tip_inertia)) body%inertia = operator%tip_inertia
-    if (allocated(operator%omega) .and. .not. operator%in_plane) body%spin_squared = operator%omega%hi**2
-    if (allocated(operator%tension)) body%pull = sum(operator%tension)
+    if (allocated(operator%tension)) body%pull = operator%gamma*(operator%omega%hi**2 - operator%tension(2))
     if (allocated(operator%shear)) body%compliance = operator%shear%compliance
   end function body_of
 

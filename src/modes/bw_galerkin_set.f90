@@ -3,6 +3,7 @@ module bw_galerkin_set
   !! polynomials being orthonormal.
   use bw_kinds, only: dp
   use bw_damping, only: damping_law
+  use bw_double_double, only: dd, to_dd, operator(+)
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_strain_basis, only: basis_values, integral
@@ -12,8 +13,7 @@ module bw_galerkin_set
   type, public :: tip_body
     !! What the energy of the body at the tip takes, beside its mass.
     real(dp) :: inertia = 0.0_dp                   !! J in m_i l²
-    real(dp) :: spin_squared = 0.0_dp              !! Ω² out of plane, where it acts on the turning; else 0
-    real(dp) :: pull = 0.0_dp                      !! T(1), tension that the body's mass brings
+    real(dp) :: pull = 0.0_dp                      !! T(1) = Ω²γ(1 + R), tension that the body's mass brings
     real(dp) :: compliance = 0.0_dp                !! s² of the beam
   end type tip_body
 
@@ -21,6 +21,7 @@ module bw_galerkin_set
     !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
     real(dp), allocatable :: deflection(:, :)      !! coefficients of Φ, (functions, n)
     real(dp), allocatable :: turning(:, :)         !! coefficients of rψ; unallocated without shear, (functions, n)
+    real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
     real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
     type(tip_body) :: body
   contains
@@ -76,9 +77,11 @@ contains
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)
+    !! Less what rotation adds to it β² is the same, and is taken where that is the sharper way: exactly where nothing turns.
     class(galerkin_set), intent(in) :: self
-    real(dp) :: squares(self%count)
-    squares = sum(self%strain**2, dim=1)
+    type(dd) :: squares(self%count)
+    squares = to_dd(sum(self%strain**2, dim=1))
+    where (abs(self%rotation) <= abs(self%beta_squared%hi)) squares = self%beta_squared + to_dd(-self%rotation)
   end function galerkin_elastic
 
   real(dp) function coupling(self, law) result(ratio)
@@ -87,9 +90,11 @@ contains
     class(galerkin_set), intent(in) :: self
     type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
     real(dp) :: gram(self%count, self%count), rate(self%count)
+    type(dd) :: elastic(self%count)
     integer :: i, j
     gram = matmul(transpose(self%strain), self%strain)
-    rate = law%rates(self%elastic())
+    elastic = self%elastic()
+    rate = law%rates(elastic%hi)
     ratio = 0.0_dp
     do j = 1, self%count
       do i = 1, j - 1
@@ -99,7 +104,8 @@ contains
   end function coupling
 
   pure function energy_of_body(self, q, rate) result(energy)
-    !! ½J(ψ̇² [− Ω²ψ²]) at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards.
+    !! ½Jψ̇² at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards. Rotation does no
+    !! work on the turning of the body: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
     class(galerkin_set), intent(in) :: self
     real(dp), intent(in) :: q(:), rate(:)          !! (modes)
     real(dp) :: energy(2)
@@ -109,8 +115,7 @@ contains
     strain = matmul(self%strain, sqrt(self%modal_mass)*q)
     associate (body => self%body, tip_rate => dot_product(self%strain(1, :), sqrt(self%modal_mass)*rate))
       energy(1) = 0.5_dp*body%inertia*tip_rate**2            ! ψ(1) is the first coefficient of the curvature
-      energy(2) = 0.5_dp*body%pull*slope_square(n, strain, body%compliance) &
-        - 0.5_dp*body%inertia*body%spin_squared*strain(1)**2
+      energy(2) = 0.5_dp*body%pull*slope_square(n, strain, body%compliance)
     end associate
   end function energy_of_body
 

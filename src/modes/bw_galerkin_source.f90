@@ -66,6 +66,7 @@ contains
       found%group_velocity = all%group_velocity(number)
       found%deflection = all%deflection(:, number)
       found%strain = all%strain(:, number)
+      found%rotation = all%rotation(number)
       if (allocated(all%turning)) found%turning = all%turning(:, number)
     end associate
     call found%damp(self%damping)

@@ -19,7 +19,7 @@ module bw_kept_modes
   type, public :: kept_set
     !! The first n modes of one mass ratio.
     integer :: number = 0                        !! no other set that was kept has the same
-    real(dp) :: gamma = 0.0_dp
+    type(dd) :: gamma
     type(shape_type), allocatable :: shape(:)    !! (n)
     type(dd), allocatable :: alpha(:)            !! roots as binary64 carries them, (n)
     type(dd), allocatable, private :: refined(:) !! the same, in extended precision where a case has asked for it
@@ -54,12 +54,12 @@ contains
     !! Where in `sets` the first `count` modes are; they are solved if they are not there.
     class(kept_modes), intent(inout) :: self
     integer, intent(in) :: count                 !! one that `takes`
-    real(dp), intent(in) :: gamma
+    type(dd), intent(in) :: gamma
     integer, intent(out) :: place
     if (.not. allocated(self%sets)) allocate (self%sets(most_sets))
     do place = 1, min(self%found, most_sets)
       associate (set => self%sets(place))
-        if (set%gamma == gamma .and. size(set%shape) == count) return
+        if (set%gamma%hi == gamma%hi .and. set%gamma%lo == gamma%lo .and. size(set%shape) == count) return
       end associate
     end do
     place = 1 + mod(self%found, most_sets)
@@ -70,13 +70,14 @@ contains
 
   pure subroutine solve_set(count, gamma, set)
     integer, intent(in) :: count
-    real(dp), intent(in) :: gamma
+    type(dd), intent(in) :: gamma
     type(kept_set), intent(out) :: set
     integer :: k
     set%gamma = gamma
     allocate (set%shape(count))
     allocate (set%is_refined(count), source=.false.)
-    call solve_shapes([(k, k=1, count)], gamma, set%shape)
+    call solve_shapes([(k, k=1, count)], gamma%hi, set%shape)
+    set%shape%root%gamma_low = gamma%lo
     set%alpha = root_values(set%shape%root)
     set%refined = set%alpha
   end subroutine solve_set

@@ -54,7 +54,7 @@ contains
   pure logical function same_operator(one, other) result(same)
     !! To the bit.
     type(beam_operator), intent(in) :: one, other
-    same = (one%gamma == other%gamma) .and. (one%in_plane .eqv. other%in_plane) &
+    same = (one%gamma == other%gamma) .and. (one%hub_radius == other%hub_radius) .and. (one%in_plane .eqv. other%in_plane) &
       .and. (allocated(one%omega) .eqv. allocated(other%omega)) &
       .and. (allocated(one%tension) .eqv. allocated(other%tension)) &
       .and. (allocated(one%shear) .eqv. allocated(other%shear)) &

@@ -2,7 +2,7 @@ module bw_kept_terms
   !! Far modes that estimates of errors look at, which cases share: their roots and shapes have nothing to do with how fast
   !! the beam turns. Cases with the same mass and points find them once, the oldest list making room for the newest. What
   !! is kept is what would be found again, to the bit.
-  use bw_double_double, only: dd
+  use bw_double_double, only: dd, to_dd
   use bw_far_terms, only: far_frequencies, far_shapes_and_roots
   use bw_kinds, only: dp, i8
   implicit none (type, external)
@@ -52,7 +52,7 @@ contains
     integer :: place
     call self%find(k, gamma, light, xi, place)
     associate (list => self%lists(place))
-      call far_frequencies(k, gamma, light, omega, rest=list%rest, roots=list%alpha, beta=beta)
+      call far_frequencies(k, to_dd(gamma), light, omega, rest=list%rest, roots=list%alpha, beta=beta)
       drive = list%drive
       shapes = list%shapes
     end associate

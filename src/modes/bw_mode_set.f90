@@ -17,6 +17,7 @@ module bw_mode_set
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
+    type(dd), allocatable :: damped_squared(:)    !! β² − c²/4 where modes are damped, to more digits than c has, (n)
     real(dp), allocatable :: tip(:)               !! Φ_k(1), (n)
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
@@ -84,11 +85,11 @@ module bw_mode_set
     end subroutine find_interface
 
     pure function elastic_interface(self) result(squares)
-      !! K_kk/M_kk, K the elastic stiffness alone: what damping is proportional to.
-      import :: mode_set, dp
+      !! K_kk/M_kk, K the elastic stiffness alone: what damping is proportional to. Where nothing else acts it is β² itself.
+      import :: mode_set, dd
       implicit none (type, external)
       class(mode_set), intent(in) :: self
-      real(dp) :: squares(self%count)             !! (modes)
+      type(dd) :: squares(self%count)             !! (modes)
     end function elastic_interface
   end interface
 
@@ -114,7 +115,11 @@ contains
     !! Damp the modes that were found.
     class(mode_set), intent(inout) :: self
     type(damping_law), intent(in), optional :: law      !! absent: they stay undamped
-    if (present(law)) self%damping = law%rates(self%elastic())
+    type(dd) :: elastic(self%count)
+    if (.not. present(law)) return
+    elastic = self%elastic()
+    self%damping = law%rates(elastic%hi)
+    self%damped_squared = self%beta_squared - law%quarter_squares(elastic)
   end subroutine damp
 
   pure function no_body_energy(self, q, rate) result(energy)

@@ -3,7 +3,7 @@ module bw_refined_root
   !! from the exact mass ratio. Entered only for modes that need it: far ones in double-double numbers, many at a time; the
   !! first few, whose exponentials count, in binary128, which runs in software.
   use bw_kinds, only: dp, qp
-  use bw_double_double, only: dd, to_dd
+  use bw_double_double, only: dd, to_dd, to_quad
   use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
   use bw_refined_far_roots, only: first_far, refine_heavy, refine_light
   implicit none (type, external)
@@ -63,12 +63,18 @@ contains
     part = pack(alpha, chosen)
     rest = pack(root%rest, chosen)
     if (light) then
-      call refine_light(root(1)%gamma, rest, part)
+      call refine_light(mass_ratio(root(1)), rest, part)
     else
-      call refine_heavy(root(1)%gamma, rest, part)
+      call refine_heavy(mass_ratio(root(1)), rest, part)
     end if
     alpha = unpack(part, chosen, alpha)
   end subroutine refine_far
+
+  elemental type(dd) function mass_ratio(root)
+    !! γ to all digits.
+    type(root_type), intent(in) :: root
+    mass_ratio = dd(root%gamma, root%gamma_low)
+  end function mass_ratio
 
   elemental type(dd) function refined_root(root) result(alpha)
     !! α of any root, in binary128; the step squares the relative error of the binary64 root, about 1e-16.
@@ -87,8 +93,8 @@ contains
     type(root_type), intent(in) :: root
     real(qp) :: x, free, mass
     x = real(root%rest, qp)**4
-    free = 1.0_qp/max(1.0_qp, real(root%gamma, qp))
-    mass = min(1.0_qp, real(root%gamma, qp))
+    free = 1.0_qp/max(1.0_qp, to_quad(mass_ratio(root)))
+    mass = min(1.0_qp, to_quad(mass_ratio(root)))
     x = x - (free*(1.0_qp + series(0, x)) - 4.0_qp*mass*x*series(3, x))/first_slope(root%gamma, real(x, dp))
     alpha = sqrt(sqrt(x))
   end function refined_first
@@ -115,7 +121,7 @@ contains
     real(dp) :: coarse, slope
     delta = root%rest
     alpha = (root%k - 0.5_qp)*pi + delta
-    c = alpha*root%gamma
+    c = alpha*to_quad(mass_ratio(root))
     sign = merge(1, -1, mod(root%k, 2) == 0)
     call light_equation(root%k, root%gamma, root%rest, coarse, slope)
     alpha = alpha - (sin(delta)*(1.0_qp + c*tanh(alpha)) + c*cos(delta) + sign*secant(alpha))/slope
@@ -128,7 +134,7 @@ contains
     real(dp) :: coarse, slope
     delta = root%rest
     alpha = (root%k - 0.75_qp)*pi + delta
-    u = 1.0_qp/alpha/root%gamma
+    u = 1.0_qp/alpha/to_quad(mass_ratio(root))
     tau = secant(alpha)*exp(-alpha)          ! 1 − tanh α
     sign = merge(1, -1, mod(root%k, 2) == 0)
     call heavy_equation(root%k, root%gamma, root%rest, coarse, slope)

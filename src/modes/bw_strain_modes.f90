@@ -6,6 +6,7 @@ module bw_strain_modes
   use bw_beam_operator, only: beam_operator
   use bw_monitor, only: monitor_type, stops
   use bw_singular_values, only: singular_values
+  use bw_heavy_value, only: give_heavy, heavy_column, heavy_value, take_heavy
   use bw_strain_system, only: build_system, strain_system
   implicit none (type, external)
   private
@@ -39,7 +40,7 @@ module bw_strain_modes
     type(strain_system) :: system                  !! without its matrices
     real(dp), allocatable :: period(:)             !! (β² + σ)^(−½), descending, (modes)
     real(dp), allocatable :: motion(:, :)          !! rows of B: coefficients of v, rψ, √γ v(1), √J ψ(1), (rows, modes)
-    real(dp), allocatable :: strain(:, :)          !! curvatures and 1/s times shear strains, (unknowns, modes)
+    real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, (unknowns, modes)
     logical :: resolved = .false.                  !! the functions were enough
   end type strain_modes
 
@@ -91,26 +92,54 @@ contains
       if (info == 0) call divide_by_factor(s, b, monitor)
     end associate
     if (stops(monitor)) return
-    if (info == 0) call singular_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info, monitor)
+    if (info == 0) call graded_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info, monitor)
     modes%resolved = info == 0
     if (stops(monitor)) modes%resolved = .false.
     if (modes%resolved) modes%resolved = all(modes%period > 0.0_dp)
-    if (modes%resolved) call find_strains(operator, modes)
+    if (modes%resolved) call find_strains(modes)
     deallocate (modes%system%stiffness, modes%system%mass_root)
   end subroutine solve_with
 
-  subroutine find_strains(operator, modes)
-    !! x = L⁻ᵀ(right singular vector)/value, shear strains weighted so that the elastic stiffness is the identity.
-    type(beam_operator), intent(in) :: operator
+  recursive subroutine graded_values(matrix, count, values, left, right, info, monitor)
+    !! `singular_values`, each to its own digits where a body at the tip makes one or two columns far longer than the others.
+    real(dp), intent(inout) :: matrix(:, :)        !! destroyed
+    integer, intent(in) :: count
+    real(dp), allocatable, intent(out) :: values(:)
+    real(dp), allocatable, intent(out) :: left(:, :), right(:, :)     !! (rows, count), (columns, count)
+    integer, intent(out) :: info
+    class(monitor_type), intent(inout), optional :: monitor           !! nothing is found where it asks to stop
+    type(heavy_value) :: heavy
+    real(dp), allocatable :: lesser(:), lesser_left(:, :), lesser_right(:, :)
+    integer :: column, last
+    column = heavy_column(matrix)
+    if (column == 0) then
+      call singular_values(matrix, count, values, left, right, info, monitor)
+      return
+    end if
+    last = size(matrix, 2)
+    matrix(:, [column, last]) = matrix(:, [last, column])
+    call take_heavy(matrix, heavy)
+    info = 0
+    allocate (lesser(0), lesser_left(size(matrix, 1), 0), lesser_right(last - 1, 0))
+    if (count > 1) call graded_values(matrix(:, :last - 1), count - 1, lesser, lesser_left, lesser_right, info, monitor)
+    if (stops(monitor) .or. info /= 0) return
+    values = [heavy%value, lesser]
+    left = reshape([heavy%left, lesser_left], [size(matrix, 1), count])
+    right = reshape([heavy%right, give_heavy(heavy, lesser_right)], [last, count])
+    right([column, last], :) = right([last, column], :)
+  end subroutine graded_values
+
+  subroutine find_strains(modes)
+    !! x = L⁻ᵀ(right singular vector)/value, and from these unknowns the strains.
     type(strain_modes), intent(inout) :: modes
-    integer :: k, n
-    n = modes%system%functions
+    integer :: k
     associate (s => modes%system%stiffness, x => modes%strain)
       call dtrsm('L', 'L', 'T', 'N', size(x, 1), size(x, 2), 1.0_dp, s, size(s, 1), x, size(x, 1))
       do k = 1, size(x, 2)
         x(:, k) = x(:, k)/modes%period(k)
       end do
-      if (allocated(operator%shear)) x(n + 1:, :) = x(n + 1:, :)/sqrt(operator%shear%compliance)
+      if (modes%system%tip_row > 0) call sharpen_tip(modes)
+      if (allocated(modes%system%tip)) call modes%system%tip%from_rows(x)
     end associate
   end subroutine find_strains
 
@@ -127,6 +156,21 @@ contains
       call dtrsm('R', 'L', 'T', 'N', last - first + 1, size(b, 2), 1.0_dp, s, size(s, 1), b(first:last, :), last - first + 1)
     end do
   end subroutine divide_by_factor
+
+  pure subroutine sharpen_tip(modes)
+    !! √γ v(1) of a heavy mass that hardly moves, from the force on it: the row of v(1) in S x = p⁻²M x.
+    type(strain_modes), intent(inout) :: modes
+    real(dp) :: force, push, rounding
+    integer :: k
+    associate (system => modes%system, x => modes%strain, u => modes%motion, gamma => modes%system%mass)
+      do k = 1, size(modes%period)
+        push = gamma*(modes%period(k)**(-2) - system%held)
+        force = dot_product(system%force, x(:, k)) - dot_product(system%pushed, u(:, k))/modes%period(k)**2
+        rounding = norm2(system%force)*norm2(x(:, k)) + norm2(system%pushed)/modes%period(k)**2
+        if (rounding < push/sqrt(gamma)) u(system%tip_row, k) = sqrt(gamma)*(force/push)
+      end do
+    end associate
+  end subroutine sharpen_tip
 
   pure function last_coefficients(modes) result(largest)
     !! Of v, and of rψ where there is shear: how far a mode is from being resolved, (modes).

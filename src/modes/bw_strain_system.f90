@@ -1,12 +1,14 @@
 module bw_strain_system
   !! A beam with tension, shear, and mass and inertia at its tip, in a basis of strains.
   !!
-  !! The unknowns are the coefficients x = (a, b) of the curvature κ = Σa_jp_j and, with shear, of the shear strain
-  !! Σb_jp_j. From the clamped end ψ = ∫κ, v' = ψ (+ shear strain), v = ∫v', so
+  !! The unknowns are the coefficients z = (a, b) of the curvature κ = Σa_jp_j and, with shear, of the shear strain
+  !! sΣb_jp_j. From the clamped end ψ = ∫κ, v' = ψ (+ shear strain), v = ∫v', so
   !!
-  !! - the elastic stiffness is diagonal, 1 for curvatures and s⁻² for shear strains: no locking;
+  !! - the elastic stiffness is the identity: no locking;
   !! - mass is M = BᵀB, the rows of B being the coefficients of v and of rψ, and √γ v(1) and √J ψ(1): exact;
   !! - the tension's part is exact too, T being quadratic.
+  !!
+  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_tip_coordinates).
   !!
   !! With the modes' equation A x = β²M x, S = A + σM is positive definite for the shift σ chosen here, even beyond a
   !! critical speed. With S = LLᵀ the singular values of B L⁻ᵀ are (β² + σ)^(−½) and its left singular vectors hold the
@@ -15,6 +17,7 @@ module bw_strain_system
   use bw_beam_operator, only: beam_operator
   use bw_double_double, only: dd, operator(*)
   use bw_strain_basis, only: integral, integral_transposed, times_quadratic
+  use bw_tip_coordinates, only: tip_coordinates, tip_coordinates_of
   implicit none (type, external)
   private
   public :: build_system
@@ -29,6 +32,11 @@ module bw_strain_system
     integer :: turn_row = 0                     !! where the n + 1 rows of rψ begin; 0: none
     integer :: tip_row = 0                      !! the row √γ v(1); 0: none
     integer :: inertia_row = 0                  !! the row √J ψ(1); 0: none
+    type(tip_coordinates), allocatable :: tip   !! unknowns of the tip; unallocated: strains alone
+    real(dp), allocatable :: force(:)           !! the row of v(1) in S, without the mass; unallocated where there is none
+    real(dp), allocatable :: pushed(:)          !! the column of v(1) in B, likewise
+    real(dp) :: mass = 0.0_dp                   !! γ at the tip
+    real(dp) :: held = 0.0_dp                   !! S has so many times the mass
     type(dd) :: shift                           !! σ
   end type strain_system
 
@@ -55,6 +63,7 @@ contains
     do j = 1, strains*functions
       call set_column(operator, weights, j, system)
     end do
+    if (max(system%tip_row, system%inertia_row) > 0) call add_body(operator, weights, system)
   end subroutine build_system
 
   pure subroutine place_rows(operator, system, rows)
@@ -104,29 +113,27 @@ contains
     integer, intent(in) :: j
     type(strain_system), intent(inout) :: system
     real(dp), dimension(system%functions + 1) :: psi, slope, force, moment
-    real(dp) :: v(system%functions + 2), stiffness
+    real(dp) :: v(system%functions + 2)
     integer :: n
     n = system%functions
-    call strain_motion(n, j, psi, slope)
+    call strain_motion(operator, n, j, psi, slope)
     v = integral(slope)
-    stiffness = 1.0_dp
     force = weights%deflection*integral_transposed(v)
     moment = 0.0_dp
     if (allocated(operator%tension)) force = force + times_quadratic(operator%tension, slope)
     system%mass_root(:n + 2, j) = v
     if (allocated(operator%shear)) then
-      if (j > n) stiffness = 1.0_dp/operator%shear%compliance
       moment = weights%turning*operator%shear%rotary*psi
       system%mass_root(system%turn_row:system%turn_row + n, j) = sqrt(operator%shear%rotary)*psi
-      system%stiffness(n + 1:, j) = force(:n)
+      system%stiffness(n + 1:, j) = sqrt(operator%shear%compliance)*force(:n)
     end if
     system%stiffness(:n, j) = integral_transposed(force + moment)
-    system%stiffness(j, j) = system%stiffness(j, j) + stiffness
-    call set_tip(operator, weights, j, slope(1), system)
+    system%stiffness(j, j) = system%stiffness(j, j) + 1.0_dp
   end subroutine set_column
 
-  pure subroutine strain_motion(n, j, psi, slope)
+  pure subroutine strain_motion(operator, n, j, psi, slope)
     !! ψ and v' of strain j: a curvature, or beyond n a shear strain.
+    type(beam_operator), intent(in) :: operator
     integer, intent(in) :: n, j
     real(dp), intent(out) :: psi(:), slope(:)        !! (n + 1)
     real(dp) :: strain(n)
@@ -135,36 +142,39 @@ contains
     psi = 0.0_dp
     if (j <= n) psi = integral(strain)
     slope = psi
-    if (j > n) slope(:n) = strain
+    if (j > n) slope(:n) = sqrt(operator%shear%compliance)*strain
   end subroutine strain_motion
 
-  pure subroutine set_tip(operator, weights, j, tip, system)
-    !! The rows of mass and inertia: v(1) = ∫v' is the first coefficient of v', and ψ(1) that of κ.
+  pure subroutine add_body(operator, weights, system)
+    !! Unknowns of the tip, and mass and inertia of what it carries.
     type(beam_operator), intent(in) :: operator
     type(shift_weights), intent(in) :: weights
-    integer, intent(in) :: j
-    real(dp), intent(in) :: tip                      !! v(1) of strain j
     type(strain_system), intent(inout) :: system
-    real(dp) :: others(3)                            ! v(1) of the strains that move the tip
-    integer :: n
-    n = system%functions
-    if (system%tip_row > 0) then
-      system%mass_root(system%tip_row, j) = sqrt(operator%gamma)*tip
-      others = tip_weights()
-      system%stiffness(:2, j) = system%stiffness(:2, j) + weights%deflection*operator%gamma*tip*others(:2)
-      if (system%turn_row > 0) system%stiffness(n + 1, j) = system%stiffness(n + 1, j) &
-        + weights%deflection*operator%gamma*tip*others(3)
+    real(dp) :: inertia
+    inertia = 0.0_dp
+    if (allocated(operator%tip_inertia)) inertia = operator%tip_inertia
+    if (allocated(operator%shear)) then
+      system%tip = tip_coordinates_of(system%functions, sqrt(operator%shear%compliance), inertia > operator%gamma/3.0_dp)
+    else
+      system%tip = tip_coordinates_of(system%functions, turning_last=inertia > operator%gamma/3.0_dp)
     end if
-    if (system%inertia_row > 0 .and. j == 1) then
-      system%mass_root(system%inertia_row, 1) = sqrt(operator%tip_inertia)
-      system%stiffness(1, 1) = system%stiffness(1, 1) + weights%inertia*operator%tip_inertia
-    end if
-  end subroutine set_tip
-
-  pure function tip_weights() result(weights)
-    !! v(1) = ½a_0 − a_1√3/6 + b_0.
-    real(dp) :: weights(3)
-    weights = [0.5_dp, -sqrt(3.0_dp)/6.0_dp, 1.0_dp]
-  end function tip_weights
+    call system%tip%to_columns(system%mass_root)
+    call system%tip%to_columns(system%stiffness)
+    call system%tip%to_rows(system%stiffness)
+    associate (v => system%tip%deflection, psi => system%tip%turning)
+      if (system%tip_row > 0) then
+        system%force = system%stiffness(v, :)
+        system%pushed = system%mass_root(:, v)
+        system%mass = operator%gamma
+        system%held = weights%deflection
+        system%mass_root(system%tip_row, v) = sqrt(operator%gamma)
+        system%stiffness(v, v) = system%stiffness(v, v) + weights%deflection*operator%gamma
+      end if
+      if (system%inertia_row > 0) then
+        system%mass_root(system%inertia_row, psi) = sqrt(inertia)
+        system%stiffness(psi, psi) = system%stiffness(psi, psi) + weights%inertia*inertia
+      end if
+    end associate
+  end subroutine add_body
 
 end module bw_strain_system

@@ -6,7 +6,7 @@ module bw_spreading_kernel
   !! grid points are polynomials of the same place, which vector registers evaluate together. Its Fourier transform
   !! has a closed form.
   !!
-  !! **Errors**: below 2e-14 of the kernel's peak for widths to 20, all of it rounding; below 4e-10 for widths to 8, whose
+  !! **Errors**: below 2.2e-14 of the kernel's peak for widths to 20, all of it rounding; below 4e-10 for widths to 8, whose
   !! aliasing is ten times that on the finest grid.
   !! **Source**: Kaiser and Schafer (1980), doi:10.1109/TASSP.1980.1163349; for the use of it, Barnett, Magland and
   !! af Klinteberg (2019), doi:10.1137/18M120885X.

@@ -10,8 +10,8 @@ module bw_tip_rest
   !! What N modes lack is judged by ΣA = (1+e)V, the velocity at t = 0: less the terms that were summed it bounds the rest,
   !! and with the last term also ΣA². Where phases agree (at instants that are fractions of small numbers of a period, see
   !! bw_tail) the last octaves show it.
-  use bw_course, only: beam_energy, move
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
+  use bw_energy, only: carry, energy_type, state_energy
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
@@ -131,6 +131,7 @@ contains
     type(running_sum), intent(inout) :: sum
     class(mode_set), allocatable :: modes
     real(dp), dimension(size(number)) :: q, rate
+    type(energy_type) :: energy
     type(dd) :: slow
     integer :: n
     n = size(number)
@@ -138,9 +139,10 @@ contains
     q = 0.0_dp
     rate = force*modes%tip/modes%modal_mass
     call take_terms(modes%tip*rate, sum)
-    call move(modes, time, q, rate)
+    energy = state_energy(modes, q, rate)
+    call carry(modes, time, q, rate, energy)
     if (beyond) call take_motion(modes%tip*q, modes%tip*rate, sum)
-    sum%rest%energy = sum%rest%energy + beam_energy(modes, q, rate)
+    sum%rest%energy = sum%rest%energy + energy%value
     slow = slow_exponent(modes%beta_squared(n), modes%damping(n))
     sum%kept = exp(slow%hi*time%hi)
   end subroutine add_damped

@@ -24,7 +24,7 @@ module bw_case_result
     class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
     integer :: mode_count = 0                         !! how many were summed
     class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
-    logical :: can_grow = .false.                     !! rotation acts in the plane of the motion
+    logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
     real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)

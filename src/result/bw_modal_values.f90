@@ -3,8 +3,8 @@ module bw_modal_values
   use bw_case_result, only: case_result
   use bw_double_double, only: dd, sqrt, operator(-)
   use bw_kinds, only: dp
-  use bw_missing, only: missing
-  use bw_modal_flow, only: slow_exponent, turning_square
+  use bw_missing, only: missing, scaled
+  use bw_modal_flow, only: exponent_of
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
@@ -38,20 +38,13 @@ contains
     end associate
   end subroutine put_modal
 
-  elemental real(dp) function scaled(value, unit)
-    !! What does not exist stays missing.
-    real(dp), intent(in) :: value, unit
-    scaled = missing
-    if (value /= missing) scaled = value*unit
-  end function scaled
-
   pure subroutine put_frequency(modes, unit, values)
     !! √(β² − c²/4) where it is real, 0 at the critical speed.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: unit
     real(dp), intent(out), contiguous :: values(:)
     if (allocated(modes%damping)) then
-      call put_roots(turning_square(modes%beta_squared, modes%damping), unit, values)
+      call put_roots(modes%damped_squared, unit, values)
     else
       call put_roots(modes%beta_squared, unit, values)
     end if
@@ -77,7 +70,7 @@ contains
     real(dp), intent(in) :: unit
     real(dp), intent(out), contiguous :: values(:)
     if (allocated(modes%damping)) then
-      associate (rate => slow_exponent(modes%beta_squared, modes%damping))
+      associate (rate => exponent_of(modes%beta_squared, modes%damping, modes%damped_squared))
         values = rate%hi*unit
       end associate
     else

@@ -7,7 +7,7 @@ module bw_result_values
   use bw_case_result, only: case_result
   use bw_event, only: event_type
   use bw_measured, only: measured_type
-  use bw_missing, only: missing
+  use bw_missing, only: missing, scaled
   use bw_modal_values, only: modal_names, put_modal
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
@@ -131,11 +131,11 @@ contains
   end subroutine put_impact
 
   pure real(dp) function critical_speed(result, modes) result(speed)
-    !! rad/s; missing where rotation does not act in the plane of the motion.
+    !! rad/s; missing where no speed makes a mode grow.
     type(case_result), intent(in) :: result
     class(mode_set), intent(in) :: modes
     speed = missing
-    if (result%can_grow) speed = modes%critical_speed%hi*result%units%frequency
+    if (result%can_grow .and. modes%critical_speed%hi > 0.0_dp) speed = modes%critical_speed%hi*result%units%frequency
   end function critical_speed
 
   pure subroutine put_event(result, events, what, values)
@@ -148,10 +148,10 @@ contains
     energy = momentum*result%approach_velocity
     select case (what)          ! by places in event_names
     case (1); values = events%impulse*momentum
-    case (2); values = events%energy_before*energy
-    case (3); values = events%energy_after*energy
-    case (4); values = events%momentum_before*momentum
-    case (5); values = events%momentum_after*momentum
+    case (2); values = scaled(events%energy_before, energy)
+    case (3); values = scaled(events%energy_after, energy)
+    case (4); values = scaled(events%momentum_before, momentum)
+    case (5); values = scaled(events%momentum_after, momentum)
     case (6); values = events%time
     case default; values = events%end_time
     end select

@@ -95,11 +95,11 @@ contains
       if (result%can_grow) omega = dimensionless_speed(scene%rotation, result%units)
       if (.not. result%can_grow) call note_no_effect(result)
     end if
-    call take_source(0.0_dp, alone)
-    if (allocated(scene%capture)) call take_source(scene%impact%mass_ratio, loaded)
+    call take_source(dd(), alone)
+    if (allocated(scene%capture)) call take_source(dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low), loaded)
   contains
     subroutine take_source(gamma, source)
-      real(dp), intent(in) :: gamma
+      type(dd), intent(in) :: gamma
       class(mode_source), allocatable, intent(out) :: source
       type(closed_form_source), allocatable :: found
       allocate (found)
@@ -116,9 +116,8 @@ contains
     type(kept_operators), intent(inout), optional :: operators
     class(mode_source), allocatable, intent(out) :: alone, loaded
     class(monitor_type), intent(inout) :: monitor
-    result%can_grow = .not. allocated(scene%stiffening)
+    result%can_grow = .true.                       ! the modes know
     if (allocated(scene%rotation)) then
-      result%can_grow = result%can_grow .and. acts_in_plane(scene%rotation)
       if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
         call note_no_effect(result)
       end if

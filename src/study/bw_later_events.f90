@@ -3,9 +3,11 @@ module bw_later_events
   !! or goes over to other modes. Without such events there is nothing to do here.
   use bw_kinds, only: dp
   use bw_case_result, only: add_note, case_result
-  use bw_course, only: course_type, free_modes, leaves_range, loaded_modes, move
+  use bw_course, only: course_type, free_modes, leaves_range, loaded_modes
   use bw_double_double, only: dd, to_dd, operator(/)
+  use bw_energy, only: carry, energy_type, state_energy
   use bw_event, only: event_type
+  use bw_missing, only: is_missing, scaled
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_recontact, only: contacts_type, follow_contacts
@@ -37,6 +39,7 @@ contains
     type(case_result), intent(inout) :: result
     class(mode_set), intent(in), optional :: free, loaded
     type(dd) :: time
+    type(energy_type) :: energy
     real(dp), dimension(result%modes%count) :: q, rate
     time = to_dd(scene%release%time)/result%units%time
     if (.not. is_in_record(scene, time, result)) return
@@ -46,9 +49,10 @@ contains
     rate = result%modal_velocity
     result%courses(1)%q = q
     result%courses(1)%rate = rate
-    call move(loaded, time, q, rate)
+    energy = state_energy(loaded, q, rate)
+    call carry(loaded, time, q, rate, energy)
     call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
-                                         monitor=monitor), result)
+                                         energy=energy, monitor=monitor), result)
   end subroutine release_in_time
 
   logical function is_in_record(scene, time, result)
@@ -79,6 +83,7 @@ contains
     event%end_time = scene%release%time
     result%events = [result%events, event]
     call note_release(release, result)
+    call note_rounding(result)
   end subroutine end_capture
 
   subroutine meet_again(scene, free, monitor, result)
@@ -96,6 +101,7 @@ contains
     if (monitor%stop_requested()) return
     call in_seconds(contacts%events, scene%response%duration, result)
     result%events = [result%events, contacts%events]
+    call note_rounding(result)
     if (size(contacts%events) > 0) call move_alloc(contacts%courses, result%courses)
     if (allocated(contacts%held)) call move_alloc(contacts%held, result%held)
     if (contacts%cut) call add_note(result, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
@@ -120,15 +126,28 @@ contains
     type(release_type), intent(in) :: release
     type(case_result), intent(inout) :: result
     character(:), allocatable :: text
-    real(dp) :: unit
-    unit = result%units%mass*result%approach_velocity**2
-    text = 'energy of the release: the mass leaves with '//shortest(release%kinetic_leaving*unit, 4)// &
-      ' J of motion ('//shortest(release%energy_leaving*unit, 4)//' J with what the centrifugal force does) of '// &
-      shortest(release%event%energy_before*unit, 4)//' J in all'
-    if (.not. allocated(result%tip_rest)) then
-      text = text//'; the modes of the beam alone miss '//shortest(release%energy_lost*unit, 2)//' J'
+    real(dp) :: joules(4)
+    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
+                    result%units%mass*result%approach_velocity**2)
+    if (is_missing(joules(1))) then
+      call add_note(result, 'energy of the release: too large for double precision')
+      return
+    end if
+    text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
+    if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with what the centrifugal force does)'
+    if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
+    if (.not. (is_missing(joules(4)) .or. allocated(result%tip_rest))) then
+      text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
     end if
     call add_note(result, text)
   end subroutine note_release
+
+  subroutine note_rounding(result)
+    !! Energies that are the difference of far larger ones.
+    type(case_result), intent(inout) :: result
+    if (.not. any(is_missing([result%events%energy_before, result%events%energy_after]))) return
+    call add_note(result, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
+                  'numbers; it is fill where fewer than three digits are left')
+  end subroutine note_rounding
 
 end module bw_later_events

@@ -6,6 +6,7 @@ module bw_released_motion
   use bw_course, only: move
   use bw_course_histories, only: last_sample
   use bw_double_double, only: operator(*)
+  use bw_energy, only: energy_type
   use bw_later_events, only: end_capture
   use bw_mode_choice, only: modes_for
   use bw_mode_set, only: first_numbers, mode_set, mode_source
@@ -118,8 +119,10 @@ contains
     call find_state(source, force, grid, result, monitor, loaded, q, rate)
     call alone%find(first_numbers(size(q)), free, grid%samples*grid%step%hi, monitor)
     if (monitor%stop_requested()) return
-    call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
-                                         result%tip_rest, monitor), result)
+    associate (energy => energy_type(result%tip_rest%energy, epsilon(1.0_dp)*result%tip_rest%energy))
+      call end_capture(scene, release_mass(loaded, q, rate, free, speed_in_plane(scene%rotation, result%units), &
+                                           result%tip_rest, energy, monitor), result)
+    end associate
   end subroutine release_continuum
 
   subroutine find_state(source, force, grid, result, monitor, loaded, q, rate)

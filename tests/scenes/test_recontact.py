@@ -57,6 +57,21 @@ def test_energy_never_grows_and_histories_are_continuous(here, e, plane):
     assert np.abs(np.diff(result["displacement"], axis=1)).max() < fastest * step
 
 
+@pytest.mark.parametrize("e", [0.0, 0.5])
+@pytest.mark.parametrize("speed", [150.0, 180.0])
+def test_a_contact_that_grows_keeps_its_energy(here, e, speed):
+    """Beam and mass grow together by a factor of 1e9 and more, and what is left of their energy is that of the contact."""
+    scene = struck_beam(e, recontact={"max_contacts": 1000}, rotation={"angular_velocity": speed})
+    here.scene("a", {**scene, "response": {"duration": 0.3, "samples": 100}})
+    result = here.run("a")
+    start, end = contacts(result)
+    last = len(start)
+    assert end[-1] == 0.3 and end[-1] - start[-1] > 0.2
+    assert np.abs(result["displacement"]).max() > 1e5
+    # the blow that ends the approach takes 0.1 of it at most, the contact itself nothing
+    assert 0.9 * result["energy_before"][last] < result["energy_after"][last] <= result["energy_before"][last]
+
+
 @pytest.mark.parametrize("plane", ["in", "out"])
 @pytest.mark.parametrize("mass_ratio, e, count", [(0.2, 0.0, 5), (0.2, 0.2, 5), (0.2, 0.9, 20), (0.005, 0.9, 5), (0.05, 1.0, 12)])
 def test_the_hint_of_a_mass_that_would_be_back_is_that_of_a_run_with_it(here, mass_ratio, e, count, plane):
@@ -74,6 +89,23 @@ def test_the_hint_of_a_mass_that_would_be_back_is_that_of_a_run_with_it(here, ma
         assert start[0] == 0.0
     else:
         assert float(said[2]) == pytest.approx(1e3 * start[0], rel=0.06)  # half of the second digit
+
+
+@pytest.mark.parametrize("damping", [{"ratio": 0.3}, {"ratio": 100.0}, {"mass_proportional": 500.0}, {"stiffness_proportional": 1e-2}])
+@pytest.mark.parametrize("mass_ratio, e, count", [(0.2, 0.9, 20), (0.005, 0.9, 5)])
+def test_a_hint_knows_that_a_damped_tip_comes_back_in_another_way(here, mass_ratio, e, count, damping):
+    """Sooner or later than an undamped one, or never."""
+    groups = {"impact": {"mass_ratio": mass_ratio, "restitution": e}, "damping": damping}
+    response = {"duration": 0.2, "samples": 100}
+    scene = {**captured_beam(capture=None, modes=None, response=response, **groups), "modes": {"before": count}}
+    here.scene("without", scene)
+    here.scene("with", {**scene, "recontact": {"max_contacts": 1}})
+    said = re.search(r"recontact: the mass would be back after (\S+) ms", here.beamwave("check", "without.nml").stdout)
+    start, end = contacts(here.run("with"))
+    if said is None:
+        assert len(start) == 0
+    else:
+        assert float(said[1]) == pytest.approx(1e3 * start[0], rel=0.06)  # half of the second digit
 
 
 def test_until_the_first_contact_the_mass_might_not_be_there(here):

@@ -224,11 +224,13 @@ def test_waves_are_not_measured_without_both_points_and_the_notes_say_so(here):
     assert "0.5 and 1.0" in result.attributes["notes"]
 
 
-def test_a_critical_speed_exists_only_for_rotation_in_plane(here):
-    here.scene("out", captured_beam(rotation={"plane": "out"}))
-    result = here.run("out")
-    assert results.is_fill(result["critical_angular_velocity"])
-    assert "out of plane changes nothing" in result.attributes["notes"]
+def test_a_critical_speed_exists_where_a_mode_can_grow(here):
+    for name, groups in [("out", {"rotation": {"plane": "out"}}), ("tension", {"stiffening": {}})]:
+        here.scene(name, captured_beam(**groups))
+        result = here.run(name)
+        assert results.is_fill(result["critical_angular_velocity"])
+        assert results.is_fill(result["critical_angular_velocity_before"])
+    assert "out of plane changes nothing" in here.result("out").attributes["notes"]
 
 
 def test_the_documented_xarray_idioms_work_on_real_results(place, tmp_path):

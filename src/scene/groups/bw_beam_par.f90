@@ -80,9 +80,12 @@ contains
   end subroutine build_beam
 
   elemental real(qp) function beam_mass(beam)
-    !! m_i = ρAl [kg], in extended precision: no product of doubles overflows there.
+    !! m_i = ρAl [kg], in extended precision from what was given: no product of doubles overflows there.
     type(beam_par), intent(in) :: beam
-    beam_mass = real(beam%density, qp)*beam%area*beam%length
+    real(qp) :: area
+    area = beam%area
+    if (beam%round) area = pi/4*real(beam%diameter, qp)**2
+    beam_mass = real(beam%density, qp)*area*beam%length
   end function beam_mass
 
 end module bw_beam_par

@@ -13,6 +13,7 @@ module bw_impact_par
   type, public :: impact_par
     real(dp) :: mass = 0.0_dp               !! m_j [kg], ≥ 0, given or γ m_i
     real(dp) :: mass_ratio = 0.0_dp         !! γ = m_j/m_i, ≥ 0, given or derived
+    real(dp) :: mass_ratio_low = 0.0_dp     !! what binary64 leaves of it where the mass was given
     logical :: mass_given = .false.         !! the mass was given, and the ratio follows from it
     real(dp) :: approach_velocity = 1.0_dp  !! V [m/s] in the rotating frame, of either sign
     real(dp) :: restitution = 0.0_dp        !! e, 0 … 1
@@ -65,6 +66,7 @@ contains
         impact%mass = values%number('mass')
         call settle_product(impact%mass/beam_mass, impact%mass_ratio, values%line_of('mass'), &
                             'impact%mass', 'its ratio to the mass of the beam', messages)
+        if (impact%mass_ratio > 0.0_dp) impact%mass_ratio_low = real(impact%mass/beam_mass - impact%mass_ratio, dp)
       else
         impact%mass_ratio = values%number('mass_ratio')
         call settle_product(impact%mass_ratio*beam_mass, impact%mass, values%line_of('mass_ratio'), &
