@@ -56,6 +56,8 @@ def run(scene: Scene, output: str | Path | None = None, *, program: str | Path |
             raise RunFailed(done.returncode, done.stderr.replace(f"{scratch}{os.sep}", ""))
         with open_result(directory / f"{path.stem}.nc") as ds:
             result = ds.load()
+        if output is None:
+            result.encoding.pop("source", None)  # a file that is gone
     if done.returncode == UNTRUSTED:
         warnings.warn(done.stderr.strip(), Untrusted, stacklevel=2)
     return result

@@ -65,7 +65,10 @@ def test_other_times_have_no_difference_and_the_head_says_so(two):
 
 def test_the_head_says_what_differs(two):
     first, second = two
-    texts = [plain(text.get_text()).replace("\n", " ").replace("\u00a0", " ") for text in compare(first, second)["spectrum"].texts]
+    texts = [
+        plain(text.get_text()).replace("\n", " ").replace("\u00a0", " ")
+        for text in compare(first, second)["spectrum"].texts
+    ]
     assert texts[0] == "A: Beam rest; B: Beam turning"
     assert texts[1].startswith("A: beam l = 1 m") and texts[2].startswith("B: ") and "turning.nc" in texts[2]
     assert "they differ in ω = 0 and 50" in texts[3]

@@ -18,24 +18,23 @@ DRAWN = {
 def overlaps(fig):
     """Words, legends and axes that cover each other or leave the figure; a list of what is wrong."""
     fig.draw_without_rendering()
-    wrong = []
-    above = [(repr(artist), artist.get_window_extent()) for artist in (*fig.texts, *fig.legends)]
     shown = [axes for axes in fig.axes if axes.get_visible()]
-    for name, box in above:
+    boxes = [axes.get_tightbbox() for axes in shown]
+    wrong = [f"legend on the data of {axes}" for axes in shown if axes.get_legend() and covers(axes)]
+    for artist in (*fig.texts, *fig.legends):
+        box = artist.get_window_extent()
         if box.x0 < 0.0 or box.x1 > fig.bbox.x1 or box.y1 > fig.bbox.y1:
-            wrong.append(f"{name} leaves the figure")
-        wrong += [f"{name} is over axes" for axes in shown if axes.get_tightbbox().y1 > box.y0 + 1.0]
-    for axes in shown:
-        wrong += (
-            [f"legend on the data of {axes}"]
-            if axes.get_legend() and axes.get_legend().get_window_extent().overlaps(axes.bbox)
-            else []
-        )
-        box = axes.get_tightbbox()
-        # Letters stand a pixel beyond the box that they are given room for.
-        if box.x0 < -2.0 or box.x1 > fig.bbox.x1 + 2.0 or box.y0 < -2.0:
-            wrong.append(f"{axes} leaves the figure: {box}")
-    return wrong
+            wrong.append(f"{artist} leaves the figure")
+        if any(below.y1 > box.y0 + 1.0 for below in boxes):
+            wrong.append(f"{artist} is over axes")
+    # Letters stand a pixel beyond the box that they are given room for.
+    inside = (box.x0 > -2.0 and box.x1 < fig.bbox.x1 + 2.0 and box.y0 > -2.0 for box in boxes)
+    return wrong + [f"{axes} leaves the figure" for axes, fits in zip(shown, inside) if not fits]
+
+
+def covers(axes):
+    """Whether the legend of `axes` lies on what they show."""
+    return axes.get_legend().get_window_extent().overlaps(axes.bbox)
 
 
 def form(ds):

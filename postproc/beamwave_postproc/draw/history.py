@@ -22,6 +22,7 @@ from ..style import COLOURS, sparse_markers, styled
 
 ALONE = {"color": COLOURS[1], "linewidth": 1.0}  # a single history may be dense, and needs no marker
 COLUMNS = 3  # panels of cases beside each other
+ALIKE = 5.0  # times the smallest peak, up to which panels of one row have one scale
 
 
 def displacement(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
@@ -61,22 +62,20 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
 
 
 def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], name: str, point: int) -> list[str]:
-    """Histories of all cases at one point, in the SI prefix that fits them all; what has to be said of them."""
-    curves = [curve for panel in panels for curve in panel.curves]
-    values = np.array([curve.data[name][point].values for curve in curves])
-    prefix, scale = si_prefix(values, units_of(ds[name]))
+    """Histories of all cases at one point, in the SI prefix that fits the smallest; what has to be said of them."""
+    values = [np.array([curve.data[name][point].values for curve in panel.curves]) for panel in panels]
+    growing = [[grows(curve.data) for curve in panel.curves] for panel in panels]
+    least = min(filter(None, _peaks(values)), default=0.0)
+    prefix, scale = si_prefix(np.array([least]), units_of(ds[name]))
+    several = sum(len(panel.curves) for panel in panels) > 1
     notes = []
-    growing = [grows(curve.data) for curve in curves]
-    for axes, panel in zip(row, panels):
-        axes.set_autoscaley_on(not any(growing))  # matplotlib's margin would overflow
-        notes += [
-            _draw_history(axes, ds, curve, curve.data[name][point].values * scale, len(curves))
-            for curve in panel.curves
-        ]
-        _scale_values(axes, values * scale, growing)
+    for axes, panel, rows, flags in zip(row, panels, values, growing):
+        axes.set_autoscaley_on(not any(flags))  # matplotlib's margin would overflow
+        notes += [_draw_history(axes, ds, curve, scale * line, several) for curve, line in zip(panel.curves, rows)]
+    _scale_row(row, [scale * rows for rows in values], growing)
     row[0].set_ylabel(point_label(ds, name, point, prefix))
     if name == "bending_moment":
-        _add_stress(row[-1], curves, point, scale)
+        _add_stress(row[-1], [curve for panel in panels for curve in panel.curves], point, scale)
     return notes
 
 
@@ -97,16 +96,37 @@ def _add_stress(axes: Axes, curves: list[Curve], point: int, scale: float) -> No
     stress.set_ylabel(f"Stress of the outermost\nfibre ({prefix}Pa)")
 
 
-def _draw_history(axes: Axes, ds: xr.Dataset, curve: Curve, values: np.ndarray, curves: int) -> str:
+def _draw_history(axes: Axes, ds: xr.Dataset, curve: Curve, values: np.ndarray, several: bool) -> str:
     """One history as a line, or where a line would fill the picture as a band; what is drawn then."""
     time = ds["time"].values * _time_factor(ds)
-    style = {**curve.style, "markevery": sparse_markers(curve.index, time.size)} if curves > 1 else ALONE
+    style = {**curve.style, "markevery": sparse_markers(curve.index, time.size)} if several else ALONE
     style = {**style, "marker": "o"} if time.size == 1 else style
     if is_dense(values):
         axes.plot([], [], label=curve.label or None, color=style["color"])
         return draw_envelope(axes, time, values, colour=style["color"])
     axes.plot(time, values, label=curve.label or None, **style)
     return ""
+
+
+def _scale_row(row: list[Axes], values: list[np.ndarray], growing: list[list[bool]]) -> None:
+    """One scale for the panels of a row, each with its `values` (curve, time), where that suits all; else one each."""
+    peaks = _peaks(values)
+    if max(peaks) / ALIKE > min(peaks):
+        for axes, panel, flags in zip(row, values, growing):
+            _scale_values(axes, panel, flags)
+        return
+    for axes in row:
+        _scale_values(axes, np.concatenate(values), [flag for flags in growing for flag in flags])
+    limits = np.array([axes.get_ylim() for axes in row])
+    for axes in row:
+        axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
+    for axes in row[1:]:
+        axes.tick_params(labelleft=False)
+
+
+def _peaks(values: list[np.ndarray]) -> list[float]:
+    """Largest magnitude in each panel."""
+    return [float(np.nanmax(np.abs(panel), initial=0.0)) for panel in values]
 
 
 def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:

@@ -111,5 +111,5 @@ def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float) ->
     frequency, ways, smooth = way_times(case, float(case["point_position"][0]), WAYS)
     for number, times in enumerate(ways):
         label = "arrivals at the group velocity: straight, then by reflections" if number == 0 else None
-        style = {"linestyle": "--"} if smooth else {"linestyle": "", "marker": "o", "markersize": 3}
+        style = {"linestyle": "-"} if smooth else {"linestyle": "", "marker": "o", "markersize": 3}
         axes.plot(ticks * times, factor * frequency, linewidth=1.2, label=label, **ON_IMAGE, **style)

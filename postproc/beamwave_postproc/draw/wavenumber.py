@@ -94,5 +94,5 @@ def _draw_relation(axes: Axes, case: xr.Dataset, frequency: np.ndarray, factor: 
         axes.plot(side * p, factor * beta / (2.0 * np.pi), label=labels[0], **marks)
         if relation is not None:
             curve = 2.0 * np.pi * frequency[-1] * np.linspace(0.0, 1.0, 800) ** 2  # even in wave number, nearly
-            line = {**ON_IMAGE, "linewidth": 1.0, "linestyle": "--"}
+            line = {**ON_IMAGE, "linewidth": 0.8}
             axes.plot(side * relation.wavenumber(curve), factor * curve / (2.0 * np.pi), label=labels[1], **line)

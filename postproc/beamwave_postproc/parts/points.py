@@ -21,7 +21,7 @@ def shown_points(ds: xr.Dataset, limit: int = MAX_POINTS) -> list[int]:
 def sheet_of_points(ax: Given, rows: int, columns: int) -> Sheet:
     """Axes with a row for each point, as high as the words beside it need, and a column for each panel of cases."""
     height = 3.6 if rows == 1 else 2.4 if rows <= FEW else 1.8
-    return sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 3.4 * columns + 0.6, height=height, share="xy")
+    return sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 3.4 * columns + 0.6, height=height, share="x")
 
 
 def point_label(ds: xr.Dataset, name: str, point: int, prefix: str = "") -> str:

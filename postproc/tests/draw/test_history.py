@@ -23,7 +23,7 @@ def test_a_point_that_the_result_lacks_is_said(paper_results):
 
 def test_the_unit_on_the_axis_is_that_of_the_numbers_drawn(paper_results):
     with open_result(paper_results / "fig6.nc") as ds:
-        axes = displacement(ds).axes[0]
+        (axes,) = displacement(ds, 0.5).axes
         drawn = axes.lines[0]
         assert "(mm)" in axes.get_ylabel() and "(ms)" in axes.get_xlabel()
         # One multiplication by a power of ten: half a unit in the last place.

@@ -34,7 +34,7 @@ def test_a_scene_without_a_title_is_called_by_its_file(tmp_path):
     path = synthetic.write(tmp_path / "untitled.nc", synthetic.scene(), title="")
     with open_result(path) as ds:
         assert title_of(ds) == "untitled"
-        assert title_of(ds.drop_attrs()) == "untitled"
+        assert title_of(ds.assign_attrs(title="  ")) == "untitled"
 
 
 def test_dollars_of_a_title_begin_no_formula(full_result):
