@@ -68,7 +68,7 @@ def frequencies(first: xr.Dataset, second: xr.Dataset) -> Figure:
     right.axhline(0.0, color="0.5", linewidth=0.8, zorder=0)
     for axes in sheet.axes:
         axes.set_xlim(0.5, max(ds.sizes["mode"] for ds in (first, second)) + 0.5)
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     return sheet.finish_with(head_of_both(first, second, [note]))
 
 

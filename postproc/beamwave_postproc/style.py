@@ -99,3 +99,9 @@ def label_decades(axis: Axis, low: float, high: float) -> None:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def say_zero(axes: Axes) -> None:
+    """Put 0 alone on the y axis of what is nothing but 0: any other number would be invented."""
+    axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
+    axes.annotate("zero", (0.5, 0.5), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points", ha="center")

@@ -16,6 +16,7 @@ from ..result import NothingToDraw, require, swept_inputs
 from ..style import COLOURS, DASHES, GREY, logarithmic, styled
 
 SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
+HELD = ("angular_frequency", "growth_rate", "mode_shape", CRITICAL)
 RPM = 60.0 / (2.0 * np.pi)  # from rad/s
 MAX_MODES, MAX_PANELS = 5, 4
 FINE = 400  # places between the first and the last speed
@@ -32,14 +33,14 @@ def campbell(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figur
     Modes are followed through crossings. Where the first one grows the picture is shaded, from the critical speed on;
     multiples of the speed are dotted lines. A second swept input makes panels.
     """
-    ds = chosen(ds, modes=modes)
     require(ds, "angular_frequency", SPEED)
+    numbers = chosen(ds, modes=modes)["mode"].values[: MAX_MODES if modes is None else None]
     names = [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1]
     if SPEED not in names or len(names) > 2 or np.unique(ds[SPEED]).size < 3:
-        raise NothingToDraw(
-            "the result is not a sweep over the angular velocity, of three values or more, and at most one other"
-        )
-    ds = ds.isel(mode=slice(MAX_MODES if modes is None else None)).load()
+        raise NothingToDraw("needs a sweep over the angular velocity, of three values or more, and at most one other")
+    drawn = chosen(ds)[[name for name in HELD if name in ds]].load()
+    if not (drawn["angular_frequency"].sel(mode=numbers) > 0.0).any():
+        raise NothingToDraw("no mode oscillates")
     other = [name for name in names if name != SPEED]
     values = np.unique(ds[other[0]]) if other else np.zeros(1)
     shown = values[spread(values.size, MAX_PANELS)]
@@ -47,23 +48,25 @@ def campbell(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figur
     rows = -(-shown.size // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
     for axes, value in zip(sheet.axes, shown):
-        cases = ds.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else ds
-        limit = _draw(axes, cases.sortby(SPEED))
+        cases = drawn.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else drawn
+        limit = _draw(axes, cases.sortby(SPEED), numbers)
         axes.set_title(", ".join(filter(None, [value_text(cases[other[0]][0]) if other else "", limit])))
     for axes in sheet.axes[shown.size :]:
         axes.set_visible(False)
     return sheet.finish(ds, [f"{shown.size} of {values.size} values" if shown.size < values.size else ""])
 
 
-def _draw(axes: Axes, cases: xr.Dataset) -> str:
+def _draw(axes: Axes, cases: xr.Dataset, numbers: np.ndarray) -> str:
     """One diagram of cases that differ in their speed, which ascends; the critical speed in words, if there is one."""
     speed = cases[SPEED].values
     values = np.take_along_axis(eigenvalues(cases), followed(cases, _signed(speed)), axis=1)
-    if not (values > 0.0).any():
-        raise NothingToDraw("no mode oscillates")
-    for branch, number in enumerate(cases["mode"].values):
+    values = values[:, [int(np.flatnonzero(cases["mode"].values == number)[0]) for number in numbers]]
+    for branch, number in enumerate(numbers):
         _draw_mode(axes, speed, values[:, branch], f"mode {number}", branch)
-    _scale(axes, np.sqrt(values[values > 0.0]) / (2.0 * np.pi))
+    if (values > 0.0).any():
+        _scale(axes, np.sqrt(values[values > 0.0]) / (2.0 * np.pi))
+    else:
+        axes.set_yticks([])
     axes.set_xlim(RPM * speed[0], RPM * speed[-1])
     _draw_orders(axes)
     axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)")

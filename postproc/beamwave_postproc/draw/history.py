@@ -18,7 +18,7 @@ from ..parts.sheet import Given
 from ..parts.units import si_prefix, units_of
 from ..result import NothingToDraw, require
 from ..stress import factors
-from ..style import COLOURS, sparse_markers, styled
+from ..style import COLOURS, say_zero, sparse_markers, styled
 
 ALONE = {"color": COLOURS[1], "linewidth": 1.0}  # a single history may be dense, and needs no marker
 COLUMNS = 3  # panels of cases beside each other
@@ -133,15 +133,9 @@ def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:
     """Choose the y axis for what is drawn: it may grow without bound, or be at rest; else it is matplotlib's."""
     axes.margins(y=0.08)
     if not np.nan_to_num(values).any():
-        _say_zero(axes)
+        say_zero(axes)
     elif any(growing):
         scale_for_growth(axes, values, growing)
-
-
-def _say_zero(axes: Axes) -> None:
-    """Put 0 alone on the axis of a point at rest: any other number would be invented."""
-    axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
-    axes.annotate("zero", (0.5, 0.5), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points", ha="center")
 
 
 def _mark_time(column: list[Axes], ds: xr.Dataset, panel: Panel, name: str) -> None:

@@ -12,7 +12,7 @@ from ..parts.labels import axis_label
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
 from ..result import require
-from ..style import markers_to_end, styled
+from ..style import markers_to_end, say_zero, styled
 
 SAMPLES_PER_WAVE = 6  # of the shortest wave, that a line through the samples shows its form
 
@@ -35,6 +35,8 @@ def velocity_jump(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> 
         axes.set_title(panel.title)
         axes.set_ylabel(axis_label(ds["velocity_jump"]))
         axes.set_xlim(position.min(), position.max())
+        if not any(curve.data["velocity_jump"].values.any() for curve in panel.curves):
+            say_zero(axes)
     sheet.axes[-1].set_xlabel(axis_label(ds["profile_position"]))
     return sheet.finish(ds, dict.fromkeys(notes))
 

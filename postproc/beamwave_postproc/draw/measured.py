@@ -105,4 +105,6 @@ def _draw_differences(axes: Axes, curves: list[Curve], pairs: list[Pairs]) -> No
         axes.plot(x, difference, label="difference" if first else None, **{**curve.style, "linestyle": ""})
     sizes = np.concatenate(drawn)
     logarithmic(axes, "y", 0.3 * sizes.min(), 10.0 * sizes.max())
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    modes = np.concatenate([pair.mode for pair in pairs])
+    axes.set_xlim(modes.min() - 0.7, modes.max() + 0.7)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))

@@ -23,7 +23,8 @@ from ..style import ON_IMAGE, styled
 RANGE, RANGE_OF_ARRIVALS = 80.0, 30.0  # decibels below the highest amplitude that are shown
 WINDOWS = 14  # of what is shown in a window's length
 SLICES = 400  # at most, of time
-LEAST_SAMPLES = 64
+LEAST_SAMPLES, LEAST_WAVES = 64, 4
+ROOM = 1.1  # above the highest mode
 FINER = 2  # times as many frequencies as the window resolves
 WAYS = 3  # from the blow to the point: straight, and by reflections
 MIDPOINT = 0.5
@@ -51,6 +52,10 @@ def spectrogram(
     parts = [(duration, False)] if end is None else [(end, True)]
     if ax is None and end is not None and end < MOST * duration:
         parts.append((duration, False))
+    if highest(case) * duration < WINDOWS * LEAST_WAVES:
+        raise NothingToDraw(
+            f"its windows, 1/{WINDOWS} of the record, hold fewer than {LEAST_WAVES} waves of any frequency"
+        )
     sheet = sheet_for(ax, columns=len(parts), width=6.4 if len(parts) == 1 else 9.6, height=3.8)
     for axes, (until, arriving) in zip(sheet.axes, parts):
         _draw(axes, case, until, window or until / WINDOWS, arriving)
@@ -67,17 +72,23 @@ def _require_motion(case: xr.Dataset) -> None:
         raise NothingToDraw(f"{history.size} samples are too few for a spectrogram")
 
 
+def highest(case: xr.Dataset) -> float:
+    """Highest frequency (Hz) of a history, with room above that of the modes; of a record that of its samples."""
+    nyquist = 0.5 / float(case["time"][1] - case["time"][0])
+    return min(ROOM * highest_frequency(case), nyquist) if "angular_frequency" in case else nyquist
+
+
 def _draw(axes: Axes, case: xr.Dataset, until: float, window: float, arriving: bool) -> None:
     """The spectrogram up to `until` (s), with the arrivals or without."""
     step = float(case["time"][1] - case["time"][0])
     level, frequency, moments = levels(case["displacement"].values[0], step, window, until, each=arriving)
     clock, ticks = si_prefix(np.array([until]), units_of(case["time"]))
-    highest = highest_frequency(case) if "angular_frequency" in case else frequency[-1]
-    prefix, factor = si_prefix(np.array([highest]), "Hz")
+    top = min(highest_frequency(case) if arriving else highest(case), frequency[-1])
+    prefix, factor = si_prefix(np.array([top]), "Hz")
     extent = (ticks * moments[0], ticks * moments[-1], 0.0, factor * frequency[-1])
     depth, words = (RANGE_OF_ARRIVALS, " of each frequency") if arriving else (RANGE, "")
     draw_level(axes, level, extent, depth, f"dB over the highest{words}")
-    axes.set(xlim=(0.0, ticks * until), ylim=(0.0, factor * highest))
+    axes.set(xlim=(0.0, ticks * until), ylim=(0.0, factor * top))
     axes.set(xlabel=axis_label(case["time"], clock), ylabel=f"Frequency ({prefix}Hz)")
     if arriving:
         _draw_arrivals(axes, case, ticks, factor)
@@ -102,8 +113,8 @@ def levels(
     shown = (moments >= 0.0) & (moments <= min(until, (last - samples / 2) * step))
     frequency, amplitude = highest_in_rows(transform.f, np.abs(transform.stft(acceleration))[:, shown])
     after = amplitude[:, moments[shown] >= min(window, 0.5 * until)]
-    highest = after.max(axis=1, keepdims=True) if each else after.max(keepdims=True)
-    return decibels(amplitude, highest), frequency, moments[shown]
+    over = after.max(axis=1, keepdims=True) if each else after.max(keepdims=True)
+    return decibels(amplitude, over), frequency, moments[shown]
 
 
 def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float) -> None:

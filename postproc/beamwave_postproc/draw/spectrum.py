@@ -13,7 +13,7 @@ from ..parts.points import FEW, MAX_POINTS, point_label, sheet_of_points, shown_
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given
 from ..result import NothingToDraw, require
-from ..style import logarithmic, styled
+from ..style import logarithmic, say_zero, styled
 
 DEPTH = 1e-9  # what lies further below the highest line is rounding, and not shown
 COLUMNS = 3  # panels of cases beside each other
@@ -36,7 +36,8 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
         axes.set_title(panel.title)
     for axes in sheet.grid[-1]:
         axes.set_xlabel(axis_label(ds["frequency"]))
-    peaks = "markers: measured peaks" if "measured_angular_frequency" in ds else ""
+    measured = "measured_angular_frequency" in ds and ds["measured_angular_frequency"].notnull().any()
+    peaks = "markers: measured peaks" if measured else ""
     return sheet.finish(ds, (*drawn.notes, thinned(ds, shown), peaks))
 
 
@@ -44,10 +45,13 @@ def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int) 
     """Spectra of all cases at one point; the frequency 0 has no place on the axis."""
     frequency = ds["frequency"].values
     values = np.array([curve.data["amplitude"][point].values for panel in panels for curve in panel.curves])
-    highest = np.nanmax(values, initial=0.0) or 1.0  # a point at rest has an empty panel
+    highest = np.nanmax(values, initial=0.0)
     for axes, panel in zip(row, panels):
         logarithmic(axes, "x", frequency[frequency > 0.0][0], frequency[-1])
-        logarithmic(axes, "y", DEPTH * highest, 5.0 * highest)
+        if highest > 0.0:
+            logarithmic(axes, "y", DEPTH * highest, 5.0 * highest)
+        else:
+            say_zero(axes)
         for curve in panel.curves:
             _draw_spectrum(axes, curve, frequency, curve.data["amplitude"][point].values)
     row[0].set_ylabel(point_label(ds, "amplitude", point))

@@ -97,3 +97,21 @@ def test_fewer_than_three_speeds_are_no_diagram(sweep, cases):
 def test_other_sweeps_are_no_diagram(paper_results):
     with open_result(paper_results / "fig7.nc") as ds, pytest.raises(NothingToDraw, match="angular velocity"):
         campbell(ds)
+
+
+def test_a_mode_that_is_chosen_is_followed_beyond_those_that_are_not():
+    speed = np.linspace(0.0, 100.0, 21)
+    squares = np.stack([2e4 - 0.9 * speed**2, 1.3e4 + 0.5 * speed**2], axis=1)
+    ds = xr.Dataset(
+        {"angular_frequency": (("case", "mode"), np.sqrt(np.sort(squares, axis=1)))},
+        {"case": np.arange(1, 22), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)},
+    )
+    (second,) = curves(campbell(ds, modes=2).axes[0]).values()
+    assert list(curves(campbell(ds, modes=[2, 1]).axes[0])) == ["mode 2", "mode 1"]
+    np.testing.assert_array_equal(curves(campbell(ds, modes=[2, 1]).axes[0])["mode 2"].get_ydata(), second.get_ydata())
+    np.testing.assert_allclose(second.get_ydata(), np.sqrt(2e4 - 0.9 * (second.get_xdata() / RPM) ** 2) / (2 * np.pi))
+
+
+def test_where_no_mode_oscillates_there_is_no_diagram(sweep):
+    with pytest.raises(NothingToDraw, match="oscillates"):
+        campbell(sweep.sel(case=slice(8, None)), modes=1)

@@ -118,6 +118,12 @@ def test_a_motion_that_grows_or_rests_has_no_spectrum(whole, picture):
             picture(ds)
 
 
+def test_windows_of_less_than_a_few_waves_are_no_spectrogram(whole):
+    slow = whole.isel(mode=slice(1)).assign(mode_count=1)
+    with pytest.raises(NothingToDraw, match="fewer than 4 waves"):
+        spectrogram(slow)
+
+
 def test_a_growing_motion_over_place_and_time_is_over_its_largest_so_far(whole):
     grown = whole.assign(
         growth_rate=whole["growth_rate"] + 200.0, displacement=whole["displacement"] * np.exp(200.0 * whole["time"])

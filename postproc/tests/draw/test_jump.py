@@ -40,6 +40,7 @@ def test_no_jump_is_a_line_at_zero(full_result):
         fig = velocity_jump(ds.assign(velocity_jump=0.0 * ds["velocity_jump"]))
     (line,) = fig.axes[0].lines
     assert not line.get_ydata().any() and "no jump" in notes(fig)
+    assert fig.axes[0].get_yticks().tolist() == [0.0]  # and no number that is invented
 
 
 def test_too_few_samples_for_the_waves_are_drawn_as_samples(tmp_path):
