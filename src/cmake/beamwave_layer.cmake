@@ -1,13 +1,15 @@
-# beamwave_layer(<name> SOURCES … [USES <layer> …] [LINKS <target> …])
+# beamwave_layer(<name> [SOURCES …] [EXCEPT …] [USES <layer> …] [LINKS <target> …])
 #
-# One static library and one module directory per folder of src/. A layer sees the modules of the
-# layers named in USES and no others, so the direction of the data is a matter of the build.
-# Module directories are not passed on: a layer names every layer whose modules it uses.
+# One static library and one module directory per folder of src/, of all Fortran files in it and below it, EXCEPT
+# main programs, and of SOURCES that are made elsewhere. A layer sees the modules of the layers named in USES and no others, so the direction of the data is a matter of the
+# build. Module directories are not passed on: a layer names every layer whose modules it uses.
 function(beamwave_layer name)
-  cmake_parse_arguments(LAYER "" "" "SOURCES;USES;LINKS" ${ARGN})
+  cmake_parse_arguments(LAYER "" "" "SOURCES;USES;LINKS;EXCEPT" ${ARGN})
   set(target beamwave_${name})
   set(modules "${PROJECT_BINARY_DIR}/modules/${name}")
-  add_library(${target} STATIC ${LAYER_SOURCES})
+  file(GLOB_RECURSE sources RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}" CONFIGURE_DEPENDS "*.f90")
+  list(REMOVE_ITEM sources ${LAYER_EXCEPT})
+  add_library(${target} STATIC ${sources} ${LAYER_SOURCES})
   add_library(beamwave::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES
     Fortran_MODULE_DIRECTORY "${modules}" BEAMWAVE_MODULES "${modules}")

@@ -183,7 +183,10 @@ contains
       list%checked_samples = converged%checked_samples
       list%converged_tolerance = converged%tolerance
       if (converged%reach > converged_tolerance) list%reachable = converged%reach
-      list%model_errors = model_errors(scene, converged%result)
+      associate (result => converged%result)
+        list%model_errors = model_errors(scene, result%modes, result%modal_velocity*result%approach_velocity, &
+                                         result%response%displacement(:result%response%finite_samples, :))
+      end associate
       do i = 1, size(converged%result%notes)
         call append(state%notes, converged%result%notes(i)%text)
       end do
