@@ -27,7 +27,6 @@ module bw_stopwatch
     procedure :: lap
     procedure :: rebook
     procedure :: add_cpu
-    procedure :: mean
     procedure :: totals
     procedure :: set_totals
     procedure, private :: share_cpu
@@ -103,13 +102,6 @@ contains
     real(dp), intent(in) :: seconds
     self%cpu(stage) = self%cpu(stage) + seconds
   end subroutine add_cpu
-
-  pure real(dp) function mean(self, stage)
-    !! Wall time of a call of a stage, s; 0 where there was none.
-    class(stopwatch), intent(in) :: self
-    integer, intent(in) :: stage
-    mean = self%seconds(stage)/max(1.0_dp, self%calls(stage))
-  end function mean
 
   function totals(self) result(values)
     !! All that was booked, as numbers that can be summed over processes.

@@ -3,31 +3,23 @@ module bw_assembly
   use bw_case_block, only: block_for, case_block
   use bw_case_fields, only: case_field, case_length, fields_of, short_fields
   use bw_case_result, only: case_done
-  use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_files, only: look_at, path_state
   use bw_journal_reader, only: journal_reader
   use bw_kinds, only: dp, i1, i8
   use bw_notes, only: notes_type
-  use bw_process, only: pause
   use bw_result_file, only: create_result, result_file
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_stopwatch, only: wall_seconds
   use bw_sweep_table, only: sweep_table
-  use bw_text, only: string, text_of
+  use bw_text, only: append, string, text_of
   implicit none (type, external)
   private
-
-  integer, parameter :: most_open = 64                   !! journals at a time; others are read when all is there
-  integer, parameter :: pause_microseconds = 2000        !! between two looks at journals that grow
 
   type, public :: assembly_type
     !! A sweep's result, and what there is to say of it.
     type(sweep_table) :: table
     type(notes_type) :: notes
     integer(i8) :: not_trusted = 0                       !! cases
-    real(dp) :: released = 0.0_dp                        !! when all cases were there, on the clock of `wall_seconds`
     type(result_file), private :: file
     type(case_field), allocatable, private :: fields(:)
     integer(i8), private :: at_status = 0                !! where a case's status stands among its numbers
@@ -36,9 +28,8 @@ module bw_assembly
     integer(i8), private :: first = 1                    !! the first of them
   contains
     procedure :: begin
-    procedure :: take_journals
+    procedure :: take_journal
     procedure :: finish
-    procedure, private :: take_journal
     procedure, private :: take_case
     procedure, private :: write_block
   end type assembly_type
@@ -60,53 +51,23 @@ contains
     allocate (self%done(layout%cases), source=0_i1)
   end subroutine begin
 
-  subroutine take_journals(self, paths, work, child, seconds, error)
-    !! All cases of all journals, the first time as far as they have come: their processes may still be at work, until this one
-    !! is released. A process that had no case has no journal.
-    !! **Errors**: a journal cannot be read, or the result not written.
+  subroutine take_journal(self, path, work, error)
+    !! All cases of a journal that are not there yet: whoever did one, it has the same bits.
+    !! **Errors**: the journal cannot be read, or the result not written.
     class(assembly_type), intent(inout) :: self
-    type(string), intent(in) :: paths(:)
-    integer(i8), intent(in) :: work                      !! sum of the text of the work that the cases have to belong to
-    type(child_process), intent(in) :: child             !! the process that this is
-    real(dp), intent(inout) :: seconds(:)                !! that came with the release
-    type(error_type), allocatable, intent(inout) :: error
-    type(journal_reader) :: readers(size(paths))
-    logical :: released
-    integer :: i
-    do
-      released = child%is_released(seconds)
-      if (released) self%released = wall_seconds()
-      do i = 1, size(paths)
-        if (.not. allocated(error)) call self%take_journal(readers(i), paths(i)%text, work, .not. released, error)
-        if (released .or. i > most_open) call readers(i)%close()
-      end do
-      if (released .or. allocated(error)) return
-      call pause(pause_microseconds)
-    end do
-  end subroutine take_journals
-
-  subroutine take_journal(self, reader, path, work, grows, error)
-    !! What a journal has from where its reader stands: whoever did a case, it has the same bits.
-    class(assembly_type), intent(inout) :: self
-    type(journal_reader), intent(inout) :: reader
     character(*), intent(in) :: path
-    integer(i8), intent(in) :: work
-    logical, intent(in) :: grows
+    integer(i8), intent(in) :: work                      !! sum of the text of the work that the cases have to belong to
     type(error_type), allocatable, intent(inout) :: error
-    type(path_state) :: state
+    type(journal_reader) :: reader
     logical :: found
-    integer :: problem
-    if (.not. reader%is_open) then
-      problem = look_at(path, state)
-      if (problem == 0 .and. state%kind == 0) return
-      call reader%open(path, error)
-    end if
+    call reader%open(path, error)
     do
-      call reader%next(found, error, grows)
+      call reader%next(found, error)
       if (.not. found) exit
       if (reader%work /= work .or. reader%case < 1 .or. reader%case > size(self%done, kind=i8)) cycle
       if (self%done(reader%case) == 0) call self%take_case(reader%case, reader%numbers, reader%notes, error)
     end do
+    call reader%close()
   end subroutine take_journal
 
   subroutine take_case(self, index, numbers, notes, error)

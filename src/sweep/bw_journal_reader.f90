@@ -25,7 +25,6 @@ module bw_journal_reader
     real(dp), pointer, contiguous :: numbers(:) => null()
     type(string), allocatable :: notes(:)
     integer(i8) :: damaged = 0                              !! records so far that are not what they were
-    logical :: is_open = .false.
     integer, private :: descriptor = -1
     integer(i8), private :: place = 0                       !! of the next record, bytes from 0
     integer(i8), pointer, contiguous, private :: buffer(:) => null()
@@ -50,7 +49,6 @@ contains
     type(path_state) :: state
     integer :: problem
     self%path = path
-    self%is_open = .true.
     self%place = 0
     self%origin = 0
     self%have = 0
@@ -61,13 +59,12 @@ contains
     if (problem == 0 .and. state%kind /= is_file) call fail(error, status_bad_file, path//': is no file')
   end subroutine open_reader
 
-  subroutine next(self, found, error, grows)
+  subroutine next(self, found, error)
     !! Go to the next sound record, past what is none. A last one that is not whole was under way when its process ended.
     !! **Errors**: the journal cannot be read.
     class(journal_reader), intent(inout) :: self
     logical, intent(out) :: found
     type(error_type), allocatable, intent(inout) :: error
-    logical, intent(in), optional :: grows                  !! its process is at work: what is not sound yet is waited for
     integer :: verdict
     logical :: is_bad, is_torn                              ! what was passed over
     found = .false.
@@ -77,12 +74,6 @@ contains
       call self%read_record(verdict, error)
       found = verdict == is_sound
       if (found .or. verdict == is_none) exit
-      if (present(grows)) then
-        if (grows) then
-          self%have = 0                                     ! to be read again
-          return
-        end if
-      end if
       is_bad = is_bad .or. verdict == is_damaged
       is_torn = is_torn .or. verdict == is_cut
       call self%find_mark(error)
@@ -195,7 +186,6 @@ contains
     class(journal_reader), intent(inout) :: self
     integer :: ignored
     ignored = close_file(self%descriptor)
-    self%is_open = .false.
     if (associated(self%buffer)) deallocate (self%buffer)
     self%numbers => null()
   end subroutine close_reader

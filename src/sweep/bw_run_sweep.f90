@@ -7,7 +7,7 @@ module bw_run_sweep
   use bw_descriptors, only: flush_path
   use bw_error, only: error_type
   use bw_file_lock, only: unique_name
-  use bw_files, only: cannot_be_written, flush_directory
+  use bw_files, only: cannot_be_written, flush_directory, look_at, path_state
   use bw_journal_writer, only: journal_writer
   use bw_kinds, only: dp, i1, i4, i8
   use bw_outcome, only: outcome_type, work_taken_away
@@ -16,11 +16,10 @@ module bw_run_sweep
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_stage_table, only: stage_table
-  use bw_stopwatch, only: stage_count, stage_write, stopwatch, wall_seconds
-  use bw_system_calls, only: bw_kind_of_error, error_not_there
+  use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
   use bw_text, only: append, string, text_of
   use bw_unfinished_work, only: journal_suffix, unfinished_work
-  use bw_worker, only: group_monitor, run_cases
+  use bw_worker, only: run_cases
   implicit none (type, external)
   private
   public :: run_sweep
@@ -32,17 +31,15 @@ contains
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(unfinished_work), intent(inout) :: unfinished
-    class(process_group), intent(inout), target :: group
-    class(progress_type), intent(inout), target :: progress
+    class(process_group), intent(inout) :: group
+    class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(journal_writer) :: journal
     type(stopwatch) :: watch
-    type(group_monitor) :: monitor
-    type(child_process) :: child                       ! which writes the result
     integer(i4), allocatable :: left(:), run(:)        ! cases that are to be done; letters of a name that no other run has
     real(dp), allocatable :: totals(:)
-    character(:), allocatable :: draft, table
+    character(:), allocatable :: table
     real(dp) :: began
     integer(i8) :: done
     if (group%leads()) call take_up(layout, unfinished, left, run, outcome, error)
@@ -53,29 +50,16 @@ contains
     began = wall_seconds()
     journal%path = journal_path(unfinished, run, group%number)
     journal%work = unfinished%identity
-    monitor = group_monitor(progress, group)
     if (group%leads()) call progress%begin(scene%name, int(layout%cases, i8), int(layout%cases - size(left), i8))
-    call run_cases(scene, layout, left, journal, group, monitor, watch, error)
-    if (group%leads()) then
-      call add_journals(unfinished, run, group%processes)
-      draft = unfinished%new_draft()
-      if (.not. (monitor%stopped .or. allocated(error))) then
-        call child%begin()
-        if (child%is_here() .and. .not. child%is_refused()) call write_result(draft, scene, layout, unfinished, child)
-        call monitor%wait(size(left, kind=i8))
-      end if
-    end if
-    totals = [watch%totals(), real(monitor%done, dp)]
+    call run_cases(scene, layout, left, journal, group, progress, watch, done, error)
+    totals = [watch%totals(), real(done, dp)]
     call group%collect(totals, error)
     if (.not. group%leads()) return
     call watch%set_totals(totals(:size(totals) - 1))
     done = layout%cases - size(left) + nint(totals(size(totals)), i8)
+    call add_journals(unfinished, run, group%processes)
     if (.not. allocated(error) .and. done == layout%cases) then
-      call child%release(watch%seconds)
-      if (child%is_refused()) call write_result(draft, scene, layout, unfinished, child)
-      call place_result(draft, layout, unfinished, child, progress, watch, table, outcome, error)
-    else
-      call child%end()
+      call assemble(scene, layout, unfinished, progress, watch, table, outcome, error)
     end if
     call progress%end()
     if (allocated(table)) then
@@ -135,56 +119,42 @@ contains
   end function journal_path
 
   subroutine add_journals(unfinished, run, processes)
-    !! The journals of this run to those that were there, whether they are there by now or not: a list of a directory that other
-    !! machines write to may be old.
+    !! The journals of this run to those that were there. They are asked for by name: a list of a directory that other machines
+    !! write to may be old.
     type(unfinished_work), intent(inout) :: unfinished
     integer(i4), intent(in) :: run(:)
     integer, intent(in) :: processes
-    integer :: number
+    type(path_state) :: state
+    integer :: number, ignored
     do number = 0, processes - 1
-      call append(unfinished%own, journal_path(unfinished, run, number))
+      ignored = look_at(journal_path(unfinished, run, number), state)
+      if (state%kind > 0) call append(unfinished%own, journal_path(unfinished, run, number))
     end do
   end subroutine add_journals
 
-  subroutine write_result(draft, scene, layout, unfinished, child)
-    !! The whole file, in the child, which tells the notes, the table of cases, and how many of them cannot be trusted.
-    character(*), intent(in) :: draft
+  subroutine assemble(scene, layout, unfinished, progress, watch, table, outcome, error)
+    !! The result under its final name.
+    !! **Errors**: it cannot be written, or journals not be read.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(unfinished_work), intent(in) :: unfinished
-    type(child_process), intent(inout) :: child
-    type(string), allocatable :: texts(:)
-    type(error_type), allocatable :: error
-    type(assembly_type) :: assembly
-    type(outcome_type) :: outcome
-    real(dp) :: seconds(stage_count)                  ! of all processes
-    call assembly%begin(draft, scene, layout, error)
-    if (.not. allocated(error)) call assembly%take_journals(unfinished%own, unfinished%sum_of_identity(), child, seconds, error)
-    call outcome%set_notes(assembly%notes%lines(layout%cases), layout, assembly%not_trusted)
-    seconds(stage_write) = seconds(stage_write) + (wall_seconds() - assembly%released)
-    call assembly%finish(outcome%notes_text(), seconds, error)
-    call append(texts, assembly%notes%lines(layout%cases))
-    call append(texts, assembly%table%text())
-    call append(texts, text_of(assembly%not_trusted))
-    call child%tell(texts, error)
-  end subroutine write_result
-
-  subroutine place_result(draft, layout, unfinished, child, progress, watch, table, outcome, error)
-    !! The result under its final name.
-    !! **Errors**: it cannot be written, or journals not be read.
-    character(*), intent(in) :: draft
-    type(result_layout), intent(in) :: layout
-    type(unfinished_work), intent(in) :: unfinished
-    type(child_process), intent(inout) :: child
     class(progress_type), intent(inout) :: progress   !! may ask to stop
     type(stopwatch), intent(inout) :: watch
     character(:), allocatable, intent(out) :: table   !! of cases, to be printed; only of a result that is in its place
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(inout) :: error
+    type(child_process) :: child
     type(string), allocatable :: texts(:)
+    character(:), allocatable :: draft
     integer(i8) :: not_trusted
     logical :: whole
+    draft = unfinished%new_draft()
     call watch%start()
+    call child%begin()
+    if (child%is_here()) then
+      call write_result(draft, scene, layout, unfinished, watch, texts, error)
+      call child%tell(texts, error)
+    end if
     call child%hear(texts, whole, error, progress)
     if (allocated(error) .or. .not. whole) return
     call unfinished%publish(draft, error)
@@ -194,7 +164,31 @@ contains
     read (texts(3)%text, *) not_trusted
     call outcome%set_notes(texts(1)%text, layout, not_trusted)
     table = texts(2)%text
-  end subroutine place_result
+  end subroutine assemble
+
+  subroutine write_result(draft, scene, layout, unfinished, watch, texts, error)
+    !! The whole file; `texts` are the notes, the table of cases, and how many of them cannot be trusted.
+    character(*), intent(in) :: draft
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(unfinished_work), intent(in) :: unfinished
+    type(stopwatch), intent(inout) :: watch
+    type(string), allocatable, intent(out) :: texts(:)
+    type(error_type), allocatable, intent(inout) :: error
+    type(assembly_type) :: assembly
+    type(outcome_type) :: outcome
+    integer :: i
+    call assembly%begin(draft, scene, layout, error)
+    do i = 1, size(unfinished%own)
+      if (.not. allocated(error)) call assembly%take_journal(unfinished%own(i)%text, unfinished%sum_of_identity(), error)
+    end do
+    call outcome%set_notes(assembly%notes%lines(layout%cases), layout, assembly%not_trusted)
+    call watch%lap(stage_write)
+    call assembly%finish(outcome%notes_text(), watch%seconds, error)
+    call append(texts, assembly%notes%lines(layout%cases))
+    call append(texts, assembly%table%text())
+    call append(texts, text_of(assembly%not_trusted))
+  end subroutine write_result
 
   subroutine leave_for_later(unfinished, layout, done, outcome, error)
     !! After an error, or when it is stopped: what the same command will find.
@@ -228,7 +222,6 @@ contains
     integer :: problem, i
     do i = 1, size(unfinished%own)
       problem = flush_path(unfinished%own(i)%text)
-      if (bw_kind_of_error(problem) == error_not_there) problem = 0     ! a process that had no case
       if (problem /= 0) call cannot_be_written(error, unfinished%own(i)%text, problem)
     end do
     problem = flush_directory(unfinished%path)

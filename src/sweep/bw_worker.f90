@@ -9,7 +9,6 @@ module bw_worker
   use bw_kinds, only: dp, i4, i8
   use bw_monitor, only: monitor_type
   use bw_one_case, only: run_case
-  use bw_process, only: pause
   use bw_process_group, only: process_group
   use bw_progress, only: progress_type
   use bw_result_layout, only: result_layout
@@ -18,13 +17,11 @@ module bw_worker
   use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
   implicit none (type, external)
   private
-  public :: batch_length, group_monitor, run_cases
+  public :: batch_length, run_cases
 
   real(dp), parameter :: batch_seconds = 0.05_dp     !! work of a batch: long beside taking it, short beside a run; tuned
-  integer, parameter :: pause_microseconds = 2000
   integer, parameter :: batches_left = 4             !! how many each process gets at least of what is left
   real(dp), parameter :: look_every = 0.1_dp         !! s between two looks at what the others do
-  real(dp), parameter :: assembly_part = 2.0_dp      !! what a case takes from its journal into the result, over the way there; tuned
 
   type, extends(monitor_type) :: group_monitor
     !! Passes on the progress of a case and of the group, and learns that anybody has stopped.
@@ -39,32 +36,33 @@ module bw_worker
     procedure :: advance
     procedure :: stop_requested
     procedure :: look
-    procedure :: wait
   end type group_monitor
 
 contains
 
-  subroutine run_cases(scene, layout, left, journal, group, monitor, watch, error)
-    !! Do cases as long as there are any, or until somebody stops. The leader does not do the last ones, but turns to the result.
+  subroutine run_cases(scene, layout, left, journal, group, progress, watch, done, error)
+    !! Do cases as long as there are any, or until somebody stops.
     !! **Errors**: a case cannot be kept; then all are stopped.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i4), intent(in) :: left(:)               !! cases that are to be done
     type(journal_writer), intent(inout) :: journal
-    class(process_group), intent(inout) :: group
-    type(group_monitor), intent(inout) :: monitor    !! of this group
+    class(process_group), intent(inout), target :: group
+    class(progress_type), intent(inout), target :: progress
     type(stopwatch), intent(inout) :: watch
+    integer(i8), intent(out) :: done                 !! by this process
     type(error_type), allocatable, intent(out) :: error
+    type(group_monitor) :: monitor
     type(case_field), allocatable :: fields(:)
     type(kept_work) :: kept
     type(scene_type) :: one
     integer(i8) :: first, length, i
-    real(dp) :: began, others                        ! others: s that the other processes take for what is left
+    real(dp) :: began
+    monitor%progress => progress
+    monitor%group => group
     fields = fields_of(layout)
     length = 1
-    others = huge(1.0_dp)
     do
-      if (group%leads() .and. others < assembly_part*layout%cases*watch%mean(stage_write)) exit
       call group%take(length, first)
       if (first > size(left)) exit
       began = wall_seconds()
@@ -75,13 +73,11 @@ contains
         if (allocated(error)) exit
       end do
       if (allocated(error)) exit
-      associate (more => size(left) - (first + length - 1), seconds => (wall_seconds() - began)/length)
-        if (group%processes > 1) others = more*seconds/(group%processes - 1)
-        length = batch_length(more, group%processes, seconds)
-      end associate
+      length = batch_length(size(left) - (first + length - 1), group%processes, (wall_seconds() - began)/length)
     end do
     call monitor%look()
     call journal%close(error)
+    done = monitor%done
   end subroutine run_cases
 
   pure integer(i8) function batch_length(left, processes, case_seconds) result(length)
@@ -150,17 +146,5 @@ contains
     if (all_done > self%shown) call self%progress%cases_done(all_done - self%shown)
     self%shown = max(self%shown, all_done)
   end subroutine look
-
-  subroutine wait(self, cases)
-    !! Until so many cases are done, by all processes, or somebody has stopped.
-    class(group_monitor), intent(inout) :: self
-    integer(i8), intent(in) :: cases
-    do
-      call self%look()
-      if (self%shown >= cases) return
-      if (self%stop_requested()) return
-      call pause(pause_microseconds)
-    end do
-  end subroutine wait
 
 end module bw_worker

@@ -9,10 +9,9 @@ module bw_child_process
   !!     end if
   !!     call child%hear(texts, whole, error, monitor)
   !!
-  !! A child that has to wait for something asks `is_released`, until the parent calls `release`. Where the system refuses
-  !! another process (`is_refused`) the work is done in this one, on the same lines; what it would wait for has to come before.
+  !! Where the system refuses another process the work is done in this one, on the same lines.
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
-  use bw_descriptors, only: close_file, write_text, write_words
+  use bw_descriptors, only: close_file, write_text
   use bw_error, only: error_type, fail, status_bad_file, status_done, status_fault
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
@@ -27,21 +26,16 @@ module bw_child_process
   character(*), parameter :: last_word = 'end'
 
   type, public :: child_process
-    integer(i8), private :: number = -1              !! of the child, 0 in the child itself, −1 where there is none
-    integer, private :: writes = -1, reads = -1      !! ends of the pipes to the other process
-    real(dp), allocatable, private :: given(:)       !! with the release
+    integer(i8), private :: number = 0               !! of the child, 0 in the child itself, −1 where there is none
+    integer, private :: channel = -1
     type(string), allocatable, private :: texts(:)   !! where there is no child: what was told
     type(error_type), allocatable, private :: error
     real(dp) :: seconds = 0.0_dp                     !! processor time of the child
   contains
     procedure :: begin
     procedure :: is_here
-    procedure :: is_refused
     procedure :: tell
-    procedure :: release
-    procedure :: is_released
     procedure :: hear
-    procedure :: end => end_child
     procedure, private :: listen
   end type child_process
 
@@ -50,10 +44,9 @@ contains
   subroutine begin(self)
     !! From here on there are two.
     class(child_process), intent(inout) :: self
-    integer(c_int) :: writes, reads
-    self%number = bw_fork(writes, reads)
-    self%writes = int(writes)
-    self%reads = int(reads)
+    integer(c_int) :: channel
+    self%number = bw_fork(channel)
+    self%channel = int(channel)
   end subroutine begin
 
   pure logical function is_here(self)
@@ -61,12 +54,6 @@ contains
     class(child_process), intent(in) :: self
     is_here = self%number <= 0
   end function is_here
-
-  pure logical function is_refused(self)
-    !! There is no other process.
-    class(child_process), intent(in) :: self
-    is_refused = self%number < 0
-  end function is_refused
 
   subroutine tell(self, texts, error)
     !! Hand over what was found, and end.
@@ -80,38 +67,16 @@ contains
       return
     end if
     if (allocated(error)) then
-      problem = write_text(self%writes, text_of(error%status)//nul//error%message//nul//last_word)
+      problem = write_text(self%channel, text_of(error%status)//nul//error%message//nul//last_word)
     else
-      problem = write_text(self%writes, text_of(status_done)//nul)
+      problem = write_text(self%channel, text_of(status_done)//nul)
       do i = 1, size(texts)
-        if (problem == 0) problem = write_text(self%writes, texts(i)%text//nul)
+        if (problem == 0) problem = write_text(self%channel, texts(i)%text//nul)
       end do
-      if (problem == 0) problem = write_text(self%writes, last_word)
+      if (problem == 0) problem = write_text(self%channel, last_word)
     end if
     call bw_leave(int(merge(status_done, status_bad_file, problem == 0), c_int))
   end subroutine tell
-
-  subroutine release(self, numbers)
-    !! What the child waits for has come, with some numbers.
-    class(child_process), intent(inout) :: self
-    real(dp), intent(in) :: numbers(:)
-    integer :: ignored
-    self%given = numbers
-    if (self%number > 0) ignored = write_words(self%writes, transfer(numbers, [0_i8]))
-  end subroutine release
-
-  logical function is_released(self, numbers)
-    !! Whether it has come by now.
-    class(child_process), intent(in) :: self
-    real(dp), intent(inout), contiguous, target :: numbers(:)     !! those of the release, from then on
-    integer(i8), parameter :: bytes = storage_size(1.0_dp)/8
-    is_released = self%is_refused()
-    if (is_released) then
-      numbers = self%given
-    else
-      is_released = bw_listen(int(self%reads, c_int), c_loc(numbers), bytes*size(numbers), 0_c_int) == bytes*size(numbers)
-    end if
-  end function is_released
 
   subroutine hear(self, texts, whole, error, monitor)
     !! What the child has found, when it has ended; it is ended where the monitor asks to stop.
@@ -130,25 +95,12 @@ contains
       return
     end if
     call self%listen(message, whole, monitor)
+    if (.not. whole) call bw_kill(self%number)
+    ignored = close_file(self%channel)
+    status = int(bw_wait(self%number, self%seconds))
     allocate (texts(0))
-    if (whole) then
-      ignored = close_file(self%writes) + close_file(self%reads)
-      status = int(bw_wait(self%number, self%seconds))
-      call take_message(message, status, texts, error)
-    else
-      call self%end()
-    end if
+    if (whole) call take_message(message, status, texts, error)
   end subroutine hear
-
-  subroutine end_child(self)
-    !! End the child, if there is one: its work is not wanted any more.
-    class(child_process), intent(inout) :: self
-    integer :: ignored
-    if (self%number <= 0) return
-    call bw_kill(self%number)
-    ignored = close_file(self%writes) + close_file(self%reads)
-    ignored = int(bw_wait(self%number, self%seconds))
-  end subroutine end_child
 
   subroutine listen(self, message, whole, monitor)
     !! All that the child writes until it ends, unless the monitor asks to stop.
@@ -161,7 +113,7 @@ contains
     message = ''
     whole = .true.
     do
-      have = bw_listen(int(self%reads, c_int), c_loc(piece), int(most_at_once, i8), wait_milliseconds)
+      have = bw_listen(int(self%channel, c_int), c_loc(piece), int(most_at_once, i8), wait_milliseconds)
       if (have == 0) return
       if (have > 0) message = message//piece(:have)
       if (present(monitor)) whole = .not. monitor%stop_requested()

@@ -299,29 +299,23 @@ void bw_leave(int status) { _exit(status); }
 
 /* ---- another process -------------------------------------------------------------------------------------------------- */
 
-/* Fork: the child gets 0, the parent its number, and each an end of two pipes, to write and to read; −1: the system refuses it.
-   The child dies with its parent, and does not mind signals that are meant for it. */
-int64_t bw_fork(int *writes, int *reads)
+/* Fork: the child gets 0 and a pipe to write, the parent its number and the pipe to read; −1: the system refuses it. The
+   child dies with its parent, and does not mind signals that are meant for it. */
+int64_t bw_fork(int *channel)
 {
-  int up[2], down[2];
+  int ends[2];
   pid_t parent = getpid(), child = -1;
-  if (pipe2(up, O_CLOEXEC) < 0) return -1;
-  if (pipe2(down, O_CLOEXEC) < 0) {
-    close(up[0]);
-    close(up[1]);
-    return -1;
-  }
+  if (pipe2(ends, O_CLOEXEC) < 0) return -1;
   child = fork();
-  *writes = child == 0 ? up[1] : down[1];
-  *reads = child == 0 ? down[0] : up[0];
-  close(child == 0 ? up[0] : up[1]);
-  close(child == 0 ? down[1] : down[0]);
-  if (child < 0) {
-    close(*writes);
-    close(*reads);
+  if (child < 0) close(ends[1]);
+  if (child != 0) {
+    if (child < 0) close(ends[0]); else close(ends[1]);
+    *channel = ends[0];
+    return child;
   }
-  if (child != 0) return child;
   is_child = 1;
+  close(ends[0]);
+  *channel = ends[1];
   for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) signal(stops[i], SIG_IGN);
   for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) signal(faults[i], SIG_DFL);   /* the parent will see */
   setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
@@ -332,7 +326,7 @@ int64_t bw_fork(int *writes, int *reads)
   return 0;
 }
 
-/* More of what the other process tells, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
+/* More of what the child tells, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
 int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
 {
   struct pollfd stream = {channel, POLLIN, 0};

@@ -154,10 +154,10 @@ module bw_system_calls
       implicit none (type, external)
       integer(c_int), value :: status
     end subroutine bw_leave
-    integer(c_int64_t) function bw_fork(writes, reads) bind(c)
+    integer(c_int64_t) function bw_fork(channel) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)
-      integer(c_int), intent(out) :: writes, reads
+      integer(c_int), intent(out) :: channel
     end function bw_fork
     integer(c_int64_t) function bw_listen(channel, bytes, most, milliseconds) bind(c)
       import :: c_int, c_int64_t, c_ptr
