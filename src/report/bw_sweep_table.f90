@@ -1,9 +1,9 @@
 module bw_sweep_table
   !! The printed table of a sweep: its first cases, each with the values that it was given, in their order however they come.
   use bw_kinds, only: dp, i8
-  use bw_case_fields, only: case_field, fields_of
+  use bw_case_fields, only: case_field, field_of, fields_of
+  use bw_columns, only: fixed, right
   use bw_missing, only: missing
-  use bw_report, only: case_heading, case_line
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_positions
@@ -38,15 +38,13 @@ contains
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(sweep_table) :: table
-    type(case_field), allocatable :: fields(:)
-    integer :: i, f
-    fields = fields_of(layout)
-    table%cases = layout%cases
-    do i = 1, size(column_names)
-      do f = 1, size(fields)
-        if (fields(f)%name == column_names(i)) table%columns(i) = fields(f)
+    integer :: i
+    associate (fields => fields_of(layout))
+      do i = 1, size(column_names)
+        table%columns(i) = field_of(fields, trim(column_names(i)))
       end do
-    end do
+    end associate
+    table%cases = layout%cases
     do i = 1, int(min(table%cases, int(shown_cases, i8)))
       table%swept(i)%text = swept_text(scene, int(i, i8))
     end do
@@ -103,5 +101,24 @@ contains
     if (self%cases > shown_cases) call rows%append_line('     ...   '//text_of(self%cases)//' cases in all')
     lines = rows%text()
   end function text
+
+  function case_heading() result(text)
+    !! Heads the rows of `case_line`.
+    character(:), allocatable :: text
+    text = '    case   modes  mode 1: frequency  phase velocity  group velocity    displacement   swept'//new_line('a')// &
+           '                              rad/s             m/s             m/s   m, largest'//new_line('a')
+  end function case_heading
+
+  function case_line(case_number, swept, modes, numbers) result(text)
+    !! One line of a sweep.
+    integer, intent(in) :: case_number
+    character(*), intent(in) :: swept             !! 'name = value, …'
+    integer, intent(in) :: modes                  !! how many were summed
+    real(dp), intent(in) :: numbers(4)            !! of the columns that follow; fill where there is none
+    character(:), allocatable :: text
+    text = right(text_of(case_number), 8)//right(text_of(modes), 8)//right(fixed(numbers(1)), 19)// &
+      right(fixed(numbers(2)), 16)//right(fixed(numbers(3)), 16)//right(fixed(numbers(4)), 16)//'   '//swept// &
+      new_line('a')
+  end function case_line
 
 end module bw_sweep_table

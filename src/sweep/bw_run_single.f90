@@ -9,11 +9,10 @@ module bw_run_single
   use bw_one_case, only: run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_progress, only: progress_type
-  use bw_report, only: case_report
+  use bw_report, only: case_report, stage_table
   use bw_result_file, only: create_result, result_file
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_stage_table, only: stage_table
   use bw_stopwatch, only: stage_write, stopwatch
   use bw_text, only: string
   use bw_unfinished_work, only: unfinished_work

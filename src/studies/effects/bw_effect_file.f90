@@ -1,8 +1,9 @@
 module bw_effect_file
   !! The variables of DIR/<scene>.effects.nc.
   use bw_kinds, only: dp
-  use bw_effect_list, only: compared_modes, effect_list, effect_row, effect_words, state_words
+  use bw_effect_list, only: effect_list, effect_row, effect_words, state_words
   use bw_error, only: error_type
+  use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
   use bw_processor, only: processor_name
   use bw_study_file, only: study_file, study_values

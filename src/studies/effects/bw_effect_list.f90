@@ -1,12 +1,11 @@
 module bw_effect_list
   !! What the effects of a scene change, and those that it leaves out: one row for each.
+  use bw_hint, only: compared_modes
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   implicit none (type, external)
   private
   public :: compare_frequencies, largest_change
-
-  integer, parameter, public :: compared_modes = 10
 
   integer, parameter, public :: effect_rotation = 1, effect_rotation_with_tension = 2, effect_other_plane = 3, &
     effect_stiffening = 4, effect_shear = 5, effect_damping = 6, effect_body_inertia = 7, effect_capture = 8, &
