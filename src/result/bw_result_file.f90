@@ -7,14 +7,15 @@ module bw_result_file
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_netcdf, only: netcdf_file, variable_text
-  use bw_result_header, only: put_coordinates, put_global_attributes, put_inputs, swept_names
+  use bw_result_header, only: coordinates_of, put_coordinates, put_global_attributes, put_inputs, swept_names
   use bw_result_layout, only: dimension_length, dimension_names, result_layout
   use bw_result_variable, only: result_variable
   use bw_scene, only: scene_type
+  use bw_scene_resolved, only: numeric_input, numeric_inputs
   use netcdf, only: nf90_inq_varid, nf90_nofill, nf90_put_var, nf90_set_fill
   implicit none (type, external)
   private
-  public :: create_result
+  public :: create_result, result_bytes
 
   type, extends(netcdf_file), public :: result_file
     type(case_field), allocatable, private :: fields(:)   !! what depends on the case
@@ -95,6 +96,35 @@ contains
       call file%check(nf90_inq_varid(file%id, trim(file%fields(i)%name), file%variables(i)), error)
     end do
   end subroutine find_variables
+
+  pure integer(i8) function result_bytes(scene, layout) result(bytes)
+    !! How large the result of a scene will be: its numbers, and what is said of them.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    integer, parameter :: head_bytes = 8000     !! of the file's own attributes; measured
+    integer, parameter :: text_bytes = 700       !! of a variable's name and attributes; measured
+    type(case_field), allocatable :: fields(:)
+    type(variable_text), allocatable :: coordinates(:)
+    type(numeric_input), allocatable :: inputs(:)
+    integer(i8) :: cases
+    integer :: i
+    fields = fields_of(layout)
+    coordinates = coordinates_of(layout)
+    inputs = numeric_inputs(scene)
+    cases = max(1, layout%cases)
+    bytes = cases*sum(number_bytes(fields%is_integer)*fields%length) &
+      + sum(number_bytes(inputs%is_integer)*merge(cases, 1_i8, inputs%is_swept)) &
+      + text_bytes*(size(fields) + size(coordinates) + size(inputs)) + head_bytes
+    do i = 1, size(coordinates)
+      bytes = bytes + number_bytes(coordinates(i)%is_integer)*dimension_length(layout, trim(coordinates(i)%dimensions))
+    end do
+  end function result_bytes
+
+  elemental integer(i8) function number_bytes(is_integer) result(bytes)
+    !! Of a number in the file.
+    logical, intent(in) :: is_integer
+    bytes = merge(4_i8, 8_i8, is_integer)
+  end function number_bytes
 
   subroutine put_case(self, result, error)
     !! The only case of a scene without sweeps, a variable at a time.
