@@ -110,6 +110,7 @@ contains
   end function weight
 
   pure function words(estimate) result(text)
+    !! What an effect would do to the mode that it would change most, and to the last one where that is more.
     type(estimate_type), intent(in) :: estimate
     character(:), allocatable :: text
     text = ''

@@ -33,6 +33,7 @@ contains
   end function case_report
 
   subroutine report_modes(result, lines)
+    !! The first modes, and above which angular velocity one is unstable.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp) :: critical(1)
@@ -193,13 +194,14 @@ contains
   end function stage_table
 
   pure function other_row(seconds, whole) result(text)
-    !! What is none of the stages: making scenes of cases, handing them out, waiting.
+    !! The line of the time that is in none of the stages: making scenes of cases, handing them out, waiting.
     real(dp), intent(in) :: seconds, whole        !! as those of `stage_row`
     character(:), allocatable :: text
     text = '  other   '//right(seconds_text(seconds), 12)//right(text_of(nint(100.0_dp*seconds/whole))//' %', 18)
   end function other_row
 
   pure function stage_row(name, seconds, cpu, whole, calls) result(text)
+    !! The line of a stage.
     character(*), intent(in) :: name
     real(dp), intent(in) :: seconds, cpu
     real(dp), intent(in) :: whole                 !! of which `seconds` is the share, s

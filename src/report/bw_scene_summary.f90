@@ -33,7 +33,7 @@ contains
   end function scene_heading
 
   function scene_summary(scene, layout) result(text)
-    !! A few lines, indented by two.
+    !! What is simulated, line by line, indented by two.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
@@ -85,6 +85,7 @@ contains
   end function effects_text
 
   pure function method_text(scene) result(text)
+    !! How modes are found.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = 'closed form'
@@ -92,6 +93,7 @@ contains
   end function method_text
 
   function damping_text(scene) result(text)
+    !! The damping with its numbers, behind a comma.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     associate (damping => scene%damping)
@@ -106,6 +108,7 @@ contains
   end function damping_text
 
   function mass_text(scene) result(text)
+    !! The mass ratio of the impact; 'swept' also where it is the mass that a sweep gives.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio, '')
@@ -113,6 +116,7 @@ contains
   end function mass_text
 
   function modes_text(scene, layout) result(text)
+    !! How many modes are summed, or by which tolerance that is found.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
@@ -127,6 +131,7 @@ contains
   end function modes_text
 
   function response_text(scene) result(text)
+    !! The histories, and the spectrum if there is one.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     associate (response => scene%response)
@@ -138,6 +143,7 @@ contains
   end function response_text
 
   function sweep_text(scene) result(text)
+    !! How many cases there are, and what they are the product of.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     integer :: s
@@ -149,6 +155,7 @@ contains
   end function sweep_text
 
   function number_or_swept(scene, name, value, unit) result(text)
+    !! An input's value with its unit; 'swept' where a sweep gives it.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: name              !! 'group%name'
     real(dp), intent(in) :: value

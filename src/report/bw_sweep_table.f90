@@ -35,6 +35,7 @@ module bw_sweep_table
 contains
 
   function table_of(scene, layout) result(table)
+    !! A table without rows, in which the swept values of its cases are known.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(sweep_table) :: table
@@ -90,6 +91,7 @@ contains
   end subroutine add
 
   function text(self) result(lines)
+    !! The table as it is printed.
     class(sweep_table), intent(in) :: self
     character(:), allocatable :: lines
     type(text_builder) :: rows

@@ -1,7 +1,7 @@
 module bw_case_fields
-  !! What the result file holds of a case, as one list of fields, and a case's numbers in that order: each field as long as
-  !! its dimensions say, with fill where the case has less. All cases of a scene have the same length. Long histories and
-  !! spectra, which are most of a case, come last: they go into the file one by one, all else by blocks of cases.
+  !! A case as one list of numbers. Every variable that depends on the case is a field of it, as long as its dimensions say,
+  !! with fill where the case has less, so that all cases of a scene have the same length. Long histories and spectra, which
+  !! are most of a case, come last: they go into the file one by one, all else by blocks of cases.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_result
   use bw_event_variables, only: event_kinds, event_variables, impact_variables
@@ -35,9 +35,9 @@ module bw_case_fields
   type, public :: case_block
     !! Some neighbouring cases on their way to the result file, where they lie field by field: all numbers of a field
     !! together, as they are written.
-    integer :: room = 0                !! cases
-    integer :: held = 0                !! how many there are
-    real(dp), allocatable :: numbers(:)    !! (numbers of a case · room)
+    integer :: capacity = 0            !! how many cases it has room for
+    integer :: count = 0               !! how many there are
+    real(dp), allocatable :: numbers(:)    !! (numbers of a case · capacity)
   contains
     procedure :: add => add_case
     procedure :: begin_of
@@ -58,7 +58,7 @@ contains
   end function variables_of
 
   pure function fields_of(layout) result(fields)
-    !! All that a result of this layout holds, the long ones last.
+    !! The fields of a case of this layout in the order of its numbers, the long ones last.
     type(result_layout), intent(in) :: layout
     type(case_field), allocatable :: fields(:)
     type(result_variable), allocatable :: rows(:)
@@ -100,7 +100,7 @@ contains
   end function is_long
 
   pure integer function short_fields(fields)
-    !! How many there are before the long ones.
+    !! How many fields stand before the long ones.
     type(case_field), intent(in) :: fields(:)
     short_fields = count(.not. is_long(fields))
   end function short_fields
@@ -121,7 +121,7 @@ contains
   end function case_length
 
   pure subroutine put_fields(result, fields, numbers)
-    !! A case as numbers, or the part of it that these fields are.
+    !! The numbers of a case, of all its fields or of the first of them.
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: fields(:)             !! the first of them, or all
     real(dp), intent(out), contiguous :: numbers(:)       !! (case_length)
@@ -191,29 +191,29 @@ contains
     !! An empty block.
     type(case_field), intent(in) :: fields(:)
     integer, intent(in) :: cases                          !! of the sweep
-    block%room = int(max(1_i8, min(int(cases, i8), block_numbers/case_length(fields))))
-    allocate (block%numbers(case_length(fields)*block%room))
+    block%capacity = int(max(1_i8, min(int(cases, i8), block_numbers/case_length(fields))))
+    allocate (block%numbers(case_length(fields)*block%capacity))
   end function block_for
 
   pure subroutine add_case(self, fields, numbers)
-    !! Take one more case; there is room for it.
+    !! Add a case, for which there must be room.
     class(case_block), intent(inout) :: self
     type(case_field), intent(in) :: fields(:)
     real(dp), intent(in), contiguous :: numbers(:)        !! (case_length)
     integer(i8) :: first
     integer :: i
     do i = 1, size(fields)
-      first = self%begin_of(fields(i)) + self%held*fields(i)%length
+      first = self%begin_of(fields(i)) + self%count*fields(i)%length
       self%numbers(first:first + fields(i)%length - 1) = numbers(fields(i)%first:fields(i)%first + fields(i)%length - 1)
     end do
-    self%held = self%held + 1
+    self%count = self%count + 1
   end subroutine add_case
 
   pure integer(i8) function begin_of(self, field)
-    !! Where the numbers of a field begin.
+    !! Where the numbers of a field begin, those of the first case.
     class(case_block), intent(in) :: self
     type(case_field), intent(in) :: field
-    begin_of = (field%first - 1)*self%room + 1
+    begin_of = (field%first - 1)*self%capacity + 1
   end function begin_of
 
 end module bw_case_fields

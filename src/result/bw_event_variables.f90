@@ -1,6 +1,7 @@
 module bw_event_variables
-  !! What a result holds of the impact and of every event: rows, and the values that they name. Inside a case masses are in
-  !! m_i and velocities in the approach velocity V.
+  !! What a result holds of the impact and of every event: its rows, and behind them the procedures that give their values,
+  !! which are named after them. What a procedure gives is said in its row. A case itself has its masses in m_i and its
+  !! velocities in the approach velocity V.
   use bw_case_result, only: case_result
   use bw_event, only: event_words
   use bw_kinds, only: dp

@@ -1,6 +1,6 @@
 module bw_history_variables
-  !! What a result holds of the histories of a case, of what is found in them, and of how the case ended: rows, and the values
-  !! that they name.
+  !! What a result holds of the histories of a case, of what is found in them, and of how the case ended: its rows, and behind
+  !! them the procedures that give their values, which are named after them. What a procedure gives is said in its row.
   use bw_case_result, only: case_result, case_words
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -26,7 +26,7 @@ contains
   end function error_variables
 
   pure function measured_variables() result(rows)
-    !! Waves measured in the histories alone, and the bounds of their errors.
+    !! Waves measured in the histories without any knowledge of the modes, and the bounds of their errors.
     type(result_variable) :: rows(8)
     rows = [ &
       measured('angular_frequency', 'rad s-1', '', angular_frequency), &

@@ -1,5 +1,6 @@
 module bw_modal_variables
-  !! What a result holds of each mode: rows, and the values that they name.
+  !! What a result holds of each mode: its rows, and behind them the procedures that give their values, which are named after
+  !! them. What a procedure gives is said in its row.
   use bw_beam_units, only: beam_units
   use bw_case_result, only: case_result
   use bw_kinds, only: dp
@@ -35,6 +36,7 @@ contains
       row('group_velocity', 'm s-1', 'group velocity', 'Eq. 33', 'Eq. 33', group_velocity)]
   contains
     pure type(result_variable) function row(name, units, long_name, equation, equation_before, values)
+      !! The row of a variable that both sets have.
       character(*), intent(in) :: name, units, long_name
       character(*), intent(in) :: equation, equation_before       !! of the paper, for either set
       procedure(values_of_modes) :: values

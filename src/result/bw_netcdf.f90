@@ -28,7 +28,7 @@ module bw_netcdf
   end type variable_text
 
   type :: known_values
-    !! What a variable will hold.
+    !! The values of a variable that is defined and not yet written.
     integer :: variable = 0              !! NetCDF's number
     logical :: is_scalar = .false.
     integer :: count = 0                 !! how many numbers it holds

@@ -156,20 +156,21 @@ contains
   end subroutine put_long_fields
 
   subroutine put_cases(self, first, block, error)
-    !! What is not long of consecutive cases of a sweep.
+    !! The short fields of consecutive cases of a sweep.
     class(result_file), intent(in) :: self
     integer(i8), intent(in) :: first                      !! number of the first of them
     type(case_block), intent(in) :: block
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
     do i = 1, short_fields(self%fields)
-      associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%held)
-        call put_variable(self, i, first, block%held, block%numbers(begin:begin + length - 1), error)
+      associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%count)
+        call put_variable(self, i, first, block%count, block%numbers(begin:begin + length - 1), error)
       end associate
     end do
   end subroutine put_cases
 
   subroutine put_variable(self, i, first, cases, numbers, error)
+    !! The numbers of one field of consecutive cases.
     class(result_file), intent(in) :: self
     integer, intent(in) :: i                              !! which field
     integer(i8), intent(in) :: first                      !! number of the first case

@@ -154,6 +154,7 @@ contains
   end function swept_names
 
   pure function input_variable(input) result(name)
+    !! The variable of an input, as `beam_length`.
     type(numeric_input), intent(in) :: input
     character(:), allocatable :: name
     name = trim(input%group)//'_'//trim(input%name)

@@ -77,7 +77,7 @@ contains
     real(dp), intent(in), contiguous :: numbers(:)
     type(string), intent(in) :: notes(:)
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%held == self%block%room .or. index /= self%first + self%block%held) then
+    if (self%block%count == self%block%capacity .or. index /= self%first + self%block%count) then
       call self%write_block(error)                       ! it is full, or does not reach up to this case
       self%first = index
     end if
@@ -92,8 +92,8 @@ contains
   subroutine write_block(self, error)
     class(assembly_type), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%held > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
-    self%block%held = 0
+    if (self%block%count > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
+    self%block%count = 0
   end subroutine write_block
 
   subroutine finish(self, notes, seconds, error)

@@ -39,7 +39,7 @@ def profile(shared):
 
 
 def modules_of(folder):
-    return {path.stem for path in (SOURCE / folder).glob("*.f90")}
+    return {path.stem for path in (SOURCE / folder).rglob("*.f90")}
 
 
 def callers_outside(profile, module):
@@ -54,8 +54,8 @@ def callers_outside(profile, module):
 
 def test_the_modules_of_effects_are_all_known_here():
     known = {module for modules in ABSENT.values() for module in modules}
-    assert modules_of("effects") <= known | set(COMMON)
-    assert known <= modules_of("effects") | modules_of("modes") | modules_of("events") | modules_of("response")
+    assert modules_of("beam") <= known | set(COMMON)
+    assert known <= modules_of("beam") | modules_of("modes") | modules_of("events") | modules_of("response")
 
 
 def test_a_run_is_seen_procedure_by_procedure(profile):
