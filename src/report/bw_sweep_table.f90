@@ -14,14 +14,11 @@ module bw_sweep_table
 
   integer, parameter :: shown_cases = 20      !! rows
 
-  character(*), parameter :: column_names(*) = &
-    [character(17) :: 'mode_count', 'angular_frequency', 'phase_velocity', 'group_velocity', 'displacement']
-
   type, public :: sweep_table
     private
     integer(i8) :: cases = 0
     type(string) :: swept(shown_cases), lines(shown_cases)
-    type(case_field) :: columns(size(column_names))
+    type(case_field) :: mode_count, frequency, phase_velocity, group_velocity, displacement     !! where they stand in a case
   contains
     procedure :: shows
     procedure :: add
@@ -41,9 +38,11 @@ contains
     type(sweep_table) :: table
     integer :: i
     associate (fields => fields_of(layout))
-      do i = 1, size(column_names)
-        table%columns(i) = field_of(fields, trim(column_names(i)))
-      end do
+      table%mode_count = field_of(fields, 'mode_count')
+      table%frequency = field_of(fields, 'angular_frequency')
+      table%phase_velocity = field_of(fields, 'phase_velocity')
+      table%group_velocity = field_of(fields, 'group_velocity')
+      table%displacement = field_of(fields, 'displacement')
     end associate
     table%cases = layout%cases
     do i = 1, int(min(table%cases, int(shown_cases, i8)))
@@ -73,21 +72,22 @@ contains
   end function shows
 
   subroutine add(self, index, numbers)
-    !! Take the row of a case that has one from its numbers.
+    !! Make the row of a case that has one from its numbers.
     class(sweep_table), intent(inout) :: self
     integer(i8), intent(in) :: index
     real(dp), intent(in) :: numbers(:)        !! (case_length)
     real(dp) :: largest
     largest = missing
-    associate (c => self%columns)
-      if (c(5)%name /= '') then
-        associate (history => numbers(c(5)%first:c(5)%first + c(5)%length - 1))
+    if (self%displacement%name /= '') then
+      associate (first => self%displacement%first, length => self%displacement%length)
+        associate (history => numbers(first:first + length - 1))
           if (any(history /= missing)) largest = maxval(abs(history), mask=history /= missing)
         end associate
-      end if
-      self%lines(index)%text = case_line(int(index), self%swept(index)%text, nint(numbers(c(1)%first)), &
-                                         [numbers(c(2:4)%first), largest])
-    end associate
+      end associate
+    end if
+    self%lines(index)%text = case_line(int(index), self%swept(index)%text, nint(numbers(self%mode_count%first)), &
+                                       [numbers(self%frequency%first), numbers(self%phase_velocity%first), &
+                                        numbers(self%group_velocity%first), largest])
   end subroutine add
 
   function text(self) result(lines)

@@ -12,7 +12,8 @@ module bw_case_fields
   use bw_result_variable, only: result_variable
   implicit none (type, external)
   private
-  public :: block_for, case_length, field_of, fields_of, named_value, put_field, put_fields, short_fields, variables_of
+  public :: all_variables, block_for, case_length, field_of, fields_of, named_value, put_field, put_fields, short_fields, &
+    variables_of
 
   integer(i8), parameter :: long = 512                  !! numbers of a history that is long: some pages of a file; tuned
   integer(i8), parameter :: block_numbers = 1000000     !! 8 MB are written at a time; a single case may be more
@@ -45,16 +46,20 @@ module bw_case_fields
 
 contains
 
+  pure function all_variables() result(rows)
+    !! Every variable that a result may hold of a case, in the order of the file.
+    type(result_variable), allocatable :: rows(:)
+    rows = [modal_variables(), impact_variables(), event_variables(), error_variables(), measured_variables(), &
+            history_variables(), count_variables(), event_kinds()]
+  end function all_variables
+
   pure function variables_of(layout) result(rows)
-    !! The variables that a result of this layout holds of each case, in the order of the file.
+    !! Those that a result of this layout holds.
     type(result_layout), intent(in) :: layout
     type(result_variable), allocatable :: rows(:)
-    type(result_variable), allocatable :: all_rows(:)
     integer :: i
-    all_rows = [modal_variables(), impact_variables(), event_variables(), error_variables(), measured_variables(), &
-                history_variables(), count_variables(), event_kinds()]
-    rows = pack(all_rows, [(has(layout, trim(all_rows(i)%dimensions)) .and. has(layout, trim(all_rows(i)%needs)), &
-                            i=1, size(all_rows))])
+    rows = all_variables()
+    rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)) .and. has(layout, trim(rows(i)%needs)), i=1, size(rows))])
   end function variables_of
 
   pure function fields_of(layout) result(fields)
@@ -175,10 +180,10 @@ contains
     type(case_result), intent(in) :: result
     character(*), intent(in) :: name
     real(dp), allocatable :: values(:)
+    type(result_variable), allocatable :: rows(:)
     type(case_field) :: field
     integer :: n
-    type(result_variable), allocatable :: rows(:)
-    rows = [modal_variables(), impact_variables(), event_variables(), measured_variables()]
+    rows = all_variables()
     field%result_variable = rows(findloc(rows%name == name, .true., dim=1))
     field%along = findloc(dimension_names == field%dimensions, .true., dim=1)
     n = 1
