@@ -4,18 +4,20 @@ module bw_damping
   !! tension that it brings damps anything.
   use bw_beam_units, only: beam_units
   use bw_damping_par, only: by_ratio, damping_par
-  use bw_kinds, only: dp
+  use bw_double_double, only: to_quad
+  use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
   public :: law_of
 
   type, public :: damping_law
     !! c = a + 2ζ√λ + bλ with λ = K/M, in the beam's unit of time l²/h.
-    real(dp) :: mass = 0.0_dp        !! a
-    real(dp) :: ratio = 0.0_dp       !! ζ
-    real(dp) :: stiffness = 0.0_dp   !! b
+    real(qp) :: mass = 0.0_qp        !! a
+    real(qp) :: ratio = 0.0_qp       !! ζ
+    real(qp) :: stiffness = 0.0_qp   !! b
   contains
-    procedure :: rates
+    procedure, private :: working_rates, extended_rates
+    generic :: rates => working_rates, extended_rates
   end type damping_law
 
 contains
@@ -27,16 +29,23 @@ contains
     if (by_ratio(damping)) then
       law%ratio = damping%ratio
     else
-      law%mass = damping%mass_proportional*units%time%hi
-      law%stiffness = damping%stiffness_proportional/units%time%hi
+      law%mass = damping%mass_proportional*to_quad(units%time)
+      law%stiffness = damping%stiffness_proportional/to_quad(units%time)
     end if
   end function law_of
 
-  elemental real(dp) function rates(self, elastic) result(c)
+  elemental real(dp) function working_rates(self, elastic) result(c)
     !! c of a mode.
     class(damping_law), intent(in) :: self
     real(dp), intent(in) :: elastic       !! λ = K/M ≥ 0, in (h/l²)²
-    c = self%mass + 2.0_dp*self%ratio*sqrt(elastic) + self%stiffness*elastic
-  end function rates
+    c = real(self%mass, dp) + 2.0_dp*real(self%ratio, dp)*sqrt(elastic) + real(self%stiffness, dp)*elastic
+  end function working_rates
+
+  elemental real(qp) function extended_rates(self, elastic) result(c)
+    !! The same in binary128.
+    class(damping_law), intent(in) :: self
+    real(qp), intent(in) :: elastic       !! λ = K/M ≥ 0, in (h/l²)²
+    c = self%mass + 2.0_qp*self%ratio*sqrt(elastic) + self%stiffness*elastic
+  end function extended_rates
 
 end module bw_damping

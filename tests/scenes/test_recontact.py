@@ -113,13 +113,14 @@ def test_the_report_lists_the_first_twenty_events_and_their_times(here):
     report = here.beamwave("run", "a.nml").stdout
     start, end = contacts(here.result("a"))
     heading = next(line for line in report.splitlines() if line.startswith("  event "))
-    assert heading.split()[1:3] == ["time", "until"]
+    assert heading.split()[1:4] == ["time", "+/-", "until"]
     rows = [line.split()[1:] for line in report.splitlines() if line.startswith("  contact ")]
     assert len(rows) == 19 < len(start)
     assert f"{1 + len(start)} in the file" in report
     for row, begins, ends in zip(rows, start, end):
         assert float(row[0]) == float(f"{begins:.7g}")
-        assert (len(row) == 6) == (ends > begins)
+        assert float(row[1]) < 1e-15
+        assert (len(row) == 7) == (ends > begins)
 
 
 def test_a_sweep_holds_cases_with_different_numbers_of_contacts(here):

@@ -8,7 +8,7 @@ module bw_beam_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: beam_mass, build_beam, check_beam
+  public :: beam_mass, build_beam, check_beam, full_beam_mass
 
   type, public :: beam_par
     real(dp) :: length = 0.0_dp          !! l [m], > 0
@@ -84,5 +84,12 @@ contains
     type(beam_par), intent(in) :: beam
     beam_mass = real(beam%density, qp)*beam%area*beam%length
   end function beam_mass
+
+  elemental real(qp) function full_beam_mass(beam) result(mass)
+    !! The same of the numbers that were given: of a solid circle without the rounding of its area.
+    type(beam_par), intent(in) :: beam
+    mass = beam_mass(beam)
+    if (beam%round) mass = beam%density*(pi/4*real(beam%diameter, qp)**2)*beam%length
+  end function full_beam_mass
 
 end module bw_beam_par
