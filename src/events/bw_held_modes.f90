@@ -174,7 +174,7 @@ contains
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%shapes(xi))
+    values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_shapes(1, self%free%count, xi))
   end function held_shapes
 
   pure function held_overlap_of_beam(self, from, amplitude) result(sums)

@@ -14,7 +14,7 @@ module bw_lasting_contact
   public :: hold, judge_rebound
 
   real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: rebounds that stay below it are left out
-  real(dp), parameter :: slow = 1.0e-9_dp         !! of V: a separation below it is none
+  real(dp), parameter, public :: slow = 1.0e-9_dp !! of V: a separation below it is none
 
   integer, parameter, public :: leaves = 0, stays = 1, undecided = 2
 

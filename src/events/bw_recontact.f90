@@ -15,7 +15,7 @@ module bw_recontact
   use bw_free_flight, only: coast, fly
   use bw_held_modes, only: held_modes, held_set
   use bw_kinds, only: dp, qp
-  use bw_lasting_contact, only: hold, judge_rebound, leaves, stays, undecided
+  use bw_lasting_contact, only: hold, judge_rebound, leaves, slow, stays, undecided
   use bw_mode_set, only: mode_set
   use bw_next_zero, only: certain, in_doubt, never
   use bw_perturbations, only: error_from
@@ -75,6 +75,8 @@ contains
     if (outcome == never .and. last < longest) then
       contacts%out_of_range = .true.
       contacts%known_until = last
+      if (contacts%lasting) contacts%event_count = contacts%event_count - 1    ! its end is beyond that
+      contacts%lasting = .false.
     end if
     call contacts%trim_to_size()
   end subroutine follow_contacts
@@ -105,7 +107,6 @@ contains
     event%impulse = event%impulse + real(impulse, dp)
     call end_event(motion, event)
     contacts%lasting = outcome == never
-    if (contacts%lasting) event%end_error = 0.0_dp
     call contacts%add_course(course)
     call contacts%add_event(event)
   end subroutine hold_on
@@ -145,7 +146,7 @@ contains
   pure integer function first_opening(motion) result(order)
     !! The first derivative of the gap that is not zero after a blow.
     type(contact_motion), intent(in) :: motion
-    order = merge(1, 2, motion%restitution > 0.0_qp)
+    order = merge(1, 2, motion%separation() > slow)
   end function first_opening
 
   subroutine judge(tip, course, sway, contacts, worthless)

@@ -104,9 +104,11 @@ contains
     !! To which the margin at a time is taken: no further than it may grow a little.
     class(signal_type), intent(in) :: self
     real(dp), intent(in) :: time
-    real(dp) :: fast
-    fast = maxval(self%c + sqrt(abs(self%beta_squared%hi)))
-    horizon = time + quarter/fast + min(time, quarter/max(self%margin%growth, quarter/huge(time)))
+    real(dp) :: ahead
+    ahead = time
+    if (time == 0.0_dp) ahead = quarter/maxval(self%c + sqrt(abs(self%beta_squared%hi)))
+    if (self%margin%growth > 0.0_dp) ahead = min(ahead, quarter/self%margin%growth)
+    horizon = time + ahead
   end function horizon_of
 
   pure subroutine falls_through(self, time, sure, zero)

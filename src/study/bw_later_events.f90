@@ -90,7 +90,7 @@ contains
     call follow_contacts(free, mass_ratio_in_full(scene), scene%impact%restitution, &
                          full_speed_in_plane(scene%rotation, result%units), &
                          scene%response%duration/result%units%time%hi, scene%recontact%max_contacts, contacts)
-    call in_seconds(contacts%events, scene%response%duration, result)
+    call in_seconds(contacts, scene%response%duration, result)
     result%events = [result%events, contacts%events]
     call move_alloc(contacts%courses, result%courses)
     if (allocated(contacts%held)) call move_alloc(contacts%held, result%held)
@@ -110,16 +110,16 @@ contains
     result%known_until = contacts%known_until
     if (contacts%cut) call add_note(result, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
       ' contacts of max_contacts; what comes after the last is the motion without another')
-    if (contacts%lasting .and. .not. contacts%out_of_range) call add_note(result, &
+    if (contacts%lasting) call add_note(result, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call add_note(result, &
       'recontact: the motion grows out of the range of numbers'//from_then_on(result))
     if (result%ending == case_ill_conditioned) call add_note(result, &
-      'recontact: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known of the '// &
-      'motion'//from_then_on(result))
+      'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
+      'of the motion'//from_then_on(result))
     if (contacts%amplification > noteworthy) call add_note(result, &
-      'recontact: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in the '// &
-      'end: what holds for these data to the last digit need not hold for a beam that can be measured')
+      'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
+      'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
     if (size(contacts%events) == 0 .and. result%ending == case_done) call add_note(result, &
       'recontact: the mass does not come back within the record')
   end subroutine note_contacts
@@ -139,14 +139,19 @@ contains
     if (scene%impact%mass_given) gamma = scene%impact%mass/full_beam_mass(scene%beam)
   end function mass_ratio_in_full
 
-  pure subroutine in_seconds(events, duration, result)
-    type(event_type), intent(inout) :: events(:)
+  pure subroutine in_seconds(contacts, duration, result)
+    type(contacts_type), intent(inout) :: contacts
     real(dp), intent(in) :: duration             !! s
     type(case_result), intent(in) :: result
-    events%time = min(events%time*result%units%time%hi, duration)
-    events%end_time = min(events%end_time*result%units%time%hi, duration)
-    events%time_error = events%time_error*result%units%time%hi + 2*epsilon(duration)*events%time
-    events%end_error = events%end_error*result%units%time%hi + 2*epsilon(duration)*events%end_time
+    associate (events => contacts%events, unit => result%units%time%hi)
+      events%time = min(events%time*unit, duration)
+      events%end_time = min(events%end_time*unit, duration)
+      events%time_error = events%time_error*unit + 2*epsilon(duration)*events%time
+      events%end_error = events%end_error*unit + 2*epsilon(duration)*events%end_time
+      if (.not. contacts%lasting) return
+      events(size(events))%end_time = duration   ! exactly: it has not ended
+      events(size(events))%end_error = 0.0_dp
+    end associate
   end subroutine in_seconds
 
   subroutine note_release(release, result)

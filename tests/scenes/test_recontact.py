@@ -99,6 +99,63 @@ def test_in_a_lasting_contact_the_tip_obeys_the_mass(here):
     np.testing.assert_allclose(result["velocity"][1, 0], result["tip_velocity"], rtol=1e-12)
 
 
+@pytest.mark.parametrize("mass_ratio", [1e15, 1e30, 1e200, 1e300])
+def test_a_mass_beyond_all_weights_moves_on_as_if_nothing_were_there(here, mass_ratio):
+    """V sinh ωt/ω, and so does the tip that it presses against; with 1/γ what the beam does to it goes to zero."""
+    omega, response = 50.0, {**RESPONSE, "duration": 0.05}
+    here.scene("a", {**struck_beam(0.0, recontact={}), "impact": {"mass_ratio": mass_ratio}, "response": response})
+    result = here.run("a")
+    start, end = contacts(result)
+    assert end[-1] == 0.05
+    held = np.any([(result["time"] >= a) & (result["time"] < b) for a, b in zip(start, end)], axis=0)
+    assert held.sum() > 2000
+    expected = np.sinh(omega * result["time"][held]) / omega
+    np.testing.assert_allclose(result["displacement"][1, held], expected, rtol=1e-12)
+    for name in ["displacement", "velocity", "energy_before", "energy_after", "event_impulse", "event_time_error"]:
+        assert np.isfinite(result[name]).all()
+
+
+def test_the_smallest_restitution_is_none(here):
+    """As e goes to 0 contacts go to those of e = 0, but for rebounds that are shorter and shorter."""
+    here.scene("a", struck_beam(0.0, recontact={}))
+    start, end = contacts(here.run("a"))
+    for e in [1e-3, 1e-6, 1e-8, 1e-10, 1e-13, 1e-300]:
+        here.scene("b", struck_beam(e, recontact={}))
+        result = here.beamwave("run", "--overwrite", "b.nml")
+        assert result.returncode == 0, result.stderr
+        starts, ends = contacts(here.result("b"))
+        for a, b in zip(start, end):
+            assert np.abs(starts - a).min() < 0.02 * e**0.5 + 1e-12
+            assert np.abs(ends - b).min() < 0.1 * e + 1e-12
+
+
+def test_where_contacts_leave_nothing_that_is_known_it_is_said_and_the_rest_is_fill(here):
+    """Twelve modes, e = 1: 83 contacts amplify the last of 32 digits to the third."""
+    impact = {"mass_ratio": 2.0, "restitution": 1.0}
+    scene = {**struck_beam(1.0, recontact={"max_contacts": 1000}), "impact": impact, "modes": {"before": 12}}
+    here.scene("a", {**scene, "response": {**RESPONSE, "duration": 0.2}})
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 4
+    result = here.result("a")
+    flags = dict(zip(result.variables["case_status"].attributes["flag_meanings"].split(), range(9)))
+    assert result["case_status"] == flags["ill_conditioned"]
+    said = re.search(r"after (\d+) contacts, .* nothing is known of the motion from t = (\S+) s on", result.attributes["notes"])
+    start, _ = contacts(result)
+    assert len(start) == int(said[1]) > 40
+    known = result["time"] < float(said[2])
+    assert 0 < known.sum() < len(known)
+    errors = result["event_time_error"][1 : 1 + len(start)]
+    assert start[-1] - errors[-1] <= float(said[2]) * 1.00001  # six digits
+    for name, part in [("displacement", 1e-2), ("velocity", 0.1)]:  # of the tip's displacement three digits are asked for
+        assert (results.is_fill(result[name]) == ~known).all()
+        assert (result[f"{name}_error"] < part * np.abs(result[name][:, known]).max(axis=1)).all()
+    assert results.is_fill(result["event_time"][1 + len(start) :]).all()
+    assert errors[0] < 1e-18
+    assert errors[-1] > 1e-9
+    assert "amplify every change of the data" in result.attributes["notes"]
+    assert ended.stderr.count("warning") == 2
+
+
 def test_when_the_contacts_asked_for_are_used_up_it_is_said(here):
     here.scene("a", struck_beam(0.2, recontact={"max_contacts": 3}))
     result = here.run("a")
