@@ -20,7 +20,6 @@ module bw_contact_motion
     real(qp) :: mobility = 0.0_qp                 !! Σφ_k(1)²/M_k + 1/m_j
     real(qp) :: restitution = 0.0_qp              !! e
     real(qp) :: omega = 0.0_qp                    !! angular velocity in the plane of the motion, else 0
-    real(qp) :: time = 0.0_qp
     type(moving_state) :: state
     type(perturbations) :: near                   !! what it might be instead
   contains

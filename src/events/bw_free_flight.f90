@@ -22,10 +22,9 @@ contains
     type(course_type), intent(out) :: course      !! the motion until then
     real(dp), intent(out) :: sway                 !! what the tip's displacement may be in it
     type(moving_state) :: from
-    real(qp) :: time
     from = motion%state
-    call find_zero(motion%parts, motion%gap, motion%near, opening, longest, motion%state, time, outcome)
-    call finish(motion, from, time, course, sway)
+    call find_zero(motion%parts, motion%gap, motion%near, opening, longest, motion%state, outcome)
+    call finish(motion, from, course, sway)
     if (outcome == certain) call motion%near%meet(motion%parts, motion%gap, motion%state)
   end subroutine fly
 
@@ -38,25 +37,23 @@ contains
     type(moving_state) :: from
     from = motion%state
     call motion%parts%move(real(longest, qp), motion%state)
-    call finish(motion, from, real(longest, qp), course, sway)
+    call finish(motion, from, course, sway)
   end subroutine coast
 
-  subroutine finish(motion, from, time, course, sway)
+  subroutine finish(motion, from, course, sway)
     !! What there is to say of a flight whose end the state has reached.
     type(contact_motion), intent(inout) :: motion
     type(moving_state), intent(in) :: from
-    real(qp), intent(in) :: time
     type(course_type), intent(out) :: course
     real(dp), intent(out) :: sway
     real(dp) :: error(size(from%u), 2), start_error
     start_error = error_from(motion%near%lag)
-    call motion%near%carry(motion%parts, from, motion%state, time, error)
+    call motion%near%carry(motion%parts, from, motion%state, error)
     associate (n => motion%modes)
       sway = motion%parts%sway(motion%gap%a(:n), from, motion%state)
-      course = course_type(free_modes, to_dd(motion%time), real(from%u(:n), dp), real(from%v(:n), dp), &
+      course = course_type(free_modes, to_dd(from%time), real(from%u(:n), dp), real(from%v(:n), dp), &
                            start_error, error(:n, :))
     end associate
-    motion%time = motion%time + time
   end subroutine finish
 
 end module bw_free_flight

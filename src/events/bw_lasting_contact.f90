@@ -63,7 +63,6 @@ contains
     type(moving_state) :: from, z
     type(perturbations) :: near
     real(dp) :: error(held%count, 2), start_error
-    real(qp) :: time
     integer :: order
     impulse = -motion%separation()
     start_error = error_from(motion%near%lag)
@@ -71,15 +70,13 @@ contains
     call take(held, motion, z, near)
     from = z
     order = merge(0, 1, held%parts%derivative(held%force, z, 0) > 0.0_qp)
-    call find_zero(held%parts, held%force, near, order, longest, z, time, outcome)
-    call near%carry(held%parts, from, z, time, error)
+    call find_zero(held%parts, held%force, near, order, longest, z, outcome)
+    call near%carry(held%parts, from, z, error)
     if (outcome == certain) call near%meet(held%parts, held%force, z)
-    impulse = (impulse + sum(held%force%a*integral(held%parts, from, z, time) + held%force%b*(z%u - from%u)))/motion%mobility
+    impulse = (impulse + sum(held%force%a*integral(held%parts, from, z) + held%force%b*(z%u - from%u)))/motion%mobility
     call give(held, z, near, motion)
     sway = held%parts%sway(held%tip_in_full, from, z)
-    course = course_type(held_modes, to_dd(motion%time), real(from%u, dp), real(from%v, dp), &
-                         start_error, error)
-    motion%time = motion%time + time
+    course = course_type(held_modes, to_dd(from%time), real(from%u, dp), real(from%v, dp), start_error, error)
   end subroutine hold
 
   pure subroutine leave_rebounds_out(motion)
@@ -116,6 +113,7 @@ contains
     type(perturbations), intent(out) :: near
     z%u = matmul(motion%state%u, held%onto)
     z%v = matmul(motion%state%v, held%onto)
+    z%time = motion%state%time
     near = motion%near
     near%u = matmul(transpose(real(held%onto, dp)), motion%near%u)
     near%v = matmul(transpose(real(held%onto, dp)), motion%near%v)
@@ -133,6 +131,7 @@ contains
     n = held%count
     motion%state%u = [matmul(held%mixing, z%u), dot_product(held%tip_in_full, z%u)]
     motion%state%v = [matmul(held%mixing, z%v), dot_product(held%tip_in_full, z%v)]
+    motion%state%time = z%time
     mixing = real(held%mixing, dp)
     sign = motion%near%sign
     motion%near = near
@@ -145,12 +144,12 @@ contains
     motion%near%v(n + 1, :) = matmul(held%tip, near%v)
   end subroutine give
 
-  pure function integral(parts, from, to, time) result(sums)
+  pure function integral(parts, from, to) result(sums)
     !! ∫u dt = −(Δv + cΔu)/β².
     type(oscillators), intent(in) :: parts
     type(moving_state), intent(in) :: from, to
-    real(qp), intent(in) :: time
-    real(qp) :: sums(size(from%u))
+    real(qp) :: sums(size(from%u)), time
+    time = to%time - from%time
     where (abs(parts%square)*time**2 > 1.0e-6_qp)
       sums = -((to%v - from%v) + parts%c*(to%u - from%u))/parts%square
     elsewhere

@@ -14,19 +14,20 @@ module bw_next_zero
 
 contains
 
-  subroutine find_zero(parts, sum_of, near, order, longest, state, time, outcome)
+  subroutine find_zero(parts, sum_of, near, order, longest, state, outcome)
     !! The first zero within `longest`.
     type(oscillators), intent(in) :: parts
     type(weighted_sum), intent(in) :: sum_of      !! positive from the start on, for certain but for its margin
     type(perturbations), intent(in) :: near       !! neighbours of the motion at the start
     integer, intent(in) :: order                  !! of the first derivative of the sum that is not zero at the start
     real(dp), intent(in) :: longest
-    type(moving_state), intent(inout) :: state    !! moved by `time`
-    real(qp), intent(out) :: time                 !! to the zero, or to where it is in doubt; `longest` where there is none
-    integer, intent(out) :: outcome
+    type(moving_state), intent(inout) :: state    !! moved to the zero, to where it is in doubt, or to the end
+    integer, intent(out) :: outcome               !! never, certain or in_doubt
     type(signal_type) :: signal
-    real(dp) :: touch, zero
-    logical :: found, sure
+    real(qp) :: end
+    real(dp) :: touch
+    logical :: found
+    end = state%time + longest
     signal = parts%signal(sum_of, state, order)
     signal%margin = margin_of(near, parts, sum_of, signal, order)
     if (order == 0) then
@@ -35,22 +36,28 @@ contains
       call signal%first_zero(0.0_dp, longest, epsilon(longest)*longest, found, touch, opening=order)
     end if
     outcome = never
-    time = longest
-    if (found) then
-      outcome = in_doubt
-      call signal%falls_through(touch, sure, zero)
-      time = merge(zero, touch, sure)
-    end if
-    call parts%move(time, state)
-    if (.not. (found .and. sure)) return
-    call parts%closest(sum_of, state, time, sure)
-    if (sure) sure = abs(time - zero) <= max(zero - touch, epsilon(zero)*zero)
-    if (.not. sure) return
-    outcome = certain
-    if (time <= longest) return
-    outcome = never
-    call parts%move(longest - time, state)
-    time = longest
+    if (found) call arrive(parts, sum_of, signal, touch, state, outcome)
+    if (outcome == certain .and. state%time > end) outcome = never
+    if (outcome == never) call parts%move(end - state%time, state)
   end subroutine find_zero
+
+  subroutine arrive(parts, sum_of, signal, touch, state, outcome)
+    !! To the zero behind the time at which a signal comes within its margin of it, if there is one for certain.
+    type(oscillators), intent(in) :: parts
+    type(weighted_sum), intent(in) :: sum_of
+    type(signal_type), intent(in) :: signal       !! the sum
+    real(dp), intent(in) :: touch                 !! that time
+    type(moving_state), intent(inout) :: state
+    integer, intent(out) :: outcome               !! certain or in_doubt
+    real(qp) :: start
+    real(dp) :: zero, off
+    logical :: sure
+    start = state%time
+    call signal%falls_through(touch, sure, zero)
+    call parts%move(real(merge(zero, touch, sure), qp), state)
+    if (sure) call parts%closest(sum_of, state, sure)
+    off = real(abs(state%time - start - zero), dp)
+    outcome = merge(certain, in_doubt, sure .and. off <= max(zero - touch, epsilon(zero)*zero))
+  end subroutine arrive
 
 end module bw_next_zero

@@ -10,8 +10,8 @@ module bw_oscillators
   private
 
   type, public :: moving_state
-    !! Displacements and velocities, (oscillators).
-    real(qp), allocatable :: u(:), v(:)
+    real(qp), allocatable :: u(:), v(:)           !! displacements and velocities, (oscillators)
+    real(qp) :: time = 0.0_qp
   end type moving_state
 
   type, public :: weighted_sum
@@ -51,6 +51,7 @@ contains
     real(qp), intent(in) :: time                  !! of either sign
     type(moving_state), intent(inout) :: state
     call extended_flow(self%square, self%c, self%root, time, state%u, state%v)
+    state%time = state%time + time
   end subroutine move
 
   pure function accelerations(self, u, v) result(a)
@@ -125,12 +126,11 @@ contains
     if (order == 0) signal%start = real(sum(part)/unit, dp)
   end function signal
 
-  pure subroutine closest(self, sum_of, state, time, settled)
+  pure subroutine closest(self, sum_of, state, settled)
     !! Moves a state near a zero of a sum to that zero, by Newton's steps.
     class(oscillators), intent(in) :: self
     type(weighted_sum), intent(in) :: sum_of
     type(moving_state), intent(inout) :: state
-    real(qp), intent(inout) :: time               !! by which it has moved
     logical, intent(out) :: settled
     integer, parameter :: most = 12
     real(qp) :: value, slope, step
@@ -141,10 +141,9 @@ contains
       slope = self%derivative(sum_of, state, 1)
       if (slope >= 0.0_qp) return
       step = -value/slope
-      settled = abs(step) <= 8.0_qp*epsilon(step)*(abs(time) + sum(abs(sum_of%a*state%u))/(-slope))
+      settled = abs(step) <= 8.0_qp*epsilon(step)*(state%time + sum(abs(sum_of%a*state%u))/(-slope))
       if (settled) return
       call self%move(step, state)
-      time = time + step
     end do
   end subroutine closest
 

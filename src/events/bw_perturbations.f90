@@ -67,17 +67,18 @@ contains
     end do
   end subroutine signs
 
-  pure subroutine carry(self, parts, from, to, time, error)
+  pure subroutine carry(self, parts, from, to, error)
     !! Moves with the motion from one event to the next: what they differ by, what numbers that are off add, and rounding.
     class(perturbations), intent(inout) :: self
     type(oscillators), intent(in) :: parts
     type(moving_state), intent(in) :: from, to     !! of the motion
-    real(qp), intent(in) :: time                   !! between them
     real(dp), intent(out) :: error(:, :)           !! the largest of displacements and velocities on the way, (oscillators, 2)
     real(dp) :: last_error(size(from%u), 2)
     real(dp), dimension(size(from%u), neighbours) :: before, up, down
     real(dp) :: matrix(2, 2), off(2), blur(2)
+    real(qp) :: time
     integer :: j
+    time = to%time - from%time
     call self%extent(parts, from, error)
     call self%signs(up)
     call self%signs(down)

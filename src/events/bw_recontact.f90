@@ -3,7 +3,7 @@ module bw_recontact
   !! ends. Contacts that follow each other ever faster become one that lasts: beam and mass then move in the modes of
   !! bw_held_modes until the force between them falls to zero.
   !!
-  !! Contacts amplify errors, as a mass that bounces off a moving body does: some fourfold each. The motion is therefore
+  !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
   !! followed in binary128, together with what its errors become (bw_perturbations), and no further than something is known
   !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip.
   !!
@@ -32,7 +32,7 @@ module bw_recontact
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
     real(dp) :: amplification = 1.0_dp            !! by the contacts, of a relative change of what the motion follows from
     real(dp), private :: sway = 0.0_dp            !! the largest the tip's displacement may have been
-    real(dp), private :: unit = 1.0_dp            !! what an error of the numbers is that is not amplified
+    real(dp), private :: data_error = 1.0_dp      !! what the error of the motion would be if nothing amplified it
   end type contacts_type
 
 contains
@@ -49,21 +49,26 @@ contains
     type(contact_motion) :: motion
     type(event_type) :: event
     real(dp) :: impact, last
-    integer :: outcome, verdict
+    integer :: opening, outcome, verdict
     motion = motion_of(free, mass_ratio, restitution, omega)
-    contacts%unit = error_from([motion%data_error()])
+    contacts%data_error = error_from([motion%data_error()])
     last = min(longest, growth_ends(free))
     if (omega > 0.0_qp) last = min(last, largest_exponent/real(omega, dp))
     call motion%strike(impact)                    ! which is another event
     event = started_event(motion)
     verdict = judge_rebound(motion, longest)
     do
-      outcome = in_doubt
-      if (verdict == undecided) contacts%known_until = event%time - event%time_error
-      if (verdict == undecided) exit
-      if (verdict == stays) call hold_on(free, motion, last, event, contacts, outcome)
-      if (verdict == stays .and. outcome /= certain) exit
-      call fly_on(free%tip, motion, merge(3, first_opening(motion), verdict == stays), last, most, contacts, outcome)
+      opening = first_opening(motion)
+      if (verdict == undecided) then
+        outcome = in_doubt
+        contacts%known_until = event%time - event%time_error
+        exit
+      else if (verdict == stays) then
+        call hold_on(free, motion, last, event, contacts, outcome)
+        if (outcome /= certain) exit
+        opening = 3                               ! for the force between beam and mass, the second, has gone to zero
+      end if
+      call fly_on(free%tip, motion, opening, last, most, contacts, outcome)
       if (outcome /= certain) exit
       event = started_event(motion)
       call motion%strike(event%impulse)
@@ -97,7 +102,7 @@ contains
       allocate (contacts%held)
       call held_modes(free, motion, contacts%held)
     end if
-    call hold(motion, contacts%held, real(last - motion%time, dp), outcome, impulse, course, sway)
+    call hold(motion, contacts%held, real(last - motion%state%time, dp), outcome, impulse, course, sway)
     call judge(contacts%held%tip, course, sway, contacts, worthless)
     if (outcome == in_doubt .or. worthless) then
       outcome = in_doubt
@@ -126,11 +131,11 @@ contains
     logical :: is_last, worthless
     is_last = contacts%event_count == most
     if (is_last) before = motion
-    call fly(motion, opening, real(last - motion%time, dp), outcome, course, sway)
+    call fly(motion, opening, real(last - motion%state%time, dp), outcome, course, sway)
     contacts%cut = is_last .and. outcome /= never
     if (contacts%cut) then
       motion = before
-      call coast(motion, real(last - motion%time, dp), course, sway)
+      call coast(motion, real(last - motion%state%time, dp), course, sway)
       outcome = never
     end if
     call judge(tip, course, sway, contacts, worthless)
@@ -139,7 +144,7 @@ contains
       contacts%known_until = course%start%hi - course%start_error
       return
     end if
-    if (outcome == in_doubt) contacts%known_until = real(motion%time, dp)
+    if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
     call contacts%add_course(course)
   end subroutine fly_on
 
@@ -161,14 +166,14 @@ contains
     contacts%sway = max(contacts%sway, sway)
     error = sum(abs(tip)*course%error(:, 1))
     worthless = error > three_digits*contacts%sway
-    if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%unit
+    if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%data_error
   end subroutine judge
 
   type(event_type) function started_event(motion) result(event)
     !! What there is before a blow.
     type(contact_motion), intent(in) :: motion
     event%kind = contact_event
-    event%time = real(motion%time, dp)
+    event%time = real(motion%state%time, dp)
     event%time_error = error_from(motion%near%lag)
     event%energy_before = real(motion%energy(), dp)
     event%momentum_before = real(motion%momentum(), dp)
@@ -178,7 +183,7 @@ contains
     !! What there is after it.
     type(contact_motion), intent(in) :: motion
     type(event_type), intent(inout) :: event
-    event%end_time = real(motion%time, dp)
+    event%end_time = real(motion%state%time, dp)
     event%end_error = error_from(motion%near%lag)
     event%energy_after = real(motion%energy(), dp)
     event%momentum_after = real(motion%momentum(), dp)
