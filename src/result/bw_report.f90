@@ -125,6 +125,7 @@ contains
     real(dp) :: peak
     integer :: p
     associate (response => result%response)
+      if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
       call lines%append_line('  Displacement from '//text_of(result%mode_count)//' modes')
       do p = 1, min(shown_points, size(response%displacement, 2))
