@@ -3,6 +3,7 @@ module bw_contact_motion
   !! without each other but at a contact. The mass runs in a guide that turns with the hub, y'' = ω²y in the plane of rotation
   !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_course.
   use bw_kinds, only: dp, qp
+  use bw_missing, only: missing
   use bw_mode_set, only: full_numbers, mode_set
   use bw_oscillators, only: moving_state, oscillators, weighted_sum
   use bw_perturbations, only: perturbations
@@ -22,6 +23,7 @@ module bw_contact_motion
     real(qp) :: omega = 0.0_qp                    !! angular velocity in the plane of the motion, else 0
     type(moving_state) :: state
     type(perturbations) :: near                   !! what it might be instead
+    real(qp) :: lost = 0.0_qp                     !! energy, in blows
   contains
     procedure :: separation
     procedure :: pull
@@ -90,6 +92,7 @@ contains
     integer :: p
     change = -(1.0_qp + self%restitution)*self%separation()
     impulse = real(change/self%mobility, dp)
+    self%lost = self%lost + 0.5_qp*(1.0_qp - self%restitution**2)*self%separation()**2/self%mobility
     self%state%v = self%state%v + self%share*change
     share = real(self%share, dp)
     do p = 1, size(self%near%lag)
@@ -102,10 +105,20 @@ contains
     end do
   end subroutine strike
 
-  pure real(qp) function energy(self)
-    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows.
+  pure real(dp) function energy(self)
+    !! The Jacobi energy ½ΣM(q̇² + β²q²) + ½m_j(ẏ² − ω²y²), which never grows. Without damping it is what the mass brought less
+    !! what blows have taken, of which nothing cancels; with damping it is missing where fewer than three digits are left.
     class(contact_motion), intent(in) :: self
-    energy = 0.5_qp*sum(self%inertia*(self%state%v**2 + self%parts%square*self%state%u**2))
+    real(qp), dimension(self%modes + 1) :: moving, bent
+    real(qp), parameter :: worth = 1.0e-28_qp      ! three digits and more above rounding
+    if (all(self%parts%c <= 0.0_qp)) then
+      energy = real(0.5_qp*self%inertia(self%modes + 1) - self%lost, dp)
+      return
+    end if
+    moving = self%inertia*self%state%v**2
+    bent = self%inertia*self%parts%square*self%state%u**2
+    energy = missing
+    if (abs(sum(moving + bent)) > worth*sum(moving + abs(bent))) energy = real(0.5_qp*sum(moving + bent), dp)
   end function energy
 
   pure real(qp) function momentum(self)

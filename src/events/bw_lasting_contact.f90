@@ -65,6 +65,7 @@ contains
     real(dp) :: error(held%count, 2), start_error
     integer :: order
     impulse = -motion%separation()
+    motion%lost = motion%lost + 0.5_qp*motion%separation()**2/motion%mobility
     start_error = error_from(motion%near%lag)
     if (.not. allocated(held%damping)) call leave_rebounds_out(motion)
     call take(held, motion, z, near)

@@ -8,6 +8,7 @@ module bw_oscillators
   use bw_signal, only: signal_type
   implicit none (type, external)
   private
+  public :: reach
 
   type, public :: moving_state
     real(qp), allocatable :: u(:), v(:)           !! displacements and velocities, (oscillators)
@@ -67,24 +68,32 @@ contains
     class(oscillators), intent(in) :: self
     real(qp), intent(in) :: weight(:)             !! of the first oscillators; of others it is 0
     type(moving_state), intent(in) :: from, to
-    real(dp), dimension(size(from%u)) :: first, last
+    real(dp) :: time
     integer :: n
     n = size(weight)
-    first = amplitudes(self, from)
-    last = amplitudes(self, to)
-    sway = max(sum(real(abs(weight), dp)*first(:n)), sum(real(abs(weight), dp)*last(:n)))
+    time = real(to%time - from%time, dp)
+    sway = max(largest_from(from), largest_from(to))
+
+  contains
+
+    pure real(dp) function largest_from(state) result(largest)
+      type(moving_state), intent(in) :: state
+      largest = sum(real(abs(weight), dp)*reach(self%beta_squared(:n)%hi, real(self%c(:n), dp), real(state%u(:n), dp), &
+                                                real(state%v(:n), dp), time))
+    end function largest_from
   end function sway
 
-  pure function amplitudes(self, state) result(amplitude)
-    !! Of displacements: of those that do not turn, what they are.
-    type(oscillators), intent(in) :: self
-    type(moving_state), intent(in) :: state
-    real(dp) :: amplitude(size(state%u))
-    amplitude = real(abs(state%u), dp)
-    where (self%square > 0.25_qp*self%c**2)
-      amplitude = hypot(amplitude, real((state%v + 0.5_qp*self%c*state%u)/self%root, dp))
-    end where
-  end function amplitudes
+  elemental real(dp) function reach(beta_squared, c, u, v, time)
+    !! How large the displacement of one that turns may be within a time from a state: its amplitude, or what it comes to at
+    !! its speed where the time is short; of one that does not turn, what it is.
+    real(dp), intent(in) :: beta_squared, c, u, v, time
+    real(dp) :: rate, square
+    reach = abs(u)
+    square = beta_squared - 0.25_dp*c**2
+    if (square <= 0.0_dp) return
+    rate = v + 0.5_dp*c*u
+    reach = min(hypot(u, rate/sqrt(square)), reach + abs(rate)*time)
+  end function reach
 
   pure real(qp) function derivative(self, sum_of, state, order)
     !! Of a sum, 0 for itself.

@@ -12,7 +12,7 @@ module bw_perturbations
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp, i8, qp
   use bw_modal_flow, only: flow
-  use bw_oscillators, only: moving_state, oscillators, weighted_sum
+  use bw_oscillators, only: moving_state, oscillators, reach, weighted_sum
   implicit none (type, external)
   private
   public :: error_from
@@ -79,7 +79,7 @@ contains
     real(qp) :: time
     integer :: j
     time = to%time - from%time
-    call self%extent(parts, from, error)
+    call self%extent(parts, from, real(time, dp), error)
     call self%signs(up)
     call self%signs(down)
     before = self%u
@@ -90,7 +90,7 @@ contains
       self%u(j, :) = matrix(1, 1)*before(j, :) + matrix(1, 2)*self%v(j, :) + off(1)*self%sign(j, :) + blur(1)*up(j, :)
       self%v(j, :) = matrix(2, 1)*before(j, :) + matrix(2, 2)*self%v(j, :) + off(2)*self%sign(j, :) + blur(2)*down(j, :)
     end do
-    call self%extent(parts, to, last_error)
+    call self%extent(parts, to, real(time, dp), last_error)
     error = max(error, last_error)
   end subroutine carry
 
@@ -164,26 +164,25 @@ contains
     end do
   end subroutine meet
 
-  pure subroutine extent(self, parts, state, error)
-    !! Errors of displacements and velocities at one and the same time: of what turns, of the amplitudes of both.
+  pure subroutine extent(self, parts, state, time, error)
+    !! Errors of displacements and velocities within a time from a state, compared at one and the same time.
     class(perturbations), intent(in) :: self
     type(oscillators), intent(in) :: parts
     type(moving_state), intent(in) :: state        !! of the motion then
+    real(dp), intent(in) :: time
     real(dp), intent(out) :: error(:, :)           !! (oscillators, 2)
     real(dp), dimension(neighbours) :: u, v
-    real(dp) :: c, square
+    real(dp) :: c, square, turning
     integer :: j
     do j = 1, size(state%u)
       c = real(parts%c(j), dp)
       square = parts%beta_squared(j)%hi
+      turning = square - 0.25_dp*c**2
       u = self%u(j, :) - self%lag*real(state%v(j), dp)
       v = self%v(j, :) + self%lag*(c*real(state%v(j), dp) + square*real(state%u(j), dp))
-      if (square > 0.25_dp*c**2) then
-        error(j, 1) = error_from(hypot(u, (v + 0.5_dp*c*u)/sqrt(square - 0.25_dp*c**2)))
-        error(j, 2) = sqrt(square)*error(j, 1)
-      else
-        error(j, :) = [error_from(u), error_from(v)]
-      end if
+      error(j, 1) = error_from(reach(square, c, u, v, time))
+      error(j, 2) = error_from(v)
+      if (turning > 0.0_dp) error(j, 2) = error_from(hypot(sqrt(square)*u, (v + 0.5_dp*c*u)*sqrt(square/turning)))
     end do
   end subroutine extent
 

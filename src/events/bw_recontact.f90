@@ -175,7 +175,7 @@ contains
     event%kind = contact_event
     event%time = real(motion%state%time, dp)
     event%time_error = error_from(motion%near%lag)
-    event%energy_before = real(motion%energy(), dp)
+    event%energy_before = motion%energy()
     event%momentum_before = real(motion%momentum(), dp)
   end function started_event
 
@@ -185,7 +185,7 @@ contains
     type(event_type), intent(inout) :: event
     event%end_time = real(motion%state%time, dp)
     event%end_error = error_from(motion%near%lag)
-    event%energy_after = real(motion%energy(), dp)
+    event%energy_after = motion%energy()
     event%momentum_after = real(motion%momentum(), dp)
   end subroutine end_event
 

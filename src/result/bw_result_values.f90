@@ -7,7 +7,7 @@ module bw_result_values
   use bw_case_result, only: case_result
   use bw_event, only: event_type
   use bw_measured, only: measured_type
-  use bw_missing, only: missing
+  use bw_missing, only: is_missing, missing
   use bw_modal_values, only: modal_names, put_modal
   use bw_mode_set, only: mode_set
   use bw_response, only: response_type
@@ -147,17 +147,25 @@ contains
     momentum = result%units%mass*result%approach_velocity
     energy = momentum*result%approach_velocity
     select case (what)          ! by places in event_names
-    case (1); values = events%impulse*momentum
-    case (2); values = events%energy_before*energy
-    case (3); values = events%energy_after*energy
-    case (4); values = events%momentum_before*momentum
-    case (5); values = events%momentum_after*momentum
+    case (1); values = in_unit(events%impulse, momentum)
+    case (2); values = in_unit(events%energy_before, energy)
+    case (3); values = in_unit(events%energy_after, energy)
+    case (4); values = in_unit(events%momentum_before, momentum)
+    case (5); values = in_unit(events%momentum_after, momentum)
     case (6); values = events%time
     case (7); values = events%end_time
     case (8); values = events%time_error
     case default; values = events%end_error
     end select
   end subroutine put_event
+
+  elemental real(dp) function in_unit(value, unit)
+    !! Missing where the value is, or where the product is out of the range of numbers.
+    real(dp), intent(in) :: value, unit
+    in_unit = missing
+    if (is_missing(value)) return
+    if (abs(value) <= huge(value)/max(1.0_dp, abs(unit))) in_unit = value*unit
+  end function in_unit
 
   pure subroutine put_error(response, what, values)
     type(response_type), intent(in) :: response

@@ -7,6 +7,7 @@ module bw_later_events
   use bw_course, only: course_type, free_modes, leaves_range, loaded_modes, move
   use bw_double_double, only: dd, to_dd, operator(/)
   use bw_event, only: event_type
+  use bw_missing, only: is_missing
   use bw_mode_set, only: mode_set
   use bw_recontact, only: contacts_type, follow_contacts
   use bw_release, only: release_mass, release_type
@@ -120,6 +121,8 @@ contains
     if (contacts%amplification > noteworthy) call add_note(result, &
       'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
       'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
+    if (any(is_missing(contacts%events%energy_after))) call add_note(result, &
+      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
     if (size(contacts%events) == 0 .and. result%ending == case_done) call add_note(result, &
       'recontact: the mass does not come back within the record')
   end subroutine note_contacts

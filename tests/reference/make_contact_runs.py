@@ -16,14 +16,16 @@ import table
 from beam import use_digits
 
 SEED = 20240607
-STORED = [*range(1, 23), 53, 157]  # the last two are more than binary128 carries to the end
+STORED = [*range(23), 53, 157]  # the last two are more than binary128 carries to the end
 SAMPLES = 2000  # of the record, of which some are kept
 KEPT = [*range(0, SAMPLES, 97), SAMPLES - 1]
 DIGITS = 110
 
 
 def scene(number):
-    """Scene `number`: the same whatever their number."""
+    """Scene `number`, the same however many there are; of scene 0 binary64 keeps 26 contacts of 63."""
+    if number == 0:
+        return contact_simulator.Scene(modes=8, mass_ratio=1.0, restitution=1.0, duration=0.3, omega=50.0)
     draw = random.Random(f"{SEED} {number}")
     modes = draw.choice([1, 2, 3, 5, 8, 12, 20])
     restitution = draw.choice([0.0, 1.0, 1.0, draw.random(), draw.random(), draw.uniform(0.8, 1)])
@@ -55,7 +57,7 @@ if __name__ == "__main__":
     use_digits(DIGITS)
     table.FOLDER, table.DIGITS = words.folder, 22  # more than what is compared with them holds
     with ProcessPoolExecutor(words.processes) as pool:
-        runs = list(pool.map(followed, range(1, words.scenes + 1) if words.scenes else STORED))
+        runs = list(pool.map(followed, range(words.scenes) if words.scenes else STORED))
     inputs = [field.name for field in fields(contact_simulator.Scene)]
     table.write_table("contact_scenes.txt", """
 Scenes of the paper's beam alone with recontact: inputs (binary64; omega in plane, rad/s; duration in s), and the number of
