@@ -21,9 +21,9 @@ SAMPLES, POINTS = 2000, [0.5, 1.0]
 ILL_CONDITIONED = 3
 
 
-def rows(name):
+def rows(name, folder=TABLES):
     """A table's rows by its columns' names."""
-    lines = [line.split() for line in (TABLES / name).read_text().splitlines() if not line.startswith("#")]
+    lines = [line.split() for line in (folder / name).read_text().splitlines() if not line.startswith("#")]
     return [dict(zip(lines[0], line)) for line in lines[1:]]
 
 
@@ -148,3 +148,34 @@ def test_contacts_are_followed_as_long_as_32_digits_hold(runs):
     given, there = sum(run.known_contacts() for run in runs), sum(len(run.contacts) for run in runs)
     print(f"{given} of {there} contacts")
     assert given >= 0.9 * there
+
+
+def tension_runs():
+    """Rows of contacts of each scene with tension."""
+    runs = defaultdict(list)
+    for row in rows("tension_contacts.txt", PROJECT / "tests/reference"):
+        runs[tuple(float(row[name]) for name in ["omega", "in_plane", "modes", "mass_ratio", "restitution"])].append(row)
+    return runs
+
+
+@pytest.mark.parametrize("inputs, contacts", tension_runs().items())
+def test_with_fewer_digits_of_the_modes_there_is_less_that_is_known(here, inputs, contacts):
+    """Modes of a beam with tension, by power series in the reference: within the errors, which are larger, every contact."""
+    omega, in_plane, count, mass_ratio, restitution = inputs
+    one = dict.fromkeys(["length", "area", "second_moment", "density", "youngs_modulus"], 1.0)  # h = l = 1
+    scene = {
+        "beam": one,
+        "rotation": {"angular_velocity": omega, "plane": "in" if in_plane else "out"},
+        "stiffening": {},
+        "impact": {"mass_ratio": mass_ratio, "restitution": restitution},
+        "recontact": {},
+        "modes": {"before": int(count)},
+        "response": {"duration": 2.0, "samples": 10},
+    }
+    here.scene("a", scene)
+    result = here.run("a")
+    known = (result["event_kind"] == 4).sum()
+    assert known == len(contacts)
+    for name, column in [("event_time", "start"), ("event_end", "end")]:
+        for row, time, error in zip(contacts, result[name][1:], result[f"{name}_error"][1:]):
+            assert all(found >= 1 for found in ratio(error, time, row[column]))
