@@ -20,7 +20,7 @@ module bw_held_modes
     type(oscillators) :: parts                 !! these modes in binary128
     real(qp), allocatable :: mixing(:, :)      !! how much of each mode of the beam alone is in a mode, (free modes, modes)
     real(qp), allocatable :: tip_in_full(:)    !! Φ_k(1), (modes)
-    real(qp), allocatable :: onto(:, :)        !! the weights of a state's projection: MΦ/M̄, and m_jΦ_k(1)/M̄, (free modes + 1, modes)
+    real(qp), allocatable :: onto(:, :)        !! weights of a state's projection: MΦ/M̄, m_jΦ_k(1)/M̄, (free modes + 1, modes)
     type(weighted_sum) :: force                !! what presses the mass against the tip (see `force_of`)
   contains
     procedure :: some_shapes => held_shapes

@@ -70,7 +70,7 @@ contains
     integer :: first, i
     allocate (result%measured)
     first = 1
-    if (allocated(result%courses)) then
+    if (allocated(result%courses) .and. result%ending == case_done) then
       if (size(result%courses) > 1) first = first_of_last(scene, result)
     end if
     associate (histories => result%response%displacement)
