@@ -25,6 +25,7 @@ module bw_result_layout
     integer :: peaks = 0
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
+    logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
   end type result_layout
@@ -49,6 +50,7 @@ contains
     layout%samples = scene%response%samples
     layout%velocity = scene%response%velocity
     layout%continuum = allocated(scene%capture)
+    layout%contacts = allocated(scene%recontact)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
     layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
     if (.not. allocated(scene%spectrum)) return
@@ -102,8 +104,8 @@ contains
   end function dimension_length
 
   pure recursive logical function has(layout, words) result(there)
-    !! The result has all that the words name: dimensions, `velocity` (histories of the velocity), `estimates` (of the errors
-    !! of histories).
+    !! The result has all that the words name: dimensions, `velocity` (histories of the velocity), `contacts` (histories that go
+    !! through them), `estimates` (of the errors of histories).
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -116,7 +118,8 @@ contains
     select case (words)
     case (''); there = .true.
     case ('velocity'); there = layout%velocity
-    case ('estimates'); there = layout%continuum
+    case ('contacts'); there = layout%contacts
+    case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0
     end select
   end function has

@@ -37,10 +37,14 @@ contains
 
   pure function event_variables() result(rows)
     !! Of every event, in the order of time.
-    type(result_variable) :: rows(7)
+    type(result_variable) :: rows(9)
     rows = [ &
       case_variable(variable_text('event_time', 'event', 's', 'time of the event'), event_time), &
       case_variable(variable_text('event_end', 'event', 's', 'end of the event'), event_end), &
+      case_variable(variable_text('event_time_error', 'event', 's', 'estimate of the error of the time of the event'), &
+                    event_time_error, needs='contacts'), &
+      case_variable(variable_text('event_end_error', 'event', 's', 'estimate of the error of the end of the event'), &
+                    event_end_error, needs='contacts'), &
       case_variable(variable_text('event_impulse', 'event', 'N s', 'impulse of the event on the beam''s tip'), event_impulse), &
       case_variable(variable_text('energy_before', 'event', 'J', 'energy of beam and mass before the event'), energy_before), &
       case_variable(variable_text('energy_after', 'event', 'J', 'energy of beam and mass after the event'), energy_after), &
@@ -127,6 +131,18 @@ contains
     values = result%events(:size(values))%end_time
   end subroutine event_end
 
+  pure subroutine event_time_error(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = result%events(:size(values))%time_error
+  end subroutine event_time_error
+
+  pure subroutine event_end_error(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = result%events(:size(values))%end_error
+  end subroutine event_end_error
+
   pure subroutine event_kind(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
@@ -136,7 +152,7 @@ contains
   pure subroutine event_impulse(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = result%events(:size(values))%impulse*unit_of_momentum(result)
+    values = scaled(result%events(:size(values))%impulse, unit_of_momentum(result))
   end subroutine event_impulse
 
   pure subroutine energy_before(result, values)

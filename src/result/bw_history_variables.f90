@@ -17,11 +17,11 @@ contains
     !! Estimated errors of the histories.
     type(result_variable) :: rows(2)
     rows = [ &
-      case_variable(variable_text('displacement_error', 'point', 'm', &
-                                  'estimate of the largest error of the displacement against infinitely many modes'), &
+      case_variable(variable_text('displacement_error', 'point', 'm', 'estimate of the largest error of the displacement; '// &
+                                  'with a capture against infinitely many modes'), &
                     displacement_error, needs='estimates'), &
-      case_variable(variable_text('velocity_error', 'point', 'm s-1', &
-                                  'estimate of the largest error of the velocity against infinitely many modes'), &
+      case_variable(variable_text('velocity_error', 'point', 'm s-1', 'estimate of the largest error of the velocity; '// &
+                                  'with a capture against infinitely many modes'), &
                     velocity_error, needs='estimates velocity')]
   end function error_variables
 
