@@ -10,6 +10,7 @@ module bw_histories
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
+  use bw_record_stretch, only: kept_phase
   use bw_scene, only: scene_type
   use bw_release_error, only: release_error
   use bw_released_motion, only: released_error, stretch_after
@@ -71,7 +72,7 @@ contains
     real(dp) :: error, peak
     error = maxval(result%response%displacement_error)
     peak = largest_magnitude(result%response%displacement)
-    if (error <= (slack*scene%modes%tolerance + result%response%sum_error + growth_error(result%modes, grid))*peak) return
+    if (error <= (slack*scene%modes%tolerance + result%response%sum_error + phase_error(scene, result%modes, grid))*peak) return
     result%status = case_not_converged
     call add_note(result, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
                   shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m')
@@ -94,7 +95,7 @@ contains
     type(case_result), intent(inout) :: result
     real(dp) :: rounding, speed
     speed = abs(result%approach_velocity)
-    rounding = result%response%sum_error + growth_error(result%modes, grid)
+    rounding = result%response%sum_error + phase_error(scene, result%modes, grid)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
       + rounding*largest_magnitude(result%response%displacement)
     if (scene%response%velocity) result%response%velocity_error = &
@@ -129,12 +130,21 @@ contains
     end function errors
   end subroutine estimate_errors
 
-  pure real(dp) function growth_error(modes, grid) result(error)
-    !! Of exp(σt) at the end, as a part of it: the growth rate σ has the digits of binary64.
-    class(mode_set), intent(in) :: modes          !! growing ones among them
+  pure real(dp) function phase_error(scene, modes, grid) result(error)
+    !! Of the first mode, whose motion is most of the whole: what the rounding of its root comes to at the end of the record,
+    !! in its phase or as a part of its growth. A root that binary64 does not carry so far has more digits.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: modes
     type(time_grid), intent(in) :: grid
-    error = epsilon(error)*sqrt(max(0.0_dp, maxval(-modes%beta_squared%hi)))*(grid%samples*grid%step%hi)
-  end function growth_error
+    real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; where it is less roots have more digits too (bw_refined_root)
+    real(dp) :: longest
+    longest = grid%samples*grid%step%hi
+    if (allocated(modes%damping) .and. modes%beta_squared(1)%hi > 0.0_dp) then
+      longest = min(longest, 2.0_dp*exp(-1.0_dp)/max(modes%damping(1), tiny(1.0_dp)))     ! the motion falls as phases drift
+    end if
+    error = epsilon(error)*modes%alpha(1)**4*longest/max(sqrt(abs(modes%beta_squared(1)%hi)), 1.0_dp/longest)
+    error = min(error, kept_phase(scene)/least_turning)
+  end function phase_error
 
   function after_release(scene, source, alone, force, grid, result, velocity) result(values)
     !! The same after the mass has left, (points).
