@@ -32,7 +32,8 @@ module bw_coherence
 
   type, public :: stretch_type
     !! Samples of a part of a history, times in l²/h from the start of the motion.
-    real(dp) :: start = 0.0_dp                   !! the first sample, but for that at t = 0, where nothing has moved
+    real(dp) :: start = 0.0_dp
+      !! the first sample: one step after the blow, when nothing has moved yet, or any time after a release
     real(dp) :: end = 0.0_dp                     !! a step after the last
     real(dp) :: step = 0.0_dp                    !! from sample to sample
   end type stretch_type
@@ -119,7 +120,7 @@ contains
     turns = half_pi*stretch%step
     samples = max(1.0_dp, anint(stretch%end/stretch%step) - 1.0_dp)
     fraction = fraction_type(distance=abs(turns - anint(turns)))
-    motion = near_sum(sums, fraction%distance)
+    motion = near_sum(sums, min(fraction%distance, half_pi*stretch%start))    ! the first may be no whole step from the start
     if (half_pi*stretch%end < 0.5_dp) motion = first
     one_passage = 2.0_dp*sums%alpha*stretch%end < 1.0_dp     ! only short ones have crossed the beam
     do while (fraction%distance > rounding*fraction%m*max(1.0_dp, turns))

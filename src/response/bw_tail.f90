@@ -46,20 +46,32 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
     type(deviation_type) :: before(size(points))
+    real(dp) :: rising
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
+    rising = falls_beyond(source%gamma, points)
     first = count + 1
     do while (first <= source%highest)
       last = window_end(first, source, stretch%start)
       before = sums
       call add_window(source, force, first, last, points, stretch, velocity, sums, shown)
-      if (source%gamma*first > 1.0_dp .and. adds_nothing(before, sums, velocity)) exit
+      if (first > rising .and. adds_nothing(before, sums, velocity)) exit
       first = last + 1
     end do
     if (source%decay > 0.0_dp .and. first > source%highest) then
       call extrapolate(source, force, points, stretch, velocity, sums, shown)
     end if
   end subroutine add_tail
+
+  pure real(dp) function falls_beyond(gamma, points) result(number)
+    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the tip shapes rise
+    !! from Φ(1).
+    real(dp), intent(in) :: gamma, points(:)
+    real(dp), parameter :: risen = 3.0_dp         ! αd
+    real(dp) :: nearest
+    nearest = minval(1.0_dp - points, mask=points < 1.0_dp)      ! huge where there is none
+    number = max(1.0_dp/gamma, risen/(pi*nearest))
+  end function falls_beyond
 
   pure logical function adds_nothing(before, sums, velocity)
     !! A window that adds so little that those beyond it need not be looked at.

@@ -142,7 +142,7 @@ contains
     if (allocated(modes%damping) .and. modes%beta_squared(1)%hi > 0.0_dp) then
       longest = min(longest, 2.0_dp*exp(-1.0_dp)/max(modes%damping(1), tiny(1.0_dp)))     ! the motion falls as phases drift
     end if
-    error = epsilon(error)*modes%alpha(1)**4*longest/max(sqrt(abs(modes%beta_squared(1)%hi)), 1.0_dp/longest)
+    error = 2.0_dp*epsilon(error)*modes%alpha(1)**4*longest/max(sqrt(abs(modes%beta_squared(1)%hi)), 1.0_dp/longest)
     error = min(error, kept_phase(scene)/least_turning)
   end function phase_error
 

@@ -1,10 +1,12 @@
 """The paper's beam and mass with very many modes, by a route of its own: what a run is compared with.
 
-The first modes have roots of the power series of Eq. 19 in λ = α⁴, in 60 decimal digits; all others the form that is left where
-sech α is nothing, in numpy's extended precision. A release is the overlap of each mode with each, by the identity of two shapes
-of v'''' = α⁴v, and moments of the modes far above. Lengths in l, times in l²/h, masses in m_i, velocities in the speed of
-approach.
+The first modes have the roots of the power series of Eq. 19 in λ = α⁴, in 60 decimal digits; all others the form that is left
+where sech α is nothing, in numpy's extended precision. A release is the overlap of each mode with each, by the identity of two
+shapes of v'''' = α⁴v, and moments of the modes far above. Lengths in l, times in l²/h, masses in m_i, velocities in the speed
+of approach.
 """
+
+from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from decimal import Decimal, getcontext
@@ -15,13 +17,13 @@ import numpy as np
 getcontext().prec = 60
 LONG = np.longdouble
 PI = LONG("3.14159265358979323846264338327950288")
-LOW = 14  # modes from the power series; e^(−α) of the next is 1e-18
+LOW = 14  # modes from the power series; of the next e^(−α) is 1e-18
 TERMS = 90  # of the series: at α = 42 the last is 1e-150
+SERIES = [(Decimal((-4) ** m) / factorial(4 * m), Decimal(4 * (-4) ** m) / factorial(4 * m + 3)) for m in range(TERMS)]
 BATCH = 2048  # modes held at a time
 NEIGHBOURS = 20  # modes to each side whose overlap is taken from α and not from α⁴
 MOMENTS = 8  # of modes more than twice above, in powers of 1/16
-SERIES = [(Decimal((-4) ** m) / factorial(4 * m), Decimal(4 * (-4) ** m) / factorial(4 * m + 3)) for m in range(TERMS)]
-FAR = 400_000  # modes with the mass that the moments count
+FARTHEST = 400_000  # mode of beam and mass that the moments count
 
 
 @dataclass
@@ -42,6 +44,7 @@ class Motion:
 
 
 def long(value):
+    """A decimal number in extended precision."""
     return LONG(str(value))
 
 
@@ -51,34 +54,33 @@ class Modes:
     def __init__(self, motion, gamma, count):
         squares = [low_root(k, Decimal(gamma)) for k in range(1, min(LOW, count) + 1)]
         low = np.array([long(square.sqrt().sqrt()) for square in squares])
-        k = np.arange(len(low) + 1, count + 1).astype(LONG)
-        self.gamma, self.count = gamma, count
-        self.alpha = np.concatenate([low, far_roots(k, gamma)])
-        self.number = np.arange(1, count + 1)
+        self.gamma, self.count, self.number = gamma, count, np.arange(1, count + 1)
+        self.alpha = np.concatenate([low, far_roots(self.number[len(low) :].astype(LONG), gamma)])
         self.tip, self.mass = tips_and_masses(self.alpha, gamma)
-        # β² and c, from all digits of the first; √(β² − c²/4) squared
+        self.find_rates(motion, squares)
+
+    def find_rates(self, motion, squares):
+        """β², c, β² − c²/4 and the slower exponent, the first from all digits of λ."""
         omega, mass, stiffness = long(motion.omega), long(motion.mass), long(motion.stiffness)
         square = self.alpha**2
         self.beta_squared = (square - omega) * (square + omega)
         self.damping = mass + 2 * LONG(motion.ratio) * square + stiffness * square**2
         self.turning = self.beta_squared - self.damping**2 / 4
-        self.slow = -self.damping / 2
         for i, exact in enumerate(squares):
             c = motion.mass + 2 * Decimal(motion.ratio) * exact.sqrt() + motion.stiffness * exact
             beta_squared = exact - motion.omega**2
-            turning = beta_squared - c * c / 4
-            self.beta_squared[i], self.damping[i], self.turning[i] = map(long, (beta_squared, c, turning))
-            self.slow[i] = long(-c / 2 if turning > 0 else -beta_squared / ((-turning).sqrt() + c / 2) if turning else -c / 2)
-        over = (self.turning <= 0) & (self.number > LOW)
-        self.slow[over] = -self.beta_squared[over] / (np.sqrt(-self.turning[over]) + self.damping[over] / 2)
+            self.beta_squared[i], self.damping[i], self.turning[i] = map(long, (beta_squared, c, beta_squared - c * c / 4))
+        root = np.sqrt(np.maximum(-self.turning, 0))
+        sum_of = np.where(root + self.damping > 0, root + self.damping / 2, 1)
+        self.slow = np.where(self.turning > 0, -self.damping / 2, -self.beta_squared / sum_of)
 
     def shapes(self, xi):
         """Φ(ξ), (modes)."""
         if xi in (0.0, 1.0):
             return xi * self.tip
         alpha, xi = self.alpha, LONG(xi)
-        whole = np.sqrt(LONG(2)) * np.cos((alpha * xi + PI / 4) % (2 * PI)) - np.exp(-alpha * xi)
-        values = whole + self.tip / 2 * np.exp(-alpha * (1 - xi))
+        values = np.sqrt(LONG(2)) * np.cos((alpha * xi + PI / 4) % (2 * PI)) - np.exp(-alpha * xi)
+        values += self.tip / 2 * np.exp(-alpha * (1 - xi))
         values[:LOW] = low_shapes(alpha[:LOW], xi)
         return values
 
@@ -91,10 +93,10 @@ def low_root(k, gamma):
         guess = (k - 0.75) * np.pi
         root = Decimal(guess + np.arctan(1 / (1 + 2 * float(gamma) * guess))) ** 4
     for _ in range(12):
-        value, slope, power = Decimal(1), Decimal(0), Decimal(1)  # power: λ^m, and λ^(m−1) in the slope
+        value, slope, power = Decimal(1), Decimal(0), Decimal(1)
         for m, (a, b) in enumerate(SERIES):
             if m:
-                slope += m * a * power
+                slope += m * a * power  # λ^(m−1)
                 power *= root
             slope -= (m + 1) * gamma * b * power
             value += power * (a - gamma * b * root)
@@ -138,52 +140,58 @@ def low_shapes(alpha, xi):
     return np.cos(alpha * xi) - sigma * np.sin(alpha * xi) - fading / 2
 
 
-def flow(modes, chosen, q, rate, time):
-    """State of some modes at times ≥ 0, (modes, times) each, in extended precision."""
-    t = np.asarray(time, LONG)[np.newaxis, :]
-    turning = modes.turning[chosen][:, np.newaxis]
-    c, slow, square = (values[chosen][:, np.newaxis] for values in (modes.damping, modes.slow, modes.beta_squared))
+def flow(modes, chosen, state, time, kind=LONG):
+    """Displacement and velocity of some modes at times ≥ 0, (2, modes, times), in numbers of a kind."""
+    t = np.asarray(time).astype(kind)[np.newaxis, :]
+    q, rate, turning, c, slow, square = (
+        values[chosen].astype(kind)[:, np.newaxis]
+        for values in (*state, modes.turning, modes.damping, modes.slow, modes.beta_squared)
+    )
     root = np.sqrt(abs(turning))
     safe = np.where(root > 0, root, 1)
-    phase = (root * t) % (2 * PI)
-    faded = np.exp(np.maximum(slow * t, -11000))
-    twice = np.exp(np.maximum(-2 * root * t, -11000))
-    sine = np.where(turning > 0, np.sin(phase) / safe, np.where(root > 0, -np.expm1(-2 * root * t) / (2 * safe), t)) * faded
-    cosine = np.where(turning > 0, np.cos(phase), (1 + twice) / 2) * faded
-    q, rate = q[chosen][:, np.newaxis], rate[chosen][:, np.newaxis]
-    return q * cosine + (rate + c / 2 * q) * sine, rate * cosine - (c / 2 * rate + square * q) * sine
+    faded = np.exp(np.maximum(slow * t, -700))
+    phase = (root * t) % kind(2 * PI)
+    falling = np.where(root > 0, -np.expm1(np.maximum(-2 * root * t, -700)) / (2 * safe), t)  # sinh rt e^(−rt)/r
+    sine = faded * np.where(turning > 0, np.sin(phase) / safe, falling)
+    cosine = faded * np.where(turning > 0, np.cos(phase), 1 - root * falling)
+    return np.array([q * cosine + (rate + c / 2 * q) * sine, rate * cosine - (c / 2 * rate + square * q) * sine])
 
 
-def histories(modes, q, rate, points, first, step, samples):
-    """Displacement and velocity at times first + j·step, (points, samples) each."""
+def histories(modes, state, points, first, step, samples):
+    """Displacement and velocity at times first + j·step, (2, points, samples)."""
     shapes = np.stack([modes.shapes(xi) for xi in points])
-    longest = first + step * samples
-    by_hand = (modes.turning <= 0) | (modes.turning * longest**2 < 40) | (modes.number <= LOW)
     total = np.zeros((2, len(points), samples))
     time = first + step * np.arange(samples).astype(LONG)
-    slow = np.flatnonzero(by_hand)
-    for i in range(0, len(slow), 64):
-        k = slow[i : i + 64]
+    one_by_one = (modes.turning * (first + step * samples) ** 2 < 40) | (modes.number <= LOW)
+    chosen = np.flatnonzero(one_by_one)
+    for i in range(0, len(chosen), LOW):
+        k = chosen[i : i + LOW]
         for j in range(0, samples, 4096):
             part = slice(j, j + 4096)
-            for value, motion in zip(total, flow(modes, k, q, rate, time[part])):
-                value[:, part] += (shapes[:, k] @ motion).astype(float)
-    fast = np.flatnonzero(~by_hand)
+            moved = flow(modes, k, state, time[part], LONG if i == 0 else float)
+            total[:, :, part] += (shapes[:, k].astype(moved.dtype) @ moved).astype(float)
+    add_turning(modes, np.flatnonzero(~one_by_one), state, shapes, first, step, total)
+    return total
+
+
+def add_turning(modes, chosen, state, shapes, first, step, total):
+    """Modes that turn: e^(st) in blocks of time, of which each is that of the first times one factor."""
+    q, rate = state
+    samples = total.shape[2]
     length = max(1, int(np.sqrt(samples)))
     blocks = -(-samples // length)
-    inner, outer = step * np.arange(length).astype(LONG), first + step * (length * np.arange(blocks)).astype(LONG)
-    for i in range(0, len(fast), BATCH):
-        k = fast[i : i + BATCH]
-        frequency = np.sqrt(modes.turning[k])
-        start = (q[k] - 1j * (rate[k] + modes.damping[k] / 2 * q[k]) / frequency).astype(complex)
-        s = (-modes.damping[k] / 2).astype(float) + 1j * frequency.astype(float)
-        within, begins = (exponentials(frequency, modes.damping[k], times) for times in (inner, outer))
-        for value, amplitude in zip(total, (start, start * s)):
+    inner = step * np.arange(length).astype(LONG)
+    outer = first + step * (length * np.arange(blocks)).astype(LONG)
+    for i in range(0, len(chosen), BATCH):
+        k = chosen[i : i + BATCH]
+        frequency, damping = np.sqrt(modes.turning[k]), modes.damping[k]
+        start = (q[k] - 1j * (rate[k] + damping / 2 * q[k]) / frequency).astype(complex)
+        s = (-damping / 2).astype(float) + 1j * frequency.astype(float)
+        within, begins = exponentials(frequency, damping, inner), exponentials(frequency, damping, outer)
+        for values, amplitude in zip(total, (start, start * s)):
             weighted = amplitude[:, np.newaxis] * begins
-            for p, history in enumerate(value):
-                product = (shapes[p, k].astype(float)[:, np.newaxis] * weighted).T @ within
-                history += product.real.ravel()[:samples]
-    return total
+            for history, shape in zip(values, shapes[:, k].astype(float)):
+                history += ((shape[:, np.newaxis] * weighted).T @ within).real.ravel()[:samples]
 
 
 def exponentials(frequency, damping, times):
@@ -195,47 +203,43 @@ def exponentials(frequency, damping, times):
 
 
 def captured_start(motion, modes):
-    """Modal velocities of the continuum: the beam at rest, and the mass with the tip's velocity."""
-    return LONG(1 + motion.restitution) * LONG(motion.gamma) * modes.tip / modes.mass
+    """Of the continuum: the beam at rest, and the mass with the tip's velocity."""
+    return np.zeros(modes.count), LONG(1 + motion.restitution) * LONG(motion.gamma) * modes.tip / modes.mass
 
 
 def released_start(motion, free):
-    """Displacement and velocity of each mode of the beam alone when the mass leaves: overlaps −γΦ̄_kᾱ_k⁴φ_i/(ᾱ_k⁴ − α_i⁴)."""
+    """State of the beam alone when the mass leaves: overlaps −γΦ̄_kᾱ_k⁴φ_i/(ᾱ_k⁴ − α_i⁴)."""
     near = 2 * free.count
-    loaded = Modes(motion, motion.gamma, near if motion.damped else max(FAR, 2 * near))
-    state = state_at(loaded, captured_start(motion, loaded), long(motion.release))
-    weights = motion.gamma * loaded.tip * state
+    far = 0 if motion.damped else FARTHEST  # of the tip's velocity 1/50 of the rest
+    loaded = Modes(motion, motion.gamma, max(near, far))
+    weights = motion.gamma * loaded.tip * state_at(loaded, captured_start(motion, loaded), long(motion.release))
     square, own = loaded.alpha**2, free.alpha**2
-    sums = overlaps(own.astype(float), square[:near].astype(float), weights[:, :near].astype(float))
+    sums = distant_sums(own.astype(float), square[:near].astype(float), weights[:, :near].astype(float))
     for apart in range(-NEIGHBOURS, NEIGHBOURS + 1):  # whose squares have digits in common
         i = np.arange(max(0, -apart), free.count)
         k = i + apart
-        exact = square[k] ** 2 / ((free.alpha[i] - loaded.alpha[k]) * (free.alpha[i] + loaded.alpha[k]) * (own[i] + square[k]))
-        sums[:, i] += (exact * weights[:, k]).astype(float)
-    ratio, far = 1 / square[near:] ** 2, weights[:, near:]
+        difference = (free.alpha[i] - loaded.alpha[k]) * (free.alpha[i] + loaded.alpha[k])
+        sums[:, i] += (square[k] ** 2 / (difference * (own[i] + square[k])) * weights[:, k]).astype(float)
+    ratio, beyond = 1 / square[near:] ** 2, weights[:, near:]
     for m in range(MOMENTS):
-        sums -= np.multiply.outer(far.sum(axis=1), own ** (2 * m)).astype(float)
-        far = far * ratio
+        sums -= np.multiply.outer(beyond.sum(axis=1), own ** (2 * m)).astype(float)
+        beyond = beyond * ratio
     return sums * free.tip
 
 
-def state_at(modes, rate, time):
+def state_at(modes, start, time):
     """Displacement and velocity of all modes at one time, (2, modes)."""
-    state, rest, here = np.empty((2, modes.count), LONG), np.zeros(modes.count), np.array([time])
-    for i in range(0, modes.count, BATCH):
-        part = np.arange(i, min(i + BATCH, modes.count))
-        state[:, part] = np.array(flow(modes, part, rest, rate, here))[:, :, 0]
-    return state
+    parts = [np.arange(i, min(i + BATCH, modes.count)) for i in range(0, modes.count, BATCH)]
+    return np.concatenate([flow(modes, part, start, np.array([time]))[:, :, 0] for part in parts], axis=1)
 
 
-def overlaps(own, square, weights):
-    """Sums over the modes that are no neighbours, of α² each."""
+def distant_sums(own, square, weights):
+    """Sums over the modes that are no neighbours, (2, modes of the beam alone), of α² each."""
     sums = np.zeros((2, len(own)))
+    apart = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
     for i in range(0, len(own), 256):
         below = own[i : i + 256, np.newaxis] ** 2 - square**2
-        number = np.arange(i, i + len(below))[:, np.newaxis]
-        apart = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
-        row, column = np.broadcast_arrays(number - i, number + apart)
+        row, column = np.broadcast_arrays(np.arange(len(below))[:, np.newaxis], np.arange(len(below))[:, np.newaxis] + i + apart)
         inside = column >= 0
         below[row[inside], column[inside]] = np.inf
         sums[:, i : i + 256] = (weights * square**2) @ (1 / below).T
@@ -243,11 +247,11 @@ def overlaps(own, square, weights):
 
 
 def continuum(motion, points, step, samples, count):
-    """Displacement and velocity of `count` modes at the times j·step, (points, samples) each; at t = 0 of all there are."""
+    """Displacement and velocity of `count` modes at the times j·step, (2, points, samples); at t = 0 of all there are."""
     step = long(step)
     if motion.release is None:
         modes = Modes(motion, motion.gamma, count)
-        found = histories(modes, np.zeros(count), captured_start(motion, modes), points, LONG(0), step, samples)
+        found = histories(modes, captured_start(motion, modes), points, LONG(0), step, samples)
         found[0, :, 0] = 0.0
         found[1, :, 0] = [(1 + motion.restitution) * (xi == 1.0) for xi in points]
         return found
@@ -255,5 +259,5 @@ def continuum(motion, points, step, samples, count):
     before = min(samples, int(np.ceil(released / step)))
     early = continuum(replace(motion, release=None), points, step, before, count)
     free = Modes(motion, 0.0, count)
-    late = histories(free, *released_start(motion, free), points, step * before - released, step, samples - before)
+    late = histories(free, released_start(motion, free), points, step * before - released, step, samples - before)
     return np.concatenate([early, late], axis=2)

@@ -119,7 +119,8 @@ class Found(NamedTuple):
 def compare(here, scene, modes):
     """One run; None where the tolerance is refused."""
     here.scene("a", {**scene.groups, "modes": modes})
-    ended = here.beamwave("run", "a.nml", "--overwrite", "--quiet")
+    (here.directory / "output/a.nc").unlink(missing_ok=True)  # of another build: that would be left as it is
+    ended = here.beamwave("run", "a.nml", "--quiet")
     if ended.returncode:
         assert "modes%tolerance" in ended.stderr, ended.stderr
         return None
