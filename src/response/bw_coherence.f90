@@ -94,10 +94,11 @@ contains
     type(deviation_type), intent(in) :: sums
     real(dp), intent(in) :: distance             !! from the tip, d
     type(stretch_type), intent(in) :: stretch
-    real(dp) :: gone
+    real(dp) :: gone, way
     motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest/max(distance, tiny(distance))
+    way = 2.0_dp*sums%alpha*stretch%end
     gone = 2.0_dp*sums%alpha*stretch%start - distance      ! beyond the point at the first sample
-    if (gone > 0.0_dp) motion = min(motion, sums%largest/gone)
+    if (gone > 0.0_dp .and. way < 2.0_dp - distance) motion = min(motion, sums%largest/gone)
     motion = min(motion, near_sum(sums, half_pi*stretch%start))
   end function first_passage
 

@@ -48,8 +48,8 @@ contains
     q = 0.0_dp
     rate = force*low%tip/low%modal_mass
     call move(low, released, q, rate)
-    error = margin*(blow_left(count, loaded, alone, force, released, points, stretch, velocity) &
-                    + force_left(low, q, rate, alone, points, stretch, velocity))
+    error = blow_left(count, loaded, alone, force, released, points, stretch, velocity) &
+      + force_left(low, q, rate, alone, points, stretch, velocity)
   end function release_tail
 
   function blow_left(count, loaded, alone, force, released, points, stretch, velocity) result(error)
@@ -144,9 +144,9 @@ contains
     lacking(:size(q)) = lacking(:size(q)) - q
     lacking_rate(:size(q)) = lacking_rate(:size(q)) - rate
     call add_state(free, lacking, lacking_rate, points, stretch, velocity, every(free), sums)
-    error = margin*(largest(combined(deviation_type(), sums), points, stretch, alone%quadratic) &
-                    + blow_left(n, loaded, alone, force, released, points, stretch, velocity) &
-                    + force_left(many, start, start_rate, alone, points, stretch, velocity)) &
+    error = margin*largest(combined(deviation_type(), sums), points, stretch, alone%quadratic) &
+      + blow_left(n, loaded, alone, force, released, points, stretch, velocity) &
+      + force_left(many, start, start_rate, alone, points, stretch, velocity) &
       + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
   end function release_error
 
@@ -182,10 +182,13 @@ contains
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     type(dd) :: beta, slow
+    real(dp) :: swing
     beta = sqrt(beta_squared)
     if (turns(beta_squared, c)) then
       slow = slow_exponent(beta_squared, c)
-      amplitude = hypot(q, rate/beta%hi)*exp(slow%hi*stretch%start)
+      swing = 1.0_dp/beta%hi
+      if (.not. velocity) swing = min(swing, stretch%end)     ! a slow mode does not come that far
+      amplitude = hypot(q, rate*swing)*exp(slow%hi*stretch%start)
       if (velocity) amplitude = beta%hi*amplitude
     else if (velocity) then
       amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &

@@ -21,6 +21,7 @@ LOW = 14  # modes from the power series; of the next e^(−α) is 1e-18
 TERMS = 90  # of the series: at α = 42 the last is 1e-150
 SERIES = [(Decimal((-4) ** m) / factorial(4 * m), Decimal(4 * (-4) ** m) / factorial(4 * m + 3)) for m in range(TERMS)]
 BATCH = 2048  # modes held at a time
+ROWS = 32  # of a matrix of overlaps held at a time
 NEIGHBOURS = 20  # modes to each side whose overlap is taken from α and not from α⁴
 MOMENTS = 8  # of modes more than twice above, in powers of 1/16
 FARTHEST = 400_000  # mode of beam and mass that the moments count
@@ -210,7 +211,8 @@ def captured_start(motion, modes):
 def released_start(motion, free):
     """State of the beam alone when the mass leaves: overlaps −γΦ̄_kᾱ_k⁴φ_i/(ᾱ_k⁴ − α_i⁴)."""
     near = 2 * free.count
-    far = 0 if motion.damped else FARTHEST  # of the tip's velocity 1/50 of the rest
+    enough = int(14 * (free.count / 30) ** (5 / 3))  # that n^(−3/2) of the tip's velocity is 1/50 of (count/30)^(−5/2)
+    far = 0 if motion.damped else min(FARTHEST, enough)
     loaded = Modes(motion, motion.gamma, max(near, far))
     weights = motion.gamma * loaded.tip * state_at(loaded, captured_start(motion, loaded), long(motion.release))
     square, own = loaded.alpha**2, free.alpha**2
@@ -237,12 +239,14 @@ def distant_sums(own, square, weights):
     """Sums over the modes that are no neighbours, (2, modes of the beam alone), of α² each."""
     sums = np.zeros((2, len(own)))
     apart = np.arange(-NEIGHBOURS, NEIGHBOURS + 1)
-    for i in range(0, len(own), 256):
-        below = own[i : i + 256, np.newaxis] ** 2 - square**2
-        row, column = np.broadcast_arrays(np.arange(len(below))[:, np.newaxis], np.arange(len(below))[:, np.newaxis] + i + apart)
+    weighted, fourth = (weights * square**2).T, square**2
+    for i in range(0, len(own), ROWS):
+        below = own[i : i + ROWS, np.newaxis] ** 2 - fourth
+        row = np.arange(len(below))[:, np.newaxis]
+        row, column = np.broadcast_arrays(row, row + i + apart)
         inside = column >= 0
         below[row[inside], column[inside]] = np.inf
-        sums[:, i : i + 256] = (weights * square**2) @ (1 / below).T
+        sums[:, i : i + ROWS] = (np.reciprocal(below, out=below) @ weighted).T
     return sums
 
 

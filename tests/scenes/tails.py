@@ -1,10 +1,15 @@
 """Random scenes of every class, run and compared with 30 times the modes: are tolerances kept, and errors within estimates?
 
-By hand: python tests/scenes/tails.py [--draws 60] [--beamwave build/bin/beamwave]
+By hand: `python tests/scenes/tails.py --draws 60 --output rows.txt` makes the rows, of 60 scenes of each kind of motion with each
+kind of record, each once by a tolerance and once with counts, and prints the table of docs/equations.md. `--table rows.txt …`
+prints that of rows that are there. BEAMWAVE_SEED sets the seed.
 """
+
+from __future__ import annotations
 
 import argparse
 import os
+import sys
 import tempfile
 from decimal import Decimal
 from pathlib import Path
@@ -17,12 +22,10 @@ from workplace import PAPER_BEAM, Workplace
 KINDS = ["undamped", "damped", "near critical", "growing", "released", "damped and released"]
 RECORDS = ["ordinary", "short", "dense", "commensurable", "long"]
 TIMES = 30  # as many modes
-H = (Decimal(PAPER_BEAM["diameter"]) / 4 * (Decimal(PAPER_BEAM["youngs_modulus"]) / Decimal(PAPER_BEAM["density"])).sqrt())
-LARGEST = 30.0  # nepers of growth
-
-
-def log_between(rng, low, high):
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+FEWEST = 2000  # but at least so many
+H = Decimal(PAPER_BEAM["diameter"]) / 4 * (Decimal(PAPER_BEAM["youngs_modulus"]) / Decimal(PAPER_BEAM["density"])).sqrt()
+GROWTH = 30.0  # nepers, at most
+ROUNDING = 2e-15  # of the comparison, over the peak
 
 
 class Scene(NamedTuple):
@@ -30,10 +33,40 @@ class Scene(NamedTuple):
 
     groups: dict
     motion: Motion
-    record: dict
+
+    @property
+    def response(self):
+        return self.groups["response"]
 
 
-def draw_record(rng, record):
+class Row(NamedTuple):
+    """Of one run: estimates over errors, and the largest error over what the tolerance allows; 0 without one."""
+
+    kind: str
+    record: str
+    number: int
+    modes: int
+    missed: float
+    displacement: list  # of each point; infinite where the error is not above rounding
+    velocity: list
+
+    def text(self):
+        ratios = " ".join(f"{ratio:.4g}" for ratio in self.displacement + self.velocity)
+        return f"{self.kind}|{self.record}|{self.number}|{self.modes}|{self.missed:.4g}|{ratios}"
+
+    @classmethod
+    def read(cls, line):
+        kind, record, number, modes, missed, ratios = line.split("|")
+        ratios = [float(ratio) for ratio in ratios.split()]
+        half = len(ratios) // 2
+        return cls(kind, record, int(number), int(modes), float(missed), ratios[:half], ratios[half:])
+
+
+def log_between(rng, low, high):
+    return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def draw_record(rng, record, most):
     """Duration in l²/h, samples, points."""
     points = [float(rng.uniform(0.02, 1)), 0.5, 1.0]
     if record == "ordinary":
@@ -43,57 +76,54 @@ def draw_record(rng, record):
         return log_between(rng, 3e-6, 1), int(rng.integers(5, 1500)), points
     if record == "dense":
         points = [1 - log_between(rng, 1e-3, 1), float(rng.uniform(0.02, 1)), 1.0]
-        return log_between(rng, 1e-3, 3), 2 ** int(rng.integers(9, 14)), points
+        return log_between(rng, 1e-3, 3), min(most, 2 ** int(rng.integers(9, 14))), points
     if record == "commensurable":
         samples = int(rng.integers(20, 1500))
         points = [float(rng.choice([0.25, 0.5, 0.75, rng.uniform(0.02, 1)])), float(rng.uniform(0.02, 1)), 1.0]
         return 4 / np.pi * 2.0 ** rng.integers(-12, 3) * rng.choice([1, 1, 1, 3, 5]) * samples, samples, points
-    return log_between(rng, 100, 1e5), 2 ** int(rng.integers(8, 15)), points
+    return log_between(rng, 100, 1e5), min(most, 2 ** int(rng.integers(8, 15))), points
 
 
-def draw(rng, kind, record):
-    """A scene of a class."""
-    duration, samples, points = draw_record(rng, record)
+def draw(rng, kind, record, most=2**14):
+    """A scene of a class, with at most so many samples."""
+    duration, samples, points = draw_record(rng, record, most)
     gamma = log_between(rng, 0.01, 10)
     restitution = float(rng.choice([0.0, rng.uniform(0, 1)]))
     motion = Motion(gamma, restitution=restitution)
-    first = Modes(motion, gamma, 1).alpha[0] ** 2
     groups = {"beam": PAPER_BEAM, "impact": {"mass_ratio": gamma, "restitution": restitution}, "capture": {}}
-    omega, duration = draw_speed(rng, kind, float(first), duration)
+    critical = Modes(motion, gamma, 1).alpha[0] ** 2
+    part, duration = draw_speed(rng, kind, float(critical), duration)
     if kind.startswith("damped"):
         draw_damping(rng, motion, groups)
     seconds = float(Decimal(duration) / H)
     if record == "commensurable":  # to many digits, not to all
         seconds = float(f"{seconds:.{int(rng.integers(6, 17))}g}")
-    speed = float(Decimal(omega) * H)
-    if kind == "near critical":  # as near as the digits of a speed allow
-        speed = float(Decimal(str(first)) * H * (1 + Decimal(str(omega / float(first) - 1))))
-    if speed:
-        groups["rotation"] = {"angular_velocity": speed}
-    motion.omega = Decimal(speed) / H
+    if part:
+        groups["rotation"] = {"angular_velocity": float(Decimal(str(critical)) * H * (1 + Decimal(part)))}
+        motion.omega = Decimal(groups["rotation"]["angular_velocity"]) / H
     if kind.endswith("released"):
         when = float(rng.uniform(0, 1))
         if rng.random() < 0.3:
             when = int(when * samples) / samples
         groups["release"] = {"time": max(seconds * when, seconds * 1e-3)}
         motion.release = Decimal(groups["release"]["time"]) * H
-    response = {"duration": seconds, "samples": samples, "points": points, "velocity": True}
-    return Scene({**groups, "response": response}, motion, response)
+    groups["response"] = {"duration": seconds, "samples": samples, "points": points, "velocity": True}
+    return Scene(groups, motion)
 
 
 def draw_speed(rng, kind, critical, duration):
-    """Angular velocity in h/l², and a duration in which no mode grows too far."""
+    """Angular velocity over the critical one less 1, 0 where nothing turns, and a duration in which no mode grows too far."""
     if kind.endswith("released"):
         kind = str(rng.choice(["undamped", "near critical", "growing"]))
     if kind == "near critical":
-        omega = critical * (1 + float(rng.choice([-1, 1])) * log_between(rng, 1e-12, 1e-2))
+        part = float(rng.choice([-1, 1])) * log_between(rng, 1e-12, 1e-2)
     elif kind == "growing":
-        omega = critical * (1 + log_between(rng, 1e-3, 2))
+        part = log_between(rng, 1e-3, 2)
     else:
-        omega = float(rng.choice([0.0, rng.uniform(0, 0.99)])) * critical
-    if omega > critical:
-        duration = min(duration, LARGEST / np.sqrt(omega**2 - critical**2))
-    return omega, duration
+        part = -float(rng.choice([0.0, rng.uniform(0.01, 1)]))
+    if part > 0:
+        duration = min(duration, GROWTH / (critical * np.sqrt(part * (2 + part))))
+    return part, duration
 
 
 def draw_damping(rng, motion, groups):
@@ -107,17 +137,26 @@ def draw_damping(rng, motion, groups):
         motion.mass, motion.stiffness = Decimal(mass) / H, Decimal(stiffness) * H
 
 
-class Found(NamedTuple):
-    """Of one run: estimates over errors, (points), and the error over what the tolerance allows; 0 without one."""
+def scenes(seed, kind, record, numbers, least=1e-8, most=2**14):
+    """Scenes of a class with a tolerance, at least so fine, and counts."""
+    for number in numbers:
+        rng = np.random.default_rng([seed, KINDS.index(kind), RECORDS.index(record), number])
+        scene = draw(rng, kind, record, most)
+        tolerance = log_between(rng, max(least, 1e-8 if scene.motion.release is None else 1e-7), 1e-2)
+        before, after = (int(log_between(rng, 2, 100)) for _ in range(2))
+        yield number, scene, {"tolerance": tolerance}, {"before": before, "after": after}
 
-    displacement: np.ndarray
-    velocity: np.ndarray
-    missed: float
-    modes: int
+
+def truth(scene, count):
+    """Displacement in m and velocity in m/s of so many modes, (points, samples)."""
+    response = scene.response
+    step = Decimal(response["duration"]) * H / response["samples"]
+    displacement, velocity = continuum(scene.motion, response["points"], step, response["samples"], count)
+    return displacement / float(H), velocity
 
 
 def compare(here, scene, modes):
-    """One run; None where the tolerance is refused."""
+    """Estimates over errors of displacement and velocity, and the largest error over what is allowed; None if refused."""
     here.scene("a", {**scene.groups, "modes": modes})
     (here.directory / "output/a.nc").unlink(missing_ok=True)  # of another build: that would be left as it is
     ended = here.beamwave("run", "a.nml", "--quiet")
@@ -125,51 +164,70 @@ def compare(here, scene, modes):
         assert "modes%tolerance" in ended.stderr, ended.stderr
         return None
     result = here.result("a")
-    used = int(result["mode_count"]) if "tolerance" in modes else max(modes["before"], modes["after"])
-    samples = scene.record["samples"]
-    step = Decimal(scene.record["duration"]) * H / samples
-    truth = continuum(scene.motion, scene.record["points"], step, samples, max(2000, TIMES * used))
-    displacement, velocity = truth[0] / float(H), truth[1]
-    ratios = []
-    for name, value in (("displacement", displacement), ("velocity", velocity)):
+    used = int(result["mode_count"]) if "tolerance" in modes else max(modes.values())
+    found, missed = [], 0.0
+    for name, value in zip(("displacement", "velocity"), truth(scene, max(FEWEST, TIMES * used))):
         error = np.abs(result[name] - value).max(axis=1)
-        rounding = 2e-15 * np.abs(value).max()  # of the comparison
-        estimate = result[f"{name}_error"]
-        ratios.append(np.where(error > 10 * rounding, estimate / np.maximum(error - rounding, 1e-300), np.inf))
-        if name == "displacement":
-            missed = max(0, error.max() - rounding) / (modes.get("tolerance", np.inf) * np.abs(value).max())
-    return Found(*ratios, missed, used)
+        rounding = ROUNDING * np.abs(value).max()
+        over = np.maximum(error - rounding, 0)
+        found.append(np.where(over > 9 * rounding, result[f"{name}_error"] / np.maximum(over, 1e-300), np.inf).tolist())
+        if name == "displacement" and "tolerance" in modes:
+            missed = over.max() / (modes["tolerance"] * np.abs(value).max())
+    return used, missed, *found
 
 
-def draws(seed, count, kinds=KINDS, records=RECORDS):
-    for kind in kinds:
-        for record in records:
-            for i in range(count):
-                rng = np.random.default_rng([seed, KINDS.index(kind), RECORDS.index(record), i])
-                scene = draw(rng, kind, record)
-                tolerance = log_between(rng, 1e-8 if scene.motion.release is None else 1e-7, 1e-2)
-                counts = [int(log_between(rng, 2, 100)) for _ in range(2)]
-                yield kind, record, i, scene, {"tolerance": tolerance}
-                yield kind, record, i, scene, {"before": counts[0], "after": counts[1]}
+def rows_of(here, seed, kind, record, numbers):
+    for number, scene, *ways in scenes(seed, kind, record, numbers):
+        for modes in ways:
+            found = compare(here, scene, modes)
+            if found is not None:
+                yield Row(kind, record, number, *found)
+
+
+def table(rows):
+    """Of each class: runs, the largest error over its tolerance, and estimates over errors."""
+    yield "| class | runs | largest error over the tolerance | estimate over error: displacement | velocity |"
+    yield "|---|---|---|---|---|"
+    for name in KINDS + RECORDS:
+        some = [row for row in rows if name in (row.kind, row.record)]
+        if not some:
+            continue
+        ratios = []
+        for quantity in ("displacement", "velocity"):
+            values = np.array([ratio for row in some for ratio in getattr(row, quantity) if np.isfinite(ratio)])
+            ratios.append(f"{values.min():.2f}, median {np.median(values):.1f}")
+        yield f"| {name} | {len(some)} | {max(row.missed for row in some):.2f} | {ratios[0]} | {ratios[1]} |"
+
+
+def broken(row):
+    return row.missed > 1 or min(row.displacement + row.velocity) < 1
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--draws", type=int, default=60)
-    parser.add_argument("--seed", type=int, default=int(os.environ.get("BEAMWAVE_SEED", "1")))
     parser.add_argument("--kinds", nargs="*", default=KINDS)
     parser.add_argument("--records", nargs="*", default=RECORDS)
     parser.add_argument("--beamwave", type=Path, default=Path(__file__).parents[2] / "build/bin/beamwave")
+    parser.add_argument("--output", type=Path, default=Path(os.devnull))
+    parser.add_argument("--table", nargs="*", type=Path)
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as directory:
-        here = Workplace(options.beamwave.resolve(), Path(directory))
-        for kind, record, i, scene, modes in draws(options.seed, options.draws, options.kinds, options.records):
-            found = compare(here, scene, modes)
-            if found is None:
-                print(f"{kind}|{record}|{i}|refused|{modes}", flush=True)
-                continue
-            text = ["|".join(f"{x:.3g}" for x in values) for values in (found.displacement, found.velocity)]
-            print(f"{kind}|{record}|{i}|{'t' if 'tolerance' in modes else 'c'}|{found.modes}|{found.missed:.3g}|" + "|".join(text), flush=True)
+    if options.table:
+        rows = [Row.read(line) for path in options.table for line in path.read_text().splitlines()]
+    else:
+        rows = []
+        seed = int(os.environ.get("BEAMWAVE_SEED", "1"))
+        with tempfile.TemporaryDirectory() as directory, options.output.open("w", encoding="utf-8") as file:
+            here = Workplace(options.beamwave.resolve(), Path(directory))
+            for kind in options.kinds:
+                for record in options.records:
+                    for row in rows_of(here, seed, kind, record, range(options.draws)):
+                        rows.append(row)
+                        print(row.text(), file=file, flush=True)
+    print("\n".join(table(rows)))
+    failures = [row.text() for row in rows if broken(row)]
+    print("\n".join(failures), file=sys.stderr)
+    sys.exit(bool(failures))
 
 
 if __name__ == "__main__":
