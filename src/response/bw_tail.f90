@@ -172,6 +172,9 @@ contains
     else
       sums%magnitude = sums%magnitude + octave%magnitude/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
     end if
+    sums%largest = max(sums%largest, octave%largest)
+    sums%passing = max(sums%passing, octave%passing)
+    sums%alpha = min(sums%alpha, octave%alpha)
   end subroutine extrapolate
 
   pure subroutine sample_window(first, last, number, weight)
