@@ -3,14 +3,14 @@ module bw_coherence
   !!
   !! The phase of a far mode k at the time τ is π²k²τ, and terms linear in k that depend on the point. A sum of such modes is
   !! a theta sum, which is large where ϑ = πτ/2 is near a fraction p/q: at the distance ε from it, modes with amplitudes that
-  !! fall from A on add up to no more than the smaller of Σ|A| and A/√ε, over √q and times factors of about 1, whatever the
-  !! linear terms are (sums of Gauss, and chords of Cornu's spiral). Of K modes no q above K counts (Dirichlet). What is
-  !! beside this leading term is as large as random phases make it.
+  !! fall from A on add up to no more than the smaller of Σ|A| and A/√ε, over √q, or √(q/2) where q is even, and times a
+  !! factor of about 1, whatever the linear terms are (sums of Gauss, and chords of Cornu's spiral). Of K modes no q above K
+  !! counts (Dirichlet). What is beside this leading term is as large as random phases make it.
   !!
   !! The samples are ϑ_j = jϑ, j ≤ N: qϑ_j is as far from a whole number as mϑ with m = qj, which is nearest for the
   !! denominators m of the continued fraction of ϑ, and q ≥ m/N. So the worst sample of all is known after some ten divisions.
   !! Of steps that are commensurable with the waves one m is very good; those that are farthest from it leave about
-  !! 1.6 N^(1/4) times the mean square's root.
+  !! 2.3 N^(1/4) times the mean square's root.
   !!
   !! **Empirical**: the factors. `tests/scenes/tails.py` shows what they are worth.
   !! **Source**: Fiedler, Jurkat and Körner, Asymptotic expansions of finite theta series, Acta Arithmetica 32 (1977) 129–146.
@@ -19,7 +19,6 @@ module bw_coherence
   private
   public :: combined, largest
 
-  real(dp), parameter :: gauss = 1.0_dp          !! of 1/√q
   real(dp), parameter :: chord = 0.5_dp
     !! of A/√ε. The longest chord is 0.83, but at most points only one of the two waves of each mode is near its fraction:
     !! 28000 sums over random and commensurable samples asked for less
@@ -128,7 +127,7 @@ contains
       call find_next(fraction)
       if (fraction%m > samples*max(1.0_dp, apart*sums%magnitude/sums%largest)) exit
       one_passage = .false.
-      share = min(1.0_dp, gauss*sqrt(samples/fraction%m))
+      share = min(1.0_dp, sqrt(samples*merge(2.0_dp, 1.0_dp, modulo(fraction%m, 2.0_dp) < 1.0_dp)/fraction%m))
       if (share*sums%magnitude <= motion) exit
       motion = max(motion, min(share*sums%magnitude, near_sum(sums, fraction%distance)))
     end do
