@@ -17,7 +17,7 @@ module bw_coherence
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: combined, largest
+  public :: combined, from_tip, largest
 
   real(dp), parameter :: chord = 0.5_dp
     !! of A/√ε. The longest chord is 0.83, but at most points only one of the two waves of each mode is near its fraction:
@@ -69,6 +69,12 @@ contains
     both%growing = sums%growing + others%growing
   end function combined
 
+  elemental real(dp) function from_tip(xi) result(distance)
+    !! The distance d of a point from the tip, at the tip itself so small that what is over it says nothing.
+    real(dp), intent(in) :: xi                   !! ξ
+    distance = max(1.0_dp - xi, sqrt(tiny(distance)))
+  end function from_tip
+
   elemental real(dp) function largest(sums, xi, stretch, quadratic) result(motion)
     !! What the modes add up to at most at one of the samples.
     type(deviation_type), intent(in) :: sums
@@ -78,7 +84,7 @@ contains
     real(dp) :: first
     motion = sums%growing
     if (sums%largest <= 0.0_dp) return
-    first = first_passage(sums, 1.0_dp - xi, stretch)
+    first = first_passage(sums, from_tip(xi), stretch)
     if (quadratic) then
       motion = motion + min(sums%magnitude, theta_sum(sums, first, stretch))
     else
@@ -94,7 +100,7 @@ contains
     real(dp), intent(in) :: distance             !! from the tip, d
     type(stretch_type), intent(in) :: stretch
     real(dp) :: gone, way
-    motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest/max(distance, tiny(distance))
+    motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest/distance
     way = 2.0_dp*sums%alpha*stretch%end
     gone = 2.0_dp*sums%alpha*stretch%start - distance      ! beyond the point at the first sample
     if (gone > 0.0_dp .and. way < 2.0_dp - distance) motion = min(motion, sums%largest/gone)

@@ -4,7 +4,7 @@ module bw_tail
   !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
   !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
   !! and integrate cubics over it.
-  use bw_coherence, only: deviation_type, stretch_type
+  use bw_coherence, only: deviation_type, from_tip, stretch_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -70,7 +70,7 @@ contains
     real(dp), parameter :: risen = 3.0_dp         ! αd
     real(dp) :: nearest
     nearest = minval(1.0_dp - points, mask=points < 1.0_dp)      ! huge where there is none
-    number = max(1.0_dp/gamma, risen/(pi*nearest))
+    number = max(1.0_dp/gamma, (risen/pi)/nearest)
   end function falls_beyond
 
   pure logical function adds_nothing(before, sums, velocity)
@@ -241,7 +241,7 @@ contains
     logical :: slow
     integer :: k, p
     do p = 1, size(sums)
-      distance = max(1.0_dp - points(p), tiny(distance))
+      distance = from_tip(points(p))
       slow = run_length*min(points(p), distance) < 1.0_dp .and. points(p) < 1.0_dp
       associate (sum => sums(p))
         do k = 1, size(moving%reach)

@@ -12,6 +12,7 @@ import os
 import sys
 import tempfile
 from decimal import Decimal
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -176,12 +177,15 @@ def compare(here, scene, modes):
     return used, missed, *found
 
 
-def rows_of(here, seed, kind, record, numbers):
-    for number, scene, *ways in scenes(seed, kind, record, numbers):
-        for modes in ways:
-            found = compare(here, scene, modes)
-            if found is not None:
-                yield Row(kind, record, number, *found)
+def rows_of(here, options):
+    """Class by class, so that a run that is stopped has tried all of them alike."""
+    seed = int(os.environ.get("BEAMWAVE_SEED", "1"))
+    for draw_number, kind, record in product(range(options.draws), options.kinds, options.records):
+        for number, scene, *ways in scenes(seed, kind, record, [draw_number], options.least, options.most):
+            for modes in ways:
+                found = compare(here, scene, modes)
+                if found is not None:
+                    yield Row(kind, record, number, *found)
 
 
 def table(rows):
@@ -208,6 +212,8 @@ def main():
     parser.add_argument("--draws", type=int, default=60)
     parser.add_argument("--kinds", nargs="*", default=KINDS)
     parser.add_argument("--records", nargs="*", default=RECORDS)
+    parser.add_argument("--least", type=float, default=1e-8, help="tolerance, of which all are above")
+    parser.add_argument("--most", type=int, default=2**14, help="samples; with 1e-5 and 1000 a scene takes a tenth of the time")
     parser.add_argument("--beamwave", type=Path, default=Path(__file__).parents[2] / "build/bin/beamwave")
     parser.add_argument("--output", type=Path, default=Path(os.devnull))
     parser.add_argument("--table", nargs="*", type=Path)
@@ -216,14 +222,11 @@ def main():
         rows = [Row.read(line) for path in options.table for line in path.read_text().splitlines()]
     else:
         rows = []
-        seed = int(os.environ.get("BEAMWAVE_SEED", "1"))
         with tempfile.TemporaryDirectory() as directory, options.output.open("w", encoding="utf-8") as file:
             here = Workplace(options.beamwave.resolve(), Path(directory))
-            for kind in options.kinds:
-                for record in options.records:
-                    for row in rows_of(here, seed, kind, record, range(options.draws)):
-                        rows.append(row)
-                        print(row.text(), file=file, flush=True)
+            for row in rows_of(here, options):
+                rows.append(row)
+                print(row.text(), file=file, flush=True)
     print("\n".join(table(rows)))
     failures = [row.text() for row in rows if broken(row)]
     print("\n".join(failures), file=sys.stderr)
