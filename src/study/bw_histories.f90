@@ -137,10 +137,12 @@ contains
     class(mode_set), intent(in) :: modes
     type(time_grid), intent(in) :: grid
     real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; where it is less roots have more digits too (bw_refined_root)
-    real(dp) :: longest
+    real(dp) :: longest, half
     longest = grid%samples*grid%step%hi
     if (allocated(modes%damping) .and. modes%beta_squared(1)%hi > 0.0_dp) then
-      longest = min(longest, 2.0_dp*exp(-1.0_dp)/max(modes%damping(1), tiny(1.0_dp)))     ! the motion falls as phases drift
+      half = 0.5_dp*max(modes%damping(1), tiny(1.0_dp))       ! the motion falls as e^(−ct/2) while phases drift as t,
+      longest = min(longest, max(grid%step%hi, 1.0_dp/half))  ! together the most at 2/c; its peak may be the first sample
+      longest = longest*exp(-half*max(0.0_dp, longest - grid%step%hi))
     end if
     error = 2.0_dp*epsilon(error)*modes%alpha(1)**4*longest/max(sqrt(abs(modes%beta_squared(1)%hi)), 1.0_dp/longest)
     error = min(error, kept_phase(scene)/least_turning)
