@@ -22,7 +22,7 @@ module bw_coherence
   real(dp), parameter :: chord = 0.5_dp
     !! of A/√ε. The longest chord is 0.83, but at most points only one of the two waves of each mode is near its fraction:
     !! 28000 sums over random and commensurable samples asked for less
-  real(dp), parameter :: random = 3.0_dp         !! of √(½ΣA²)
+  real(dp), parameter :: random = 3.6_dp         !! of √(½ΣA²)
   real(dp), parameter :: passage = 0.5_dp        !! of A√(α/d): 1.17/√(2π) where amplitudes do not fall
   real(dp), parameter :: apart = 2.0_dp          !! times Σ|A|/A: modes that may agree
   real(dp), parameter :: safety = 2.5_dp         !! of random phases alone
