@@ -38,9 +38,10 @@ contains
     !! Frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
     !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
-    !! peak with an error of at least 2π/duration. Where the modes are known, peaks that hold none are left out and noted; else, on a
-    !! uniform beam, lines that fit no mode. Of more than `max_peaks` peaks, those of the largest amplitude (tip and
-    !! midpoint together) stay. A record of zeros, of fewer than 16 samples, or with missing samples, has no peaks.
+    !! peak with an error of at least 2π/duration. Where the modes are known, peaks that hold none are left out and noted;
+    !! else, where lines have been numbered, those that fit no mode. Of more than `max_peaks` peaks, those of the largest
+    !! amplitude (tip and midpoint together) stay. A record of zeros, of fewer than 16 samples, or with missing samples,
+    !! has no peaks.
     real(dp), intent(in) :: tip(:)                      !! displacement at ξ = 1, (N), at the times jT/N
     real(dp), intent(in) :: midpoint(:)                 !! displacement at ξ = ½, (N)
     type(measuring_type), intent(in) :: told
@@ -61,7 +62,8 @@ contains
     else
       peaks = with_hidden(peaks, merge(peaks%hidden, 0.0_dp, peaks%doubtful))
     end if
-    if (told%uniform) call number_modes(peaks, verdict%kind <= is_mode, merge(chance_if_checked, chance, allocated(told%known)), modes)
+    if (told%uniform) call number_modes(peaks, verdict%kind == is_mode .or. verdict%kind == not_known, &
+      & merge(chance_if_checked, chance, allocated(told%known)), modes)
     where (modes%number /= verdict%number .and. verdict%kind /= not_known) modes%number = 0
     allocate (listed, source=listed_peaks(peaks, modes, verdict, told))
     call fill(measured, peaks(listed), modes(listed), modes, told)

@@ -1,11 +1,12 @@
 module bw_mode_numbering
-  !! Which peak is which mode. A ratio R fits many modes, each with its own α; but all modes of a uniform beam imply the same mass
-  !! at the tip (Eq. 19), and lie on one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and ω). Two
-  !! strong peaks taken as two modes give a mass and a curve; the peaks that agree with both number themselves.
+  !! Which peak is which mode. A ratio R fits many modes, each with its own α; but all modes of a uniform beam imply the
+  !! same mass at the tip (Eq. 19), and lie on one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and
+  !! ω). Two strong peaks taken as two modes give a mass and a curve; the peaks that agree with both number themselves.
   !!
   !! Each agreement is worth the logarithm of how unlikely it is by chance. Peaks are numbered where the best numbering is
   !! worth much, and every other that contradicts it is worth much less.
   use bw_kinds, only: dp
+  use bw_line_needless, only: resolution
   use bw_line_peaks, only: peak_type
   use bw_mode_curve, only: as_mode, chance_on_curve, chance_of_mass, curve_through, curve_type, mode_type, on_curve, same_mass
   use bw_mode_ratio, only: mode_near
@@ -35,22 +36,25 @@ module bw_mode_numbering
 contains
 
   subroutine number_modes(peaks, possible, chance, modes)
-    !! Number the peaks: those that cannot be numbered keep the number 0.
+    !! Number the peaks: those that cannot be numbered keep the number 0. A line that stands alone is the first mode, or the first
+    !! after those that move without a frequency, if its ratio allows.
     type(peak_type), intent(in) :: peaks(:)
     logical, intent(in) :: possible(:)           !! whether each peak may be a mode, and is not known to be folded or none
     real(dp), intent(in) :: chance               !! that a numbering is taken that agrees with the peaks by chance
     type(mode_type), intent(out) :: modes(:)     !! one for each peak
     type(candidates_type) :: candidates
     type(numbering_type) :: best, other
+    logical :: at_zero(size(peaks))
     integer :: pairs
     candidates = candidates_of(peaks, possible)
     best = best_numbering(peaks, candidates)
+    at_zero = peaks%at_edge .and. peaks%position < resolution
     pairs = max(1, anchors_of(candidates)*(anchors_of(candidates) - 1)/2)
     if (best%worth >= log(pairs/chance)) then
       other = best_numbering(peaks, candidates, best)
       if (best%worth - other%worth >= -log(chance)) modes = best%modes
-    else if (count(possible) == 1 .and. count(candidates%clear) == 1) then
-      where (possible) modes = as_mode(peaks, 1)                  ! a line that stands alone is mode 1 if its ratio allows
+    else if (count(possible .and. .not. peaks%at_edge) == 1) then
+      where (candidates%clear) modes = as_mode(peaks, 1 + count(possible .and. at_zero))
     end if
   end subroutine number_modes
 

@@ -12,7 +12,9 @@ module bw_one_case
   use bw_kept_blows, only: find_blow, kept_blows
   use bw_kept_work, only: kept_work
   use bw_later_events, only: follow_events
+  use bw_measuring, only: known_modes
   use bw_mode_set, only: mode_set, mode_source
+  use bw_modes_at_end, only: modes_at_end
   use bw_monitor, only: monitor_type, part_monitor
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -38,6 +40,7 @@ contains
     class(mode_source), allocatable :: source     ! of beam and mass
     class(mode_source), allocatable :: alone      ! of the beam alone
     type(part_monitor) :: first, second           ! histories; what is measured in them
+    type(known_modes), allocatable :: known       ! that move after the last event
     call watch%start()
     allocate (result%notes(0))
     result%units = units_of(scene%beam)
@@ -57,7 +60,8 @@ contains
     if (.not. whole) return
     if (allocated(scene%response)) call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
-    call take_spectrum(scene, layout, kept%spectrum, second, result, whole)
+    call modes_at_end(scene, free, loaded, source, alone, result, known)
+    call take_spectrum(scene, layout, known, kept%spectrum, second, result, whole)
     if (.not. whole) return
     if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
   end subroutine run_case
