@@ -49,22 +49,31 @@ contains
     type(residual_type), intent(in) :: residual  !! what these lines leave
     type(peak_type), allocatable :: peaks(:)
     type(group_type), allocatable :: group(:)
-    type(line_type), allocatable :: strong(:)
-    logical, allocatable :: faint(:)
-    logical :: explained
-    integer :: i, j
-    real(dp) :: density
+    integer :: i
     allocate (peaks(0))
-    density = 2*size(lines)/real(residual%count, dp)
     allocate (group, source=line_groups(lines, [integer ::]))
     do i = 1, size(group)
-      faint = [(is_faint(j, group(i)%lines), j=1, size(group(i)%lines))]
-      strong = pack(group(i)%lines, .not. faint)
-      if (any(faint)) call bound_errors(strong, pack(group(i)%lines, faint), density, residual, explained)
-      call bound_errors(group(i)%lines, [line_type ::], density, residual, explained)
-      peaks = [peaks, merged(group(i), strong, residual, explained)]
+      peaks = [peaks, peaks_of_group(group(i), 2*size(lines)/real(residual%count, dp), residual)]
     end do
   end function peaks_of
+
+  function peaks_of_group(lines_together, density, residual) result(peaks)
+    !! The peaks of lines that share bins.
+    type(group_type), intent(in) :: lines_together
+    real(dp), intent(in) :: density              !! lines per bin of the whole record
+    type(residual_type), intent(in) :: residual
+    type(peak_type), allocatable :: peaks(:)
+    type(group_type) :: group
+    type(line_type), allocatable :: strong(:)
+    logical :: faint(size(lines_together%lines)), explained
+    integer :: j
+    group = lines_together
+    faint = [(is_faint(j, group%lines), j=1, size(faint))]
+    allocate (strong, source=pack(group%lines, .not. faint))
+    if (any(faint)) call bound_errors(strong, pack(group%lines, faint), density, residual, explained)
+    call bound_errors(group%lines, [line_type ::], density, residual, explained)
+    allocate (peaks, source=merged(group, strong, residual, explained))
+  end function peaks_of_group
 
   pure logical function is_faint(j, lines)
     !! Whether a line lies beside a much stronger one.
