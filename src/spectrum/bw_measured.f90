@@ -38,7 +38,7 @@ contains
     !! Frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
     !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
-    !! peak with an error of at least 2π/duration. Where the modes are known, peaks that hold none are left out and noted;
+    !! peak with an error of at least 2π/duration, unless all but one are faint modes. Where the modes are known, peaks that hold none are left out and noted;
     !! else, where lines have been numbered, those that fit no mode. Of more than `max_peaks` peaks, those of the largest
     !! amplitude (tip and midpoint together) stay. A record of zeros, of fewer than 16 samples, or with missing samples,
     !! has no peaks.

@@ -10,7 +10,7 @@ module bw_mode_check
   public :: check_peaks
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter :: faint = 0.01_dp                 !! of a line; such a mode beside it makes no close pair
+  real(dp), parameter :: faint = 0.1_dp                  !! of a line; what is less beside it makes no close pair
   integer, parameter :: further = 4                      !! times as many modes as there are peaks may matter
   real(dp), parameter :: uneven = 4                      !! modes at a tip fall in strength with such steps back
   real(dp), parameter :: rounding = 32*epsilon(1.0_dp)   !! of the frequencies of modes
@@ -36,7 +36,7 @@ contains
   pure subroutine check_peaks(known, samples, duration, peaks, verdict)
     !! What each peak is: a mode where its interval holds the frequency of one, the narrowest interval first, each mode once. The
     !! errors of peaks are settled: they make room for hidden lines where other strong modes lie within the resolution, and a
-    !! close pair is one line where no other strong mode is there.
+    !! close pair is one line where none is there, or the fit has no room for one.
     type(known_modes), intent(in) :: known
     integer, intent(in) :: samples
     real(dp), intent(in) :: duration               !! s
@@ -51,7 +51,8 @@ contains
     do i = 1, size(peaks)
       single = as_single(peaks(i))
       first = judged(single, modes)
-      if (any(first%kind == [is_mode, is_folded]) .and. beside(single, first, modes) <= faint) peaks(i) = single
+      if (any(first%kind == [is_mode, is_folded]) .and. min(single%hidden, beside(single, first, modes)) <= faint) &
+        & peaks(i) = single
       peaks(i) = settled(peaks(i), judged(peaks(i), modes), modes)
     end do
     error = peaks%position_error

@@ -17,7 +17,7 @@ module bw_mode_numbering
   integer, parameter :: most_anchors = 6         !! strongest peaks that are tried as pairs
   integer, parameter :: highest_anchor = 50      !! mode
   real(dp), parameter :: clear_position = 0.3_dp !! bins; peaks with larger errors number nothing
-  real(dp), parameter :: clear_ratio = 0.05_dp   !! relative to 1 + |R|
+  real(dp), parameter :: clear_ratio = 0.05_dp   !! of the angle whose tangent is R
   real(dp), parameter :: gap_costs = log(10.0_dp)  !! a mode below the highest that has no peak; as many more numberings are tried
 
   type :: numbering_type
@@ -64,7 +64,7 @@ contains
     type(candidates_type) :: candidates
     integer :: i, k
     candidates%clear = possible .and. peaks%position_error < clear_position &
-      & .and. peaks%ratio_error < clear_ratio*(1 + abs(peaks%ratio))
+      & .and. peaks%ratio_error < clear_ratio*(1 + peaks%ratio**2)
     candidates%order = descending(pack([(i, i=1, size(peaks))], candidates%clear), peaks%strength)
     candidates%at_edge = count(peaks%at_edge)
     allocate (candidates%role(highest_anchor, size(peaks)))

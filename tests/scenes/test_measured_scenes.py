@@ -1,6 +1,6 @@
 """Waves measured in random scenes: every interval holds the true value of one mode, and hardly a mode that can be told is missed.
 
-BEAMWAVE_SCENES is how many scenes there are of each class, BEAMWAVE_SEED the first seed:
+What a record can tell is defined in measured_scenes. BEAMWAVE_SCENES is how many scenes there are of each class, BEAMWAVE_SEED the first seed:
 BEAMWAVE_SCENES=300 .venv/bin/python -m pytest tests/scenes/test_measured_scenes.py
 """
 
