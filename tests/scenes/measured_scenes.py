@@ -14,6 +14,7 @@ H = np.longdouble(0.037) / 4 * np.sqrt(np.longdouble(2e11) / np.longdouble(7870)
 TWO_PI = 4 * np.arcsin(np.longdouble(1))
 MOST_MODES = 1000  # of a record by tolerance: later ones are fainter than 1e-9
 GAP = 2.0  # periods in the record
+ROOM = 8  # samples for each line that a record holds
 MARGIN = 100.0
 FAINTEST = 1e-9
 MOST_GROWTH = 10.0
@@ -159,7 +160,7 @@ class Record:
     def can_be_told(self):
         """Which modes' frequencies can be told, by the definition above."""
         by_strength = np.sort(self.strength)[::-1]
-        room = self.samples // 8
+        room = self.samples // ROOM
         seen = max(FAINTEST, by_strength[room] if room < len(by_strength) else 0.0)
         visible = self.strength >= seen
         apart = [np.count_nonzero(visible & (np.abs(self.image - image) <= GAP)) < 2 for image in self.image]
