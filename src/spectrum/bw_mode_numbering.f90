@@ -64,7 +64,7 @@ contains
     type(candidates_type) :: candidates
     integer :: i, k
     candidates%clear = possible .and. peaks%position_error < clear_position &
-      & .and. peaks%ratio_error < clear_ratio*(1 + peaks%ratio**2)
+      & .and. peaks%ratio_error/hypot(1.0_dp, peaks%ratio) < clear_ratio*hypot(1.0_dp, peaks%ratio)
     candidates%order = descending(pack([(i, i=1, size(peaks))], candidates%clear), peaks%strength)
     candidates%at_edge = count(peaks%at_edge)
     allocate (candidates%role(highest_anchor, size(peaks)))
