@@ -3,7 +3,7 @@ module bw_scene_summary
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
-  use bw_case_fields, only: case_length, fields_of
+  use bw_case_fields, only: block_capacity, case_field, case_length, fields_of, short_fields
   use bw_damping_par, only: by_ratio
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
@@ -17,9 +17,6 @@ module bw_scene_summary
   implicit none (type, external)
   private
   public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
-
-  integer(i8), parameter :: block_bytes = 8000000
-    !! of cases that are written at a time
 
 contains
 
@@ -93,7 +90,6 @@ contains
   end function method_text
 
   function damping_text(scene) result(text)
-    !! The damping with its numbers, behind a comma.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     associate (damping => scene%damping)
@@ -108,7 +104,6 @@ contains
   end function damping_text
 
   function mass_text(scene) result(text)
-    !! The mass ratio of the impact; 'swept' also where it is the mass that a sweep gives.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio, '')
@@ -155,7 +150,6 @@ contains
   end function sweep_text
 
   function number_or_swept(scene, name, value, unit) result(text)
-    !! An input's value with its unit; 'swept' where a sweep gives it.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: name              !! 'group%name'
     real(dp), intent(in) :: value
@@ -200,11 +194,14 @@ contains
     type(result_layout), intent(in) :: layout
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
-    integer(i8) :: numbers, shapes
-    numbers = case_length(fields_of(layout))
+    type(case_field), allocatable :: fields(:)
+    integer(i8) :: shapes
+    fields = fields_of(layout)
     shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
-    bytes = 8*(2*numbers + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
-    if (layout%cases > 0) bytes = bytes + 2*min(8*numbers*layout%cases, block_bytes) + 6_i8*layout%cases
+    bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+    if (layout%cases == 0) return
+    fields = fields(:short_fields(fields))
+    bytes = bytes + 2*8*case_length(fields)*block_capacity(fields, layout%cases) + 6_i8*layout%cases
   end function working_bytes
 
   pure function bytes_text(bytes) result(text)

@@ -12,8 +12,8 @@ module bw_case_fields
   use bw_result_variable, only: result_variable
   implicit none (type, external)
   private
-  public :: all_variables, block_for, case_length, field_of, fields_of, named_value, put_field, put_fields, short_fields, &
-    variables_of
+  public :: all_variables, block_capacity, block_for, case_length, field_of, fields_of, named_value, put_field, put_fields, &
+    short_fields, variables_of
 
   integer(i8), parameter :: long = 512                  !! numbers of a history that is long: some pages of a file; tuned
   integer(i8), parameter :: block_numbers = 1000000     !! 8 MB are written at a time; a single case may be more
@@ -196,9 +196,16 @@ contains
     !! An empty block.
     type(case_field), intent(in) :: fields(:)
     integer, intent(in) :: cases                          !! of the sweep
-    block%capacity = int(max(1_i8, min(int(cases, i8), block_numbers/case_length(fields))))
+    block%capacity = block_capacity(fields, cases)
     allocate (block%numbers(case_length(fields)*block%capacity))
   end function block_for
+
+  pure integer function block_capacity(fields, cases) result(capacity)
+    !! How many cases are written at a time.
+    type(case_field), intent(in) :: fields(:)
+    integer, intent(in) :: cases                          !! of the sweep
+    capacity = int(max(1_i8, min(int(cases, i8), block_numbers/case_length(fields))))
+  end function block_capacity
 
   pure subroutine add_case(self, fields, numbers)
     !! Add a case, for which there must be room.
