@@ -37,7 +37,7 @@ contains
     type(result_layout), intent(in) :: layout
     type(result_file), intent(out) :: file
     type(error_type), allocatable, intent(out) :: error
-    integer :: former, i
+    integer :: former, seconds, i
     file%fields = fields_of(layout)
     call file%create(path, error)
     if (allocated(error)) return
@@ -49,7 +49,8 @@ contains
       end associate
     end do
     call define_variables(file, layout, swept_names(scene), error)
-    call file%define(variable_text('stage_seconds', 'stage', 's', 'wall time of the stage over all cases'), file%seconds, error)
+    call file%define(variable_text('stage_seconds', 'stage', 's', 'wall time of the stage over all cases'), seconds, error)
+    file%seconds = seconds
     call put_coordinates(file, scene, layout, error)
     call put_inputs(file, scene, error)
     call file%put_known(error)
@@ -86,7 +87,7 @@ contains
   end function position_of
 
   subroutine find_variables(file, error)
-    !! NetCDF's numbers, asked for once.
+    !! Ask for NetCDF's numbers of the fields, once.
     type(result_file), intent(inout) :: file
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
@@ -101,7 +102,7 @@ contains
     !! How large the result of a scene will be: its numbers, and what is said of them.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    integer, parameter :: head_bytes = 8000     !! of the file's own attributes; measured
+    integer, parameter :: head_bytes = 8000      !! of the file's own attributes; measured
     integer, parameter :: text_bytes = 700       !! of a variable's name and attributes; measured
     type(case_field), allocatable :: fields(:)
     type(variable_text), allocatable :: coordinates(:)
@@ -121,7 +122,7 @@ contains
   end function result_bytes
 
   elemental integer(i8) function number_bytes(is_integer) result(bytes)
-    !! Of a number in the file.
+    !! How many bytes a number takes in the file.
     logical, intent(in) :: is_integer
     bytes = merge(4_i8, 8_i8, is_integer)
   end function number_bytes

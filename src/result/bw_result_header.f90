@@ -37,7 +37,7 @@ contains
     command = 'run'
     if (present(study)) command = study
     call file%put_text('Conventions', 'CF-1.11', error)
-    call file%check(nf90_put_att(file%id, nf90_global, 'format_version', format_version), error)
+    if (.not. allocated(error)) call file%check(nf90_put_att(file%id, nf90_global, 'format_version', format_version), error)
     call file%put_text('title', trim(scene%header%title), error)
     call file%put_text('source', source_text(), error)
     call file%put_text('created', time_stamp(), error)
