@@ -194,15 +194,20 @@ contains
     type(result_layout), intent(in) :: layout
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
-    type(case_field), allocatable :: fields(:)
     integer(i8) :: shapes
-    fields = fields_of(layout)
     shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
-    bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
-    if (layout%cases == 0) return
-    fields = fields(:short_fields(fields))
-    bytes = bytes + 2*8*case_length(fields)*block_capacity(fields, layout%cases) + 6_i8*layout%cases
+    associate (fields => fields_of(layout))
+      bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+      if (layout%cases > 0) bytes = bytes + block_bytes(fields(:short_fields(fields)), layout%cases) + 6_i8*layout%cases
+    end associate
   end function working_bytes
+
+  pure integer(i8) function block_bytes(fields, cases) result(bytes)
+    !! Memory of a block of cases, and of a field of it on its way into the file, which may be all of it.
+    type(case_field), intent(in) :: fields(:)       !! the short ones
+    integer, intent(in) :: cases                    !! of the sweep
+    bytes = 2*8*case_length(fields)*block_capacity(fields, cases)
+  end function block_bytes
 
   pure function bytes_text(bytes) result(text)
     !! In kB, MB or GB of 1000s, three digits.
