@@ -74,8 +74,8 @@ contains
       call self%read_record(verdict, error)
       found = verdict == is_sound
       if (found .or. verdict == is_none) exit
-      is_bad = is_bad .or. verdict == is_damaged
-      is_torn = is_torn .or. verdict == is_cut
+      is_bad = is_bad .or. verdict == is_damaged .or. is_torn    ! what was cut before was not the last
+      is_torn = verdict == is_cut
       call self%find_mark(error)
     end do
     if (is_bad .or. (is_torn .and. found)) self%damaged = self%damaged + 1
