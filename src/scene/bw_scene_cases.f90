@@ -3,10 +3,9 @@ module bw_scene_cases
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value
   use bw_kinds, only: i8
-  use bw_scene, only: build_scene, scene_type
-  use bw_scene_checks, only: settle_groups
+  use bw_scene, only: build_scene, scene_type, settle_groups
+  use bw_scene_checks, only: check_scales
   use bw_scene_messages, only: message_list
-  use bw_scene_scales, only: check_scales
   use bw_text, only: text_of
   implicit none (type, external)
   private

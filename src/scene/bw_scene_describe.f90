@@ -3,10 +3,8 @@ module bw_scene_describe
   use bw_error, only: error_type, fail, status_bad_input
   use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
                            range_text
-  use bw_input_table, only: group_row, group_table, name_table, rows_of
-  use bw_text, only: lower
-  use bw_text_builder, only: text_builder
-  use bw_unknown_input, only: unknown_group
+  use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group
+  use bw_text, only: lower, text_builder
   implicit none (type, external)
   private
   public :: describe_text

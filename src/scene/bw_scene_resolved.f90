@@ -2,14 +2,13 @@ module bw_scene_resolved
   !! The resolved scene: the namelist with defaults and settled values filled in, and its numbers one by one.
   !! Saved to a file and read again, it gives the same values to the bit.
   use bw_input_name, only: input_name, integer_input, logical_input, name_length, reals_input, text_input, is_number
-  use bw_input_table, only: group_table, name_row, name_table
+  use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of
   use bw_kinds, only: dp, i8
   use bw_scene, only: scene_type
   use bw_shear_par, only: circle_coefficient
   use bw_sweep_par, only: sweep_par
-  use bw_text, only: text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
   public :: numeric_inputs, resolved_text, values_of_sweep
@@ -54,7 +53,7 @@ contains
     do v = 1, size(group%values)
       associate (value => group%values(v))
         if (value%known .and. .not. value%redundant .and. value%sweep == 0) then
-          call put_value(builder, name_table(name_row(group%group, value%name)), value)
+          call put_value(builder, name_table(value%row), value)
         end if
       end associate
     end do

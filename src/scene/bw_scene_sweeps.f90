@@ -1,16 +1,13 @@
 module bw_scene_sweeps
   !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable
-  use bw_input_table, only: group_row, name_row, name_table
+  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable, place_of
+  use bw_input_table, only: group_row, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
-  use bw_scene_characters, only: shown
   use bw_scene_checks, only: check_group
-  use bw_scene_entries, only: place_of
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, shown
   use bw_sweep_par, only: build_sweep, sweep_lines, sweep_par
   use bw_text, only: lower, text_of
-  use bw_unknown_input, only: unknown_group, unknown_name
   implicit none (type, external)
   private
   public :: take_sweeps

@@ -4,8 +4,7 @@ module bw_beam_par
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, qp
   use bw_missing, only: missing
-  use bw_representable, only: settle_product
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, settle_product
   implicit none (type, external)
   private
   public :: beam_mass, build_beam, check_beam

@@ -7,7 +7,7 @@ module bw_damping_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_damping, by_ratio, check_damping, settle_damping
+  public :: build_damping, by_ratio, check_damping, damping_text, settle_damping
 
   type, public :: damping_par
     real(dp) :: ratio = missing                    !! ζ of every mode, ≥ 0; `missing` with Rayleigh's constants
@@ -16,7 +16,7 @@ module bw_damping_par
   end type damping_par
 
   type(input_group), parameter, public :: damping_group = input_group( &
-    'damping', absent='undamped', &
+    'damping', is_effect=.true., absent='undamped', &
     rules='Give `ratio`, the same for every mode, or Rayleigh''s constants; one of these that is not given is 0. '// &
     'Both act on the frequencies that bending alone would give.')
 
@@ -73,5 +73,19 @@ contains
     type(damping_par), intent(in) :: damping
     by_ratio = .not. is_missing(damping%ratio)
   end function by_ratio
+
+  pure function damping_text(groups) result(text)
+    !! What a report calls it, with its ratio or Rayleigh's constants.
+    type(group_values), intent(in) :: groups(:)   !! settled, with this group
+    character(:), allocatable :: text
+    associate (values => groups(position_of(groups, 'damping')))
+      if (values%known('ratio')) then
+        text = 'damping (ratio '//values%number_or_swept('ratio', '')//')'
+      else
+        text = 'damping ('//values%number_or_swept('mass_proportional', ' 1/s')//' of the mass, '// &
+          values%number_or_swept('stiffness_proportional', ' s')//' of the stiffness)'
+      end if
+    end associate
+  end function damping_text
 
 end module bw_damping_par

@@ -4,11 +4,11 @@ module bw_impact_par
                            unit_interval
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, qp
-  use bw_representable, only: settle_product
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, settle_product
+  use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: build_impact, check_impact
+  public :: build_impact, check_impact, impact_text
 
   type, public :: impact_par
     real(dp) :: mass = 0.0_dp               !! m_j [kg], ≥ 0, given or γ m_i
@@ -21,7 +21,7 @@ module bw_impact_par
   end type impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
-    'impact', absent='nothing strikes the beam: only its modes and wave velocities are computed', &
+    'impact', is_effect=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
     rules='Give `mass` or `mass_ratio`.')
 
   type(input_name), parameter, public :: impact_names(*) = [ &
@@ -74,5 +74,18 @@ contains
       end if
     end associate
   end subroutine build_impact
+
+  pure function impact_text(groups, impact) result(text)
+    !! What a report calls it, with the mass ratio that was given or follows.
+    type(group_values), intent(in) :: groups(:)             !! with this group
+    type(impact_par), intent(in) :: impact
+    character(:), allocatable :: text, ratio
+    associate (values => groups(position_of(groups, 'impact')))
+      ratio = shortest(impact%mass_ratio, 6)
+      if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'
+      text = 'impact (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
+        ', restitution '//values%number_or_swept('restitution', '')//')'
+    end associate
+  end function impact_text
 
 end module bw_impact_par

@@ -13,7 +13,7 @@ module bw_recontact_par
   end type recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
-    'recontact', needs='impact response', absent='a rebounded mass never returns', &
+    'recontact', needs='impact response', is_effect=.true., absent='a rebounded mass never returns', &
     rules='It excludes `&capture`. The mass moves in a guide that turns with the hub. Contacts that follow each '// &
     'other ever faster become one that lasts, until the mass is no longer pressed against the tip.')
 

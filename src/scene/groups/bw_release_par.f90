@@ -5,14 +5,14 @@ module bw_release_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_release
+  public :: build_release, release_text
 
   type, public :: release_par
     real(dp) :: time = 0.0_dp       !! t_r [s], > 0
   end type release_par
 
   type(input_group), parameter, public :: release_group = input_group( &
-    'release', needs='capture', absent='a captured mass stays', &
+    'release', needs='capture', is_effect=.true., absent='a captured mass stays', &
     rules='A sample at exactly that time belongs to the beam without the mass. A time beyond the end of the '// &
     'record changes nothing.')
 
@@ -32,5 +32,12 @@ contains
     allocate (release)
     release%time = groups(i)%number('time')
   end subroutine build_release
+
+  pure function release_text(groups) result(text)
+    !! What a report calls it: `release at 0.1 s`.
+    type(group_values), intent(in) :: groups(:)   !! with this group
+    character(:), allocatable :: text
+    text = 'release at '//groups(position_of(groups, 'release'))%number_or_swept('time', ' s')
+  end function release_text
 
 end module bw_release_par

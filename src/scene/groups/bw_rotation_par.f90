@@ -5,7 +5,7 @@ module bw_rotation_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_rotation
+  public :: build_rotation, rotation_text
 
   type, public :: rotation_par
     real(dp) :: angular_velocity = 0.0_dp   !! ω [rad/s], of either sign
@@ -13,7 +13,7 @@ module bw_rotation_par
   end type rotation_par
 
   type(input_group), parameter, public :: rotation_group = input_group( &
-    'rotation', absent='the beam does not rotate')
+    'rotation', is_effect=.true., absent='the beam does not rotate')
 
   type(input_name), parameter, public :: rotation_names(*) = [ &
     input_name('rotation', 'angular_velocity', real_input, 'rad s-1', any_number, required=.true., swept=.true., &
@@ -34,5 +34,15 @@ contains
     rotation%angular_velocity = groups(i)%number('angular_velocity')
     rotation%plane = groups(i)%text('plane')
   end subroutine build_rotation
+
+  pure function rotation_text(groups) result(text)
+    !! What a report calls it: `rotation 50 rad/s in plane`.
+    type(group_values), intent(in) :: groups(:)   !! with this group
+    character(:), allocatable :: text
+    associate (values => groups(position_of(groups, 'rotation')))
+      text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s')// &
+        trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))
+    end associate
+  end function rotation_text
 
 end module bw_rotation_par

@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear, circle_coefficient, settle_shear, usual_shear
+  public :: build_shear, check_shear, circle_coefficient, settle_shear, shear_text, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -14,7 +14,8 @@ module bw_shear_par
   end type shear_par
 
   type(input_group), parameter, public :: shear_group = input_group( &
-    'shear', absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
+    'shear', is_effect=.true., changes_shapes=.true., &
+    absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
     rules='`shear_coefficient` is 6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter` (Cowper 1966), nu being '// &
     '`poisson_ratio`; any other section needs its own.')
 
@@ -75,5 +76,15 @@ contains
     real(dp), intent(in) :: nu
     coefficient = 6.0_dp*(1.0_dp + nu)/(7.0_dp + 6.0_dp*nu)
   end function circle_coefficient
+
+  pure function shear_text(groups) result(text)
+    !! What a report calls it, with its two numbers.
+    type(group_values), intent(in) :: groups(:)          !! settled, with this group
+    character(:), allocatable :: text
+    associate (values => groups(position_of(groups, 'shear')))
+      text = 'shear (Poisson''s ratio '//values%number_or_swept('poisson_ratio', '')//', shear coefficient '// &
+        values%number_or_swept('shear_coefficient', '')//')'
+    end associate
+  end function shear_text
 
 end module bw_shear_par

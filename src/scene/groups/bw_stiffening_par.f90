@@ -5,14 +5,15 @@ module bw_stiffening_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_stiffening
+  public :: build_stiffening, stiffening_text
 
   type, public :: stiffening_par
     real(dp) :: hub_radius = 0.0_dp   !! distance of the root from the axis [m], ≥ 0
   end type stiffening_par
 
   type(input_group), parameter, public :: stiffening_group = input_group( &
-    'stiffening', needs='rotation', absent='no tension: rotation leaves the stiffness of the beam as it is')
+    'stiffening', needs='rotation', is_effect=.true., changes_shapes=.true., &
+    absent='no tension: rotation leaves the stiffness of the beam as it is')
 
   type(input_name), parameter, public :: stiffening_names(*) = [ &
     input_name('stiffening', 'hub_radius', real_input, 'm', not_negative, '0', swept=.true., &
@@ -30,5 +31,12 @@ contains
     allocate (stiffening)
     stiffening%hub_radius = groups(i)%number('hub_radius')
   end subroutine build_stiffening
+
+  pure function stiffening_text(groups) result(text)
+    !! What a report calls it: `stiffening (hub radius 0.1 m)`.
+    type(group_values), intent(in) :: groups(:)   !! with this group
+    character(:), allocatable :: text
+    text = 'stiffening (hub radius '//groups(position_of(groups, 'stiffening'))%number_or_swept('hub_radius', ' m')//')'
+  end function stiffening_text
 
 end module bw_stiffening_par

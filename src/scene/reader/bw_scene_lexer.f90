@@ -3,10 +3,9 @@ module bw_scene_lexer
   !!
   !! Text outside groups, unclosed quotes and characters that a namelist does not know are errors here; what tokens
   !! mean is the parser's business.
-  use bw_scene_characters, only: blanks, ends_word, is_ascii, is_name, is_utf8, lines_up_to, shown, stray_control
-  use bw_scene_messages, only: message_list
-  use bw_scene_tokens, only: bad_group_token, bad_token, comma_token, end_token, equals_token, group_token, name_in, &
-                             text_token, token, word_token
+  use bw_scene_messages, only: message_list, shown
+  use bw_scene_tokens, only: bad_group_token, bad_token, blanks, comma_token, end_token, ends_word, equals_token, &
+    group_token, is_ascii, is_name, is_utf8, line_feed, lines_up_to, name_in, stray_control, text_token, token, word_token
   use bw_text, only: text_of
   implicit none (type, external)
   private
@@ -22,7 +21,6 @@ module bw_scene_lexer
   end type scanner
 
   integer, parameter :: most_tokens = 2**22      !! two for each value that a scene may hold, and more
-  character(*), parameter :: line_feed = achar(10)
   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
 contains
@@ -54,6 +52,7 @@ contains
   end subroutine tokenise
 
   pure subroutine report_control(text, stray, messages)
+    !! Say what is wrong with the first byte that is no text.
     character(*), intent(in) :: text
     integer, intent(in) :: stray
     type(message_list), intent(inout) :: messages
@@ -94,6 +93,7 @@ contains
   end subroutine step
 
   pure subroutine take_inside(text, lex, messages)
+    !! Take a token inside a group.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
@@ -189,6 +189,7 @@ contains
   end function closing_quote
 
   pure subroutine take_word(text, lex, messages)
+    !! A bare word: a name, a number or a logical.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages

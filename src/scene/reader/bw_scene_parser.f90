@@ -1,7 +1,6 @@
 module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
-  use bw_scene_characters, only: shortened, shown
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, shortened, shown
   use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, text_token, &
                              token, word_token
   use bw_text, only: text_of
@@ -61,6 +60,7 @@ contains
   end subroutine parse
 
   pure subroutine open_group(text, tokens, i, open, parsed, messages)
+    !! Token i opens a group, or is the `&end` that is not accepted.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
@@ -82,6 +82,7 @@ contains
   end subroutine open_group
 
   pure subroutine report_open(text, tokens, parsed, messages)
+    !! Say that the group opened last is not closed.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(in) :: parsed
