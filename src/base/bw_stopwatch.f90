@@ -159,15 +159,15 @@ contains
     median = self%quantile(0.5_dp)
   end function median
 
-  pure real(dp) function quantile(self, part)
-    !! The time that this part of all stays below, between neighbours by the straight line; missing where there is none.
+  pure real(dp) function quantile(self, fraction)
+    !! The time that this fraction of all times stays below, between neighbours by the straight line; missing where there is none.
     class(repeats_type), intent(in) :: self
-    real(dp), intent(in) :: part             !! 0 … 1
+    real(dp), intent(in) :: fraction         !! 0 … 1
     real(dp) :: place
     integer :: below
     quantile = missing
     if (self%count == 0) return
-    place = 1.0_dp + part*(self%count - 1)
+    place = 1.0_dp + fraction*(self%count - 1)
     below = min(int(place), self%count)
     quantile = self%seconds(below)
     if (below < self%count) quantile = quantile + (place - below)*(self%seconds(below + 1) - self%seconds(below))

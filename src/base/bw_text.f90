@@ -30,12 +30,14 @@ module bw_text
 contains
 
   pure function text_of_integer(value) result(text)
+    !! A whole number with digits and sign, without blanks.
     integer, intent(in) :: value
     character(:), allocatable :: text
     text = text_of_long(int(value, i8))
   end function text_of_integer
 
   pure function text_of_long(value) result(text)
+    !! The same of a long one.
     integer(i8), intent(in) :: value
     character(:), allocatable :: text
     character(24) :: buffer

@@ -37,12 +37,12 @@ module bw_beam_operator
 
 contains
 
-  pure type(beam_operator) function operator_of(scene, units, carries_mass) result(operator)
+  pure type(beam_operator) function operator_of(scene, units, loaded) result(operator)
     !! The operator of the beam with the effects that a scene names; the others are unallocated.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(beam_units), intent(in) :: units
-    logical, intent(in) :: carries_mass            !! the captured body is at the tip and turns with the section there
-    if (carries_mass) then
+    logical, intent(in) :: loaded            !! the captured body is at the tip and turns with the section there
+    if (loaded) then
       operator%gamma = scene%impact%mass_ratio
       if (scene%capture%rotary_inertia > 0.0_dp) operator%tip_inertia = body_inertia(scene%capture%rotary_inertia, units)
     end if

@@ -5,7 +5,7 @@ module bw_input_values
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: is_new, position_of
+  public :: position_of
 
   type, public :: input_value
     !! What a scene says about one name.
@@ -54,19 +54,6 @@ contains
       if (same(groups(position_of)%group, group)) return
     end do
   end function position_of
-
-  pure logical function is_new(groups, group)
-    !! The group is there, and what was built from it last holds no more.
-    type(group_values), intent(in) :: groups(:)
-    character(*), intent(in) :: group
-    integer :: i
-    do i = 1, size(groups)
-      is_new = groups(i)%changed
-      if (is_new) is_new = same(groups(i)%group, group)
-      if (is_new) return
-    end do
-    is_new = .false.
-  end function is_new
 
   pure integer function at(self, name)
     !! Place of a name in its group; 0 where the group has no such name.

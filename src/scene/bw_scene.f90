@@ -6,7 +6,7 @@ module bw_scene
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_table, only: group_table, name_table
-  use bw_input_values, only: group_values, is_new, position_of
+  use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
   use bw_modes_par, only: build_modes, modes_par, settle_modes
   use bw_recontact_par, only: build_recontact, check_recontact, recontact_par
@@ -52,24 +52,40 @@ contains
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    integer :: before
+    integer :: before, beam, g
     before = messages%count
-    if (is_new(scene%groups, 'scene')) call build_header(scene%groups, scene%header)
-    if (is_new(scene%groups, 'beam')) call build_beam(scene%groups, scene%beam, messages)
+    beam = position_of(scene%groups, 'beam')
+    if (scene%groups(beam)%changed) call build_beam(scene%groups(beam), scene%beam, messages)
     if (messages%count > before) return
-    if (is_new(scene%groups, 'rotation')) call build_rotation(scene%groups, scene%rotation)
-    if (is_new(scene%groups, 'stiffening')) call build_stiffening(scene%groups, scene%stiffening)
-    if (is_new(scene%groups, 'shear')) call build_shear(scene%groups, scene%shear)
-    if (is_new(scene%groups, 'damping')) call build_damping(scene%groups, scene%damping)
-    if (is_new(scene%groups, 'impact') .or. is_new(scene%groups, 'beam')) &
-      call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
-    if (is_new(scene%groups, 'capture')) call build_capture(scene%groups, scene%capture)
-    if (is_new(scene%groups, 'release')) call build_release(scene%groups, scene%release)
-    if (is_new(scene%groups, 'recontact')) call build_recontact(scene%groups, scene%recontact)
-    if (is_new(scene%groups, 'modes')) call build_modes(scene%groups, scene%modes)
-    if (is_new(scene%groups, 'response')) call build_response(scene%groups, scene%response)
-    if (is_new(scene%groups, 'spectrum')) call build_spectrum(scene%groups, scene%spectrum)
+    do g = 1, size(scene%groups)
+      if (scene%groups(g)%changed .or. (scene%groups(g)%group == 'impact' .and. scene%groups(beam)%changed)) &
+        call build_group(scene, scene%groups(g)%group, g, messages)
+    end do
   end subroutine build_scene
+
+  pure subroutine build_group(scene, group, g, messages)
+    !! Build the component of one group; the beam's is there.
+    type(scene_type), intent(inout) :: scene
+    character(*), intent(in) :: group
+    integer, intent(in) :: g                       !! its place among `scene%groups`
+    type(message_list), intent(inout) :: messages
+    select case (group)
+    case ('scene'); scene%header = build_header(scene%groups(g))
+    case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
+    case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
+    case ('shear'); scene%shear = build_shear(scene%groups(g))
+    case ('damping'); scene%damping = build_damping(scene%groups(g))
+    case ('impact'); call build_impact(scene%groups(g), beam_mass(scene%beam), scene%impact, messages)
+    case ('capture'); scene%capture = build_capture(scene%groups(g))
+    case ('release'); scene%release = build_release(scene%groups(g))
+    case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
+    case ('modes'); scene%modes = build_modes(scene%groups(g))
+    case ('response'); scene%response = build_response(scene%groups(g))
+    case ('spectrum'); scene%spectrum = build_spectrum(scene%groups(g))
+    case default                                   ! the beam was built before
+    end select
+  end subroutine build_group
+
 
   pure subroutine check_rules(group, messages)
     !! The rules of a group's own names, those apart that the table of names tells.
@@ -99,33 +115,44 @@ contains
     type(group_values), intent(inout) :: groups(:)   !! of one case
     type(message_list), intent(inout) :: messages
     logical :: struck, captured
-    if (is_new(groups, 'damping')) call settle_damping(groups)
-    if (is_new(groups, 'shear')) call settle_shear(groups)
-    if (.not. is_new(groups, 'modes')) return
-    struck = position_of(groups, 'impact') > 0
-    captured = struck .and. position_of(groups, 'capture') > 0
-    associate (modes => groups(position_of(groups, 'modes')))
-      call settle_modes(modes, struck .and. .not. captured, captured, position_of(groups, 'response') > 0, &
-                        messages)
-    end associate
+    integer :: g
+    do g = 1, size(groups)
+      if (.not. groups(g)%changed) cycle
+      select case (groups(g)%group)
+      case ('damping'); call settle_damping(groups(g))
+      case ('shear'); call settle_shear(groups)
+      case ('modes')
+        struck = position_of(groups, 'impact') > 0
+        captured = struck .and. position_of(groups, 'capture') > 0
+        call settle_modes(groups(g), struck .and. .not. captured, captured, position_of(groups, 'response') > 0, messages)
+      case default                                   ! nothing follows from others
+      end select
+    end do
   end subroutine settle_groups
 
   pure function effects_text(scene) result(text)
     !! The effects and events of a scene with their numbers, as a report tells them.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
+    integer :: i, g
     text = ''
-    if (allocated(scene%rotation)) text = text//', '//rotation_text(scene%groups)
-    if (allocated(scene%stiffening)) text = text//', '//stiffening_text(scene%groups)
-    if (allocated(scene%shear)) text = text//', '//shear_text(scene%groups)
-    if (allocated(scene%damping)) text = text//', '//damping_text(scene%groups)
-    if (allocated(scene%impact)) then
-      text = text//', '//impact_text(scene%groups, scene%impact)
-      if (.not. allocated(scene%capture)) text = text//', rebound'
-    end if
-    if (allocated(scene%capture)) text = text//', '//capture_text(scene%groups)
-    if (allocated(scene%release)) text = text//', '//release_text(scene%groups)
-    if (allocated(scene%recontact)) text = text//' and recontact'
+    do i = 1, size(group_table)
+      g = position_of(scene%groups, group_table(i)%name)
+      if (g == 0) cycle
+      select case (group_table(i)%name)
+      case ('rotation'); text = text//', '//rotation_text(scene%groups(g))
+      case ('stiffening'); text = text//', '//stiffening_text(scene%groups(g))
+      case ('shear'); text = text//', '//shear_text(scene%groups(g))
+      case ('damping'); text = text//', '//damping_text(scene%groups(g))
+      case ('impact')
+        text = text//', '//impact_text(scene%groups(g), scene%impact)
+        if (.not. allocated(scene%capture)) text = text//', rebound'
+      case ('capture'); text = text//', '//capture_text(scene%groups(g))
+      case ('release'); text = text//', '//release_text(scene%groups(g))
+      case ('recontact'); text = text//' and recontact'
+      case default                                   ! no effect
+      end select
+    end do
     if (text == '') text = ', none: modes and wave velocities of the beam alone'
     text = text(3:)
   end function effects_text

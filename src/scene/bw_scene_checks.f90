@@ -15,7 +15,7 @@ module bw_scene_checks
   private
   public :: check_group, check_groups, check_scales
 
-  integer, parameter :: most_galerkin_modes = 500   !! of a scene that counts them; a few seconds
+  integer, parameter :: most_galerkin_modes = 500   !! of a scene that counts them: seconds of work
   real(qp), parameter :: longest_phase = 1e18_qp    !! rad: what 32 digits leave of it is right to 1e-13
   real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 

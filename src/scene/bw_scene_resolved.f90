@@ -19,7 +19,7 @@ module bw_scene_resolved
     character(8) :: unit = ''            !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
-    logical :: is_swept = .false.        !! `values_of_sweep` are those it takes
+    logical :: is_swept = .false.        !! `values_of_sweep` are those it has
     integer :: sweep = 0                 !! the sweep that it follows; 0: none
     real(dp) :: value = 0.0_dp           !! in every case, or in the first where it is swept
   end type numeric_input
@@ -45,7 +45,7 @@ contains
   end function resolved_text
 
   pure subroutine put_group(builder, group)
-    !! Values that a sweep gives stand with the sweep alone.
+    !! One group; values that a sweep gives stand with the sweep only.
     type(text_builder), intent(inout) :: builder
     type(group_values), intent(in) :: group
     integer :: v
@@ -61,6 +61,7 @@ contains
   end subroutine put_group
 
   pure subroutine put_value(builder, row, value)
+    !! One line `name = value`.
     type(text_builder), intent(inout) :: builder
     type(input_name), intent(in) :: row
     type(input_value), intent(in) :: value
@@ -100,7 +101,7 @@ contains
   end subroutine put_sweep
 
   pure subroutine put_list(builder, start, numbers)
-    !! Numbers separated by commas, over as many lines as they take.
+    !! Numbers separated by commas, over as many lines as are needed.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: start
     real(dp), intent(in) :: numbers(:)
@@ -159,7 +160,7 @@ contains
   end function numeric_inputs
 
   pure function values_of_sweep(scene, input) result(values)
-    !! What an input that is swept takes along its sweep, the sweep's values or what follows from them.
+    !! The values of an input along its sweep, the sweep's values or what follows from them.
     type(scene_type), intent(in) :: scene
     type(numeric_input), intent(in) :: input
     real(dp), allocatable :: values(:)

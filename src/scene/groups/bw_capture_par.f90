@@ -1,7 +1,7 @@
 module bw_capture_par
   !! `&capture`: the mass stays at the tip after the impact.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -20,26 +20,19 @@ module bw_capture_par
 
 contains
 
-  pure subroutine build_capture(groups, capture)
+  pure type(capture_par) function build_capture(values) result(capture)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(capture_par), allocatable, intent(out) :: capture   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'capture')
-    if (i == 0) return
-    allocate (capture)
-    capture%rotary_inertia = groups(i)%number('rotary_inertia')
-  end subroutine build_capture
+    type(group_values), intent(in) :: values
+    capture%rotary_inertia = values%number('rotary_inertia')
+  end function build_capture
 
-  pure function capture_text(groups) result(text)
+  pure function capture_text(values) result(text)
     !! What a report calls it, with the body's rotary inertia where it has any.
-    type(group_values), intent(in) :: groups(:)   !! with this group
+    type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    associate (values => groups(position_of(groups, 'capture')))
-      text = 'capture'
-      if (values%number('rotary_inertia') > 0.0_dp .or. values%is_swept('rotary_inertia')) text = text// &
-        ' of a body with rotary inertia '//values%number_or_swept('rotary_inertia', ' kg m2')
-    end associate
+    text = 'capture'
+    if (values%number('rotary_inertia') > 0.0_dp .or. values%is_swept('rotary_inertia')) text = text// &
+      ' of a body with rotary inertia '//values%number_or_swept('rotary_inertia', ' kg m2')
   end function capture_text
 
 end module bw_capture_par

@@ -35,15 +35,10 @@ contains
                       'excludes &capture: a mass that stays does not come back; accepted: one or the other')
   end subroutine check_recontact
 
-  pure subroutine build_recontact(groups, recontact)
+  pure type(recontact_par) function build_recontact(values) result(recontact)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(recontact_par), allocatable, intent(out) :: recontact   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'recontact')
-    if (i == 0) return
-    allocate (recontact)
-    recontact%max_contacts = groups(i)%whole('max_contacts')
-  end subroutine build_recontact
+    type(group_values), intent(in) :: values
+    recontact%max_contacts = values%whole('max_contacts')
+  end function build_recontact
 
 end module bw_recontact_par

@@ -1,7 +1,7 @@
 module bw_rotation_par
   !! `&rotation`: the beam's root turns at a constant rate.
   use bw_input_name, only: any_number, input_group, input_name, real_input, text_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -23,26 +23,19 @@ module bw_rotation_par
 
 contains
 
-  pure subroutine build_rotation(groups, rotation)
+  pure type(rotation_par) function build_rotation(values) result(rotation)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(rotation_par), allocatable, intent(out) :: rotation   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'rotation')
-    if (i == 0) return
-    allocate (rotation)
-    rotation%angular_velocity = groups(i)%number('angular_velocity')
-    rotation%plane = groups(i)%text('plane')
-  end subroutine build_rotation
+    type(group_values), intent(in) :: values
+    rotation%angular_velocity = values%number('angular_velocity')
+    rotation%plane = values%text('plane')
+  end function build_rotation
 
-  pure function rotation_text(groups) result(text)
+  pure function rotation_text(values) result(text)
     !! What a report calls it: `rotation 50 rad/s in plane`.
-    type(group_values), intent(in) :: groups(:)   !! with this group
+    type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    associate (values => groups(position_of(groups, 'rotation')))
-      text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s')// &
-        trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))
-    end associate
+    text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s')// &
+      trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))
   end function rotation_text
 
 end module bw_rotation_par

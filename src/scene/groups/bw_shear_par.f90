@@ -54,20 +54,15 @@ contains
     end associate
   end subroutine settle_shear
 
-  pure subroutine build_shear(groups, shear)
+  pure type(shear_par) function build_shear(values) result(shear)
     !! Poisson's ratio and the coefficient, given or settled.
-    type(group_values), intent(in) :: groups(:)          !! settled
-    type(shear_par), allocatable, intent(out) :: shear   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'shear')
-    if (i == 0) return
-    allocate (shear)
-    shear%poisson_ratio = groups(i)%number('poisson_ratio')
-    if (groups(i)%known('shear_coefficient')) shear%shear_coefficient = groups(i)%number('shear_coefficient')
-  end subroutine build_shear
+    type(group_values), intent(in) :: values   !! settled
+    shear%poisson_ratio = values%number('poisson_ratio')
+    if (values%known('shear_coefficient')) shear%shear_coefficient = values%number('shear_coefficient')
+  end function build_shear
 
   pure type(shear_par) function usual_shear() result(shear)
-    !! What a scene gets that names the group alone: a solid circle's.
+    !! What a scene gets that names the group without values: a solid circle's.
     shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
   end function usual_shear
 
@@ -77,14 +72,12 @@ contains
     coefficient = 6.0_dp*(1.0_dp + nu)/(7.0_dp + 6.0_dp*nu)
   end function circle_coefficient
 
-  pure function shear_text(groups) result(text)
+  pure function shear_text(values) result(text)
     !! What a report calls it, with its two numbers.
-    type(group_values), intent(in) :: groups(:)          !! settled, with this group
+    type(group_values), intent(in) :: values   !! settled
     character(:), allocatable :: text
-    associate (values => groups(position_of(groups, 'shear')))
-      text = 'shear (Poisson''s ratio '//values%number_or_swept('poisson_ratio', '')//', shear coefficient '// &
-        values%number_or_swept('shear_coefficient', '')//')'
-    end associate
+    text = 'shear (Poisson''s ratio '//values%number_or_swept('poisson_ratio', '')//', shear coefficient '// &
+      values%number_or_swept('shear_coefficient', '')//')'
   end function shear_text
 
 end module bw_shear_par

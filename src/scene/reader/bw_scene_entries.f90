@@ -42,7 +42,7 @@ contains
       call messages%add(line, place, 'the value is missing')
       return
     end if
-    call take_items(text, tokens, found, at, problem)
+    call parse_items(text, tokens, found, at, problem)
     if (problem /= '') then
       call messages%add(tokens(min(at, size(tokens)))%line, place, problem)
     else if (at > size(tokens)) then
@@ -50,14 +50,14 @@ contains
     end if
   end subroutine read_items
 
-  pure subroutine take_items(text, tokens, found, at, problem)
+  pure subroutine parse_items(text, tokens, found, at, problem)
     !! Items up to the first problem, or up to a token of which an error was reported before.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(item), allocatable, intent(out) :: found(:)
-    integer, intent(out) :: at                   !! the token behind the last one that was taken
+    integer, intent(out) :: at                   !! the token behind the last item
     character(:), allocatable, intent(out) :: problem
-    type(item) :: taken
+    type(item) :: parsed
     logical :: comma
     integer :: n
     allocate (found(size(tokens)))
@@ -72,10 +72,10 @@ contains
         comma = .true.
         at = at + 1
       case (word_token, text_token)
-        call take_item(text, tokens, at, taken, problem)
+        call parse_item(text, tokens, at, parsed, problem)
         comma = .false.
         n = n + 1
-        found(n) = taken
+        found(n) = parsed
       case (equals_token)
         problem = "a second '='"
       case default
@@ -83,35 +83,35 @@ contains
       end select
     end do
     found = found(:n)
-  end subroutine take_items
+  end subroutine parse_items
 
-  pure subroutine take_item(text, tokens, i, taken, problem)
+  pure subroutine parse_item(text, tokens, i, parsed, problem)
     !! One word or text, with the count that may stand before it; `i` goes on behind it.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
-    type(item), intent(out) :: taken
+    type(item), intent(out) :: parsed
     character(:), allocatable, intent(inout) :: problem
     integer :: star
-    taken = item(first=tokens(i)%first, last=tokens(i)%last, line=tokens(i)%line, quote=tokens(i)%quote)
+    parsed = item(first=tokens(i)%first, last=tokens(i)%last, line=tokens(i)%line, quote=tokens(i)%quote)
     star = 0
-    if (tokens(i)%kind == word_token) star = index(text(taken%first:taken%last), '*')
+    if (tokens(i)%kind == word_token) star = index(text(parsed%first:parsed%last), '*')
     if (star > 0) then
-      call take_count(text(taken%first:taken%first + star - 2), taken%repeat, problem)
+      call parse_count(text(parsed%first:parsed%first + star - 2), parsed%repeat, problem)
       if (problem /= '') return
-      taken%first = taken%first + star
-      if (taken%first > taken%last) call take_repeated_text(tokens, i, taken, problem)
+      parsed%first = parsed%first + star
+      if (parsed%first > parsed%last) call parse_repeated_text(tokens, i, parsed, problem)
       if (problem /= '') return
     end if
     i = i + 1
     if (i > size(tokens)) return
     if (tokens(i)%glued .and. any(tokens(i)%kind == [word_token, text_token, bad_token])) then
-      problem = 'no comma or blank between '//shown(text(taken%first:taken%last))//' and '// &
+      problem = 'no comma or blank between '//shown(text(parsed%first:parsed%last))//' and '// &
                 shown(text(tokens(i)%first:tokens(i)%last))
     end if
-  end subroutine take_item
+  end subroutine parse_item
 
-  pure subroutine take_count(digits, count, problem)
+  pure subroutine parse_count(digits, count, problem)
     !! The repeat count before a star.
     character(*), intent(in) :: digits
     integer, intent(inout) :: count
@@ -124,23 +124,23 @@ contains
       read (digits, *) count
       if (count == 0) problem = 'a repeat count of 0; accepted: 1 or more'
     end if
-  end subroutine take_count
+  end subroutine parse_count
 
-  pure subroutine take_repeated_text(tokens, i, taken, problem)
+  pure subroutine parse_repeated_text(tokens, i, parsed, problem)
     !! Behind `2*` a text in quotes has to follow at once.
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
-    type(item), intent(inout) :: taken
+    type(item), intent(inout) :: parsed
     character(:), allocatable, intent(inout) :: problem
     problem = "no value behind '*' of a repeat count; accepted: as in 2*0.5"
     if (i == size(tokens)) return
     if (tokens(i + 1)%kind /= text_token .or. .not. tokens(i + 1)%glued) return
     i = i + 1
-    taken%first = tokens(i)%first
-    taken%last = tokens(i)%last
-    taken%quote = tokens(i)%quote
+    parsed%first = tokens(i)%first
+    parsed%last = tokens(i)%last
+    parsed%quote = tokens(i)%quote
     problem = ''
-  end subroutine take_repeated_text
+  end subroutine parse_repeated_text
 
   pure subroutine read_value(row, text, items, value, messages)
     !! Set the value, known when it is right; report what is wrong with it.

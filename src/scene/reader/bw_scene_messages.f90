@@ -8,7 +8,7 @@ module bw_scene_messages
   private
   public :: check_product, settle_product, shortened, shown
 
-  integer, parameter :: most_messages = 1000  !! who reads more, and where would they all be kept
+  integer, parameter :: most_messages = 1000  !! nobody reads more, and memory is bounded
 
   type :: located_message
     integer :: line = 0

@@ -53,7 +53,7 @@ contains
         open = .false.
         i = i + 1
       case default
-        call take_statement(text, tokens, i, parsed, messages)
+        call parse_statement(text, tokens, i, parsed, messages)
       end select
     end do
     if (open) call report_open(text, tokens, parsed, messages)
@@ -94,7 +94,7 @@ contains
     end associate
   end subroutine report_open
 
-  pure subroutine take_statement(text, tokens, i, parsed, messages)
+  pure subroutine parse_statement(text, tokens, i, parsed, messages)
     !! `name = values` up to the next name, group or end. It belongs to the group opened last.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
@@ -118,7 +118,7 @@ contains
       end if
     end if
     i = last + 1
-  end subroutine take_statement
+  end subroutine parse_statement
 
   pure subroutine check_separation(text, tokens, i, messages)
     !! A name stands apart from the text before it: Fortran refuses `plane='in'title=`, too.

@@ -16,7 +16,7 @@ module bw_scene_reader
   use bw_scene_lexer, only: tokenise
   use bw_scene_messages, only: message_list
   use bw_scene_parser, only: parse, parsed_scene
-  use bw_scene_sweeps, only: take_sweeps
+  use bw_scene_sweeps, only: extract_sweeps
   use bw_scene_tokens, only: token
   use bw_system_calls, only: bw_listen, is_directory, is_file
   use bw_text, only: text_of
@@ -58,7 +58,7 @@ contains
     call parse(text, tokens, parsed, messages)
     if (.not. messages%cut) then
       call fill_groups(text, tokens, parsed, scene%groups, messages)
-      call take_sweeps(scene%groups, scene%sweeps, messages)
+      call extract_sweeps(scene%groups, scene%sweeps, messages)
       call check_groups(scene%groups, messages)
       call complete(scene, messages)
     end if
@@ -77,7 +77,8 @@ contains
   end function stem
 
   subroutine read_scene_bytes(path, text, error)
-    !! The text of a file or a pipe. **Errors**: `status_bad_file` where there is no such file, or it cannot be read, or is larger than any scene.
+    !! The text of a file or a pipe.
+    !! **Errors**: `status_bad_file` where there is no such file, or it cannot be read, or is larger than any scene.
     character(*), intent(in) :: path
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error

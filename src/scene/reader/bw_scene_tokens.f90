@@ -139,6 +139,7 @@ contains
   end function continuation_bytes
 
   pure logical function all_continue(bytes)
+    !! Every byte goes on with a UTF-8 sequence: 10xxxxxx.
     character(*), intent(in) :: bytes
     integer :: i
     all_continue = all([(iachar(bytes(i:i)) >= 128 .and. iachar(bytes(i:i)) < 192, i=1, len(bytes))])

@@ -66,6 +66,7 @@ contains
   end function describe_text
 
   pure subroutine put_opening(builder)
+    !! How a scene is written.
     type(text_builder), intent(inout) :: builder
     integer :: i
     do i = 1, size(opening)
@@ -74,6 +75,7 @@ contains
   end subroutine put_opening
 
   pure subroutine put_group(builder, group)
+    !! One group: what its absence means, its names as a table, its rules.
     type(text_builder), intent(inout) :: builder
     type(input_group), intent(in) :: group
     integer, allocatable :: rows(:)
@@ -140,6 +142,7 @@ contains
   end subroutine put_table
 
   pure function cells_of(row) result(cells)
+    !! The cells of one name's line of the table.
     type(input_name), intent(in) :: row
     character(widest) :: cells(columns)
     cells(1) = '`'//trim(row%name)//'`'
@@ -154,6 +157,7 @@ contains
   end function cells_of
 
   pure subroutine put_row(builder, cells, width)
+    !! One line of a pipe table, its cells filled up to their widths.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: cells(:)
     integer, intent(in) :: width(:)
