@@ -3,12 +3,12 @@ module bw_rotation
   !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing. In either plane
   !! it brings a tension into the beam, which stiffens it.
   use bw_beam_units, only: beam_units
-  use bw_double_double, only: dd, to_dd, operator(*)
-  use bw_kinds, only: dp
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*)
+  use bw_kinds, only: dp, qp
   use bw_rotation_par, only: rotation_par
   implicit none (type, external)
   private
-  public :: acts_in_plane, dimensionless_speed, speed_in_plane, tension_of
+  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane, tension_of
 
 contains
 
@@ -29,13 +29,17 @@ contains
     !! |ω| l²/h where rotation acts in the plane of the motion, else 0.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
-    type(dd) :: omega
-    speed = 0.0_dp
-    if (.not. present(rotation)) return
-    if (.not. acts_in_plane(rotation)) return
-    omega = dimensionless_speed(rotation, units)
-    speed = omega%hi
+    speed = real(full_speed_in_plane(rotation, units), dp)
   end function speed_in_plane
+
+  pure real(qp) function full_speed_in_plane(rotation, units) result(speed)
+    !! The same speed in all its digits.
+    type(rotation_par), intent(in), optional :: rotation
+    type(beam_units), intent(in) :: units
+    speed = 0.0_qp
+    if (.not. present(rotation)) return
+    if (acts_in_plane(rotation)) speed = to_quad(dimensionless_speed(rotation, units))
+  end function full_speed_in_plane
 
   pure function tension_of(omega, hub_radius, gamma) result(tension)
     !! The tension T(ξ) = Ω²[½(1 − ξ²) + R(1 − ξ) + γ(1 + R)] in EI/l², as the three numbers of

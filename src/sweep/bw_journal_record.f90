@@ -18,7 +18,7 @@ module bw_journal_record
 contains
 
   subroutine make_room(words, least, kept)
-    !! Room for so many words, the first of which are kept.
+    !! Room for so many words; of those that are there the first are kept.
     integer(i8), pointer, contiguous, intent(inout) :: words(:)
     integer(i8), intent(in) :: least, kept
     integer(i8), pointer, contiguous :: longer(:)
@@ -26,8 +26,10 @@ contains
       if (size(words, kind=i8) >= least) return
     end if
     allocate (longer(least + least/8))
-    if (kept > 0) longer(:kept) = words(:kept)
-    if (associated(words)) deallocate (words)
+    if (associated(words)) then
+      longer(:kept) = words(:kept)
+      deallocate (words)
+    end if
     words => longer
   end subroutine make_room
 

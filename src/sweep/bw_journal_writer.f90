@@ -26,6 +26,7 @@ module bw_journal_writer
     procedure :: prepare
     procedure :: append => append_case
     procedure :: close => close_writer
+    procedure, private :: begin
     procedure, private :: write_record
     procedure, private :: look
   end type journal_writer
@@ -39,16 +40,23 @@ contains
     integer(i8), intent(in) :: count
     real(dp), pointer, contiguous, intent(out) :: numbers(:)  !! (count)
     type(error_type), allocatable, intent(inout) :: error
-    type(string) :: text(1)
-    integer :: problem
+    call self%begin(error)
     call make_room(self%record, header + count, 0_i8)
     call c_f_pointer(c_loc(self%record(header + 1)), numbers, [count])
+  end subroutine prepare
+
+  subroutine begin(self, error)
+    !! The file and its first record, unless they are there.
+    class(journal_writer), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    type(string) :: text(1)
+    integer :: problem
     if (self%descriptor >= 0) return
     problem = open_file(self%path, new_file, self%descriptor)
     text(1)%text = self%work
     if (problem == 0) call self%write_record(0_i8, 0_i8, text, problem)
     if (problem /= 0) call cannot_be_written(error, self%path, problem)
-  end subroutine prepare
+  end subroutine begin
 
   subroutine append_case(self, case, count, notes, error)
     !! A finished case, whose numbers are where `prepare` has shown.
