@@ -51,7 +51,7 @@ contains
     type(group_values), intent(in) :: groups(:)
     character(*), intent(in) :: group
     do position_of = size(groups), 1, -1
-      if (same(groups(position_of)%group, group)) return
+      if (groups(position_of)%group == group) return
     end do
   end function position_of
 
@@ -60,17 +60,9 @@ contains
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     do at = size(self%values), 1, -1
-      if (same(self%values(at)%name, name)) return
+      if (self%values(at)%name == name) return
     end do
   end function at
-
-  pure logical function same(one, other)
-    !! `one == other`, which is a call of the library, made only where the first letters agree: cases of a sweep look up
-    !! names by the hundred.
-    character(*), intent(in) :: one, other        !! not empty
-    same = one(1:1) == other(1:1)
-    if (same) same = one == other
-  end function same
 
   pure logical function given(self, name)
     !! The name stands in its group, or a sweep varies it.
