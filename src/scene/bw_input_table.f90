@@ -20,7 +20,7 @@ module bw_input_table
   use bw_text, only: joined
   implicit none (type, external)
   private
-  public :: closest, group_row, name_row, names_of, rows_of, suggestion, unknown_group, unknown_name
+  public :: closest, group_row, name_row, rows_of, suggestion, unknown_group, unknown_name
 
   type(input_group), parameter, public :: group_table(*) = [ &
     scene_group, &
@@ -80,13 +80,6 @@ contains
     rows = pack([(i, i=1, size(name_table))], name_table%group == group)
   end function rows_of
 
-  pure function names_of(group) result(names)
-    !! The names of a group, (n).
-    character(*), intent(in) :: group
-    character(name_length), allocatable :: names(:)
-    names = pack(name_table%name, name_table%group == group)
-  end function names_of
-
   pure function unknown_group(group) result(text)
     !! Message for a group that is not in the table.
     character(*), intent(in) :: group
@@ -100,7 +93,7 @@ contains
     character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
     integer :: i
-    names = names_of(group)
+    names = pack(name_table%name, name_table%group == group)
     text = suggestion(name, names, '')
     i = findloc(name_table%name, name, dim=1)
     if (text == '' .and. i > 0) text = ' (it belongs to &'//trim(name_table(i)%group)//')'
