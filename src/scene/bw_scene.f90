@@ -59,17 +59,16 @@ contains
     if (messages%count > before) return
     do g = 1, size(scene%groups)
       if (scene%groups(g)%changed .or. (scene%groups(g)%group == 'impact' .and. scene%groups(beam)%changed)) &
-        call build_group(scene, scene%groups(g)%group, g, messages)
+        call build_group(scene, g, messages)
     end do
   end subroutine build_scene
 
-  pure subroutine build_group(scene, group, g, messages)
+  pure subroutine build_group(scene, g, messages)
     !! Build the component of one group; the beam's is there.
     type(scene_type), intent(inout) :: scene
-    character(*), intent(in) :: group
-    integer, intent(in) :: g                       !! its place among `scene%groups`
+    integer, intent(in) :: g                       !! the group's place among `scene%groups`
     type(message_list), intent(inout) :: messages
-    select case (group)
+    select case (scene%groups(g)%group)
     case ('scene'); scene%header = build_header(scene%groups(g))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
     case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
