@@ -4,7 +4,7 @@ module bw_effect_file
   use bw_effect_list, only: compared_modes, effect_list, effect_row, effect_words, state_words
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
-  use bw_processor, only: processor_name
+  use bw_stopwatch, only: processor_name
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
