@@ -19,7 +19,7 @@ module bw_commands
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
-  use bw_text, only: append, shortest, string, text_of
+  use bw_text, only: append, lines_of, shortest, string, text_of
   use bw_time_estimate, only: estimated_seconds
   implicit none (type, external)
   private
@@ -140,12 +140,11 @@ contains
     !! Each line with the scene it is about.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: lines
-    integer :: first, last
-    first = 1
-    do while (first <= len(lines))
-      last = first + index(lines(first:), new_line('a')) - 2
-      call print_warning(scene%file//': warning: '//lines(first:last))
-      first = last + 2
+    type(string), allocatable :: warnings(:)
+    integer :: i
+    warnings = lines_of(lines)
+    do i = 1, size(warnings)
+      call print_warning(scene%file//': warning: '//warnings(i)%text)
     end do
   end subroutine print_warnings
 

@@ -5,8 +5,7 @@ module bw_result_header
   use bw_error, only: error_type
   use bw_netcdf, only: netcdf_file, variable_text
   use bw_result_layout, only: dimension_length, has, result_layout
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: method_name
+  use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
   use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text, values_of_sweep
   use bw_stopwatch, only: stage_words
@@ -44,29 +43,13 @@ contains
     call file%put_text('history', time_stamp()//': beamwave '//command//' '//scene%file, error)
     if (present(study)) call file%put_text('study', study, error)
     call file%put_text('scene', trim(resolved_text(scene)), error)
-    call file%put_text('effects', effects_text(scene), error)
+    call file%put_text('effects', trim(effect_names(scene)), error)
     call file%put_text('method', trim(method_name(scene)), error)
     call file%put_text('notes', '', error)
     call file%put_text('compiler', program_compiler//trim(merge(', tuned for its processor', repeat(' ', 25), program_native)), &
                        error)
     call file%put_text('libraries', program_libraries, error)
   end subroutine put_global_attributes
-
-  pure function effects_text(scene) result(text)
-    !! Names of the effect and event groups that are there.
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = ''
-    if (allocated(scene%rotation)) text = text//' rotation'
-    if (allocated(scene%stiffening)) text = text//' stiffening'
-    if (allocated(scene%shear)) text = text//' shear'
-    if (allocated(scene%damping)) text = text//' damping'
-    if (allocated(scene%impact)) text = text//' impact'
-    if (allocated(scene%capture)) text = text//' capture'
-    if (allocated(scene%release)) text = text//' release'
-    if (allocated(scene%recontact)) text = text//' recontact'
-    text = trim(adjustl(text))
-  end function effects_text
 
   function time_stamp() result(text)
     !! Now, as ISO 8601.

@@ -5,8 +5,7 @@ module bw_price_file
   use bw_missing, only: is_missing, missing
   use bw_price_list, only: beyond_model, by_counts, by_tolerances, ladder_words, method_words, price_digits, &
     price_list, priced_stages, rung_words, work_slope
-  use bw_processor, only: processor_name
-  use bw_stopwatch, only: stage_words
+  use bw_stopwatch, only: processor_name, stage_words
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private

@@ -8,8 +8,7 @@ module bw_refined_count
   use bw_record_stretch, only: record_stretch
   use bw_root_list, only: root_values, solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   implicit none (type, external)
   private
   public :: refined_count

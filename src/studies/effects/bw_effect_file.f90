@@ -5,7 +5,7 @@ module bw_effect_file
   use bw_error, only: error_type
   use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
-  use bw_processor, only: processor_name
+  use bw_stopwatch, only: processor_name
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
