@@ -6,7 +6,7 @@ module bw_journal_reader
   use bw_descriptors, only: close_file, is_file, look_at_open, open_file, read_bytes, read_words, to_read_itself
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: path_state, reason
-  use bw_journal_record, only: at_case, at_count, at_letters, at_sums, at_work, header, make_room, mark, word, words_of
+  use bw_journal_writer, only: at_case, at_count, at_letters, at_sums, at_work, header, make_room, mark, word, words_of
   use bw_kinds, only: dp, i1, i8
   use bw_text, only: append, string
   implicit none (type, external)

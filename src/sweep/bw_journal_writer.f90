@@ -2,17 +2,28 @@ module bw_journal_writer
   !! The journal of one process: a record for each case of a sweep that it has finished, written at once and whole, so that it
   !! outlives the process, however that ends. Nobody else writes to it, and nobody changes it. It says itself what it belongs
   !! to: its first record is a text, of which each record holds a sum.
+  !!
+  !! A record is a header, the numbers of a case, and its notes, in words of eight bytes.
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
   use bw_checksum, only: lane_sums, lanes, word_sum, words_of_text
   use bw_descriptors, only: close_file, look_at_open, new_file, open_file, write_words
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_written, look_at, path_state, same_file
-  use bw_journal_record, only: at_letters, at_sums, header, make_room, mark, words_of
   use bw_kinds, only: dp, i8
   use bw_stopwatch, only: wall_seconds
   use bw_text, only: string
   implicit none (type, external)
   private
+  public :: make_room, words_of
+
+  integer, parameter, public :: word = 8                           !! bytes
+  integer(i8), parameter, public :: mark = 7311138210646680930_i8  !! 'beamwave' as a word: how every record begins
+  integer, parameter, public :: at_work = 2      !! sum of the text of the work that the journal belongs to
+  integer, parameter, public :: at_case = 3      !! number of the case; 0: the notes are that text
+  integer, parameter, public :: at_count = 4     !! how many numbers
+  integer, parameter, public :: at_letters = 5   !! of the notes behind them
+  integer, parameter, public :: at_sums = 6      !! sums of numbers and notes, `lanes` of them
+  integer, parameter, public :: header = at_sums + lanes           !! words; the last is the sum of those before
 
   real(dp), parameter :: look_every = 0.5_dp                !! s between two looks whether the file is still there
 
@@ -113,5 +124,25 @@ contains
     if (problem /= 0) call cannot_be_written(error, self%path, problem)
     if (associated(self%record)) deallocate (self%record)
   end subroutine close_writer
+
+  subroutine make_room(words, least, used)
+    !! Room for at least so many words; the first `used` of them stay as they are.
+    integer(i8), pointer, contiguous, intent(inout) :: words(:)
+    integer(i8), intent(in) :: least, used
+    integer(i8), pointer, contiguous :: longer(:)
+    if (associated(words)) then
+      if (size(words, kind=i8) >= least) return
+    end if
+    allocate (longer(least + least/8))
+    if (used > 0) longer(:used) = words(:used)
+    if (associated(words)) deallocate (words)
+    words => longer
+  end subroutine make_room
+
+  pure integer(i8) function words_of(letters)
+    !! How many words hold so many letters.
+    integer(i8), intent(in) :: letters
+    words_of = (letters + word - 1)/word
+  end function words_of
 
 end module bw_journal_writer

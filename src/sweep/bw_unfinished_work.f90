@@ -1,11 +1,14 @@
 module bw_unfinished_work
-  !! The unfinished work of a scene: its directory with the journals of its finished cases. Nothing is taken away but what has
-  !! been read, under the lock, as this work's own, or as work of another scene or version whose place a run takes.
+  !! The unfinished work of a scene: the scene, what its result will hold, and the directory with the journals of its finished
+  !! cases. Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or
+  !! version whose place a run takes.
   use bw_checksum, only: word_sum, words_of_text
   use bw_error, only: error_type
   use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, files_in, remove_file
   use bw_journal_reader, only: journal_reader
   use bw_kinds, only: i1, i8
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_not_there
   use bw_text, only: append, string
   use bw_work_directory, only: work_directory
@@ -15,6 +18,8 @@ module bw_unfinished_work
   character(*), parameter, public :: journal_suffix = '.journal'
 
   type, extends(work_directory), public :: unfinished_work
+    type(scene_type) :: scene
+    type(result_layout) :: layout             !! of the scene's result
     character(:), allocatable :: identity     !! what the journals have to belong to: program, version, layout and resolved scene
     type(string), allocatable :: own(:)       !! journals of this work, as they were found last
     type(string), allocatable, private :: others(:)

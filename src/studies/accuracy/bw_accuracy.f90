@@ -5,20 +5,18 @@ module bw_accuracy
   use bw_case_result, only: case_done, case_result
   use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
-  use bw_foreseen, only: foresight
   use bw_missing, only: is_missing
   use bw_model_error, only: model_errors
-  use bw_monitor, only: part_monitor
+  use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
   use bw_price_file, only: price_values
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
-  use bw_progress, only: progress_type
   use bw_scene, only: scene_type
   use bw_scene_method, only: changes_shapes
   use bw_study_frame, only: study_frame
   use bw_text, only: append, string
-  use bw_timed_runs, only: repeat_runs, run_once, timed_run
+  use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run
   implicit none (type, external)
   private
   public :: measure_accuracy

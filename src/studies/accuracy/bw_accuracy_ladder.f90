@@ -1,16 +1,23 @@
 module bw_accuracy_ladder
   !! The rungs of a study of accuracy, and how one of them is measured.
-  use bw_kinds, only: dp
+  use bw_beam_units, only: beam_units, units_of
   use bw_case_result, only: case_diverged, case_not_converged, case_result
   use bw_converged, only: converged_run, most_extended
+  use bw_double_double, only: dd
   use bw_error, only: error_type
+  use bw_frequency_equation, only: root_type
+  use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
     rung_measured, rung_out_of_reach, rung_too_long, rung_type
-  use bw_refined_count, only: refined_count
+  use bw_record_stretch, only: record_stretch
+  use bw_refined_root, only: is_coarse
+  use bw_root_list, only: root_values, solve_roots
+  use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
+  use bw_scene_method, only: changes_shapes
   use bw_scene_variant, only: with_counts, with_tolerance
   use bw_timed_runs, only: timed_run
   implicit none (type, external)
@@ -19,6 +26,7 @@ module bw_accuracy_ladder
 
   integer, parameter :: coarsest = 2, finest = 11      !! decades of the tolerances
   integer, parameter, public :: counts(*) = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
+  integer, parameter :: batch = 4096                   !! roots solved at a time
 
 contains
 
@@ -137,5 +145,37 @@ contains
     rung%upper = run%seconds%quantile(0.75_dp)
     rung%stages = [(run%stage(i)%median(), i=1, priced_stages)]
   end subroutine take_seconds
+
+  pure integer function refined_count(scene, count) result(refined)
+    !! How many of the first `count` modes of beam and mass have their roots solved in extended precision.
+    type(scene_type), intent(in) :: scene  !! without sweeps, with a response
+    integer, intent(in) :: count
+    type(beam_units) :: units
+    type(dd), allocatable :: omega
+    integer :: first, k
+    refined = 0
+    if (changes_shapes(scene)) return        ! modes without a closed form have no roots
+    units = units_of(scene%beam)
+    if (allocated(scene%rotation)) then
+      if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, units)
+    end if
+    do first = 1, count, batch
+      refined = refined + coarse_roots([(k, k=first, min(first + batch - 1, count))], scene%impact%mass_ratio, omega, &
+                                       record_stretch(scene)*(scene%response%duration/units%time%hi))
+    end do
+  end function refined_count
+
+  pure integer function coarse_roots(number, gamma, omega, longest) result(coarse)
+    !! How many of these roots double precision leaves too coarse for a record.
+    integer, intent(in) :: number(:)       !! of the modes
+    real(dp), intent(in) :: gamma          !! mass ratio
+    type(dd), intent(in), optional :: omega   !! speed of rotation in the plane of the motion, h/l²; absent: none
+    real(dp), intent(in) :: longest        !! the record, l²/h
+    type(root_type) :: roots(size(number))
+    type(dd) :: alpha(size(number))
+    roots = solve_roots(number, gamma)
+    alpha = root_values(roots)
+    coarse = count(is_coarse(roots%rest, alpha%hi, omega, longest))
+  end function coarse_roots
 
 end module bw_accuracy_ladder

@@ -8,7 +8,6 @@ module bw_converged
   use bw_direct_motion, only: sum_directly
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
-  use bw_foreseen, only: foresight
   use bw_missing, only: missing
   use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
@@ -18,6 +17,7 @@ module bw_converged
   use bw_scene_method, only: changes_shapes
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
+  use bw_timed_runs, only: foresight
   implicit none (type, external)
   private
   public :: converge, find_reach

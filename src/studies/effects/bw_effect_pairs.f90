@@ -4,14 +4,14 @@ module bw_effect_pairs
   !! the row's remark says.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units, units_of
-  use bw_effect_list, only: effect_body_inertia, effect_capture, effect_damping, effect_other_plane, effect_recontact, &
-    effect_release, effect_rotation, effect_rotation_with_tension, effect_shear, effect_stiffening
-  use bw_effect_scenes, only: add_pair, effect_scenes, leave_out, start_scenes
+  use bw_effect_list, only: effect_body_inertia, effect_capture, effect_damping, effect_not_combined, effect_off, effect_on, &
+    effect_other_plane, effect_recontact, effect_release, effect_rotation, effect_rotation_with_tension, effect_row, &
+    effect_shear, effect_stiffening, effect_words
   use bw_frequency_equation, only: root_type, solve_root
   use bw_modes_par, only: by_tolerance
   use bw_scene, only: scene_type
-  use bw_scene_edit, only: has_group, with_group, with_value, without_group
   use bw_scene_resolved, only: resolved_text
+  use bw_scene_variant, only: has_group, scene_variants, with_group, with_value, without_group
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
@@ -22,30 +22,88 @@ module bw_effect_pairs
   real(dp), parameter :: tried_release = 0.5_dp    !! of the duration
   real(dp), parameter :: tried_shear = 0.85_dp     !! coefficient of a section whose shape is not known: a rectangle's
 
+  type, public :: effect_pair
+    integer :: with = 0, without = 0               !! places among the variants; 0: not combined
+  end type effect_pair
+
+  type, public :: compared_scenes
+    !! All rows, and every scene that they take, each once; the first is the one that is studied.
+    type(effect_row), allocatable :: rows(:)       !! by the effects' numbers
+    type(effect_pair), allocatable :: pairs(:)     !! of the rows
+    type(scene_variants) :: variants
+  end type compared_scenes
+
 contains
 
   subroutine pairs_of(scene, list)
-    !! Rows in the order of their numbers.
+    !! The pair of each effect.
     type(scene_type), intent(in) :: scene          !! without sweeps
-    type(effect_scenes), intent(out) :: list
-    character(:), allocatable :: text
+    type(compared_scenes), intent(out) :: list
+    character(:), allocatable :: text, never
+    integer :: e, place
+    allocate (list%rows(size(effect_words)), list%pairs(size(effect_words)))
+    do e = 1, size(list%rows)
+      call leave_out(list, e, '')
+    end do
     text = without_group(resolved_text(scene), 'spectrum')
-    call start_scenes(text, scene%file, list)
+    list%variants%file = scene%file
+    call list%variants%find(text, place, never)    ! the scene that is studied has been read before and is not refused now
     call pair_rotation(scene, text, list)
     call pair_stiffening(text, list)
     call pair_shear(scene, text, list)
-    call pair_damping(text, list)
+    call pair_group(text, 'damping', 'ratio = '//text_of(tried_damping), effect_damping, list, &
+                    'tried with ratio = '//text_of(tried_damping))
     call pair_body(scene, text, list)
     call pair_capture(scene, text, list)
     call pair_release(scene, text, list)
     call pair_recontact(text, list)
   end subroutine pairs_of
 
+  subroutine leave_out(list, effect, reason)
+    !! An effect that cannot be tried beside this scene, and why.
+    type(compared_scenes), intent(inout) :: list
+    integer, intent(in) :: effect
+    character(*), intent(in) :: reason
+    list%rows(effect)%effect = effect
+    list%rows(effect)%state = effect_not_combined
+    list%rows(effect)%remark = reason
+    list%pairs(effect) = effect_pair()
+  end subroutine leave_out
+
+  subroutine add_pair(list, effect, is_on, with, without, remark)
+    !! Read both texts. Where one is refused the row is left out, with the first of the reader's reasons.
+    type(compared_scenes), intent(inout) :: list
+    integer, intent(in) :: effect
+    logical, intent(in) :: is_on                   !! in the scene that is studied
+    character(*), intent(in) :: with, without, remark
+    character(:), allocatable :: reason
+    call list%variants%find(with, list%pairs(effect)%with, reason)
+    call list%variants%find(without, list%pairs(effect)%without, reason)
+    list%rows(effect)%state = merge(effect_on, effect_off, is_on)
+    list%rows(effect)%remark = remark
+    if (allocated(reason)) call leave_out(list, effect, reason)
+  end subroutine add_pair
+
+  subroutine pair_group(text, group, values, effect, list, remark)
+    !! An effect that is a group: it is taken out where the scene has it, else tried with some values.
+    character(*), intent(in) :: text
+    character(*), intent(in) :: group
+    character(*), intent(in) :: values             !! to try; empty: all defaults
+    integer, intent(in) :: effect
+    type(compared_scenes), intent(inout) :: list
+    character(*), intent(in) :: remark             !! on what is tried
+    if (has_group(text, group)) then
+      call add_pair(list, effect, .true., text, without_group(text, group), '')
+    else
+      call add_pair(list, effect, .false., with_group(text, group, values), text, remark)
+    end if
+  end subroutine pair_group
+
   subroutine pair_rotation(scene, text, list)
     !! Rotation alone, with its tension, and in the other plane.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
+    type(compared_scenes), intent(inout) :: list
     character(:), allocatable :: turning, resting, remark
     logical :: is_on
     is_on = has_group(text, 'rotation')
@@ -91,48 +149,32 @@ contains
 
   subroutine pair_stiffening(text, list)
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
-    if (.not. has_group(text, 'rotation')) then
-      call leave_out(list, effect_stiffening, 'needs &rotation')
-    else if (has_group(text, 'stiffening')) then
-      call add_pair(list, effect_stiffening, .true., text, without_group(text, 'stiffening'), '')
+    type(compared_scenes), intent(inout) :: list
+    if (has_group(text, 'rotation')) then
+      call pair_group(text, 'stiffening', '', effect_stiffening, list, 'tried with hub_radius = 0')
     else
-      call add_pair(list, effect_stiffening, .false., with_group(text, 'stiffening', ''), text, 'tried with hub_radius = 0')
+      call leave_out(list, effect_stiffening, 'needs &rotation')
     end if
   end subroutine pair_stiffening
 
   subroutine pair_shear(scene, text, list)
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
-    if (has_group(text, 'shear')) then
-      call add_pair(list, effect_shear, .true., text, without_group(text, 'shear'), '')
-    else if (scene%beam%round) then
-      call add_pair(list, effect_shear, .false., with_group(text, 'shear', ''), text, &
-                    'tried with poisson_ratio = 0.3 and the shear_coefficient of a solid circle')
+    type(compared_scenes), intent(inout) :: list
+    character(*), parameter :: remark = 'tried with poisson_ratio = 0.3 and '
+    if (scene%beam%round) then
+      call pair_group(text, 'shear', '', effect_shear, list, remark//'the shear_coefficient of a solid circle')
     else
-      call add_pair(list, effect_shear, .false., with_group(text, 'shear', 'shear_coefficient = '//text_of(tried_shear)), &
-                    text, 'tried with poisson_ratio = 0.3 and shear_coefficient = '//text_of(tried_shear)// &
-                    ', a rectangle''s')
+      call pair_group(text, 'shear', 'shear_coefficient = '//text_of(tried_shear), effect_shear, list, &
+                      remark//'shear_coefficient = '//text_of(tried_shear)//', a rectangle''s')
     end if
   end subroutine pair_shear
-
-  subroutine pair_damping(text, list)
-    character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
-    if (has_group(text, 'damping')) then
-      call add_pair(list, effect_damping, .true., text, without_group(text, 'damping'), '')
-    else
-      call add_pair(list, effect_damping, .false., with_group(text, 'damping', 'ratio = '//text_of(tried_damping)), text, &
-                    'tried with ratio = '//text_of(tried_damping))
-    end if
-  end subroutine pair_damping
 
   subroutine pair_body(scene, text, list)
     !! The captured body's rotary inertia.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
+    type(compared_scenes), intent(inout) :: list
     character(:), allocatable :: inertia
     if (.not. has_group(text, 'capture')) then
       call leave_out(list, effect_body_inertia, 'needs &capture')
@@ -158,7 +200,7 @@ contains
     !! A mass that stays beside one that rebounds.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
+    type(compared_scenes), intent(inout) :: list
     if (.not. has_group(text, 'impact')) then
       call leave_out(list, effect_capture, 'needs &impact')
     else if (.not. has_group(text, 'capture')) then
@@ -175,29 +217,24 @@ contains
   subroutine pair_release(scene, text, list)
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
-    if (.not. (has_group(text, 'capture') .and. has_group(text, 'response'))) then
-      call leave_out(list, effect_release, 'needs &capture and &response')
-    else if (has_group(text, 'release')) then
-      call add_pair(list, effect_release, .true., text, without_group(text, 'release'), '')
+    type(compared_scenes), intent(inout) :: list
+    if (has_group(text, 'capture') .and. has_group(text, 'response')) then
+      call pair_group(text, 'release', 'time = '//text_of(tried_release*scene%response%duration), effect_release, list, &
+                      'tried at half of the duration')
     else
-      call add_pair(list, effect_release, .false., &
-                    with_group(text, 'release', 'time = '//text_of(tried_release*scene%response%duration)), text, &
-                    'tried at half of the duration')
+      call leave_out(list, effect_release, 'needs &capture and &response')
     end if
   end subroutine pair_release
 
   subroutine pair_recontact(text, list)
     character(*), intent(in) :: text
-    type(effect_scenes), intent(inout) :: list
+    type(compared_scenes), intent(inout) :: list
     if (has_group(text, 'capture')) then
       call leave_out(list, effect_recontact, 'excludes &capture')
-    else if (.not. (has_group(text, 'impact') .and. has_group(text, 'response'))) then
-      call leave_out(list, effect_recontact, 'needs &impact and &response')
-    else if (has_group(text, 'recontact')) then
-      call add_pair(list, effect_recontact, .true., text, without_group(text, 'recontact'), '')
+    else if (has_group(text, 'impact') .and. has_group(text, 'response')) then
+      call pair_group(text, 'recontact', '', effect_recontact, list, '')
     else
-      call add_pair(list, effect_recontact, .false., with_group(text, 'recontact', ''), text, '')
+      call leave_out(list, effect_recontact, 'needs &impact and &response')
     end if
   end subroutine pair_recontact
 

@@ -4,14 +4,12 @@ module bw_effects
   use bw_case_result, only: case_done, case_result
   use bw_effect_file, only: effect_values
   use bw_effect_list, only: compare_frequencies, compared_case, compared_modes, effect_list, effect_words
-  use bw_effect_pairs, only: pairs_of
+  use bw_effect_pairs, only: compared_scenes, pairs_of
   use bw_effect_report, only: effect_report
-  use bw_effect_scenes, only: effect_scenes
   use bw_error, only: error_type, status_not_trusted
   use bw_modes_par, only: by_tolerance, default_tolerance
-  use bw_monitor, only: part_monitor
+  use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
-  use bw_progress, only: progress_type
   use bw_result_values, only: named_value
   use bw_scene, only: scene_type
   use bw_study_frame, only: study_frame
@@ -26,7 +24,7 @@ module bw_effects
   real(dp), parameter :: comparing = 0.5_dp      !! share of the first runs in the progress that is shown
 
   type :: study_state
-    type(effect_scenes) :: scenes
+    type(compared_scenes) :: scenes
     type(timed_run), allocatable :: runs(:)      !! of the scenes
     type(case_result), allocatable :: results(:) !! of the scenes, as long as they are needed
     type(effect_list) :: list
@@ -71,9 +69,9 @@ contains
     type(part_monitor) :: part
     integer :: i
     call pairs_of(scene, state%scenes)
-    allocate (state%runs(size(state%scenes%scenes)), state%results(size(state%scenes%scenes)))
+    allocate (state%runs(size(state%scenes%variants%scenes)), state%results(size(state%scenes%variants%scenes)))
     do i = 1, size(state%runs)
-      state%runs(i)%scene = state%scenes%scenes(i)
+      state%runs(i)%scene = state%scenes%variants%scenes(i)
     end do
     call run_scene_once(1, progress, state, whole)
     if (.not. whole) return
