@@ -9,7 +9,6 @@ module bw_accuracy
   use bw_model_error, only: model_errors
   use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
-  use bw_price_file, only: price_values
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
   use bw_scene, only: scene_type
@@ -59,7 +58,7 @@ contains
       call frame%leave(outcome)
     else
       if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
-      call frame%end(scene, price_values(state%list), price_report(state%list), state%notes, outcome, error)
+      call frame%end(scene, state%list, price_report(state%list), state%notes, outcome, error)
     end if
   end subroutine measure_accuracy
 

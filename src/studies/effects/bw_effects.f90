@@ -2,10 +2,9 @@ module bw_effects
   !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_done, case_result
-  use bw_effect_file, only: effect_values
   use bw_effect_list, only: compare_frequencies, compared_case, compared_modes, effect_list, effect_words
   use bw_effect_pairs, only: compared_scenes, pairs_of
-  use bw_effect_report, only: effect_report
+  use bw_effect_report, only: effect_report, effect_values
   use bw_error, only: error_type, status_not_trusted
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_monitor, only: part_monitor, progress_type
