@@ -54,7 +54,7 @@ contains
   end function check_command
 
   function time_summary(scene, layout, budget, monitor) result(text)
-    !! What `check` says of the time.
+    !! The line of `check` that says how long the scene would take.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                 !! of the estimate itself, s
@@ -67,7 +67,7 @@ contains
   end function time_summary
 
   pure function expected_text(seconds) result(text)
-    !! As `duration_text`, with a digit more where whole seconds would be too coarse.
+    !! Seconds as `duration_text` writes them, with a digit more where whole seconds would be too coarse.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds >= 1.0_dp .and. seconds < 10.0_dp) then
@@ -78,7 +78,7 @@ contains
   end function expected_text
 
   subroutine plan_tolerance(scene, monitor, text, error)
-    !! How many modes a tolerance takes, where there is one case to ask for.
+    !! Say how many modes a tolerance takes; of a sweep, whose cases take different ones, nothing is said.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     character(:), allocatable, intent(out) :: text

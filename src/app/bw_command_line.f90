@@ -12,7 +12,8 @@ module bw_command_line
 contains
 
   subroutine read_command_line(rows, command, error)
-    !! The command, its words and options. **Errors**: `status_bad_input`, naming what is accepted.
+    !! Read the command, its words and its options.
+    !! **Errors**: `status_bad_input`, naming what is accepted.
     type(command_row), intent(in) :: rows(:)      !! all commands
     type(command_type), intent(inout) :: command  !! everything but its group is set
     type(error_type), allocatable, intent(out) :: error
@@ -41,8 +42,8 @@ contains
   end subroutine read_command_line
 
   subroutine read_word(rows, command, i, error)
-    !! A word of the command, or an option: `--name`, `--name value` or `--name=value`. `--help` stands behind any command, and
-    !! means that help is what is called for.
+    !! Read a word of the command, or an option: `--name`, `--name value` or `--name=value`. `--help` stands behind any
+    !! command, and means that help is what is called for.
     type(command_row), intent(in) :: rows(:)
     type(command_type), intent(inout) :: command
     integer, intent(inout) :: i                   !! place of the word; moves on behind it and a value of its own
@@ -68,7 +69,7 @@ contains
   end subroutine read_word
 
   subroutine read_option(command, word, name, i, error)
-    !! An option that the command takes, and its value: what stands behind its '=', or the next word.
+    !! Read an option that the command takes, and its value: what stands behind its '=', or the next word.
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: word              !! with its '=' and value, if it has them
     character(*), intent(in) :: name
@@ -91,6 +92,7 @@ contains
   end subroutine read_option
 
   subroutine set_option(command, name, value, error)
+    !! Put the value of an option into its component of the command.
     !! **Errors**: the value makes no sense.
     type(command_type), intent(inout) :: command
     character(*), intent(in) :: name
@@ -105,6 +107,7 @@ contains
   end subroutine set_option
 
   subroutine read_seconds(value, seconds, error)
+    !! Read a number of seconds.
     !! **Errors**: the value is no finite number from 0 on.
     character(*), intent(in) :: value
     real(dp), intent(inout) :: seconds

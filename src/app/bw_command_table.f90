@@ -118,7 +118,7 @@ contains
   end function accepted_options
 
   pure function help_text(rows) result(text)
-    !! What `beamwave --help` prints.
+    !! The text that `beamwave --help` prints: the commands, their options, the exit statuses.
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text, flags
     integer :: i

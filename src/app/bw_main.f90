@@ -63,7 +63,8 @@ contains
   end subroutine main
 
   integer function describe_command(command) result(status)
-    !! Every input name, or those of one group. **Errors**: `status_bad_input` for a group that is none.
+    !! Print every input name, or those of one group.
+    !! **Errors**: `status_bad_input` for a group that is none.
     type(command_type), intent(in) :: command
     character(:), allocatable :: group, text
     type(error_type), allocatable :: error
@@ -83,7 +84,7 @@ contains
   end function describe_command
 
   integer function help_command(command) result(status)
-    !! All commands, options and exit statuses.
+    !! Print the help.
     type(command_type), intent(in) :: command
     associate (unused => command)
     end associate
@@ -92,7 +93,7 @@ contains
   end function help_command
 
   integer function version_command(command) result(status)
-    !! Program, commit, compiler, libraries.
+    !! Print what this program is: its version and commit, the compiler, the libraries.
     type(command_type), intent(in) :: command
     character(*), parameter :: nl = new_line('a')
     character(:), allocatable :: processor

@@ -58,7 +58,8 @@ contains
   end function run_command
 
   subroutine agree_on_scenes(group, count, error)
-    !! **Errors**: one of the processes could not read what the leader has read. All get it.
+    !! Make sure that all processes have read the same scenes.
+    !! **Errors**: one of them could not read what the leader has read. All get it.
     class(process_group), intent(inout) :: group
     integer, intent(in) :: count                   !! of good scenes
     type(error_type), allocatable, intent(out) :: error
@@ -73,6 +74,7 @@ contains
   end subroutine agree_on_scenes
 
   integer function run_one(command, scene, progress) result(status)
+    !! Run a scene, and say how it ended.
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
     type(terminal_progress), intent(inout) :: progress
@@ -84,19 +86,19 @@ contains
   end function run_one
 
   integer function accuracy_command(command) result(status)
-    !! What accuracy costs on a scene.
+    !! Measure what accuracy costs on a scene.
     type(command_type), intent(in) :: command
     status = study_scene(command, measure_accuracy)
   end function accuracy_command
 
   integer function effects_command(command) result(status)
-    !! What effects change on a scene.
+    !! Compare a scene with and without each effect.
     type(command_type), intent(in) :: command
     status = study_scene(command, compare_effects)
   end function effects_command
 
   integer function study_scene(command, study) result(status)
-    !! Study the one scene that is named.
+    !! Study the one scene that is named, and say how that ended.
     type(command_type), intent(in) :: command
     procedure(measure_accuracy) :: study
     type(scene_type), allocatable :: scenes(:)
@@ -144,7 +146,7 @@ contains
   end function print_outcome
 
   pure function trust_text(outcome) result(text)
-    !! Of a result that was there already, what it cannot be trusted for.
+    !! The words on a result that was there already whose numbers cannot all be trusted; empty where they can.
     type(outcome_type), intent(in) :: outcome
     character(:), allocatable :: text
     text = ''
@@ -153,13 +155,13 @@ contains
   end function trust_text
 
   logical function seen_together()
-    !! Report and warnings come to the same eyes, and the report ends with the same notes.
+    !! Whether report and warnings come to the same eyes: the report ends with the same notes.
     seen_together = is_terminal(standard_output)
     if (seen_together) seen_together = is_terminal(standard_error)
   end function seen_together
 
   subroutine print_warnings(scene, lines)
-    !! Each line with the scene it is about.
+    !! Print each line with the scene that it is about.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: lines
     integer :: first, last

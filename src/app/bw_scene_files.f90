@@ -36,7 +36,7 @@ contains
   end subroutine read_and_list
 
   subroutine read_scenes(words, scenes, count, messages, status)
-    !! Read everything first. Two scenes of one name leave no scene at all.
+    !! Read all scenes before any is run. Two scenes of one name leave no scene at all.
     type(string), intent(in) :: words(:)                        !! as the user wrote them
     type(scene_type), allocatable, intent(out) :: scenes(:)     !! the first `count` of them are read
     integer, intent(out) :: count
@@ -69,6 +69,7 @@ contains
   end subroutine read_scenes
 
   subroutine expand(words, paths, messages)
+    !! Paths of files from words, of which each may be a directory that stands for its *.nml.
     type(string), intent(in) :: words(:)
     type(string), allocatable, intent(out) :: paths(:)
     type(string), allocatable, intent(inout) :: messages(:)
@@ -93,6 +94,7 @@ contains
   end subroutine expand
 
   pure function without_slash(path) result(text)
+    !! A directory's path without a slash at its end.
     character(*), intent(in) :: path
     character(:), allocatable :: text
     text = path
@@ -100,7 +102,7 @@ contains
   end function without_slash
 
   subroutine find_clashes(paths, messages, clash)
-    !! Scenes of one stem would write the same result.
+    !! Find scenes of one stem, which would write the same result.
     type(string), intent(in) :: paths(:)
     type(string), allocatable, intent(inout) :: messages(:)
     logical, intent(out) :: clash

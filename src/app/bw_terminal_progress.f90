@@ -37,7 +37,7 @@ module bw_terminal_progress
 contains
 
   type(terminal_progress) function terminal_progress_to(deadline, quiet) result(progress)
-    !! Progress that asks to stop at a deadline.
+    !! A progress that asks to stop at a deadline.
     real(dp), intent(in) :: deadline                  !! when to stop, on the clock of `wall_seconds`
     logical, intent(in) :: quiet
     progress%deadline = deadline
@@ -46,6 +46,7 @@ contains
   end function terminal_progress_to
 
   subroutine begin(self, name, cases, finished)
+    !! A scene begins: from here on its progress is shown.
     class(terminal_progress), intent(inout) :: self
     character(*), intent(in) :: name
     integer(i8), intent(in) :: cases, finished
@@ -58,6 +59,7 @@ contains
   end subroutine begin
 
   subroutine cases_done(self, count)
+    !! Count cases that are finished.
     class(terminal_progress), intent(inout) :: self
     integer(i8), intent(in) :: count
     self%done = self%done + count
@@ -65,6 +67,7 @@ contains
   end subroutine cases_done
 
   subroutine advance(self, fraction)
+    !! Show the progress, unless that was done a moment ago.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction
     real(dp) :: now, interval
@@ -78,6 +81,7 @@ contains
   end subroutine advance
 
   subroutine show(self, fraction, now)
+    !! Draw the bar, or write a line of the log: the part that is done, cases a second, the time that is left.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction, now
     real(dp) :: part, new_part
@@ -103,7 +107,7 @@ contains
   end subroutine show
 
   pure function duration_text(seconds) result(text)
-    !! As coarse as an estimate is.
+    !! Seconds in words, as coarse as an estimate is.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds < 1.0_dp) then
@@ -128,6 +132,7 @@ contains
   end subroutine end_scene
 
   logical function stop_requested(self)
+    !! A signal came, or the time is up.
     class(terminal_progress), intent(inout) :: self
     stop_requested = stop_signal() /= 0
     if (.not. stop_requested .and. self%deadline < huge(1.0_dp)) stop_requested = wall_seconds() >= self%deadline

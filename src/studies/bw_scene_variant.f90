@@ -45,7 +45,8 @@ contains
   end function with_counts
 
   pure type(scene_type) function summed(scene, modes) result(variant)
-    !! The inputs by name, from which the scene was built, stay as they are.
+    !! The scene with other numbers of modes, and without spectral analysis. The inputs by name, from which the scene was
+    !! built, stay as they are.
     type(scene_type), intent(in) :: scene
     type(modes_par), intent(in) :: modes
     variant = scene
@@ -54,7 +55,7 @@ contains
   end function summed
 
   subroutine find(self, text, place, reason)
-    !! The place of the scene with this text, which is read where it is new.
+    !! Find the place of the scene with this text; the text is read where it is new.
     class(scene_variants), intent(inout) :: self
     character(*), intent(in) :: text
     integer, intent(out) :: place                  !! 0 where the scene is refused
@@ -75,7 +76,7 @@ contains
   end subroutine find
 
   subroutine add(self, text, scene)
-    !! One more scene. (Array constructors of such types leak in gfortran 12.)
+    !! Add a scene to the list. (Array constructors of such types leak in gfortran 12.)
     class(scene_variants), intent(inout) :: self
     character(*), intent(in) :: text
     type(scene_type), intent(in) :: scene
@@ -104,14 +105,14 @@ contains
   end function first_reason
 
   pure logical function has_group(text, group)
-    !! The text has a group of that name.
+    !! Whether the text has a group of that name.
     character(*), intent(in) :: text               !! as `resolved_text` writes it: each group and name on its own line
     character(*), intent(in) :: group
     has_group = start_of(text, group) > 0
   end function has_group
 
   pure function without_group(text, group) result(edited)
-    !! The same text where the group is not there.
+    !! The text without a group; the same text where the group is not there.
     character(*), intent(in) :: text, group
     character(:), allocatable :: edited
     integer :: first, last
@@ -123,7 +124,7 @@ contains
   end function without_group
 
   pure function with_group(text, group, values) result(edited)
-    !! A group that is there is replaced.
+    !! The text with a group at its end; one of that name that was there is replaced.
     character(*), intent(in) :: text, group
     character(*), intent(in) :: values             !! `name = value`; empty: all defaults
     character(:), allocatable :: edited
@@ -133,7 +134,7 @@ contains
   end function with_group
 
   pure function with_value(text, group, name, value) result(edited)
-    !! A name of a group that is there gets another value.
+    !! The text in which a name of a group that is there has another value.
     character(*), intent(in) :: text, group, name
     character(*), intent(in) :: value              !! empty: the name is taken out
     character(:), allocatable :: edited
@@ -153,13 +154,13 @@ contains
   end function with_value
 
   pure integer function start_of(text, group) result(first)
-    !! Of the line that opens the group; 0 where there is none. A line inside a group begins with a blank or is '/'.
+    !! The place where the group opens; 0 where it is not there. A line inside a group begins with a blank or is '/'.
     character(*), intent(in) :: text, group
     first = index(nl//text, nl//'&'//group//nl)
   end function start_of
 
   pure integer function end_of(text, first) result(last)
-    !! The last character of the line that closes the group which opens at `first`.
+    !! The place of the last character of the line that closes the group which opens at `first`.
     character(*), intent(in) :: text
     integer, intent(in) :: first
     last = first + index(text(first:), nl//'/'//nl) + 1

@@ -35,7 +35,7 @@ module bw_study_file
 
   abstract interface
     subroutine put_interface(self, file, error)
-      !! All of it into the file of the study.
+      !! Puts all that was found into the file of the study.
       import :: error_type, study_file, study_values
       implicit none (type, external)
       class(study_values), intent(in) :: self
@@ -47,7 +47,7 @@ module bw_study_file
 contains
 
   subroutine create_study(path, scene, study, file, error)
-    !! A new file with its global attributes and the scene's inputs.
+    !! Create a file with its global attributes and the scene's inputs.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene           !! without sweeps
     character(*), intent(in) :: study               !! the command that makes it
@@ -63,7 +63,7 @@ contains
   end subroutine create_study
 
   subroutine put_axis(self, name, length, long_name, error, words)
-    !! A dimension, and its coordinate that counts from 1.
+    !! Put a dimension, and its coordinate that counts from 1.
     class(study_file), intent(in) :: self
     character(*), intent(in) :: name, long_name
     integer, intent(in) :: length
@@ -80,7 +80,7 @@ contains
   end subroutine put_axis
 
   subroutine put_text(self, name, text, error)
-    !! A global attribute.
+    !! Put a global attribute.
     class(study_file), intent(in) :: self
     character(*), intent(in) :: name, text
     type(error_type), allocatable, intent(inout) :: error
@@ -89,6 +89,7 @@ contains
   end subroutine put_text
 
   subroutine put_numbers(self, name, dimensions, units, long_name, values, error)
+    !! Put a variable of real numbers.
     class(study_file), intent(in) :: self
     character(*), intent(in) :: name
     character(*), intent(in) :: dimensions          !! names in the file's order, by spaces; a scalar has none
@@ -105,7 +106,7 @@ contains
   end subroutine put_numbers
 
   subroutine put_counts(self, name, dimensions, long_name, values, error)
-    !! Integers, which always exist.
+    !! Put a variable of integers, all of which exist.
     class(study_file), intent(in) :: self
     character(*), intent(in) :: name, dimensions, long_name
     integer, intent(in) :: values(:)
@@ -115,7 +116,7 @@ contains
   end subroutine put_counts
 
   subroutine put_flags(self, name, dimensions, long_name, values, words, error)
-    !! Integers that stand for words, from 1.
+    !! Put a variable of integers that stand for words, from 1.
     class(study_file), intent(in) :: self
     character(*), intent(in) :: name, dimensions, long_name
     integer, intent(in) :: values(:)
@@ -127,7 +128,7 @@ contains
   end subroutine put_flags
 
   subroutine finish(self, notes, error)
-    !! The notes, then close.
+    !! Put the notes, and close the file.
     class(study_file), intent(inout) :: self
     character(*), intent(in) :: notes               !! what the report warned of, lines
     type(error_type), allocatable, intent(inout) :: error
@@ -136,6 +137,7 @@ contains
   end subroutine finish
 
   subroutine put_integers(self, name, dimensions, long_name, values, variable, error)
+    !! Define a variable of integers and put its values.
     class(study_file), intent(in) :: self
     character(*), intent(in) :: name, dimensions, long_name
     integer, intent(in) :: values(:)
@@ -166,7 +168,7 @@ contains
   end function dimension_ids
 
   function dimension_lengths(self, ids) result(lengths)
-    !! As NetCDF wants them for the values of a variable; one number for a scalar.
+    !! The lengths of dimensions, as NetCDF wants them for the values of a variable; one number for a scalar.
     class(study_file), intent(in) :: self
     integer, intent(in) :: ids(:)
     integer, allocatable :: lengths(:)

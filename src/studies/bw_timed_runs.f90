@@ -36,15 +36,15 @@ module bw_timed_runs
 contains
 
   subroutine run_once(run, monitor, result, whole)
-    !! One more run, timed.
+    !! Run a case once more, and book its time.
     type(timed_run), intent(inout) :: run
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                 !! false where the monitor asked to stop; nothing is booked then
-    type(kept_work) :: kept
+    type(kept_work) :: cache
     type(stopwatch) :: watch
     integer :: i
-    call run_case(run%scene, layout_of(run%scene), watch, monitor, kept, result, whole)
+    call run_case(run%scene, layout_of(run%scene), watch, monitor, cache, result, whole)
     if (.not. whole) return
     call run%seconds%add(sum(watch%seconds))
     do i = 1, stage_count
@@ -75,6 +75,7 @@ contains
   end subroutine repeat_runs
 
   pure logical function needs_more(run, budget)
+    !! Whether a case is to be run again.
     type(timed_run), intent(in) :: run
     real(dp), intent(in) :: budget
     needs_more = run%is_timed .and. run%seconds%count < most .and. &
@@ -95,7 +96,7 @@ contains
   end function progress_of
 
   elemental subroutine book(self, size, seconds)
-    !! Another run.
+    !! Take account of another run.
     class(foresight), intent(inout) :: self
     real(dp), intent(in) :: size                 !! above that of the run before
     real(dp), intent(in) :: seconds
@@ -104,7 +105,7 @@ contains
   end subroutine book
 
   elemental real(dp) function next_seconds(self, size, steepest) result(seconds)
-    !! Of a run of that size; 0 where no run is known.
+    !! How long a run of that size will take, s; 0 where no run is known.
     class(foresight), intent(in) :: self
     real(dp), intent(in) :: size                 !! above those of the runs
     real(dp), intent(in) :: steepest             !! the largest power: first runs find cold caches, which are no trend

@@ -44,8 +44,8 @@ module bw_journal_writer
 contains
 
   subroutine prepare(self, count, numbers, error)
-    !! Where the numbers of the next case go; the journal begins with its first case.
-    !! **Errors**: it cannot be made.
+    !! Point to where the numbers of the next case go; the journal begins with its first case.
+    !! **Errors**: the journal cannot be made.
     class(journal_writer), intent(inout) :: self
     integer(i8), intent(in) :: count
     real(dp), pointer, contiguous, intent(out) :: numbers(:)  !! (count)
@@ -62,7 +62,7 @@ contains
   end subroutine prepare
 
   subroutine append_case(self, case, count, notes, error)
-    !! A finished case, whose numbers are where `prepare` has shown.
+    !! Write a finished case, whose numbers are where `prepare` has shown.
     !! **Errors**: it cannot be written, or the file is gone.
     class(journal_writer), intent(inout) :: self
     integer(i8), intent(in) :: case, count
@@ -75,7 +75,7 @@ contains
   end subroutine append_case
 
   subroutine write_record(self, case, count, notes, problem)
-    !! The numbers that are there already, with all that belongs to them.
+    !! Write the numbers that are there already, with all that belongs to them.
     class(journal_writer), intent(inout) :: self
     integer(i8), intent(in) :: case, count
     type(string), intent(in) :: notes(:)
@@ -99,7 +99,8 @@ contains
   end subroutine write_record
 
   subroutine look(self, error)
-    !! Now and then, whether the file is still there under its name.
+    !! Make sure now and then that the file is still there under its name.
+    !! **Errors**: it is gone.
     class(journal_writer), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     type(path_state) :: mine, named
@@ -116,6 +117,7 @@ contains
   end subroutine look
 
   subroutine close_writer(self, error)
+    !! Close the journal.
     !! **Errors**: some of what was written could not be kept.
     class(journal_writer), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error

@@ -66,7 +66,7 @@ contains
   end subroutine run_scene
 
   pure function fields_text(fields) result(text)
-    !! The numbers of a case in their order, as a journal has them: names and lengths.
+    !! The numbers of a case in their order, as a journal has them, as text: their names and lengths.
     type(case_field), intent(in) :: fields(:)
     character(:), allocatable :: text
     integer :: i
@@ -109,7 +109,8 @@ contains
   end subroutine refuse_out_of_reach
 
   subroutine ask_for_memory(work, error)
-    !! **Errors**: `status_bad_file` where the system refuses the memory that a case takes, before any work is done.
+    !! Ask for the memory that a case takes, and give it back.
+    !! **Errors**: `status_bad_file` where it is refused, before any work is done.
     type(unfinished_work), intent(in) :: work
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: room(:)
@@ -120,13 +121,13 @@ contains
   end subroutine ask_for_memory
 
   subroutine run_single(work, progress, outcome, error)
-    !! The only case. After an error, or when it is stopped, nothing is left of it.
+    !! Run the only case. After an error, or when it is stopped, nothing is left of it.
     type(unfinished_work), intent(inout) :: work          !! locked
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
-    type(kept_work) :: kept
+    type(kept_work) :: cache
     type(stopwatch) :: watch
     integer(i1) :: none(0)
     logical :: whole
@@ -136,7 +137,7 @@ contains
     whole = .true.
     if (.not. allocated(error)) then
       call progress%begin(work%scene%name, 1_i8, 0_i8)
-      call run_case(work%scene, work%layout, watch, progress, kept, result, whole)
+      call run_case(work%scene, work%layout, watch, progress, cache, result, whole)
       if (whole) call write_result(work, result, watch, progress, outcome, whole, error)
       call progress%end()
     end if
@@ -145,7 +146,7 @@ contains
   end subroutine run_single
 
   subroutine write_result(work, result, watch, progress, outcome, whole, error)
-    !! The file under its final name, and what there is to say of it.
+    !! Write the file, give it its final name, and collect what there is to say of it.
     !! **Errors**: it cannot be written.
     type(unfinished_work), intent(in) :: work
     type(case_result), intent(in) :: result

@@ -24,7 +24,8 @@ module bw_run_sweep
 contains
 
   subroutine run_sweep(work, group, progress, outcome, error)
-    !! Called by all processes; the leader, which has the lock of the work, gets the outcome, and an error if any has one.
+    !! Run the cases that are left, and make the result. Called by all processes; the leader, which has the lock of the work,
+    !! gets the outcome, and an error if any has one.
     type(unfinished_work), intent(inout) :: work
     class(process_group), intent(inout), target :: group
     class(progress_type), intent(inout), target :: progress
@@ -68,7 +69,7 @@ contains
   end subroutine run_sweep
 
   subroutine take_up(work, left, run, outcome, error)
-    !! What is left to do of unfinished work; the first step of the leader.
+    !! Find out what is left to do of unfinished work: the first step of the leader.
     !! **Errors**: a journal cannot be read, or work of another scene or version not be taken away.
     type(unfinished_work), intent(inout) :: work
     integer(i4), allocatable, intent(out) :: left(:), run(:)    !! `run` is empty after an error
@@ -100,7 +101,7 @@ contains
   end subroutine take_up
 
   pure function journal_path(work, run, number) result(path)
-    !! The journal of a process of a run.
+    !! The path of the journal of one process of a run.
     class(unfinished_work), intent(in) :: work
     integer(i4), intent(in) :: run(:)         !! letters of the run's name
     integer, intent(in) :: number             !! of the process
@@ -114,8 +115,8 @@ contains
   end function journal_path
 
   subroutine add_journals(work, run, processes)
-    !! The journals of this run to those that were there. They are asked for by name: a list of a directory that other machines
-    !! write to may be old.
+    !! Add the journals of this run to those that were there. They are asked for by name: a list of a directory that other
+    !! machines write to may be old.
     type(unfinished_work), intent(inout) :: work
     integer(i4), intent(in) :: run(:)
     integer, intent(in) :: processes
@@ -128,7 +129,7 @@ contains
   end subroutine add_journals
 
   subroutine assemble(work, progress, watch, table, outcome, error)
-    !! The result under its final name.
+    !! Make the result of the journals, and give it its final name.
     !! **Errors**: it cannot be written, or journals not be read.
     type(unfinished_work), intent(in) :: work
     class(progress_type), intent(inout) :: progress   !! may ask to stop
@@ -160,7 +161,7 @@ contains
   end subroutine assemble
 
   subroutine write_result(draft, work, watch, texts, error)
-    !! The whole file; `texts` are the notes, the table of cases, and how many of them cannot be trusted.
+    !! Write the whole file; `texts` are the notes, the table of cases, and how many of them cannot be trusted.
     character(*), intent(in) :: draft
     type(unfinished_work), intent(in) :: work
     type(stopwatch), intent(inout) :: watch
@@ -182,7 +183,7 @@ contains
   end subroutine write_result
 
   subroutine leave_for_later(work, done, outcome, error)
-    !! After an error, or when it is stopped: what the same command will find.
+    !! After an error, or when the run was stopped, leave the work so that the same command goes on from there, and say so.
     type(unfinished_work), intent(inout) :: work
     integer(i8), intent(in) :: done           !! cases that are finished
     type(outcome_type), intent(inout) :: outcome
@@ -206,7 +207,7 @@ contains
   end subroutine leave_for_later
 
   subroutine flush_journals(work, error)
-    !! What is left for later is to outlive the machine.
+    !! Flush the journals onto the disk: what is left for later is to outlive the machine.
     type(unfinished_work), intent(in) :: work
     type(error_type), allocatable, intent(inout) :: error
     integer :: problem, i

@@ -1,5 +1,5 @@
 module bw_time_estimate
-  !! How long a scene will take: a few of its cases are run for a bounded time.
+  !! How long a scene will take: samples of its cases are run for a bounded time.
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
@@ -44,7 +44,7 @@ module bw_time_estimate
     type(scene_type) :: scene
     type(result_layout) :: layout
     type(scene_type) :: one                   !! the case at hand, or the one before it
-    type(kept_work) :: kept                   !! what cases share
+    type(kept_work) :: cache                  !! what cases share
     type(time_limit) :: limit
   contains
     procedure :: sample
@@ -100,13 +100,13 @@ contains
   end subroutine sample_sweep
 
   pure real(dp) function writing_seconds(layout) result(seconds)
-    !! Of a case onto the disk, s.
+    !! How long it takes to write a case onto the disk, s.
     type(result_layout), intent(in) :: layout
     seconds = put_seconds + number_seconds*case_length(fields_of(layout))
   end function writing_seconds
 
   pure integer(i8) function place(sample, cases)
-    !! Which case is the n-th sample.
+    !! The number of the case that is the n-th sample.
     integer, intent(in) :: sample
     integer(i8), intent(in) :: cases
     real(dp) :: position
@@ -130,7 +130,7 @@ contains
     whole = .true.
     call case_scene(self%scene, index, self%one, error)
     call self%limit%start(self%one, deadline)
-    if (.not. allocated(error)) call run_case(self%one, self%layout, watch, self%limit, self%kept, result, whole)
+    if (.not. allocated(error)) call run_case(self%one, self%layout, watch, self%limit, self%cache, result, whole)
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
@@ -147,7 +147,7 @@ contains
   end subroutine sample
 
   subroutine start(self, scene, deadline)
-    !! Before a case.
+    !! Call this before a case.
     class(time_limit), intent(inout) :: self
     type(scene_type), intent(in) :: scene         !! without sweeps
     real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
@@ -160,6 +160,7 @@ contains
   end subroutine start
 
   subroutine advance(self, fraction)
+    !! Remember how much of the case is done, and when its histories began.
     class(time_limit), intent(inout) :: self
     real(dp), intent(in) :: fraction
     if (self%before <= 0.0_dp .and. fraction > self%histories) then
@@ -171,6 +172,7 @@ contains
   end subroutine advance
 
   logical function stop_requested(self)
+    !! The time is up, or the user asks to stop.
     class(time_limit), intent(inout) :: self
     stop_requested = wall_seconds() > self%deadline
     if (.not. stop_requested) stop_requested = self%user%stop_requested()

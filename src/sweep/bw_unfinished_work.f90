@@ -37,7 +37,7 @@ module bw_unfinished_work
 contains
 
   subroutine survey(self, count, done, error)
-    !! Read all journals: which cases are finished.
+    !! Read all journals, and find out which cases are finished.
     !! **Errors**: one cannot be read.
     class(unfinished_work), intent(inout) :: self
     integer(i8), intent(in) :: count          !! numbers of a case
@@ -64,7 +64,7 @@ contains
   end subroutine survey
 
   subroutine read_journal(self, reader, count, done, is_others, error)
-    !! All sound records of a journal.
+    !! Read all sound records of a journal.
     class(unfinished_work), intent(in) :: self
     type(journal_reader), intent(inout) :: reader
     integer(i8), intent(in) :: count
@@ -84,19 +84,20 @@ contains
   end subroutine read_journal
 
   pure integer(i8) function sum_of_identity(self)
-    !! What each record of this work's journals holds.
+    !! The checksum of the identity, which each record of this work's journals has.
     class(unfinished_work), intent(in) :: self
     sum_of_identity = word_sum(words_of_text(self%identity))
   end function sum_of_identity
 
   pure logical function has_others(self)
-    !! The survey has found work of another scene or version.
+    !! Whether the survey has found work of another scene or version.
     class(unfinished_work), intent(in) :: self
     has_others = size(self%others) > 0
   end function has_others
 
   subroutine remove_others(self, error)
-    !! Take that away.
+    !! Remove the journals of other work that the survey has found.
+    !! **Errors**: one cannot be removed.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     integer :: problem, i

@@ -46,7 +46,7 @@ module bw_worker
     type(stopwatch) :: watch                         !! times of the stages of all its cases
     type(case_field), allocatable, private :: fields(:)  !! the numbers of a case
     type(scene_type), private :: one                 !! the case at hand, or the one before it
-    type(kept_work), private :: kept                 !! what cases share
+    type(kept_work), private :: cache                !! what cases share
     type(group_monitor), private :: monitor
   contains
     procedure :: run_cases
@@ -89,7 +89,7 @@ contains
   end subroutine run_cases
 
   pure integer(i8) function batch_length(left, processes, case_seconds) result(length)
-    !! How many cases to take at once: rarely many small ones, and no process is left with the last long one.
+    !! How many cases a process takes at once: rarely many small ones, and so that no process is left with the last long one.
     integer(i8), intent(in) :: left                  !! cases
     integer, intent(in) :: processes
     real(dp), intent(in) :: case_seconds             !! what a case took so far
@@ -97,7 +97,8 @@ contains
   end function batch_length
 
   subroutine run_one(self, index, error)
-    !! One case into the journal, unless it is stopped on the way.
+    !! Run a case and write it to the journal, unless it is stopped on the way.
+    !! **Errors**: the case cannot be built, or not be written.
     class(worker_type), intent(inout) :: self
     integer(i8), intent(in) :: index                 !! of the case, from 1
     type(error_type), allocatable, intent(out) :: error
@@ -106,7 +107,7 @@ contains
     logical :: whole
     whole = .false.
     call case_scene(self%scene, index, self%one, error)
-    if (.not. allocated(error)) call run_case(self%one, self%layout, self%watch, self%monitor, self%kept, result, whole)
+    if (.not. allocated(error)) call run_case(self%one, self%layout, self%watch, self%monitor, self%cache, result, whole)
     if (.not. whole) return
     call self%journal%prepare(case_length(self%fields), numbers, error)
     if (allocated(error)) return
@@ -118,12 +119,14 @@ contains
   end subroutine run_one
 
   subroutine advance(self, fraction)
+    !! Pass on how much of the case at hand is done.
     class(group_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     call self%progress%advance(fraction)
   end subroutine advance
 
   logical function stop_requested(self)
+    !! Somebody has stopped: this process asks its progress, and now and then the others.
     class(group_monitor), intent(inout) :: self
     if (wall_seconds() - self%looked > look_every) call self%look()
     if (.not. self%stopped) then
@@ -134,7 +137,7 @@ contains
   end function stop_requested
 
   subroutine count_case(self)
-    !! One more case of this process is finished.
+    !! Count a case that this process has finished.
     class(group_monitor), intent(inout) :: self
     self%done = self%done + 1
     self%shown = self%shown + 1
@@ -142,7 +145,7 @@ contains
   end subroutine count_case
 
   subroutine look(self)
-    !! Tell the others, and see what they have done.
+    !! Tell the others of the cases that are finished, and see what they have done.
     class(group_monitor), intent(inout) :: self
     integer(i8) :: all_done
     logical :: stopped

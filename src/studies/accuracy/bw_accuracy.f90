@@ -63,7 +63,8 @@ contains
   end subroutine measure_accuracy
 
   subroutine refuse(scene, error)
-    !! Accuracy is measured against the answer of infinitely many modes: it takes a history that has one.
+    !! Accuracy is measured against the answer of infinitely many modes, so a scene needs a history that has one.
+    !! **Errors**: `status_bad_input` where it has none.
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: accepted = '; accepted: a scene with &impact, &capture and &response'
@@ -78,7 +79,7 @@ contains
   end subroutine refuse
 
   subroutine measure(scene, progress, state, whole, error)
-    !! The converged run, the error of each rung, then all rungs in turn for their seconds.
+    !! Make the converged run, find the error of each rung, then run all rungs in turn for their seconds.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
@@ -104,7 +105,7 @@ contains
   end subroutine measure
 
   subroutine run_rungs(progress, state, whole)
-    !! Each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
+    !! Run each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
     logical, intent(out) :: whole
@@ -138,13 +139,14 @@ contains
   end subroutine run_rungs
 
   pure real(dp) function next_seconds(foreseen, rung) result(seconds)
+    !! How long the run of a rung will take, s, by those of the coarser rungs of its ladder; 0 for the first.
     type(foresight), intent(in) :: foreseen
     type(rung_type), intent(in) :: rung
     seconds = foreseen%next_seconds(fineness(rung), merge(steepest_count, steepest_tolerance, is_missing(rung%tolerance)))
   end function next_seconds
 
   pure real(dp) function fineness(rung)
-    !! What grows along a ladder.
+    !! A measure of how fine a rung is, which grows along its ladder.
     type(rung_type), intent(in) :: rung
     if (is_missing(rung%tolerance)) then
       fineness = rung%mode_count
@@ -154,7 +156,7 @@ contains
   end function fineness
 
   pure subroutine leave_out(state, first)
-    !! A rung and the finer ones of its ladder.
+    !! Leave out a rung and the finer ones of its ladder, which would take too long.
     type(study_state), intent(inout) :: state
     integer, intent(in) :: first
     integer :: i
@@ -166,6 +168,7 @@ contains
   end subroutine leave_out
 
   pure subroutine take_account(scene, state)
+    !! Put everything that was measured into the list.
     type(scene_type), intent(in) :: scene
     type(study_state), intent(inout) :: state
     integer :: i

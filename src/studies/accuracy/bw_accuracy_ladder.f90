@@ -67,7 +67,7 @@ contains
   end function scene_of_rung
 
   subroutine leave_out_of_reach(converged, monitor, runs, rungs)
-    !! Tolerances that the program refuses are not run, nor those for which a run takes too long.
+    !! Mark the rungs that are not run: tolerances that the program refuses, and those for which a run takes too long.
     type(converged_run), intent(in) :: converged
     class(monitor_type), intent(inout) :: monitor
     type(timed_run), intent(inout) :: runs(:)
@@ -87,7 +87,7 @@ contains
   end subroutine leave_out_of_reach
 
   integer function status_extended(scene, monitor) result(status)
-    !! Of a rung with every root in extended precision.
+    !! The status of a rung with every root in extended precision before it is run.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     type(error_type), allocatable :: error
@@ -102,7 +102,7 @@ contains
   end function status_extended
 
   pure subroutine take_errors(scene, result, converged, rung)
-    !! What a run of the rung yielded beside the converged run.
+    !! Put into a rung what its run yielded beside the converged run.
     type(scene_type), intent(in) :: scene          !! of the rung
     type(case_result), intent(in) :: result
     type(converged_run), intent(in) :: converged
@@ -120,7 +120,8 @@ contains
   end subroutine take_errors
 
   pure real(dp) function true_error(result, converged) result(error)
-    !! Over the samples that are finite in both; 0 where nothing moves.
+    !! The largest difference of a run's displacement from the converged run's over the peak, at the samples that are finite
+    !! in both; 0 where nothing moves.
     type(case_result), intent(in) :: result
     type(converged_run), intent(in) :: converged
     integer :: finite
@@ -134,7 +135,7 @@ contains
   end function true_error
 
   pure subroutine take_seconds(run, rung)
-    !! Medians and quartiles of the repeats.
+    !! Put the median and the quartiles of the repeats into a rung.
     type(timed_run), intent(in) :: run
     type(rung_type), intent(inout) :: rung
     integer :: i

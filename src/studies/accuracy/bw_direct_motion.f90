@@ -1,9 +1,9 @@
 module bw_direct_motion
-  !! The motion of a scene within a tolerance at a few samples by direct sums, every root in extended precision: what the
+  !! The motion of a scene within a tolerance at chosen samples by direct sums, every root in extended precision: what the
   !! converged run is checked against.
   !!
-  !! At a release every mode of beam and mass is handed on to each of the beam alone, of far more of them than move after it:
-  !! what the run takes those far above to be, one blow at the tip, is left for those beyond these alone.
+  !! At a release every mode of beam and mass is handed on to each of the unloaded beam, far more of them than move after it:
+  !! what the run takes modes far above to be, one blow at the tip, is taken here of those beyond these only.
   use bw_kinds, only: dp
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
@@ -21,7 +21,7 @@ module bw_direct_motion
   private
   public :: sum_directly
 
-  integer, parameter :: batch = 4096            !! modes held at a time
+  integer, parameter :: batch = 4096            !! modes at a time
   integer, parameter :: wider = 3               !! so many times the modes that move after a release are handed on to them
   real(dp), parameter :: endless = huge(1.0_dp) !! a record that calls for extended precision in every root
 
@@ -29,7 +29,7 @@ module bw_direct_motion
     !! What a direct sum takes its modes from.
     type(scene_type) :: scene
     class(mode_source), allocatable :: loaded    !! modes of beam and mass
-    class(mode_source), allocatable :: unloaded  !! modes of the beam alone
+    class(mode_source), allocatable :: unloaded  !! modes of the beam without it
     real(dp) :: unit = 0.0_dp                    !! of displacements: V l²/h, m
   contains
     procedure :: add_captured
@@ -39,7 +39,7 @@ module bw_direct_motion
   end type direct_type
 
   type :: released_type
-    !! The modes of the beam alone, and how they move just after the release.
+    !! The modes of the unloaded beam, and how they move just after the release.
     class(mode_set), allocatable :: modes
     real(dp), allocatable :: q(:), rate(:)       !! displacements and velocities times the modal masses, (modes)
     real(dp) :: remainder(2) = 0.0_dp            !! displacement and velocity of the tip by modes of beam and mass beyond these
@@ -48,7 +48,7 @@ module bw_direct_motion
 contains
 
   subroutine sum_directly(scene, run, sample, monitor, displacement, whole)
-    !! Displacements, m, of the continuum's modes as a run chose their numbers.
+    !! Sum the displacements of as many modes as a run has chosen.
     type(scene_type), intent(in) :: scene                      !! its modes in closed form
     type(case_result), intent(in) :: run                       !! of this scene
     integer, intent(in) :: sample(:)                           !! numbers of samples, from 0, ascending
@@ -79,7 +79,7 @@ contains
   end subroutine sum_directly
 
   subroutine add_captured(self, count, times, monitor, displacement, whole)
-    !! The motion of beam and mass together.
+    !! Add the motion of beam and mass together.
     class(direct_type), intent(in) :: self
     integer, intent(in) :: count                               !! modes
     type(dd), intent(in) :: times(:)                           !! from the impact, l²/h
@@ -97,7 +97,7 @@ contains
   end subroutine add_captured
 
   subroutine add_released(self, run, times, monitor, displacement, whole)
-    !! The motion of the beam alone after the release.
+    !! Add the motion of the beam after the mass has left it.
     class(direct_type), intent(in) :: self
     type(case_result), intent(in) :: run
     type(dd), intent(in) :: times(:)                           !! from the release, l²/h
@@ -125,8 +125,8 @@ contains
   end subroutine add_released
 
   subroutine hand_on(self, loaded, first, run, released)
-    !! Adds what some modes of beam and mass do at the release to modes of the beam alone; what the run took them to add at
-    !! the tip is taken off the remainder.
+    !! Add what a batch of modes of beam and mass do at the release to the modes of the beam that is unloaded; what the run
+    !! took them to add at the tip is taken off the remainder.
     class(direct_type), intent(in) :: self
     class(mode_set), intent(in) :: loaded
     integer, intent(in) :: first                               !! number of the first of `loaded`

@@ -57,7 +57,7 @@ module bw_price_list
 contains
 
   elemental logical function is_resolved(rung, converged_error)
-    !! The measured error is the rung's own, and not the converged run's.
+    !! Whether the measured error is the rung's own, and not the converged run's.
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: converged_error
     is_resolved = .false.
@@ -66,7 +66,7 @@ contains
   end function is_resolved
 
   elemental logical function beyond_model(rung, model_error)
-    !! The rung's numbers are nearer to the model's answer than the model is to the beam.
+    !! Whether the rung's numbers are nearer to the model's answer than the model is to the beam.
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: model_error       !! the largest of the list's
     beyond_model = .false.
@@ -121,7 +121,7 @@ contains
   end function work_slope
 
   subroutine put_prices(self, file, error)
-    !! Everything that was measured.
+    !! Put everything that was measured into the file.
     class(price_list), intent(in) :: self
     type(study_file), intent(in) :: file
     type(error_type), allocatable, intent(inout) :: error
@@ -135,7 +135,7 @@ contains
   end subroutine put_prices
 
   subroutine put_rungs(file, list, error)
-    !! What each rung is.
+    !! Put what each rung is.
     type(study_file), intent(in) :: file
     class(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
@@ -151,6 +151,7 @@ contains
   end subroutine put_rungs
 
   subroutine put_errors(file, list, error)
+    !! Put the true errors, the estimated ones, and their ratios.
     type(study_file), intent(in) :: file
     class(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
@@ -164,6 +165,7 @@ contains
   end subroutine put_errors
 
   subroutine put_seconds(file, list, error)
+    !! Put the times, and what follows from them.
     type(study_file), intent(in) :: file
     class(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
@@ -189,7 +191,7 @@ contains
   end subroutine put_seconds
 
   subroutine put_converged(file, list, error)
-    !! What the errors are measured against.
+    !! Put what the errors are measured against.
     type(study_file), intent(in) :: file
     class(price_list), intent(in) :: list
     type(error_type), allocatable, intent(inout) :: error
@@ -214,7 +216,7 @@ contains
   end subroutine put_converged
 
   elemental real(dp) function ratio(estimate, error)
-    !! Missing where one is, or the error is zero.
+    !! The estimated error over the true one; missing where one of them is missing, or the true one is zero.
     real(dp), intent(in) :: estimate, error
     ratio = missing
     if (is_missing(estimate) .or. is_missing(error)) return

@@ -36,7 +36,7 @@ module bw_effect_pairs
 contains
 
   subroutine pairs_of(scene, list)
-    !! The pair of each effect.
+    !! Find the pair of scenes for each effect.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(compared_scenes), intent(out) :: list
     character(:), allocatable :: text, never
@@ -60,7 +60,7 @@ contains
   end subroutine pairs_of
 
   subroutine leave_out(list, effect, reason)
-    !! An effect that cannot be tried beside this scene, and why.
+    !! Say of an effect why it cannot be tried beside this scene.
     type(compared_scenes), intent(inout) :: list
     integer, intent(in) :: effect
     character(*), intent(in) :: reason
@@ -100,7 +100,7 @@ contains
   end subroutine pair_group
 
   subroutine pair_rotation(scene, text, list)
-    !! Rotation alone, with its tension, and in the other plane.
+    !! Pair rotation without tension, with it, and in the other plane.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
@@ -133,7 +133,7 @@ contains
   end subroutine pair_rotation
 
   pure real(dp) function usual_speed(scene) result(speed)
-    !! rad/s, to three digits.
+    !! An angular velocity to try, rad/s, with three digits.
     type(scene_type), intent(in) :: scene
     type(beam_units) :: units
     type(root_type) :: root
@@ -148,6 +148,7 @@ contains
   end function usual_speed
 
   subroutine pair_stiffening(text, list)
+    !! Pair the tension beside the same rotation without it.
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     if (has_group(text, 'rotation')) then
@@ -158,6 +159,7 @@ contains
   end subroutine pair_stiffening
 
   subroutine pair_shear(scene, text, list)
+    !! Pair a beam that shears with one that does not.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
@@ -171,7 +173,7 @@ contains
   end subroutine pair_shear
 
   subroutine pair_body(scene, text, list)
-    !! The captured body's rotary inertia.
+    !! Pair a captured body that has rotary inertia with a point mass.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
@@ -188,7 +190,7 @@ contains
   end subroutine pair_body
 
   pure real(dp) function sphere_inertia(scene) result(inertia)
-    !! ⅖m_jR² of a solid sphere of the beam's density.
+    !! The rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
     type(scene_type), intent(in) :: scene
     real(dp), parameter :: pi = acos(-1.0_dp)
     associate (mass => scene%impact%mass)
@@ -197,7 +199,7 @@ contains
   end function sphere_inertia
 
   subroutine pair_capture(scene, text, list)
-    !! A mass that stays beside one that rebounds.
+    !! Pair a mass that stays with one that rebounds.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
@@ -215,6 +217,7 @@ contains
   end subroutine pair_capture
 
   subroutine pair_release(scene, text, list)
+    !! Pair a mass that leaves with one that stays.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
@@ -227,6 +230,7 @@ contains
   end subroutine pair_release
 
   subroutine pair_recontact(text, list)
+    !! Pair a mass that returns with one that does not.
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     if (has_group(text, 'capture')) then

@@ -55,6 +55,7 @@ contains
   end function effect_report
 
   function row_line(row, last) result(text)
+    !! The line of an effect: what it changes and costs, or why it is not combined with the scene.
     type(effect_row), intent(in) :: row
     integer, intent(in) :: last                    !! the last mode that is compared
     character(:), allocatable :: text
@@ -74,7 +75,7 @@ contains
   end function row_line
 
   pure function name_of(row) result(name)
-    !! In words.
+    !! The name of an effect in words.
     type(effect_row), intent(in) :: row
     character(:), allocatable :: name
     integer :: i
@@ -85,6 +86,7 @@ contains
   end function name_of
 
   pure function verdict(row) result(text)
+    !! The words on whether an effect matters.
     type(effect_row), intent(in) :: row
     character(:), allocatable :: text
     if (row%matters_from > 0) then
@@ -97,7 +99,8 @@ contains
   end function verdict
 
   pure function percent(change) result(text)
-    !! Two digits and a sign; 0 for the rounding of two ways to find the same; a dash for what does not exist.
+    !! A relative change in per cent, with two digits and a sign; 0 for the rounding of two ways to find the same; a dash for
+    !! what does not exist.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
     real(dp), parameter :: rounding = 1.0e-12_dp
@@ -110,7 +113,7 @@ contains
   end function percent
 
   pure function part(change) result(text)
-    !! Of the peak; nothing is said of its direction.
+    !! A change as a part of the peak, without a sign, since it has no direction.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
     text = percent(change)
@@ -118,7 +121,7 @@ contains
   end function part
 
   pure function times(above, below) result(text)
-    !! How many times as long.
+    !! How many times as long the scene takes with the effect; a dash where that is not known.
     real(dp), intent(in) :: above, below
     character(:), allocatable :: text
     text = '-'
@@ -126,7 +129,7 @@ contains
   end function times
 
   subroutine put_effects(self, file, error)
-    !! All rows into the file of the study.
+    !! Put all rows into the file.
     class(effect_values), intent(in) :: self
     type(study_file), intent(in) :: file
     type(error_type), allocatable, intent(inout) :: error
@@ -145,7 +148,7 @@ contains
   end subroutine put_effects
 
   subroutine put_modes(file, rows, error)
-    !! Frequencies with and without, and what that changes.
+    !! Put the frequencies with and without each effect, and what it changes.
     type(study_file), intent(in) :: file
     type(effect_row), intent(in) :: rows(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -163,7 +166,7 @@ contains
   end subroutine put_modes
 
   subroutine put_costs(file, rows, error)
-    !! What the effect changes in the response, and what it costs.
+    !! Put what each effect changes in the response, and what it costs.
     type(study_file), intent(in) :: file
     type(effect_row), intent(in) :: rows(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -179,7 +182,7 @@ contains
   end subroutine put_costs
 
   elemental real(dp) function ratio(above, below)
-    !! Missing where one is, or the second is not positive.
+    !! One time over another; missing where one of them is missing, or the second is not positive.
     real(dp), intent(in) :: above, below
     ratio = missing
     if (is_missing(above) .or. is_missing(below)) return
@@ -187,7 +190,7 @@ contains
   end function ratio
 
   pure function remarks_of(rows) result(text)
-    !! One line for each effect that has a remark.
+    !! The remarks, one line for each effect that has one.
     type(effect_row), intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: i

@@ -60,7 +60,7 @@ contains
   end subroutine compare_effects
 
   subroutine compare(scene, progress, state, whole)
-    !! Every scene once, for what it yields, then all in turn for their seconds.
+    !! Run every scene once, for what it yields, then all in turn for their seconds.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
@@ -86,7 +86,7 @@ contains
   end subroutine compare
 
   subroutine start_list(scene, state)
-    !! Which modes are compared, and what their changes are measured against.
+    !! Choose which modes are compared, and what their changes are measured against.
     type(scene_type), intent(in) :: scene
     type(study_state), intent(inout) :: state
     associate (list => state%list, result => state%results(1))
@@ -105,7 +105,7 @@ contains
   end subroutine start_list
 
   pure real(dp) function left_by_counts(result) result(error)
-    !! 0 where there is no estimate.
+    !! The error that a scene's counts leave in its displacement, over the peak; 0 where there is no estimate.
     type(case_result), intent(in) :: result
     error = 0.0_dp
     if (.not. allocated(result%response)) return
@@ -114,7 +114,7 @@ contains
   end function left_by_counts
 
   pure real(dp) function peak_of(result) result(peak)
-    !! Largest displacement, m; 0 without a history.
+    !! The largest displacement, m; 0 without a history.
     type(case_result), intent(in) :: result
     peak = 0.0_dp
     if (.not. allocated(result%response)) return
@@ -146,7 +146,7 @@ contains
   end subroutine compare_pair
 
   subroutine run_scene_once(place, progress, state, whole)
-    !! Unless its result is there. This run finds cold caches: its time counts only where it is too long.
+    !! Run a scene, unless its result is there. This run finds cold caches: its time counts only where it is too long.
     integer, intent(in) :: place
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
@@ -165,7 +165,7 @@ contains
   end subroutine run_scene_once
 
   pure type(compared_case) function compared(result) result(numbers)
-    !! Of the modes in force after the last event at t = 0.
+    !! What is compared of a case: the modes in force after the last event at t = 0.
     type(case_result), intent(in) :: result
     integer :: n
     n = min(compared_modes, result%modes%count)
@@ -178,7 +178,7 @@ contains
   end function compared
 
   pure subroutine compare_responses(with, without, peak, change)
-    !! The largest difference, at the samples that are finite in both.
+    !! The largest difference of two displacements over the peak, at the samples that are finite in both.
     type(case_result), intent(in) :: with, without
     real(dp), intent(in) :: peak                   !! of the scene's own, m
     real(dp), intent(inout) :: change              !! stays missing where there are no two histories
@@ -192,6 +192,7 @@ contains
   end subroutine compare_responses
 
   subroutine note_untrusted(row, with, without, state)
+    !! Note that one of the two runs of a row has numbers that cannot be trusted.
     integer, intent(in) :: row
     type(case_result), intent(in) :: with, without
     type(study_state), intent(inout) :: state
@@ -201,7 +202,7 @@ contains
   end subroutine note_untrusted
 
   subroutine forget(row, state)
-    !! The results that no later row needs: their histories may be large.
+    !! Drop the histories that no later row needs: they may be large.
     integer, intent(in) :: row
     type(study_state), intent(inout) :: state
     integer :: place
@@ -212,7 +213,7 @@ contains
   end subroutine forget
 
   pure subroutine take_seconds(state)
-    !! Medians.
+    !! Put the median times into the rows.
     type(study_state), intent(inout) :: state
     integer :: i
     do i = 1, size(state%list%rows)
