@@ -4,9 +4,7 @@ module bw_effect_pairs
   !! the row's remark says.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units, units_of
-  use bw_effect_list, only: effect_body_inertia, effect_capture, effect_damping, effect_not_combined, effect_off, effect_on, &
-    effect_other_plane, effect_recontact, effect_release, effect_rotation, effect_rotation_with_tension, effect_row, &
-    effect_shear, effect_stiffening, effect_words
+  use bw_effect_list, only: effect_not_combined, effect_off, effect_on, effect_row
   use bw_frequency_equation, only: root_type, solve_root
   use bw_modes_par, only: by_tolerance
   use bw_scene, only: scene_type
@@ -22,36 +20,28 @@ module bw_effect_pairs
   real(dp), parameter :: tried_release = 0.5_dp    !! of the duration
   real(dp), parameter :: tried_shear = 0.85_dp     !! coefficient of a section whose shape is not known: a rectangle's
 
-  type, public :: effect_pair
-    integer :: with = 0, without = 0               !! places among the variants; 0: not combined
-  end type effect_pair
-
   type, public :: compared_scenes
     !! All rows, and every scene that they take, each once; the first is the one that is studied.
-    type(effect_row), allocatable :: rows(:)       !! by the effects' numbers
-    type(effect_pair), allocatable :: pairs(:)     !! of the rows
+    type(effect_row), allocatable :: rows(:)       !! in the order in which they are shown
     type(scene_variants) :: variants
   end type compared_scenes
 
 contains
 
   subroutine pairs_of(scene, list)
-    !! Find the pair of scenes for each effect.
+    !! Find the pair of scenes for each effect. A new effect is a call here.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(compared_scenes), intent(out) :: list
     character(:), allocatable :: text, never
-    integer :: e, place
-    allocate (list%rows(size(effect_words)), list%pairs(size(effect_words)))
-    do e = 1, size(list%rows)
-      call leave_out(list, e, '')
-    end do
+    integer :: place
+    allocate (list%rows(0))
     text = without_group(resolved_text(scene), 'spectrum')
     list%variants%file = scene%file
     call list%variants%find(text, place, never)    ! the scene that is studied has been read before and is not refused now
     call pair_rotation(scene, text, list)
     call pair_stiffening(text, list)
     call pair_shear(scene, text, list)
-    call pair_group(text, 'damping', 'ratio = '//text_of(tried_damping), effect_damping, list, &
+    call pair_group(text, 'damping', 'ratio = '//text_of(tried_damping), list, &
                     'tried with ratio = '//text_of(tried_damping))
     call pair_body(scene, text, list)
     call pair_capture(scene, text, list)
@@ -60,42 +50,62 @@ contains
   end subroutine pairs_of
 
   subroutine leave_out(list, effect, reason)
-    !! Say of an effect why it cannot be tried beside this scene.
+    !! A row of an effect that cannot be tried beside this scene.
     type(compared_scenes), intent(inout) :: list
-    integer, intent(in) :: effect
+    character(*), intent(in) :: effect             !! what it is called
     character(*), intent(in) :: reason
-    list%rows(effect)%effect = effect
-    list%rows(effect)%state = effect_not_combined
-    list%rows(effect)%remark = reason
-    list%pairs(effect) = effect_pair()
+    type(effect_row) :: row
+    row%effect = effect
+    row%remark = reason
+    call add_row(list, row)
   end subroutine leave_out
 
   subroutine add_pair(list, effect, is_on, with, without, remark)
-    !! Read both texts. Where one is refused the row is left out, with the first of the reader's reasons.
+    !! A row of an effect, whose two texts are read. Where one is refused the row is left out, with the first of the reader's
+    !! reasons.
     type(compared_scenes), intent(inout) :: list
-    integer, intent(in) :: effect
+    character(*), intent(in) :: effect             !! what it is called
     logical, intent(in) :: is_on                   !! in the scene that is studied
     character(*), intent(in) :: with, without, remark
+    type(effect_row) :: row
     character(:), allocatable :: reason
-    call list%variants%find(with, list%pairs(effect)%with, reason)
-    call list%variants%find(without, list%pairs(effect)%without, reason)
-    list%rows(effect)%state = merge(effect_on, effect_off, is_on)
-    list%rows(effect)%remark = remark
-    if (allocated(reason)) call leave_out(list, effect, reason)
+    row%effect = effect
+    row%state = merge(effect_on, effect_off, is_on)
+    row%remark = remark
+    call list%variants%find(with, row%place_with, reason)
+    call list%variants%find(without, row%place_without, reason)
+    if (allocated(reason)) then
+      call leave_out(list, effect, reason)
+    else
+      call add_row(list, row)
+    end if
   end subroutine add_pair
 
-  subroutine pair_group(text, group, values, effect, list, remark)
-    !! An effect that is a group: it is taken out where the scene has it, else tried with some values.
+  pure subroutine add_row(list, row)
+    !! One more row. (Array constructors of such types leak in gfortran 12.)
+    type(compared_scenes), intent(inout) :: list
+    type(effect_row), intent(in) :: row
+    type(effect_row), allocatable :: rows(:)
+    integer :: i
+    allocate (rows(size(list%rows) + 1))
+    do i = 1, size(list%rows)
+      rows(i) = list%rows(i)
+    end do
+    rows(size(rows)) = row
+    call move_alloc(rows, list%rows)
+  end subroutine add_row
+
+  subroutine pair_group(text, group, values, list, remark)
+    !! A row of an effect that is a group: it is taken out where the scene has it, else tried with some values.
     character(*), intent(in) :: text
     character(*), intent(in) :: group
     character(*), intent(in) :: values             !! to try; empty: all defaults
-    integer, intent(in) :: effect
     type(compared_scenes), intent(inout) :: list
     character(*), intent(in) :: remark             !! on what is tried
     if (has_group(text, group)) then
-      call add_pair(list, effect, .true., text, without_group(text, group), '')
+      call add_pair(list, group, .true., text, without_group(text, group), '')
     else
-      call add_pair(list, effect, .false., with_group(text, group, values), text, remark)
+      call add_pair(list, group, .false., with_group(text, group, values), text, remark)
     end if
   end subroutine pair_group
 
@@ -115,7 +125,7 @@ contains
       remark = 'tried in plane at '//shortest(usual_speed(scene), 6)//' rad/s, '//text_of(tried_speed)// &
         ' of the speed at which mode 1 would be unstable'
     end if
-    call add_pair(list, effect_rotation, is_on, turning, resting, remark)
+    call add_pair(list, 'rotation', is_on, turning, resting, remark)
     remark = 'rotation and stiffening, beside neither of them'
     if (.not. has_group(text, 'stiffening')) then
       turning = with_group(turning, 'stiffening', '')
@@ -123,11 +133,11 @@ contains
     else
       turning = text
     end if
-    call add_pair(list, effect_rotation_with_tension, is_on .and. has_group(text, 'stiffening'), turning, resting, remark)
+    call add_pair(list, 'rotation_with_tension', is_on .and. has_group(text, 'stiffening'), turning, resting, remark)
     if (.not. is_on) then
-      call leave_out(list, effect_other_plane, 'needs &rotation')
+      call leave_out(list, 'out_of_plane', 'needs &rotation')
     else
-      call add_pair(list, effect_other_plane, scene%rotation%plane == 'out', with_value(text, 'rotation', 'plane', "'out'"), &
+      call add_pair(list, 'out_of_plane', scene%rotation%plane == 'out', with_value(text, 'rotation', 'plane', "'out'"), &
                     with_value(text, 'rotation', 'plane', "'in'"), 'the rotation, out of the plane of the motion beside in it')
     end if
   end subroutine pair_rotation
@@ -152,9 +162,9 @@ contains
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     if (has_group(text, 'rotation')) then
-      call pair_group(text, 'stiffening', '', effect_stiffening, list, 'tried with hub_radius = 0')
+      call pair_group(text, 'stiffening', '', list, 'tried with hub_radius = 0')
     else
-      call leave_out(list, effect_stiffening, 'needs &rotation')
+      call leave_out(list, 'stiffening', 'needs &rotation')
     end if
   end subroutine pair_stiffening
 
@@ -165,9 +175,9 @@ contains
     type(compared_scenes), intent(inout) :: list
     character(*), parameter :: remark = 'tried with poisson_ratio = 0.3 and '
     if (scene%beam%round) then
-      call pair_group(text, 'shear', '', effect_shear, list, remark//'the shear_coefficient of a solid circle')
+      call pair_group(text, 'shear', '', list, remark//'the shear_coefficient of a solid circle')
     else
-      call pair_group(text, 'shear', 'shear_coefficient = '//text_of(tried_shear), effect_shear, list, &
+      call pair_group(text, 'shear', 'shear_coefficient = '//text_of(tried_shear), list, &
                       remark//'shear_coefficient = '//text_of(tried_shear)//', a rectangle''s')
     end if
   end subroutine pair_shear
@@ -179,12 +189,12 @@ contains
     type(compared_scenes), intent(inout) :: list
     character(:), allocatable :: inertia
     if (.not. has_group(text, 'capture')) then
-      call leave_out(list, effect_body_inertia, 'needs &capture')
+      call leave_out(list, 'body_inertia', 'needs &capture')
     else if (scene%capture%rotary_inertia > 0.0_dp) then
-      call add_pair(list, effect_body_inertia, .true., text, with_value(text, 'capture', 'rotary_inertia', '0'), '')
+      call add_pair(list, 'body_inertia', .true., text, with_value(text, 'capture', 'rotary_inertia', '0'), '')
     else
       inertia = shortest(sphere_inertia(scene), 3)
-      call add_pair(list, effect_body_inertia, .false., with_value(text, 'capture', 'rotary_inertia', inertia), text, &
+      call add_pair(list, 'body_inertia', .false., with_value(text, 'capture', 'rotary_inertia', inertia), text, &
                     'tried with rotary_inertia = '//inertia//' kg m2, a solid sphere of the beam''s density')
     end if
   end subroutine pair_body
@@ -204,13 +214,13 @@ contains
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     if (.not. has_group(text, 'impact')) then
-      call leave_out(list, effect_capture, 'needs &impact')
+      call leave_out(list, 'capture', 'needs &impact')
     else if (.not. has_group(text, 'capture')) then
-      call add_pair(list, effect_capture, .false., with_group(without_group(text, 'recontact'), 'capture', ''), text, '')
+      call add_pair(list, 'capture', .false., with_group(without_group(text, 'recontact'), 'capture', ''), text, '')
     else if (by_tolerance(scene%modes)) then
-      call leave_out(list, effect_capture, 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added')
+      call leave_out(list, 'capture', 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added')
     else
-      call add_pair(list, effect_capture, .true., text, &
+      call add_pair(list, 'capture', .true., text, &
                     with_value(without_group(without_group(text, 'release'), 'capture'), 'modes', 'after', ''), &
                     'beside a rebound of as many modes as before the capture')
     end if
@@ -222,10 +232,10 @@ contains
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     if (has_group(text, 'capture') .and. has_group(text, 'response')) then
-      call pair_group(text, 'release', 'time = '//text_of(tried_release*scene%response%duration), effect_release, list, &
+      call pair_group(text, 'release', 'time = '//text_of(tried_release*scene%response%duration), list, &
                       'tried at half of the duration')
     else
-      call leave_out(list, effect_release, 'needs &capture and &response')
+      call leave_out(list, 'release', 'needs &capture and &response')
     end if
   end subroutine pair_release
 
@@ -234,11 +244,11 @@ contains
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     if (has_group(text, 'capture')) then
-      call leave_out(list, effect_recontact, 'excludes &capture')
+      call leave_out(list, 'recontact', 'excludes &capture')
     else if (has_group(text, 'impact') .and. has_group(text, 'response')) then
-      call pair_group(text, 'recontact', '', effect_recontact, list, '')
+      call pair_group(text, 'recontact', '', list, '')
     else
-      call leave_out(list, effect_recontact, 'needs &impact and &response')
+      call leave_out(list, 'recontact', 'needs &impact and &response')
     end if
   end subroutine pair_recontact
 

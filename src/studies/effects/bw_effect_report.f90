@@ -2,9 +2,9 @@ module bw_effect_report
   !! What effects change, as a printed table and as the variables of DIR/<scene>.effects.nc.
   use bw_kinds, only: dp
   use bw_columns, only: right
-  use bw_effect_list, only: compared_modes, effect_list, effect_not_combined, effect_on, effect_row, effect_words, &
-    largest_change, state_words
+  use bw_effect_list, only: effect_list, effect_not_combined, effect_on, effect_row, largest_change, state_words
   use bw_error, only: error_type
+  use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
   use bw_processor, only: processor_name
   use bw_study_file, only: study_file, study_values
@@ -79,7 +79,7 @@ contains
     type(effect_row), intent(in) :: row
     character(:), allocatable :: name
     integer :: i
-    name = trim(effect_words(row%effect))
+    name = trim(row%effect)
     do i = 1, len(name)
       if (name(i:i) == '_') name(i:i) = ' '
     end do
@@ -135,7 +135,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     call file%put_text('machine', processor_name(), error)
     call file%put_text('remarks', remarks_of(self%list%rows), error)
-    call file%put_axis('effect', size(self%list%rows), 'effect', error, effect_words)
+    call file%put_axis('effect', size(self%list%rows), 'effect', error, self%list%rows%effect)
     call file%put_axis('mode', compared_modes, 'mode number k', error)
     call file%put_flags('effect_state', 'effect', 'whether the scene has the effect', self%list%rows%state, state_words, error)
     call file%put_counts('matters_from_mode', 'effect', &
@@ -198,7 +198,7 @@ contains
     do i = 1, size(rows)
       if (rows(i)%remark == '') cycle
       if (text /= '') text = text//new_line('a')
-      text = text//trim(effect_words(rows(i)%effect))//': '//rows(i)%remark
+      text = text//trim(rows(i)%effect)//': '//rows(i)%remark
     end do
   end function remarks_of
 
