@@ -2,12 +2,12 @@ module bw_rotation
   !! Rotation at a constant angular velocity. In plane the term −ω²v of Eq. 1 is taken off the square of every
   !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing.
   use bw_beam_units, only: beam_units
-  use bw_double_double, only: dd, to_dd, operator(*)
-  use bw_kinds, only: dp
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*)
+  use bw_kinds, only: dp, qp
   use bw_rotation_par, only: rotation_par
   implicit none (type, external)
   private
-  public :: acts_in_plane, dimensionless_speed, speed_in_plane
+  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane
 
 contains
 
@@ -28,12 +28,16 @@ contains
     !! |ω| l²/h where rotation acts in the plane of the motion, else 0.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
-    type(dd) :: omega
-    speed = 0.0_dp
-    if (.not. present(rotation)) return
-    if (.not. acts_in_plane(rotation)) return
-    omega = dimensionless_speed(rotation, units)
-    speed = omega%hi
+    speed = real(full_speed_in_plane(rotation, units), dp)
   end function speed_in_plane
+
+  pure real(qp) function full_speed_in_plane(rotation, units) result(speed)
+    !! The same in all its digits.
+    type(rotation_par), intent(in), optional :: rotation
+    type(beam_units), intent(in) :: units
+    speed = 0.0_qp
+    if (.not. present(rotation)) return
+    if (acts_in_plane(rotation)) speed = to_quad(dimensionless_speed(rotation, units))
+  end function full_speed_in_plane
 
 end module bw_rotation

@@ -14,9 +14,9 @@ module bw_case_result
   private
   public :: add_note
 
-  integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2
-  character(*), parameter, public :: case_words(0:2) = &
-    [character(13) :: 'done', 'diverged', 'not_converged']   !! by number
+  integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3
+  character(*), parameter, public :: case_words(0:3) = &
+    [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned']   !! by number
 
   type, public :: case_result
     !! An unallocated component was not asked for.
@@ -34,6 +34,8 @@ module bw_case_result
     type(tip_rest), allocatable :: tip_rest           !! of a release, where a tolerance asks for as many modes as it takes
     integer :: released_count = 0                     !! modes of the beam alone after it, likewise
     class(mode_set), allocatable :: held              !! modes of beam and mass while the mass is pressed against the tip
+    real(dp) :: known_until = huge(1.0_dp)            !! l²/h; from then on contacts leave nothing of the motion that is known
+    integer :: ending = case_done                     !! why so, as a status
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI

@@ -55,7 +55,9 @@ contains
     integer :: first, i
     allocate (result%measured)
     first = 1
-    if (allocated(result%courses)) first = first_of_last(scene, result)
+    if (allocated(result%courses) .and. result%ending == case_done) then
+      if (size(result%courses) > 1) first = first_of_last(scene, result)
+    end if
     associate (histories => result%response%displacement)
       call measure_waves(histories(first:, layout%tip), histories(first:, layout%middle), &
                          scene%response%duration*(real(size(histories, 1) - first + 1, dp)/size(histories, 1)), &

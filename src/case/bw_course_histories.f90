@@ -11,7 +11,7 @@ module bw_course_histories
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
-  public :: sum_courses, add_course, take, last_sample
+  public :: sum_courses, add_course, first_sample, take, last_sample
 
   real(dp), parameter :: same_instant = epsilon(1.0_dp)   !! of the time: it is given in binary64
 
@@ -25,8 +25,9 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(inout) :: result    !! its histories are started
     integer :: i, last
+    result%response%finite_samples = samples_before(result%known_until, grid)
     do i = 1, size(result%courses)
-      last = last_sample(result%courses, i, grid)
+      last = min(last_sample(result%courses, i, grid), result%response%finite_samples)
       select case (result%courses(i)%modes)
       case (loaded_modes); call add_course(result%courses(i), loaded, last, points, grid, monitor, result)
       case (held_modes); call add_course(result%courses(i), result%held, last, points, grid, monitor, result)
@@ -36,6 +37,16 @@ contains
     end do
     call finish_histories(1.0_dp, result%response)
   end subroutine sum_courses
+
+  pure integer function samples_before(time, grid) result(samples)
+    !! How many of the samples come before a time.
+    real(dp), intent(in) :: time                  !! l²/h
+    type(time_grid), intent(in) :: grid
+    samples = grid%samples
+    if (time >= samples*grid%step%hi) return
+    samples = int(max(0.0_dp, time)/grid%step%hi) + 1
+    if ((samples - 1)*grid%step%hi >= time) samples = samples - 1
+  end function samples_before
 
   pure integer function last_sample(courses, i, grid) result(last)
     !! Of a course, from 1: before the first of the next.
@@ -74,6 +85,7 @@ contains
     unit = result%approach_velocity*result%units%time%hi
     call add_motion(modes, rate*unit, points, time_grid(last - first + 1, grid%step), result%units%time%hi, share, part, &
                     displaced=q*unit)
+    result%response%sum_error = max(result%response%sum_error, part%sum_error)
     call finish_histories(result%units%time%hi, part)
     call take(part, first, last, result%response)
   end subroutine add_course

@@ -2,6 +2,8 @@ module bw_histories
   !! The histories of a case: from the modes that a scene counts, or from as many as its tolerance takes.
   use bw_kinds, only: dp
   use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
+  use bw_contact_errors, only: estimate_contact_errors
+  use bw_course, only: growth_error
   use bw_course_histories, only: last_sample, sum_courses
   use bw_continuum, only: continuum_velocity
   use bw_magnitude, only: largest_magnitude
@@ -47,7 +49,7 @@ contains
     else if (allocated(result%courses)) then
       call start_histories(grid, size(scene%response%points), scene%response%velocity, result%response)
       call sum_courses(free, loaded, scene%response%points, grid, monitor, result)
-      result%response%sum_error = sum_tolerance
+      if (allocated(scene%release)) result%response%sum_error = sum_tolerance
     else
       call free_motion(result%modes, result%modal_velocity*result%approach_velocity, scene%response%points, grid, &
                        result%units%time%hi, scene%response%velocity, monitor, result%response, sum)
@@ -56,6 +58,8 @@ contains
     if (.not. whole) return
     if (result%response%failing_mode > 0) then
       call note_overflow(scene, result)
+    else if (allocated(scene%recontact)) then
+      call estimate_contact_errors(scene, free, grid, result)
     else if (present(source) .and. result%status == case_done) then
       call estimate_errors(scene, source, alone, grid, monitor, result)
       whole = .not. monitor%stop_requested()
@@ -70,10 +74,11 @@ contains
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), parameter :: slack = 1.5_dp        ! of the peak that was planned with
-    real(dp) :: error, peak
+    real(dp) :: error, peak, rounding
     error = maxval(result%response%displacement_error)
     peak = largest_magnitude(result%response%displacement)
-    if (error <= (slack*scene%modes%tolerance + result%response%sum_error + growth_error(result%modes, grid))*peak) return
+    rounding = result%response%sum_error + growth_error(result%modes, grid%samples*grid%step%hi)
+    if (error <= (slack*scene%modes%tolerance + rounding)*peak) return
     result%status = case_not_converged
     call add_note(result, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
                   shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m')
@@ -99,7 +104,7 @@ contains
     real(dp) :: rounding, speed
     part = part_monitor(monitor, 1.0_dp, 0.0_dp)
     speed = abs(result%approach_velocity)
-    rounding = result%response%sum_error + growth_error(result%modes, grid)
+    rounding = result%response%sum_error + growth_error(result%modes, grid%samples*grid%step%hi)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
       + rounding*largest_magnitude(result%response%displacement)
     if (scene%response%velocity) result%response%velocity_error = &
@@ -133,13 +138,6 @@ contains
       end associate
     end function errors
   end subroutine estimate_errors
-
-  pure real(dp) function growth_error(modes, grid) result(error)
-    !! Of exp(σt) at the end, as a part of it: the growth rate σ has the digits of binary64.
-    class(mode_set), intent(in) :: modes          !! growing ones among them
-    type(time_grid), intent(in) :: grid
-    error = epsilon(error)*sqrt(max(0.0_dp, maxval(-modes%beta_squared%hi)))*(grid%samples*grid%step%hi)
-  end function growth_error
 
   function after_release(scene, source, alone, force, grid, result, velocity, monitor) result(values)
     !! The same after the mass has left, (points).

@@ -1,8 +1,9 @@
 module bw_later_events
   !! What happens after t = 0: flow and jump. Between events the state of the modes moves on exactly; at an event it jumps,
   !! or goes over to other modes. Without such events there is nothing to do here.
-  use bw_kinds, only: dp
-  use bw_case_result, only: add_note, case_result
+  use bw_kinds, only: dp, qp
+  use bw_beam_par, only: beam_mass
+  use bw_case_result, only: add_note, case_diverged, case_done, case_ill_conditioned, case_result
   use bw_course, only: course_type, free_modes, leaves_range, loaded_modes
   use bw_double_double, only: dd, to_dd, operator(/)
   use bw_energy, only: carry, energy_type, state_energy
@@ -12,12 +13,14 @@ module bw_later_events
   use bw_monitor, only: monitor_type
   use bw_recontact, only: contacts_type, follow_contacts
   use bw_release, only: release_mass, release_type
-  use bw_rotation, only: speed_in_plane
+  use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
   public :: follow_events, end_capture
+
+  real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
 
 contains
 
@@ -94,31 +97,74 @@ contains
     type(case_result), intent(inout) :: result
     type(contacts_type) :: contacts
     if (scene%impact%mass_ratio == 0.0_dp .or. result%approach_velocity == 0.0_dp) return
-    call follow_contacts(free, scene%impact%mass_ratio, scene%impact%restitution, &
-                         speed_in_plane(scene%rotation, result%units), result%modal_velocity, &
-                         result%impact%mass_velocity, scene%response%duration/result%units%time%hi, &
-                         scene%recontact%max_contacts, contacts, monitor)
+    call follow_contacts(free, mass_ratio_in_full(scene), scene%impact%restitution, &
+                         full_speed_in_plane(scene%rotation, result%units), &
+                         scene%response%duration/result%units%time%hi, scene%recontact%max_contacts, contacts, monitor)
     if (monitor%stop_requested()) return
-    call in_seconds(contacts%events, scene%response%duration, result)
+    call in_seconds(contacts, scene%response%duration, result)
     result%events = [result%events, contacts%events]
-    call note_rounding(result)
-    if (size(contacts%events) > 0) call move_alloc(contacts%courses, result%courses)
+    call move_alloc(contacts%courses, result%courses)
     if (allocated(contacts%held)) call move_alloc(contacts%held, result%held)
-    if (contacts%cut) call add_note(result, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
-      ' contacts of max_contacts; what comes after the last is the motion without another')
-    if (contacts%lasting .and. .not. contacts%out_of_range) call add_note(result, &
-      'recontact: the last contact has not ended at the end of the record')
-    if (contacts%out_of_range) call add_note(result, &
-      'recontact: the motion grows out of the range of numbers within the record; later contacts are not looked for')
-    if (size(contacts%events) == 0) call add_note(result, 'recontact: the mass does not come back within the record')
+    call note_contacts(scene, contacts, result)
   end subroutine meet_again
 
-  pure subroutine in_seconds(events, duration, result)
-    type(event_type), intent(inout) :: events(:)
+  subroutine note_contacts(scene, contacts, result)
+    !! How the search for contacts ended.
+    type(scene_type), intent(in) :: scene
+    type(contacts_type), intent(in) :: contacts
+    type(case_result), intent(inout) :: result
+    if (contacts%out_of_range) then
+      result%ending = case_diverged
+    else if (contacts%known_until < huge(1.0_dp)) then
+      result%ending = case_ill_conditioned
+    end if
+    result%known_until = contacts%known_until
+    if (contacts%cut) call add_note(result, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
+      ' contacts of max_contacts; what comes after the last is the motion without another')
+    if (contacts%lasting) call add_note(result, &
+      'recontact: the last contact has not ended at the end of the record')
+    if (contacts%out_of_range) call add_note(result, &
+      'recontact: the motion grows out of the range of numbers'//from_then_on(result))
+    if (result%ending == case_ill_conditioned) call add_note(result, &
+      'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
+      'of the motion'//from_then_on(result))
+    if (contacts%amplification > noteworthy) call add_note(result, &
+      'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
+      'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
+    if (any(is_missing(contacts%events%energy_after))) call add_note(result, &
+      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
+    if (size(contacts%events) == 0 .and. result%ending == case_done) call add_note(result, &
+      'recontact: the mass does not come back within the record')
+  end subroutine note_contacts
+
+  pure function from_then_on(result) result(text)
+    !! When the motion ends that is known.
+    type(case_result), intent(in) :: result
+    character(:), allocatable :: text
+    text = ' from t = '//shortest(max(0.0_dp, result%known_until)*result%units%time%hi, 6)// &
+      ' s on: the histories hold fill from there, and no later contact is given'
+  end function from_then_on
+
+  pure real(qp) function mass_ratio_in_full(scene) result(gamma)
+    !! m_j/m_i of the numbers as they were given.
+    type(scene_type), intent(in) :: scene
+    gamma = scene%impact%mass_ratio
+    if (scene%impact%mass_given) gamma = scene%impact%mass/beam_mass(scene%beam)
+  end function mass_ratio_in_full
+
+  pure subroutine in_seconds(contacts, duration, result)
+    type(contacts_type), intent(inout) :: contacts
     real(dp), intent(in) :: duration             !! s
     type(case_result), intent(in) :: result
-    events%time = min(events%time*result%units%time%hi, duration)
-    events%end_time = min(events%end_time*result%units%time%hi, duration)
+    associate (events => contacts%events, unit => result%units%time%hi)
+      events%time = min(events%time*unit, duration)
+      events%end_time = min(events%end_time*unit, duration)
+      events%time_error = events%time_error*unit + 2*epsilon(duration)*events%time
+      events%end_error = events%end_error*unit + 2*epsilon(duration)*events%end_time
+      if (.not. contacts%lasting) return
+      events(size(events))%end_time = duration   ! exactly: it has not ended
+      events(size(events))%end_error = 0.0_dp
+    end associate
   end subroutine in_seconds
 
   subroutine note_release(release, result)

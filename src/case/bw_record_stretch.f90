@@ -17,8 +17,8 @@ contains
     !! tolerance lets them be larger it is less than 1.
     type(scene_type), intent(in) :: scene
     stretch = 1.0_dp
-    if (scene%modes%extended) then
-      stretch = sqrt(huge(stretch))                   ! calls for extended precision in every root
+    if (scene%modes%extended .or. allocated(scene%recontact)) then
+      stretch = sqrt(huge(stretch))                   ! calls for extended precision in every root: contacts amplify errors
     else if (by_tolerance(scene%modes)) then
       stretch = min(1.0_dp, kept_phase/(share*scene%modes%tolerance))
     end if

@@ -21,6 +21,7 @@ module bw_result_layout
     integer :: peaks = 0
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
+    logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
   end type result_layout
@@ -45,6 +46,7 @@ contains
     layout%samples = scene%response%samples
     layout%velocity = scene%response%velocity
     layout%continuum = allocated(scene%capture)
+    layout%contacts = allocated(scene%recontact)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
     layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
     if (.not. allocated(scene%spectrum)) return

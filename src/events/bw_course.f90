@@ -9,7 +9,7 @@ module bw_course
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: append_course, move, beam_energy, leaves_range
+  public :: move, beam_energy, growth_ends, growth_error, leaves_range
 
   integer, parameter, public :: free_modes = 1, loaded_modes = 2, held_modes = 3
     !! of the beam alone, of the beam with the captured mass, of the beam with a mass that is pressed against it
@@ -19,34 +19,14 @@ module bw_course
     type(dd) :: start                        !! when
     real(dp), allocatable :: q(:)            !! modal displacements then, (modes)
     real(dp), allocatable :: rate(:)         !! modal velocities then, (modes)
+    real(dp) :: start_error = 0.0_dp         !! estimate of the error of `start`, where contacts amplify errors
+    real(dp), allocatable :: error(:, :)
+      !! the same of modal displacements and velocities until the next course; else unallocated, (modes, 2)
   end type course_type
 
-  real(dp), parameter :: largest_exponent = 300.0_dp   !! of growth whose energy is still a number
+  real(dp), parameter, public :: largest_exponent = 300.0_dp   !! of growth whose energy is still a number
 
 contains
-
-  pure subroutine append_course(courses, modes, start, q, rate)
-    !! One course more; those before it are not copied.
-    type(course_type), allocatable, intent(inout) :: courses(:)
-    integer, intent(in) :: modes             !! which set moves
-    type(dd), intent(in) :: start
-    real(dp), intent(in) :: q(:), rate(:)    !! (modes)
-    type(course_type), allocatable :: longer(:)
-    integer :: i, n
-    n = size(courses)
-    allocate (longer(n + 1))
-    do i = 1, n
-      longer(i)%modes = courses(i)%modes
-      longer(i)%start = courses(i)%start
-      call move_alloc(courses(i)%q, longer(i)%q)
-      call move_alloc(courses(i)%rate, longer(i)%rate)
-    end do
-    longer(n + 1)%modes = modes
-    longer(n + 1)%start = start
-    allocate (longer(n + 1)%q, source=q)
-    allocate (longer(n + 1)%rate, source=rate)
-    call move_alloc(longer, courses)
-  end subroutine append_course
 
   pure subroutine move(modes, elapsed, q, rate)
     !! The state a time later.
@@ -60,18 +40,32 @@ contains
     end if
   end subroutine move
 
-  pure logical function leaves_range(modes, elapsed)
-    !! A mode grows so much in that time that its energy would be no number.
+  pure real(dp) function growth_ends(modes) result(time)
+    !! When a mode has grown so much that its energy would be no number; beyond any number where none grows.
     class(mode_set), intent(in) :: modes
-    type(dd), intent(in) :: elapsed
     type(dd) :: exponent(modes%count)
     if (allocated(modes%damping)) then
       exponent = slow_exponent(modes%beta_squared, modes%damping)
     else
       exponent = slow_exponent(modes%beta_squared, 0.0_dp)
     end if
-    leaves_range = maxval(exponent%hi)*elapsed%hi > largest_exponent
+    time = huge(time)
+    if (any(exponent%hi > 0.0_dp)) time = largest_exponent/maxval(exponent%hi)
+  end function growth_ends
+
+  pure logical function leaves_range(modes, elapsed)
+    !! A mode grows so much in that time that its energy would be no number.
+    class(mode_set), intent(in) :: modes
+    type(dd), intent(in) :: elapsed
+    leaves_range = elapsed%hi > growth_ends(modes)
   end function leaves_range
+
+  pure real(dp) function growth_error(modes, elapsed) result(error)
+    !! Of exp(σt) at the end, as a part of it: the growth rate σ has the digits of binary64.
+    class(mode_set), intent(in) :: modes     !! growing ones among them
+    real(dp), intent(in) :: elapsed
+    error = epsilon(error)*sqrt(max(0.0_dp, maxval(-modes%beta_squared%hi)))*elapsed
+  end function growth_error
 
   pure real(dp) function beam_energy(modes, q, rate) result(energy)
     !! ½ΣM(q̇² + β²q²), m_iV²: kinetic energy and strain, less that of the centrifugal force in the plane of rotation.

@@ -13,6 +13,8 @@ module bw_event
     integer :: kind = impact_event
     real(dp) :: time = 0.0_dp                       !! s
     real(dp) :: end_time = 0.0_dp                   !! s, equal to `time` for an instant
+    real(dp) :: time_error = 0.0_dp                 !! s, estimate of the error of `time`
+    real(dp) :: end_error = 0.0_dp                  !! s, the same of `end_time`
     real(dp) :: impulse = 0.0_dp                    !! on the beam's tip, m_i V
     real(dp) :: energy_before = 0.0_dp              !! energy of beam and mass in the rotating frame, m_i V²
     real(dp) :: energy_after = 0.0_dp

@@ -3,135 +3,179 @@ module bw_held_modes
   !! matrix M + m_jφφᵀ, stiffness that of the beam alone.
   !!
   !! With λ = β² + ω², M's square roots taken out and x = D^(−½)t, D = diag λ_i, the eigenproblem is that of
-  !! D⁻¹ + m_jψψᵀ, ψ_i = φ_i(1)/√(M_iλ_i): a rank-one update, whose secular equation 1 + m_jΣψ_i²/(1/λ_i − μ) = 0 is
-  !! solved for the distance of μ from the nearer pole. **Limits**: frequencies in binary64; the shapes are sums of n.
-  use bw_double_double, only: dd, to_dd, operator(-)
-  use bw_kinds, only: dp
+  !! D⁻¹ + m_jψψᵀ, ψ_i = φ_i(1)/√(M_iλ_i): a rank-one update, whose secular equation 1/m_j + Σψ_i²/(1/λ_i − μ) = 0 is
+  !! solved for the distance of μ from the nearer pole, in binary128. **Limits**: of the damping that couples them only the
+  !! diagonal is taken.
+  use bw_contact_motion, only: contact_motion
+  use bw_double_double, only: dd, to_dd
+  use bw_kinds, only: dp, qp
   use bw_mode_set, only: mode_set
-  use bw_monitor, only: monitor_type, stops
+  use bw_monitor, only: monitor_type
+  use bw_oscillators, only: oscillators, weighted_sum
   implicit none (type, external)
   private
   public :: held_modes
 
   type, extends(mode_set), public :: held_set
     class(mode_set), allocatable :: free       !! modes of the beam alone
-    real(dp), allocatable :: mixing(:, :)      !! how much of each is in a mode, (free modes, modes)
+    type(oscillators) :: parts                 !! these modes in binary128
+    real(qp), allocatable :: mixing(:, :)      !! how much of each mode of the beam alone is in a mode, (free modes, modes)
+    real(qp), allocatable :: tip_in_full(:)    !! Φ_k(1), (modes)
+    real(qp), allocatable :: onto(:, :)        !! weights of a state's projection: MΦ/M̄, m_jΦ_k(1)/M̄, (free modes + 1, modes)
+    type(weighted_sum) :: force                !! what presses the mass against the tip (see `force_of`)
   contains
     procedure :: some_shapes => held_shapes
     procedure :: overlap_with_mass => held_overlap_with_mass
     procedure :: overlap_of_beam => held_overlap_of_beam
     procedure :: elastic => held_elastic
-    procedure :: take => take_state
-    procedure :: give => give_state
   end type held_set
-
-  integer, parameter :: most_halvings = 1100   !! from the largest distance to the smallest number
 
 contains
 
-  subroutine held_modes(free, gamma, speed, held, monitor)
+  pure subroutine held_modes(free, motion, held)
     !! All modes that the beam's own allow.
     class(mode_set), intent(in) :: free        !! of the beam alone
-    real(dp), intent(in) :: gamma              !! mass ratio > 0
-    real(dp), intent(in) :: speed              !! angular velocity in the plane of the motion, else 0
+    type(contact_motion), intent(in) :: motion !! of that beam and the mass
     type(held_set), intent(out) :: held
-    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
-    real(dp), dimension(free%count) :: pole, weight, mixed
-    real(dp) :: scale
+    real(qp), dimension(free%count) :: pole, weight, inertia, mixed
+    real(qp) :: gamma, scale, mass
     integer :: k, n
     n = free%count
+    gamma = motion%inertia(n + 1)
+    inertia = motion%inertia(:n)
     allocate (held%free, source=free)
     held%count = n
-    held%gamma = gamma
-    allocate (held%mixing(n, n), held%beta_squared(n), held%tip(n), held%modal_mass(n))
-    pole = 1.0_dp/(free%beta_squared%hi + speed**2)
-    weight = free%tip*sqrt(pole/free%modal_mass)
+    held%gamma = real(gamma, dp)
+    allocate (held%mixing(n, n), held%onto(n + 1, n), held%tip_in_full(n), held%modal_mass(n), held%parts%square(n))
+    pole = 1.0_qp/(motion%parts%square(:n) + motion%omega**2)
+    weight = motion%gap%a(:n)**2*pole/inertia
     do k = 1, n
-      if (stops(monitor)) return
-      mixed = distances(pole, gamma*weight**2, k)
-      held%beta_squared(k) = to_dd(1.0_dp/(pole(closest(mixed)) - mixed(closest(mixed)))) - to_dd(speed**2)
-      mixed = weight/mixed*sqrt(pole/free%modal_mass)
-      scale = merge(-1.0_dp, 1.0_dp, mod(k, 2) == 0)/sqrt(sum(free%modal_mass*mixed**2))
+      call find_distances(pole, weight, 1.0_qp/gamma, k, mixed, held%parts%square(k))
+      held%parts%square(k) = 1.0_qp/held%parts%square(k) - motion%omega**2
+      mixed = motion%gap%a(:n)*pole/mixed/inertia
+      scale = merge(-1.0_qp, 1.0_qp, mod(k, 2) == 0)/sqrt(sum(inertia*mixed**2))
       held%mixing(:, k) = scale*mixed
-      held%tip(k) = -scale/gamma               ! by the secular equation: the sum itself would cancel
-      held%modal_mass(k) = 1.0_dp + gamma*held%tip(k)**2
+      held%tip_in_full(k) = -scale/gamma       ! by the secular equation: the sum itself would cancel
+      mass = 1.0_qp + gamma*held%tip_in_full(k)**2
+      held%onto(:, k) = [inertia*held%mixing(:, k), gamma*held%tip_in_full(k)]/mass
+      held%modal_mass(k) = real(mass, dp)
     end do
-    if (.not. allocated(free%damping)) return
-    allocate (held%damping(n))
-    do k = 1, n
-      held%damping(k) = sum(free%modal_mass*free%damping*held%mixing(:, k)**2)/held%modal_mass(k)
-    end do
+    held%tip = real(held%tip_in_full, dp)
+    call find_damping(motion, held)
+    call find_errors(motion, held)
+    held%force = force_of(motion, held)
   end subroutine held_modes
 
-  pure integer function closest(distance)
-    real(dp), intent(in) :: distance(:)
-    closest = minloc(abs(distance), 1)
-  end function closest
+  pure subroutine find_damping(motion, held)
+    !! The diagonal of what damps them.
+    type(contact_motion), intent(in) :: motion
+    type(held_set), intent(inout) :: held
+    integer :: k, n
+    n = held%count
+    held%beta_squared = to_dd(held%parts%square)
+    allocate (held%parts%c(n))
+    do k = 1, n
+      held%parts%c(k) = sum(motion%parts%c(:n)*held%onto(:n, k)*held%mixing(:, k))
+    end do
+    if (allocated(held%free%damping)) held%damping = real(held%parts%c, dp)
+    call held%parts%ready()
+  end subroutine find_damping
 
-  pure function distances(pole, weight, k) result(distance)
-    !! Of every pole from the eigenvalue above pole k: pole − μ. Poles descend.
-    real(dp), intent(in) :: pole(:)            !! 1/λ_i
-    real(dp), intent(in) :: weight(:)          !! m_jψ_i² > 0
+  pure subroutine find_errors(motion, held)
+    !! By which β² and c may be off where those of the beam alone are, and its modal masses.
+    type(contact_motion), intent(in) :: motion
+    type(held_set), intent(inout) :: held
+    real(dp), dimension(held%count) :: share, stiffness
+    integer :: k, n
+    n = held%count
+    stiffness = real(motion%parts%square(:n) + motion%omega**2, dp)
+    allocate (held%parts%square_error(n), held%parts%c_error(n))
+    do k = 1, n
+      share = real(held%onto(:n, k)*held%mixing(:, k), dp)
+      held%parts%square_error(k) = sum(share*(motion%parts%square_error(:n) + motion%inertia_error(:n)*stiffness))
+      held%parts%c_error(k) = sum(share*(motion%parts%c_error(:n) + motion%inertia_error(:n)*real(motion%parts%c(:n), dp)))
+    end do
+  end subroutine find_errors
+
+  pure type(weighted_sum) function force_of(motion, held) result(force)
+    !! What presses the mass against the tip, positive while it does: the acceleration with which the gap would close,
+    !! −φᵀ(q̈ of the beam alone) + ω²y: the force between them times 1/m_j + Σφ_i(1)²/M_i. Where they are damped, and the held
+    !! modes are taken as uncoupled, only this tells when the gap really opens.
+    type(contact_motion), intent(in) :: motion
+    type(held_set), intent(in) :: held
+    integer :: k, n
+    n = held%count
+    allocate (force%a(n), force%b(n))
+    do k = 1, n
+      force%b(k) = sum(motion%gap%a(:n)*motion%parts%c(:n)*held%mixing(:, k))
+      force%a(k) = sum(motion%gap%a(:n)*motion%parts%square(:n)*held%mixing(:, k)) + motion%omega**2*held%tip_in_full(k)
+    end do
+  end function force_of
+
+  pure subroutine find_distances(pole, weight, lightness, k, distance, value)
+    !! Of every pole from the eigenvalue above pole k, pole − μ, and that eigenvalue. Poles descend.
+    real(qp), intent(in) :: pole(:)            !! 1/λ_i
+    real(qp), intent(in) :: weight(:)          !! ψ_i² > 0
+    real(qp), intent(in) :: lightness          !! 1/m_j
     integer, intent(in) :: k
-    real(dp) :: distance(size(pole)), origin(size(pole)), low, high, middle
-    integer :: i
-    high = sum(weight)                         ! the largest eigenvalue is no further above its pole
-    if (k > 1) high = pole(k - 1) - pole(k)
+    real(qp), intent(out) :: distance(:), value
+    real(qp) :: origin(size(pole)), last, x
+    integer :: near
+    near = k
     origin = pole - pole(k)
-    low = 0.0_dp
-    if (k > 1) then
-      if (secular(origin - 0.5_dp*high, weight) < 0.0_dp) then    ! it lies nearer to the pole above
-        origin = pole - pole(k - 1)
-        low = -0.5_dp*high
-        high = 0.0_dp
-      else
-        high = 0.5_dp*high
+    if (k == 1) then                           ! it is no further above its pole than all weights together
+      last = sum(weight)/lightness
+    else
+      last = 0.5_qp*(pole(k - 1) - pole(k))
+      if (lightness + sum(weight/(origin - last)) < 0.0_qp) then    ! it lies nearer to the pole above
+        near = k - 1
+        origin = pole - pole(near)
+        last = -last
       end if
     end if
-    do i = 1, most_halvings
-      middle = 0.5_dp*(low + high)
-      if (middle == low .or. middle == high) exit
-      if (secular(origin - middle, weight) < 0.0_dp) then
-        low = middle
+    call find_offset(origin, weight, lightness, near, last, x)
+    distance = origin - x
+    value = pole(near) + x
+  end subroutine find_distances
+
+  pure subroutine find_offset(origin, weight, lightness, near, last, x)
+    !! The root x of 1/m_j + Σψ_i²/(p_i − p − x) = 0 between 0 and `last`, by Newton's steps on x times that, which has no
+    !! pole there, in a form that keeps small roots; by halving where one leads out.
+    real(qp), intent(in) :: origin(:), weight(:), lightness    !! p_i − p, ψ_i², 1/m_j
+    integer, intent(in) :: near                !! the pole p itself
+    real(qp), intent(in) :: last
+    real(qp), intent(out) :: x
+    real(qp), dimension(size(origin)) :: term, pull
+    real(qp) :: low, high, slope, next
+    integer, parameter :: most = 400
+    integer :: i
+    low = 0.0_qp                               ! where the value is negative
+    high = last
+    x = high
+    do i = 1, most
+      term = weight/(origin - x)
+      pull = term/(origin - x)
+      term(near) = 0.0_qp
+      pull(near) = 0.0_qp
+      if (x*(lightness + sum(term)) < weight(near)) then
+        low = x
       else
-        high = middle
+        high = x
       end if
+      slope = lightness + sum(term) + x*sum(pull)
+      next = (weight(near) + x**2*sum(pull))/slope
+      if (.not. (abs(next - low) <= abs(high - low) .and. abs(next - high) <= abs(high - low))) next = 0.5_qp*(low + high)
+      if (abs(next - x) <= 2.0_qp*epsilon(x)*abs(x)) exit
+      x = next
     end do
-    distance = origin - merge(high, low, low == 0.0_dp)
-  end function distances
-
-  pure real(dp) function secular(distance, weight)
-    !! 1 + Σw/(pole − μ): rises with μ between two poles.
-    real(dp), intent(in) :: distance(:), weight(:)
-    secular = 1.0_dp + sum(weight/distance)
-  end function secular
-
-  pure subroutine take_state(self, q, rate, mass_place, mass_rate, z, z_rate)
-    !! The state of beam and mass in these modes: its projection with the weight of both, as a blow without rebound
-    !! leaves it.
-    class(held_set), intent(in) :: self
-    real(dp), intent(in) :: q(:), rate(:)             !! of the beam alone
-    real(dp), intent(in) :: mass_place, mass_rate     !! of the mass
-    real(dp), intent(out) :: z(:), z_rate(:)
-    z = (matmul(self%free%modal_mass*q, self%mixing) + self%gamma*mass_place*self%tip)/self%modal_mass
-    z_rate = (matmul(self%free%modal_mass*rate, self%mixing) + self%gamma*mass_rate*self%tip)/self%modal_mass
-  end subroutine take_state
-
-  pure subroutine give_state(self, z, z_rate, q, rate)
-    !! The same in the modes of the beam alone; the mass is at the tip.
-    class(held_set), intent(in) :: self
-    real(dp), intent(in) :: z(:), z_rate(:)
-    real(dp), intent(out) :: q(:), rate(:)
-    q = matmul(self%mixing, z)
-    rate = matmul(self%mixing, z_rate)
-  end subroutine give_state
+  end subroutine find_offset
 
   pure function held_shapes(self, first, last, xi) result(values)
     class(held_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    values = matmul(transpose(self%mixing(:, first:last)), self%free%shapes(xi))
+    values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_shapes(1, self%free%count, xi))
   end function held_shapes
 
   function held_overlap_of_beam(self, from, amplitude, monitor) result(sums)
@@ -140,7 +184,7 @@ contains
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    sums = matmul(self%free%overlap_of_beam(from, amplitude, monitor), self%mixing)
+    sums = matmul(self%free%overlap_of_beam(from, amplitude, monitor), real(self%mixing, dp))
   end function held_overlap_of_beam
 
   function held_overlap_with_mass(self, from, amplitude, monitor) result(sums)
@@ -157,7 +201,7 @@ contains
     class(held_set), intent(in) :: self
     type(dd) :: squares(self%count), free(self%free%count)
     free = self%free%elastic()
-    squares = to_dd(matmul(self%free%modal_mass*free%hi, self%mixing**2)/self%modal_mass)
+    squares = to_dd(matmul(self%free%modal_mass*free%hi, real(self%mixing, dp)**2)/self%modal_mass)
   end function held_elastic
 
 end module bw_held_modes

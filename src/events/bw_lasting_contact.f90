@@ -1,131 +1,162 @@
 module bw_lasting_contact
   !! A contact that lasts: beam and mass move together in the modes of bw_held_modes until the force between them falls to
   !! zero. Units of bw_course.
-  use bw_body_state, only: body_state, momentum_of
-  use bw_course, only: append_course, course_type, held_at_tip => held_modes, leaves_range, move
-  use bw_double_double, only: accurate_sum, dd, to_dd, operator(+)
-  use bw_energy, only: carry, energy_type, known_energy, sharper, state_energy
-  use bw_event, only: event_type
-  use bw_free_flight, only: finest, gap_of, grazing
-  use bw_held_modes, only: held_modes, held_set
-  use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set
-  use bw_monitor, only: monitor_type, stops
-  use bw_signal, only: signal_type
+  use bw_contact_motion, only: contact_motion
+  use bw_course, only: course_type, held_modes
+  use bw_double_double, only: to_dd
+  use bw_held_modes, only: held_set
+  use bw_kinds, only: dp, qp
+  use bw_monitor, only: monitor_type
+  use bw_next_zero, only: certain, find_zero
+  use bw_oscillators, only: moving_state, oscillators
+  use bw_perturbations, only: error_from, perturbations
   implicit none (type, external)
   private
-  public :: hold, stays
+  public :: hold, judge_rebound
 
   real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: rebounds that stay below it are left out
+  real(dp), parameter, public :: slow = 1.0e-9_dp !! of V: a separation below it is none
+
+  integer, parameter, public :: leaves = 0, stays = 1, undecided = 2
 
 contains
 
-  logical function stays(free, restitution, omega, longest, state)
-    !! The mass is pressed against the tip, and all further rebounds would stay below what can be seen: with the
-    !! relative acceleration a they take 2s/a/(1−e) in all, s the velocity of separation, and reach no further than
+  integer function judge_rebound(motion, longest) result(verdict)
+    !! Whether the mass is pressed against the tip, and all further rebounds would stay below what can be seen: with the
+    !! relative acceleration a they take R = 2s/a/(1−e) in all, s the velocity of separation, and reach no further than
     !! s²/2a; a must not change in that time.
-    class(mode_set), intent(in) :: free
-    real(dp), intent(in) :: restitution, omega, longest
-    type(body_state), intent(in) :: state
-    type(signal_type) :: gap
-    real(dp) :: separation, pull, rest
-    gap = gap_of(free, omega, state)
-    separation = max(0.0_dp, gap%derivative(1))
-    pull = -gap%derivative(2)
-    stays = .false.
-    if (restitution == 0.0_dp .or. separation <= grazing) then
-      stays = pull > 0.0_dp
-      if (pull == 0.0_dp) stays = gap%derivative(3) < 0.0_dp
-    else if (restitution < 1.0_dp .and. pull > 0.0_dp) then
-      rest = 2.0_dp*separation/pull/(1.0_dp - restitution)
-      stays = separation*rest <= unseen*longest .and. abs(gap%derivative(3))*rest <= 0.5_dp*pull
+    type(contact_motion), intent(in) :: motion
+    real(dp), intent(in) :: longest               !! the whole record
+    real(qp) :: separation, pull, rest
+    separation = motion%separation()
+    pull = motion%pull()
+    verdict = leaves
+    if (motion%restitution == 0.0_qp .or. separation <= slow) then
+      if (pull > 0.0_qp .or. (pull == 0.0_qp .and. motion%jerk() < 0.0_qp)) verdict = stays
+      if (abs(pull) < error_of_pull(motion)) verdict = undecided
+    else if (motion%restitution < 1.0_qp .and. pull > 0.0_qp) then
+      rest = 2.0_qp*separation/pull/(1.0_qp - motion%restitution)
+      if (separation*rest <= unseen*longest .and. abs(motion%jerk())*rest <= 0.5_qp*pull) verdict = stays
     end if
-  end function stays
+  end function judge_rebound
 
-  subroutine hold(free, gamma, omega, longest, held, state, event, energy, courses, ends, out_of_range, monitor)
-    !! A contact that lasts: beam and mass together until the force between them falls to zero, or to the end. A course more.
-    class(mode_set), intent(in) :: free
-    real(dp), intent(in) :: gamma, omega, longest
-    type(held_set), intent(inout) :: held         !! found when it is first asked for
-    type(body_state), intent(inout) :: state
-    type(event_type), intent(inout) :: event
-    type(energy_type), intent(inout) :: energy    !! of the state
-    type(course_type), allocatable, intent(inout) :: courses(:)  !! to which that of beam and mass together is added
-    logical, intent(out) :: ends                  !! before the record does
-    logical, intent(inout) :: out_of_range        !! set where the motion grows so much that the search ended
-    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
-    type(signal_type) :: force
-    real(dp), dimension(free%count) :: z, z_rate
-    real(dp) :: left, time, before, swept
-    if (held%count == 0) call held_modes(free, gamma, omega, held, monitor)
-    if (stops(monitor)) return
-    before = state%speed + event%impulse/gamma             ! of the mass, when it arrived
-    call held%take(state%q, state%rate, state%place, state%speed, z, z_rate)
-    call append_course(courses, held_at_tip, state%time, z, z_rate)
-    left = longest - state%time%hi
-    ends = .false.
-    time = left
-    if (.not. leaves_range(held, to_dd(left))) then
-      force = force_of(held, omega, z, z_rate)
-      if (force%start > 0.0_dp) then
-        call force%first_zero(0.0_dp, left, finest*longest, ends, time, monitor=monitor)
-      else
-        call force%first_zero(0.0_dp, left, finest*longest, ends, time, opening=1, monitor=monitor)
-      end if
-      swept = dot_product(held%tip, integral(held, z, z_rate, to_dd(time)))
-      energy = sharper(energy, state_energy(held, z, z_rate))
-      call carry(held, to_dd(time), z, z_rate, energy)
-      event%impulse = gamma*(before - dot_product(held%tip, z_rate) + omega**2*swept)
-    else
-      out_of_range = .true.
-      time = 0.0_dp
-    end if
-    call held%give(z, z_rate, state%q, state%rate)
-    state%place = dot_product(held%tip, z)
-    state%speed = dot_product(held%tip, z_rate)
-    state%time = state%time + to_dd(time)
-    event%end_time = merge(state%time%hi, longest, ends)
-    event%energy_after = known_energy(energy)
-    event%momentum_after = momentum_of(free, gamma, state)
+  pure real(dp) function error_of_pull(motion) result(error)
+    type(contact_motion), intent(in) :: motion
+    real(dp), dimension(size(motion%near%lag)) :: deviation
+    integer :: p
+    do p = 1, size(deviation)
+      associate (u => motion%near%u(:, p), v => motion%near%v(:, p))
+        deviation(p) = sum(real(motion%gap%a, dp)*(real(motion%parts%c, dp)*v + motion%parts%beta_squared%hi*u))
+      end associate
+    end do
+    error = error_from(deviation)
+  end function error_of_pull
+
+  subroutine hold(motion, held, longest, outcome, impulse, course, sway, monitor)
+    !! Beam and mass together, from now until the force between them falls to zero, or is in doubt, or to the end.
+    type(contact_motion), intent(inout) :: motion
+    type(held_set), intent(in) :: held
+    real(dp), intent(in) :: longest               !! time from now to the end
+    integer, intent(out) :: outcome               !! never, certain or in_doubt
+    real(qp), intent(out) :: impulse              !! on the tip in that time, and as the mass comes to rest on it
+    type(course_type), intent(out) :: course      !! the motion until then
+    real(dp), intent(out) :: sway                 !! what the tip's displacement may be in it
+    class(monitor_type), intent(inout), optional :: monitor   !! the outcome means nothing where it asks to stop
+    type(moving_state) :: from, z
+    type(perturbations) :: near
+    real(dp) :: error(held%count, 2), start_error
+    integer :: order
+    impulse = -motion%separation()
+    motion%lost = motion%lost + 0.5_qp*motion%separation()**2/motion%mobility
+    start_error = error_from(motion%near%lag)
+    if (.not. allocated(held%damping)) call leave_rebounds_out(motion)
+    call take(held, motion, z, near)
+    from = z
+    order = merge(0, 1, held%parts%derivative(held%force, z, 0) > 0.0_qp)
+    call find_zero(held%parts, held%force, near, order, longest, z, outcome, monitor)
+    call near%carry(held%parts, from, z, error)
+    if (outcome == certain) call near%meet(held%parts, held%force, z)
+    impulse = (impulse + sum(held%force%a*integral(held%parts, from, z) + held%force%b*(z%u - from%u)))/motion%mobility
+    call give(held, z, near, motion)
+    sway = held%parts%sway(held%tip_in_full, from, z)
+    course = course_type(held_modes, to_dd(from%time), real(from%u, dp), real(from%v, dp), start_error, error)
   end subroutine hold
 
-  pure type(signal_type) function force_of(held, omega, z, z_rate) result(force)
-    !! What presses the mass against the tip, positive while it does: the acceleration with which the gap would close,
-    !! −φᵀ(q̈ of the beam alone) + ω²y. Undamped, that is the force m_jΣΦ_k(1)(β_k² + ω²)z_k times 1/m_j + Σφ_i(1)²/M_i;
-    !! damped, the held modes are taken as uncoupled, and only this tells when the gap really opens.
-    type(held_set), intent(in) :: held
-    real(dp), intent(in) :: omega, z(:), z_rate(:)
-    real(dp), dimension(size(z)) :: square, by_place, by_rate
-    square = held%beta_squared%hi
-    by_rate = 0.0_dp*z
-    by_place = held%tip*(square + omega**2)
-    if (allocated(held%damping)) then
-      by_place = matmul(held%free%tip*held%free%beta_squared%hi, held%mixing) + omega**2*held%tip
-      by_rate = matmul(held%free%tip*held%free%damping, held%mixing)
+  pure subroutine leave_rebounds_out(motion)
+    !! What that may change. The rebounds' impulses and those of a contact that lasts from now on have the same sum and the
+    !! same first moment about the time at which the gap stays closed, which both end with; their second moments differ by
+    !! sR²(1−e)/3(1+e+e²) over the mobility. (Damped, the held modes are a model from the first rebound on that is left out.)
+    type(contact_motion), intent(inout) :: motion
+    real(dp), dimension(size(motion%share)) :: change, share
+    real(dp) :: separation, pull, e
+    integer :: p
+    separation = real(motion%separation(), dp)
+    pull = real(motion%pull(), dp)
+    e = real(motion%restitution, dp)
+    if (separation <= 0.0_dp) return
+    share = real(motion%share, dp)
+    change = share*separation
+    if (pull > 0.0_dp .and. e < 1.0_dp) then
+      associate (square => motion%parts%beta_squared%hi, rest => 2.0_dp*separation/pull/(1.0_dp - e))
+        change = 0.5_dp*share*(sum(real(motion%gap%a, dp)*share*square) - square) &
+          *(separation*rest**2*(1.0_dp - e)/(3.0_dp*(1.0_dp + e + e**2)))
+      end associate
     end if
-    force%beta_squared = held%beta_squared
-    force%c = 0.0_dp*z
-    if (allocated(held%damping)) force%c = held%damping
-    force%u = by_place*z + by_rate*z_rate
-    force%u_dot = by_place*z_rate - by_rate*(force%c*z_rate + square*z)
-    force%start = max(0.0_dp, accurate_sum(force%u))
-  end function force_of
+    do p = 1, size(motion%near%lag)
+      motion%near%v(:, p) = motion%near%v(:, p) + motion%near%sign(1, p)*change
+    end do
+  end subroutine leave_rebounds_out
 
-  pure function integral(held, z, z_rate, time) result(sums)
-    !! ∫z dt = −(Δż + cΔz)/β².
+  pure subroutine take(held, motion, z, near)
+    !! The state of beam and mass in the held modes: its projection with the weight of both, as a blow without rebound
+    !! leaves it; and the neighbours'.
     type(held_set), intent(in) :: held
-    real(dp), intent(in) :: z(:), z_rate(:)
-    type(dd), intent(in) :: time
-    real(dp), dimension(size(z)) :: sums, later, later_rate, c
-    c = 0.0_dp
-    if (allocated(held%damping)) c = held%damping
-    later = z
-    later_rate = z_rate
-    call move(held, time, later, later_rate)
-    where (abs(held%beta_squared%hi)*time%hi**2 > 1.0e-6_dp)
-      sums = -((later_rate - z_rate) + c*(later - z))/held%beta_squared%hi
+    type(contact_motion), intent(in) :: motion
+    type(moving_state), intent(out) :: z
+    type(perturbations), intent(out) :: near
+    z%u = matmul(motion%state%u, held%onto)
+    z%v = matmul(motion%state%v, held%onto)
+    z%time = motion%state%time
+    near = motion%near
+    near%u = matmul(transpose(real(held%onto, dp)), motion%near%u)
+    near%v = matmul(transpose(real(held%onto, dp)), motion%near%v)
+    near%sign = motion%near%sign(:held%count, :)
+  end subroutine take
+
+  pure subroutine give(held, z, near, motion)
+    !! The same in the modes of the beam alone; the mass is at the tip.
+    type(held_set), intent(in) :: held
+    type(moving_state), intent(in) :: z
+    type(perturbations), intent(in) :: near
+    type(contact_motion), intent(inout) :: motion
+    real(dp) :: mixing(held%count, held%count), sign(held%count + 1, size(near%lag))
+    integer :: n
+    n = held%count
+    motion%state%u = [matmul(held%mixing, z%u), dot_product(held%tip_in_full, z%u)]
+    motion%state%v = [matmul(held%mixing, z%v), dot_product(held%tip_in_full, z%v)]
+    motion%state%time = z%time
+    mixing = real(held%mixing, dp)
+    sign = motion%near%sign
+    motion%near = near
+    motion%near%sign = sign
+    deallocate (motion%near%u, motion%near%v)
+    allocate (motion%near%u(n + 1, size(near%lag)), motion%near%v(n + 1, size(near%lag)))
+    motion%near%u(:n, :) = matmul(mixing, near%u)
+    motion%near%v(:n, :) = matmul(mixing, near%v)
+    motion%near%u(n + 1, :) = matmul(held%tip, near%u)
+    motion%near%v(n + 1, :) = matmul(held%tip, near%v)
+  end subroutine give
+
+  pure function integral(parts, from, to) result(sums)
+    !! ∫u dt = −(Δv + cΔu)/β².
+    type(oscillators), intent(in) :: parts
+    type(moving_state), intent(in) :: from, to
+    real(qp) :: sums(size(from%u)), time
+    time = to%time - from%time
+    where (abs(parts%square)*time**2 > 1.0e-6_qp)
+      sums = -((to%v - from%v) + parts%c*(to%u - from%u))/parts%square
     elsewhere
-      sums = time%hi*(0.5_dp*(z + later) + time%hi*(z_rate - later_rate)/12.0_dp)    ! Hermite's rule
+      sums = time*(0.5_qp*(from%u + to%u) + time*(from%v - to%v)/12)    ! Hermite's rule
     end where
   end function integral
 

@@ -3,121 +3,195 @@ module bw_recontact
   !! ends. Contacts that follow each other ever faster become one that lasts: beam and mass then move in the modes of
   !! bw_held_modes until the force between them falls to zero.
   !!
+  !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
+  !! followed in binary128, together with what its errors become (bw_perturbations), and no further than something is known
+  !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip.
+  !!
   !! The gap is v_tip − y ≥ 0. Units of bw_course: times in l²/h, velocities in V, displacements in V l²/h.
-  use bw_body_state, only: body_state, energy_of, energy_reached, momentum_of
-  use bw_course, only: append_course, course_type, free_modes
-  use bw_double_double, only: accurate_sum, dd
-  use bw_energy, only: energy_type, known_energy, sharper, operator(+)
+  use bw_contact_list, only: contact_list
+  use bw_contact_motion, only: contact_motion, motion_of
+  use bw_course, only: course_type, growth_ends, largest_exponent
   use bw_event, only: contact_event, event_type
-  use bw_free_flight, only: fly
-  use bw_held_modes, only: held_set
-  use bw_kinds, only: dp
-  use bw_lasting_contact, only: hold, stays
+  use bw_free_flight, only: coast, fly
+  use bw_held_modes, only: held_modes, held_set
+  use bw_kinds, only: dp, qp
+  use bw_lasting_contact, only: hold, judge_rebound, leaves, slow, stays, undecided
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
+  use bw_next_zero, only: certain, in_doubt, never
+  use bw_perturbations, only: error_from
   implicit none (type, external)
   private
   public :: follow_contacts
 
-  type, public :: contacts_type
+  type, extends(contact_list), public :: contacts_type
     !! What became of the mass.
-    type(event_type), allocatable :: events(:)
-    type(course_type), allocatable :: courses(:)
     type(held_set), allocatable :: held           !! unallocated where no contact lasted
-    logical :: out_of_range = .false.             !! the motion grew so much that the search ended
+    real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
+    logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
     logical :: cut = .false.                      !! more contacts came than were asked for
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
+    real(dp) :: amplification = 1.0_dp            !! by the contacts, of a relative change of what the motion follows from
+    real(dp), private :: sway = 0.0_dp            !! the largest the tip's displacement may have been
+    real(dp), private :: data_error = 1.0_dp      !! what the error of the motion would be if nothing amplified it
   end type contacts_type
 
 contains
 
-  subroutine follow_contacts(free, gamma, restitution, omega, start_rate, mass_rate, longest, most, contacts, monitor)
-    !! From the state just after the impact.
-    class(mode_set), intent(in) :: free           !! modes of the beam alone
-    real(dp), intent(in) :: gamma, restitution    !! γ > 0, e
-    real(dp), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
-    real(dp), intent(in) :: start_rate(:)         !! modal velocities, (modes)
-    real(dp), intent(in) :: mass_rate             !! velocity of the mass
+  subroutine follow_contacts(free, mass_ratio, restitution, omega, longest, most, contacts, monitor)
+    !! From the impact on, with the mass arriving at a beam at rest.
+    class(mode_set), intent(in) :: free           !! modes of the beam alone, found for a record without end
+    real(qp), intent(in) :: mass_ratio            !! γ > 0
+    real(dp), intent(in) :: restitution           !! e
+    real(qp), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     real(dp), intent(in) :: longest               !! the record
     integer, intent(in) :: most                   !! contacts that are followed
     type(contacts_type), intent(out) :: contacts
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
-    type(body_state) :: state, start
+    type(contact_motion) :: motion
     type(event_type) :: event
-    type(energy_type) :: energy
-    logical :: ends, found, pressed
-    integer :: opening
-    state = body_state(dd(), 0.0_dp*start_rate, start_rate, 0.0_dp, mass_rate)
-    energy = energy_of(free, gamma, omega, state)
-    allocate (contacts%events(0), contacts%courses(0))
-    pressed = .false.
-    if (stays(free, restitution, omega, longest, state)) call begin_contact(state, event, pressed)
-    opening = 1
+    real(dp) :: impact, last
+    integer :: opening, outcome, verdict
+    motion = motion_of(free, mass_ratio, restitution, omega)
+    contacts%data_error = error_from([motion%data_error()])
+    last = min(longest, growth_ends(free))
+    if (omega > 0.0_qp) last = min(last, largest_exponent/real(omega, dp))
+    call motion%strike(impact)                    ! which is another event
+    event = started_event(motion)
+    verdict = judge_rebound(motion, longest)
     do
       if (stops(monitor)) return
-      if (pressed) then
-        if (.not. allocated(contacts%held)) allocate (contacts%held)
-        call hold(free, gamma, omega, longest, contacts%held, state, event, energy, contacts%courses, ends, &
-                  contacts%out_of_range, monitor)
-        contacts%lasting = .not. ends
-        contacts%events = [contacts%events, event]
-        if (contacts%lasting) exit
-        opening = 3
-      end if
-      if (.not. pressed .or. opening == 3) then
-        call append_course(contacts%courses, free_modes, state%time, state%q, state%rate)
-      end if
-      start = state
-      call fly(free, omega, longest, opening, state, found, contacts%out_of_range, monitor)
-      if (.not. found) exit
-      if (size(contacts%events) == most) then
-        contacts%cut = .true.
+      opening = first_opening(motion)
+      if (verdict == undecided) then
+        outcome = in_doubt
+        contacts%known_until = event%time - event%time_error
         exit
+      else if (verdict == stays) then
+        call hold_on(free, motion, last, event, contacts, outcome, monitor)
+        if (outcome /= certain) exit
+        opening = 3                               ! for the force between beam and mass, the second, has gone to zero
       end if
-      energy = energy_reached(free, gamma, omega, start, state, energy)
-      call begin_contact(state, event, pressed)
-      call rebound(free, gamma, restitution, state, event, energy)
-      pressed = stays(free, restitution, omega, longest, state)
-      opening = 1
-      if (pressed) cycle
-      call end_contact(state, event)
-      contacts%events = [contacts%events, event]
+      call fly_on(free%tip, motion, opening, last, most, contacts, outcome, monitor)
+      if (outcome /= certain) exit
+      event = started_event(motion)
+      call motion%strike(event%impulse)
+      verdict = judge_rebound(motion, longest)
+      if (verdict /= leaves) cycle
+      call end_event(motion, event)
+      call contacts%add_event(event)
     end do
-  contains
-    subroutine begin_contact(state, event, pressed)
-      type(body_state), intent(in) :: state
-      type(event_type), intent(out) :: event
-      logical, intent(out) :: pressed
-      pressed = .true.
-      event%kind = contact_event
-      event%time = state%time%hi
-      event%end_time = state%time%hi
-      event%energy_before = known_energy(energy)
-      event%momentum_before = momentum_of(free, gamma, state)
-    end subroutine begin_contact
-    subroutine end_contact(state, event)
-      type(body_state), intent(in) :: state
-      type(event_type), intent(inout) :: event
-      energy = sharper(energy, energy_of(free, gamma, omega, state))
-      event%energy_after = known_energy(energy)
-      event%momentum_after = momentum_of(free, gamma, state)
-    end subroutine end_contact
+    if (outcome == never .and. last < longest) then
+      contacts%out_of_range = .true.
+      contacts%known_until = last
+      if (contacts%lasting) contacts%event_count = contacts%event_count - 1    ! its end is beyond that
+      contacts%lasting = .false.
+    end if
+    call contacts%trim_to_size()
   end subroutine follow_contacts
 
-  subroutine rebound(free, gamma, restitution, state, event, energy)
-    !! The blow: H = (1+e)u/(1/m_j + Σφ_i(1)²/M_i), u the velocity of approach. It takes the energy ½(1−e)Hu.
+  subroutine hold_on(free, motion, last, event, contacts, outcome, monitor)
+    !! A contact that lasts: an event and a course more, or `known_until` where the event's end is not known.
     class(mode_set), intent(in) :: free
-    real(dp), intent(in) :: gamma, restitution
-    type(body_state), intent(inout) :: state
+    type(contact_motion), intent(inout) :: motion
+    real(dp), intent(in) :: last                  !! the end of the search
+    type(event_type), intent(inout) :: event      !! as it began
+    type(contacts_type), intent(inout) :: contacts
+    integer, intent(out) :: outcome               !! certain where the contact ends before the search
+    class(monitor_type), intent(inout), optional :: monitor
+    type(course_type) :: course
+    real(qp) :: impulse
+    real(dp) :: sway
+    logical :: worthless
+    if (.not. allocated(contacts%held)) then
+      allocate (contacts%held)
+      call held_modes(free, motion, contacts%held)
+    end if
+    call hold(motion, contacts%held, real(last - motion%state%time, dp), outcome, impulse, course, sway, monitor)
+    call judge(contacts%held%tip, course, sway, contacts, worthless)
+    if (outcome == in_doubt .or. worthless) then
+      outcome = in_doubt
+      contacts%known_until = event%time - event%time_error
+      return
+    end if
+    event%impulse = event%impulse + real(impulse, dp)
+    call end_event(motion, event)
+    contacts%lasting = outcome == never
+    call contacts%add_course(course)
+    call contacts%add_event(event)
+  end subroutine hold_on
+
+  subroutine fly_on(tip, motion, opening, last, most, contacts, outcome, monitor)
+    !! A free flight: a course more, or `known_until` where nothing is known of it.
+    real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
+    type(contact_motion), intent(inout) :: motion
+    integer, intent(in) :: opening                !! the first derivative of the gap that is not zero
+    real(dp), intent(in) :: last                  !! the end of the search
+    integer, intent(in) :: most                   !! contacts that are followed
+    type(contacts_type), intent(inout) :: contacts
+    integer, intent(out) :: outcome               !! certain where a contact ends it
+    class(monitor_type), intent(inout), optional :: monitor
+    type(contact_motion) :: before
+    type(course_type) :: course
+    real(dp) :: sway
+    logical :: is_last, worthless
+    is_last = contacts%event_count == most
+    if (is_last) before = motion
+    call fly(motion, opening, real(last - motion%state%time, dp), outcome, course, sway, monitor)
+    contacts%cut = is_last .and. outcome /= never
+    if (contacts%cut) then
+      motion = before
+      call coast(motion, real(last - motion%state%time, dp), course, sway)
+      outcome = never
+    end if
+    call judge(tip, course, sway, contacts, worthless)
+    if (worthless) then
+      outcome = in_doubt
+      contacts%known_until = course%start%hi - course%start_error
+      return
+    end if
+    if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
+    call contacts%add_course(course)
+  end subroutine fly_on
+
+  pure integer function first_opening(motion) result(order)
+    !! The first derivative of the gap that is not zero after a blow.
+    type(contact_motion), intent(in) :: motion
+    order = merge(1, 2, motion%separation() > slow)
+  end function first_opening
+
+  subroutine judge(tip, course, sway, contacts, worthless)
+    !! How much of the tip's displacement is known in a course, of the largest that there has been.
+    real(dp), intent(in) :: tip(:)                !! Φ_k(1), (modes)
+    type(course_type), intent(in) :: course
+    real(dp), intent(in) :: sway                  !! the largest in the course
+    type(contacts_type), intent(inout) :: contacts
+    logical, intent(out) :: worthless             !! fewer than three digits
+    real(dp), parameter :: three_digits = 1.0e-3_dp
+    real(dp) :: error
+    contacts%sway = max(contacts%sway, sway)
+    error = sum(abs(tip)*course%error(:, 1))
+    worthless = error > three_digits*contacts%sway
+    if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%data_error
+  end subroutine judge
+
+  type(event_type) function started_event(motion) result(event)
+    !! What there is before a blow.
+    type(contact_motion), intent(in) :: motion
+    event%kind = contact_event
+    event%time = real(motion%state%time, dp)
+    event%time_error = error_from(motion%near%lag)
+    event%energy_before = motion%energy()
+    event%momentum_before = real(motion%momentum(), dp)
+  end function started_event
+
+  subroutine end_event(motion, event)
+    !! What there is after it.
+    type(contact_motion), intent(in) :: motion
     type(event_type), intent(inout) :: event
-    type(energy_type), intent(inout) :: energy
-    real(dp) :: approach
-    approach = max(0.0_dp, state%speed - dot_product(free%tip, state%rate))
-    event%impulse = (1.0_dp + restitution)*approach/(1.0_dp/gamma + accurate_sum(free%tip**2/free%modal_mass))
-    state%rate = state%rate + free%tip*event%impulse/free%modal_mass
-    state%speed = state%speed - event%impulse/gamma
-    state%place = dot_product(free%tip, state%q)
-    energy = energy + energy_type(-0.5_dp*(1.0_dp - restitution)*event%impulse*approach)
-  end subroutine rebound
+    event%end_time = real(motion%state%time, dp)
+    event%end_error = error_from(motion%near%lag)
+    event%energy_after = motion%energy()
+    event%momentum_after = real(motion%momentum(), dp)
+  end subroutine end_event
 
 end module bw_recontact

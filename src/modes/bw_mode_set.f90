@@ -3,9 +3,9 @@ module bw_mode_set
   !! such sets by the numbers of their modes.
   !!
   !! Everything is without dimensions: lengths in l, times in l²/h, masses in the beam's mass m_i.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, qp
   use bw_damping, only: damping_law
-  use bw_double_double, only: dd, sqrt, operator(-)
+  use bw_double_double, only: dd, sqrt, to_quad, operator(-)
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
@@ -18,6 +18,7 @@ module bw_mode_set
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
     type(dd), allocatable :: damped_squared(:)    !! β² − c²/4 where modes are damped, to more digits than c has, (n)
+    type(damping_law), allocatable :: law         !! that c_k follow from; unallocated where nothing damps
     real(dp), allocatable :: tip(:)               !! Φ_k(1), (n)
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
@@ -33,7 +34,18 @@ module bw_mode_set
     procedure(elastic_interface), deferred :: elastic
     procedure :: damp
     procedure :: body_energy => no_body_energy
+    procedure :: in_full => full_numbers_of_set
   end type mode_set
+
+  type, public :: full_numbers
+    !! What moves a set of modes, in all the digits that are known of it, and standard errors: a few times that may be.
+    real(qp), allocatable :: square(:)            !! β², (n)
+    real(qp), allocatable :: damping(:)           !! c, 0 where nothing damps, (n)
+    real(qp), allocatable :: mass(:)              !! M, (n)
+    real(dp), allocatable :: square_error(:)      !! of β², (n)
+    real(dp), allocatable :: damping_error(:)     !! of c, (n)
+    real(dp), allocatable :: mass_error(:)        !! of M, as a part of it, (n)
+  end type full_numbers
 
   type, abstract, public :: mode_source
     !! Modes of any number, of one beam with what its tip carries.
@@ -118,9 +130,30 @@ contains
     type(dd) :: elastic(self%count)
     if (.not. present(law)) return
     elastic = self%elastic()
+    self%law = law
     self%damping = law%rates(elastic%hi)
     self%damped_squared = self%beta_squared - law%quarter_squares(elastic)
   end subroutine damp
+
+  pure subroutine full_numbers_of_set(self, numbers)
+    !! Of modes that were found in binary64. LAPACK's singular values give β² to rounding of its elastic part, of 200 modes
+    !! within 7e-15; their vectors, and with them M, are good to rounding over the gap to the next value, about 2/(kα²).
+    class(mode_set), intent(in) :: self
+    type(full_numbers), intent(out) :: numbers
+    real(dp), parameter :: relative_error = 2.0e-15_dp
+    type(dd) :: full(self%count)
+    real(dp) :: elastic(self%count)
+    integer :: k
+    full = self%elastic()
+    elastic = full%hi
+    numbers%square = to_quad(self%beta_squared)
+    numbers%square_error = relative_error*(elastic + abs(self%beta_squared%hi))
+    numbers%mass = real(self%modal_mass, qp)
+    numbers%mass_error = relative_error + 0.5_dp*epsilon(1.0_dp)*[(k, k=1, self%count)]*sqrt(elastic)
+    numbers%damping = 0.0_qp*numbers%square
+    if (allocated(self%law)) numbers%damping = self%law%rates(real(elastic, qp))
+    numbers%damping_error = relative_error*real(numbers%damping, dp)
+  end subroutine full_numbers_of_set
 
   pure function no_body_energy(self, q, rate) result(energy)
     !! Energy of what the tip carries, beside that of its mass moving with the deflection: kinetic, and potential. A point

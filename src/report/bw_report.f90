@@ -73,21 +73,25 @@ contains
   end subroutine report_impact
 
   subroutine report_events(result, lines)
-    !! The balance of every event; their times where not all are at t = 0, their ends where one lasts.
+    !! The balance of every event; their times where not all are at t = 0, with their errors where contacts amplify them,
+    !! their ends where one lasts.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: energy_before, energy_after, momentum_before, momentum_after, time, end_time
-    integer, parameter :: width = 14
-    integer :: timed, lasting                     ! columns: 0 or 1
+    integer, parameter :: width = 14, narrow = 10
+    integer :: timed, lasting, doubtful           ! columns: 0 or 1
     integer :: i
     time = named_value(result, 'event_time')
     end_time = named_value(result, 'event_end')
     timed = merge(1, 0, any(end_time > 0.0_dp))
     lasting = merge(1, 0, any(end_time > time))
+    doubtful = merge(timed, 0, any(result%events%time_error > 0.0_dp))
     call lines%append_line('')
-    call lines%append_line('  event   '//repeat(right('time', width), timed)//repeat(right('until', width), lasting)// &
+    call lines%append_line('  event   '//repeat(right('time', width), timed)//repeat(right('+/-', narrow), doubtful)// &
+                           repeat(right('until', width), lasting)// &
                            '   energy before    energy after  momentum before  momentum after')
-    call lines%append_line('          '//repeat(right('s', width), timed + lasting)// &
+    call lines%append_line('          '//repeat(right('s', width), timed)//repeat(right('s', narrow), doubtful)// &
+                           repeat(right('s', width), lasting)// &
                            '               J               J           kg m/s          kg m/s')
     energy_before = named_value(result, 'energy_before')
     energy_after = named_value(result, 'energy_after')
@@ -96,6 +100,7 @@ contains
     do i = 1, min(shown_events, size(result%events))
       call lines%append('  '//event_words(result%events(i)%kind))
       if (timed == 1) call lines%append(right(shortest(time(i), 7), width))
+      if (doubtful == 1) call lines%append(right(shortest(result%events(i)%time_error, 2), narrow))
       if (lasting == 1) call lines%append(right(until(time(i), end_time(i)), width))
       call lines%append_line(right(fixed(energy_before(i)), 16)//right(fixed(energy_after(i)), 16)// &
                              right(fixed(momentum_before(i)), 17)//right(fixed(momentum_after(i)), 16))
@@ -120,6 +125,7 @@ contains
     real(dp) :: peak
     integer :: p
     associate (response => result%response)
+      if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
       call lines%append_line('  Displacement from '//text_of(result%mode_count)//' modes')
       do p = 1, min(shown_points, size(response%displacement, 2))

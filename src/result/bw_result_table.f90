@@ -83,6 +83,8 @@ contains
     rows = [ &
       variable_row('event_time', 'event', 's', 'time of the event', ''), &
       variable_row('event_end', 'event', 's', 'end of the event', ''), &
+      variable_row('event_time_error', 'event', 's', 'estimate of the error of the time of the event', ''), &
+      variable_row('event_end_error', 'event', 's', 'estimate of the error of the end of the event', ''), &
       variable_row('event_impulse', 'event', 'N s', 'impulse of the event on the beam''s tip', ''), &
       variable_row('energy_before', 'event', 'J', 'energy of beam and mass before the event', ''), &
       variable_row('energy_after', 'event', 'J', 'energy of beam and mass after the event', ''), &
@@ -96,9 +98,9 @@ contains
     type(variable_row), allocatable :: rows(:)
     rows = [ &
       variable_row('displacement_error', 'point', 'm', &
-                   'estimate of the largest error of the displacement against infinitely many modes', ''), &
+                   'estimate of the largest error of the displacement; with a capture against infinitely many modes', ''), &
       variable_row('velocity_error', 'point', 'm s-1', &
-                   'estimate of the largest error of the velocity against infinitely many modes', '')]
+                   'estimate of the largest error of the velocity; with a capture against infinitely many modes', '')]
   end function error_rows
 
   pure function measured_rows() result(rows)
@@ -126,8 +128,9 @@ contains
     select case (row%name)
     case ('critical_angular_velocity'); held = .true.
     case ('critical_angular_velocity_before'); held = has_dimension(layout, 'mode_before')
-    case ('displacement_error'); held = layout%continuum
-    case ('velocity_error'); held = layout%continuum .and. layout%velocity
+    case ('displacement_error'); held = layout%continuum .or. layout%contacts
+    case ('velocity_error'); held = (layout%continuum .or. layout%contacts) .and. layout%velocity
+    case ('event_time_error', 'event_end_error'); held = layout%contacts
     case ('modal_velocity', 'impulse', 'mass_velocity', 'tip_velocity'); held = has_dimension(layout, 'event')
     case default; held = has_dimension(layout, trim(row%dimensions))
     end select

@@ -28,8 +28,8 @@ module bw_result_values
     integer :: what = 0          !! place among the names of its source
   end type value_key
 
-  character(*), parameter :: event_names(*) = [character(15) :: 'event_impulse', 'energy_before', 'energy_after', &
-    'momentum_before', 'momentum_after', 'event_time', 'event_end']
+  character(*), parameter :: event_names(*) = [character(16) :: 'event_impulse', 'energy_before', 'energy_after', &
+    'momentum_before', 'momentum_after', 'event_time', 'event_end', 'event_time_error', 'event_end_error']
   character(*), parameter :: measured_names(*) = [character(32) :: 'measured_angular_frequency', &
     'measured_angular_frequency_error', 'measured_wavenumber', 'measured_wavenumber_error', 'measured_phase_velocity', &
     'measured_phase_velocity_error', 'measured_group_velocity', 'measured_group_velocity_error']
@@ -147,13 +147,15 @@ contains
     momentum = result%units%mass*result%approach_velocity
     energy = momentum*result%approach_velocity
     select case (what)          ! by places in event_names
-    case (1); values = events%impulse*momentum
+    case (1); values = scaled(events%impulse, momentum)
     case (2); values = scaled(events%energy_before, energy)
     case (3); values = scaled(events%energy_after, energy)
     case (4); values = scaled(events%momentum_before, momentum)
     case (5); values = scaled(events%momentum_after, momentum)
     case (6); values = events%time
-    case default; values = events%end_time
+    case (7); values = events%end_time
+    case (8); values = events%time_error
+    case default; values = events%end_error
     end select
   end subroutine put_event
 

@@ -37,6 +37,7 @@ module bw_journal_writer
     procedure :: prepare
     procedure :: append => append_case
     procedure :: close => close_writer
+    procedure, private :: begin
     procedure, private :: write_record
     procedure, private :: look
   end type journal_writer
@@ -50,16 +51,24 @@ contains
     integer(i8), intent(in) :: count
     real(dp), pointer, contiguous, intent(out) :: numbers(:)  !! (count)
     type(error_type), allocatable, intent(inout) :: error
-    type(string) :: text(1)
-    integer :: problem
+    call self%begin(error)
     call make_room(self%record, header + count, 0_i8)
     call c_f_pointer(c_loc(self%record(header + 1)), numbers, [count])
+  end subroutine prepare
+
+  subroutine begin(self, error)
+    !! Make the file and its first record, unless they are there.
+    !! **Errors**: they cannot be made.
+    class(journal_writer), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    type(string) :: text(1)
+    integer :: problem
     if (self%descriptor >= 0) return
     problem = open_file(self%path, new_file, self%descriptor)
     text(1)%text = self%work
     if (problem == 0) call self%write_record(0_i8, 0_i8, text, problem)
     if (problem /= 0) call cannot_be_written(error, self%path, problem)
-  end subroutine prepare
+  end subroutine begin
 
   subroutine append_case(self, case, count, notes, error)
     !! Write a finished case, whose numbers are where `prepare` has shown.
@@ -128,7 +137,7 @@ contains
   end subroutine close_writer
 
   subroutine make_room(words, least, used)
-    !! Room for at least so many words; the first `used` of them stay as they are.
+    !! Make room for at least so many words. Of those that are there the first `used` stay as they are.
     integer(i8), pointer, contiguous, intent(inout) :: words(:)
     integer(i8), intent(in) :: least, used
     integer(i8), pointer, contiguous :: longer(:)
@@ -136,8 +145,10 @@ contains
       if (size(words, kind=i8) >= least) return
     end if
     allocate (longer(least + least/8))
-    if (used > 0) longer(:used) = words(:used)
-    if (associated(words)) deallocate (words)
+    if (associated(words)) then
+      longer(:used) = words(:used)
+      deallocate (words)
+    end if
     words => longer
   end subroutine make_room
 

@@ -1,12 +1,12 @@
 module bw_closed_form
   !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
-  use bw_kinds, only: dp
-  use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-)
+  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
   use bw_far_runs, only: far_run_terms, is_far_run
   use bw_far_terms, only: far_terms
   use bw_frequency_equation, only: highest_mode, root_type
   use bw_kept_modes, only: chunk, kept_modes, kept_set
-  use bw_mode_set, only: mode_set, mode_source, terms_of_set
+  use bw_mode_set, only: full_numbers, mode_set, mode_source, terms_of_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
@@ -27,6 +27,7 @@ module bw_closed_form
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => closed_form_elastic
+    procedure :: in_full => closed_form_in_full
   end type closed_form_set
 
   type, extends(mode_source), public :: closed_form_source
@@ -249,6 +250,29 @@ contains
     squares = self%beta_squared
     if (allocated(self%omega)) squares = squares + self%omega*self%omega
   end function closed_form_elastic
+
+  pure subroutine closed_form_in_full(self, numbers)
+    !! Of modes whose roots were all refined (`longest` without end): the digits of double-double numbers. Without a mass
+    !! at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
+    class(closed_form_set), intent(in) :: self
+    type(full_numbers), intent(out) :: numbers
+    real(dp), parameter :: relative_error = 2.0e-32_dp     ! of β²; of 200 modes within 8e-32
+    type(dd) :: elastic(self%count)
+    elastic = self%elastic()
+    numbers%square = to_quad(self%beta_squared)
+    numbers%square_error = relative_error*elastic%hi
+    numbers%mass = real(self%tip, qp)**2/4
+    numbers%mass_error = 0.0_dp*self%tip
+    if (self%gamma > 0.0_dp) then
+      numbers%mass = real(self%modal_mass, qp)
+      numbers%mass_error = 1.0e-14_dp + numbers%mass_error
+    end if
+    numbers%damping = 0.0_qp*numbers%square
+    if (allocated(self%law)) then                ! α_k⁴ = β_k² + ω², and α² of the first is the critical speed
+      numbers%damping = self%law%rates(numbers%square + (to_quad(self%critical_speed)**2 - numbers%square(1)))
+    end if
+    numbers%damping_error = relative_error*real(numbers%damping, dp)
+  end subroutine closed_form_in_full
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
     !! Runs of far modes by interpolation, other far ones in their short form, the others through a set.

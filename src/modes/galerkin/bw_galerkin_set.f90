@@ -98,9 +98,10 @@ contains
     ratio = 0.0_dp
     do j = 1, self%count
       do i = 1, j - 1
-        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, law%stiffness*abs(gram(i, j))/sqrt(rate(i)*rate(j)))
+        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(gram(i, j))/sqrt(rate(i)*rate(j)))
       end do
     end do
+    ratio = ratio*real(law%stiffness, dp)
   end function coupling
 
   pure function energy_of_body(self, q, rate) result(energy)

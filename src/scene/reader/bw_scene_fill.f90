@@ -43,7 +43,7 @@ contains
       call open_group(i, 0, groups(n))
     end do
     do i = 1, size(groups)
-      call fill_defaults(groups(i), messages)
+      call fill_defaults(groups(i))
     end do
   end subroutine fill_groups
 
@@ -143,10 +143,10 @@ contains
     end if
   end subroutine fill_value
 
-  pure subroutine fill_defaults(group, messages)
-    !! Read defaults as if the scene had them.
+  pure subroutine fill_defaults(group)
+    !! Read defaults as if the scene had them, however much is wrong with the scene.
     type(group_values), intent(inout) :: group
-    type(message_list), intent(inout) :: messages
+    type(message_list) :: messages               ! nothing is wrong with a default
     type(token), allocatable :: tokens(:)
     type(item), allocatable :: items(:)
     integer, allocatable :: rows(:)
