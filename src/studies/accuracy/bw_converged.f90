@@ -27,7 +27,7 @@ module bw_converged
   real(dp), parameter :: patience = 5.0_dp           !! s of the processor; a run that would take longer is not made
   real(dp), parameter, public :: steepest_tolerance = 1.0_dp   !! of seconds over 1/tolerance, as a power
   integer, parameter :: checked = 32            !! samples, at most
-  integer, parameter, public :: most_extended = 500000    !! modes; extended precision for more would take longer than all the rungs
+  integer, parameter, public :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
 
   type, public :: converged_run
     type(case_result) :: result
