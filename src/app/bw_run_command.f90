@@ -15,7 +15,7 @@ module bw_run_command
   use bw_scene_files, only: read_and_list
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: terminal_progress, terminal_progress_to
-  use bw_text, only: text_of
+  use bw_text, only: lines_of, string, text_of
   implicit none (type, external)
   private
   public :: run_command, accuracy_command, effects_command
@@ -164,12 +164,11 @@ contains
     !! Print each line with the scene that it is about.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: lines
-    integer :: first, last
-    first = 1
-    do while (first <= len(lines))
-      last = first + index(lines(first:), new_line('a')) - 2
-      call print_warning(scene%file//': warning: '//lines(first:last))
-      first = last + 2
+    type(string), allocatable :: warnings(:)
+    integer :: i
+    warnings = lines_of(lines)
+    do i = 1, size(warnings)
+      call print_warning(scene%file//': warning: '//warnings(i)%text)
     end do
   end subroutine print_warnings
 

@@ -82,24 +82,27 @@ module bw_monitor
 contains
 
   logical function stops(monitor)
-    !! What the monitor says, where there is one.
+    !! The monitor asks to stop; an absent one never does.
     class(monitor_type), intent(inout), optional :: monitor
     stops = .false.
     if (present(monitor)) stops = monitor%stop_requested()
   end function stops
 
   recursive subroutine advance_whole(self, fraction)    ! the whole may be a part itself
+    !! The finished fraction of the part, as a fraction of the whole.
     class(part_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     call self%whole%advance(self%start + self%share*fraction)
   end subroutine advance_whole
 
   recursive logical function ask_whole(self)
+    !! What the whole's monitor says.
     class(part_monitor), intent(inout) :: self
     ask_whole = self%whole%stop_requested()
   end function ask_whole
 
   subroutine ignore(self, fraction)
+    !! Nobody listens.
     class(silent_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     associate (unused => self, unused_too => fraction)
@@ -107,6 +110,7 @@ contains
   end subroutine ignore
 
   logical function never(self)
+    !! Never asks to stop.
     class(silent_monitor), intent(inout) :: self
     associate (unused => self)
     end associate

@@ -10,8 +10,7 @@ module bw_case_spectrum
   use bw_modes_at_end, only: kind_at_end
   use bw_monitor, only: monitor_type
   use bw_result_layout, only: result_layout
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_text, only: text_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)

@@ -10,7 +10,7 @@ module bw_hint
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
-  use bw_text, only: shortest, text_of
+  use bw_text, only: percent, shortest, text_of
   implicit none (type, external)
   private
   public :: estimate_absent, hint_line
@@ -116,18 +116,10 @@ contains
     if (estimate%steadies) text = 'mode 1 would not grow'
     if (estimate%change == 0.0_dp) return
     if (estimate%steadies) text = text//', '
-    text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)
+    text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)//' %'
     if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) then
-      text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)
+      text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)//' %'
     end if
   end function words
-
-  pure function percent(change) result(text)
-    !! Two digits and a sign.
-    real(dp), intent(in) :: change
-    character(:), allocatable :: text
-    text = shortest(100.0_dp*change, 2)//' %'
-    if (change > 0.0_dp) text = '+'//text
-  end function percent
 
 end module bw_hint

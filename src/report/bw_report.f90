@@ -7,8 +7,7 @@ module bw_report
   use bw_event, only: event_words
   use bw_missing, only: is_missing
   use bw_result_values, only: named_value
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
   public :: case_report, case_line, case_heading, notes_report
@@ -182,13 +181,12 @@ contains
     !! The notes as they stand in the file, one to a line, indented and marked.
     character(*), intent(in) :: notes             !! lines
     character(:), allocatable :: text
-    integer :: first, last
+    type(string), allocatable :: lines(:)
+    integer :: i
     text = ''
-    first = 1
-    do while (first <= len(notes))
-      last = first + index(notes(first:)//new_line('a'), new_line('a')) - 2
-      text = text//'  note: '//notes(first:last)//new_line('a')
-      first = last + 2
+    lines = lines_of(notes)
+    do i = 1, size(lines)
+      text = text//'  note: '//lines(i)%text//new_line('a')
     end do
   end function notes_report
 

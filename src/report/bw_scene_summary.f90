@@ -4,15 +4,12 @@ module bw_scene_summary
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
   use bw_case_fields, only: case_length, fields_of
-  use bw_damping_par, only: by_ratio
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
   use bw_result_layout, only: result_layout
-  use bw_scene, only: scene_type
+  use bw_scene, only: changes_shapes, effects_text, scene_type
   use bw_scene_cases, only: case_count
-  use bw_scene_method, only: changes_shapes
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
@@ -50,39 +47,6 @@ contains
     text = lines%text()
   end function scene_summary
 
-  function effects_text(scene) result(text)
-    !! The groups that are there, with their numbers.
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = ''
-    if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
-      scene%rotation%angular_velocity, ' rad/s')//trim(merge(' in plane    ', ' out of plane', scene%rotation%plane == 'in'))
-    if (allocated(scene%stiffening)) text = text//', stiffening (hub radius '// &
-      number_or_swept(scene, 'stiffening%hub_radius', scene%stiffening%hub_radius, ' m')//')'
-    if (allocated(scene%shear)) text = text//', shear (Poisson''s ratio '// &
-      number_or_swept(scene, 'shear%poisson_ratio', scene%shear%poisson_ratio, '')//', shear coefficient '// &
-      number_or_swept(scene, 'shear%shear_coefficient', scene%shear%shear_coefficient, '')//')'
-    if (allocated(scene%damping)) text = text//damping_text(scene)
-    if (allocated(scene%impact)) then
-      text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
-        number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity, ' m/s')//', restitution '// &
-        number_or_swept(scene, 'impact%restitution', scene%impact%restitution, '')//')'
-      if (allocated(scene%capture)) then
-        text = text//', capture'
-        if (scene%capture%rotary_inertia > 0.0_dp .or. is_swept(scene, 'capture%rotary_inertia')) text = text// &
-          ' of a body with rotary inertia '// &
-          number_or_swept(scene, 'capture%rotary_inertia', scene%capture%rotary_inertia, ' kg m2')
-        if (allocated(scene%release)) text = text//', release at '// &
-          number_or_swept(scene, 'release%time', scene%release%time, ' s')
-      else
-        text = text//', rebound'
-        if (allocated(scene%recontact)) text = text//' and recontact'
-      end if
-    end if
-    if (text == '') text = ', none: modes and wave velocities of the beam alone'
-    text = text(3:)
-  end function effects_text
-
   pure function method_text(scene) result(text)
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
@@ -90,34 +54,13 @@ contains
     if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
   end function method_text
 
-  function damping_text(scene) result(text)
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    associate (damping => scene%damping)
-      if (by_ratio(damping)) then
-        text = ', damping (ratio '//number_or_swept(scene, 'damping%ratio', damping%ratio, '')//')'
-      else
-        text = ', damping ('//number_or_swept(scene, 'damping%mass_proportional', damping%mass_proportional, ' 1/s')// &
-          ' of the mass, '//number_or_swept(scene, 'damping%stiffness_proportional', damping%stiffness_proportional, &
-          ' s')//' of the stiffness)'
-      end if
-    end associate
-  end function damping_text
-
-  function mass_text(scene) result(text)
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio, '')
-    if (is_swept(scene, 'impact%mass')) text = 'swept'
-  end function mass_text
-
   function modes_text(scene, layout) result(text)
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     if (by_tolerance(scene%modes)) then
-      text = 'as many modes as the tolerance takes ('//number_or_swept(scene, 'modes%tolerance', &
-        scene%modes%tolerance, '')//')'
+      text = 'as many modes as the tolerance takes ('// &
+        scene%groups(position_of(scene%groups, 'modes'))%number_or_swept('tolerance', '')//')'
     else if (allocated(scene%capture)) then
       text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'
     else
@@ -146,26 +89,6 @@ contains
       text = text//' '//text_of(size(scene%sweeps(s)%values))//' of '//scene%sweeps(s)%parameter
     end do
   end function sweep_text
-
-  function number_or_swept(scene, name, value, unit) result(text)
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: name              !! 'group%name'
-    real(dp), intent(in) :: value
-    character(*), intent(in) :: unit              !! with the blank before it
-    character(:), allocatable :: text
-    text = shortest(value, 6)//unit
-    if (is_swept(scene, name)) text = 'swept'
-  end function number_or_swept
-
-  pure logical function is_swept(scene, name)
-    !! A sweep gives it, or what it follows from.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: name              !! of a group that is there
-    integer :: g, gap
-    gap = index(name, '%')
-    g = position_of(scene%groups, name(:gap - 1))
-    is_swept = scene%groups(g)%values(scene%groups(g)%at(name(gap + 1:)))%sweep > 0
-  end function is_swept
 
   function cost_summary(layout) result(text)
     !! What `beamwave check` says of memory and of the disk.

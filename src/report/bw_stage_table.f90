@@ -3,8 +3,7 @@ module bw_stage_table
   use bw_columns, only: right, seconds_text
   use bw_kinds, only: dp, i8
   use bw_stopwatch, only: stage_count, stage_words, stopwatch
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: stage_table

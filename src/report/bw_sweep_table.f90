@@ -7,8 +7,7 @@ module bw_sweep_table
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_positions
-  use bw_text, only: string, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: string, text_builder, text_of
   implicit none (type, external)
   private
 

@@ -6,8 +6,7 @@ module bw_result_header
   use bw_late_values, only: late_values
   use bw_netcdf, only: check, define_variable, put_words
   use bw_result_layout, only: result_layout, has_dimension, dimension_length
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: method_name
+  use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
   use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text, values_of_sweep
   use bw_stopwatch, only: stage_count, stage_words
@@ -45,7 +44,7 @@ contains
     call put('history', time_stamp()//': beamwave '//command//' '//scene%file)
     if (present(study)) call put('study', study)
     call put('scene', resolved_text(scene))
-    call put('effects', effects_text(scene))
+    call put('effects', effect_names(scene))
     call put('method', method_name(scene))
     call put('notes', '')
     call put('compiler', program_compiler//merge(', tuned for its processor', repeat(' ', 25), program_native))
@@ -56,22 +55,6 @@ contains
       call check(nf90_put_att(file, nf90_global, name, trim(text)), path, error)
     end subroutine put
   end subroutine put_global_attributes
-
-  pure function effects_text(scene) result(text)
-    !! Names of the effect and event groups that are there.
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = ''
-    if (allocated(scene%rotation)) text = text//' rotation'
-    if (allocated(scene%stiffening)) text = text//' stiffening'
-    if (allocated(scene%shear)) text = text//' shear'
-    if (allocated(scene%damping)) text = text//' damping'
-    if (allocated(scene%impact)) text = text//' impact'
-    if (allocated(scene%capture)) text = text//' capture'
-    if (allocated(scene%release)) text = text//' release'
-    if (allocated(scene%recontact)) text = text//' recontact'
-    text = trim(adjustl(text))
-  end function effects_text
 
   function time_stamp() result(text)
     !! Now, as ISO 8601.

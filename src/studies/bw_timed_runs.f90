@@ -6,10 +6,9 @@ module bw_timed_runs
   use bw_case_result, only: case_result
   use bw_monitor, only: monitor_type, part_monitor
   use bw_one_case, only: run_case
-  use bw_repeats, only: repeats_type
   use bw_result_layout, only: layout_of
   use bw_scene, only: scene_type
-  use bw_stopwatch, only: stage_count, stopwatch
+  use bw_stopwatch, only: repeats_type, stage_count, stopwatch
   implicit none (type, external)
   private
   public :: repeat_runs, run_once

@@ -8,7 +8,7 @@ module bw_journal_reader
   use bw_files, only: path_state, reason
   use bw_journal_writer, only: at_case, at_count, at_letters, at_sums, at_work, header, make_room, mark, word, words_of
   use bw_kinds, only: dp, i1, i8
-  use bw_text, only: append, string
+  use bw_text, only: lines_of, string
   implicit none (type, external)
   private
 
@@ -172,15 +172,8 @@ contains
     integer(i8), intent(in) :: words(:), letters
     type(string), allocatable, intent(out) :: lines(:)
     character(letters) :: text
-    integer :: first, last
-    allocate (lines(0))
     text = transfer(words, text)
-    first = 1
-    do while (first <= letters)
-      last = first + index(text(first:)//new_line('a'), new_line('a')) - 2
-      call append(lines, text(first:last))
-      first = last + 2
-    end do
+    lines = lines_of(text)
   end subroutine split
 
   subroutine close_reader(self)

@@ -2,8 +2,7 @@ module bw_notes
   !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
   !! number of others that have it too. The kind is what stands before the first colon. The cases may come in any order.
   use bw_kinds, only: i8
-  use bw_text, only: append, string, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
   private
 

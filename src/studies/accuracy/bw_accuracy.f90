@@ -11,8 +11,7 @@ module bw_accuracy
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, string
   use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run

@@ -16,8 +16,7 @@ module bw_accuracy_ladder
   use bw_refined_root, only: is_coarse
   use bw_root_list, only: root_values, solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_scene_variant, only: with_counts, with_tolerance
   use bw_timed_runs, only: timed_run
   implicit none (type, external)

@@ -13,8 +13,7 @@ module bw_converged
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case, run_case
   use bw_result_layout, only: layout_of
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
   use bw_timed_runs, only: foresight

@@ -5,8 +5,7 @@ module bw_price_list
   use bw_absent_effects, only: absent_words
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
-  use bw_processor, only: processor_name
-  use bw_stopwatch, only: stage_words
+  use bw_stopwatch, only: processor_name, stage_words
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private

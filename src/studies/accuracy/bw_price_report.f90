@@ -6,10 +6,8 @@ module bw_price_report
   use bw_missing, only: is_missing
   use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, method_words, price_digits, &
     price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
-  use bw_processor, only: processor_name
-  use bw_stopwatch, only: stage_words
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_stopwatch, only: processor_name, stage_words
+  use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: price_report

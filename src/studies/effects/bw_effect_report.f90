@@ -6,10 +6,9 @@ module bw_effect_report
   use bw_error, only: error_type
   use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
-  use bw_processor, only: processor_name
+  use bw_stopwatch, only: processor_name
   use bw_study_file, only: study_file, study_values
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: percent, shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: effect_report
@@ -68,9 +67,9 @@ contains
       return
     end if
     state = merge('on ', 'off', row%state == effect_on)
-    text = text//'  '//state//'   '//right(percent(row%frequency_change(1)), 9)// &
-      right(percent(row%frequency_change(min(middle, last))), 9)//right(percent(row%frequency_change(last)), 9)// &
-      right(percent(largest_change(row%phase_velocity_change)), 9)//right(percent(largest_change(row%group_velocity_change)), 9)// &
+    text = text//'  '//state//'   '//right(signed(row%frequency_change(1)), 9)// &
+      right(signed(row%frequency_change(min(middle, last))), 9)//right(signed(row%frequency_change(last)), 9)// &
+      right(signed(largest_change(row%phase_velocity_change)), 9)//right(signed(largest_change(row%group_velocity_change)), 9)// &
       right(part(row%response_change), 10)//right(times(row%seconds_with, row%seconds_without), 8)//'  '//verdict(row)
   end function row_line
 
@@ -98,7 +97,7 @@ contains
     end if
   end function verdict
 
-  pure function percent(change) result(text)
+  pure function signed(change) result(text)
     !! A relative change in per cent, with two digits and a sign; 0 for the rounding of two ways to find the same; a dash for
     !! what does not exist.
     real(dp), intent(in) :: change
@@ -107,16 +106,14 @@ contains
     text = '-'
     if (is_missing(change)) return
     text = '0'
-    if (abs(change) <= rounding) return
-    text = shortest(100.0_dp*change, 2)//'%'
-    if (change > 0.0_dp) text = '+'//text
-  end function percent
+    if (abs(change) > rounding) text = percent(change)//'%'
+  end function signed
 
   pure function part(change) result(text)
     !! A change as a part of the peak, without a sign, since it has no direction.
     real(dp), intent(in) :: change
     character(:), allocatable :: text
-    text = percent(change)
+    text = signed(change)
     if (text(1:1) == '+') text = text(2:)
   end function part
 

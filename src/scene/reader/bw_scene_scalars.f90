@@ -1,12 +1,14 @@
-module bw_scene_numbers
-  !! A word of the scene as a number. Fortran's own `read` takes 1.0-3, 1e999, NaN and 1/2 without a word;
-  !! here the form is checked first, and what does not fit into double precision is refused.
+module bw_scene_scalars
+  !! A word or a text of the scene as a number, a logical or a text. Fortran's own `read` takes 1.0-3, 1e999, NaN and 1/2
+  !! for numbers without complaint; here the form is checked first, and what does not fit into double precision is refused.
+  !! Every procedure says in `problem` what is wrong with the word; `problem` is empty where nothing is.
+  use bw_input_name, only: has_word
   use bw_kinds, only: dp, qp
-  use bw_scene_characters, only: shown
+  use bw_scene_messages, only: shown
   use bw_text, only: lower, text_of
   implicit none (type, external)
   private
-  public :: parse_real, parse_whole
+  public :: parse_logical, parse_real, parse_text, parse_whole
 
   character(*), parameter :: digits = '0123456789'
   character(*), parameter :: does_not_fit = ' does not fit into double precision; accepted: sizes of 5e-324 to 1.79e308'
@@ -25,7 +27,7 @@ module bw_scene_numbers
 contains
 
   pure subroutine parse_real(word, value, problem)
-    !! `1`, `-.5`, `1.`, `2e11`, `2d+11`. `problem` is empty for a good number.
+    !! `1`, `-.5`, `1.`, `2e11`, `2d+11`.
     character(*), intent(in) :: word
     real(dp), intent(out) :: value
     character(:), allocatable, intent(out) :: problem
@@ -52,6 +54,7 @@ contains
   end subroutine parse_real
 
   pure subroutine read_real(word, letter, wary, value, problem)
+    !! Read a word whose form is good; a number that rounds to 0 does not fit.
     character(*), intent(in) :: word
     integer, intent(in) :: letter              !! place of the exponent's letter; 0 for none
     logical, intent(in) :: wary                !! look at the number in extended precision first: no overflow
@@ -87,6 +90,7 @@ contains
   end subroutine parse_whole
 
   pure type(number_form) function form_of(word) result(form)
+    !! Where the parts of a number lie in a word.
     character(*), intent(in) :: word
     integer :: at, count
     at = 1
@@ -110,6 +114,7 @@ contains
   end function form_of
 
   pure logical function starts(word, at, set)
+    !! There is a character at `at`, and it is one of the set.
     character(*), intent(in) :: word, set
     integer, intent(in) :: at
     starts = .false.
@@ -167,4 +172,60 @@ contains
     end if
   end function hint
 
-end module bw_scene_numbers
+  pure subroutine parse_text(piece, quote, words, text, problem)
+    !! A text in quotes, its trailing blanks dropped as Fortran writes them; one of the words that are accepted, if any are
+    !! named, in any case.
+    character(*), intent(in) :: piece          !! without its quotes
+    character, intent(in) :: quote             !! blank where it stands without quotes
+    character(*), intent(in) :: words          !! by blanks; '' accepts any text
+    character(:), allocatable, intent(inout) :: text
+    character(:), allocatable, intent(out) :: problem
+    problem = ''
+    if (quote == ' ') then
+      problem = shown(piece)//' stands without quotes'
+      return
+    end if
+    text = trim(single_quotes(piece, quote))
+    if (words == '') return
+    text = lower(text)
+    if (.not. has_word(words, text) .or. scan(text, ' ') > 0 .or. text == '') problem = shown(piece)//' is not known'
+  end subroutine parse_text
+
+  pure function single_quotes(piece, quote) result(text)
+    !! Undo the doubling of quotes.
+    character(*), intent(in) :: piece
+    character, intent(in) :: quote
+    character(:), allocatable :: text
+    integer :: at, n
+    allocate (character(len(piece)) :: text)
+    at = 1
+    n = 0
+    do while (at <= len(piece))
+      n = n + 1
+      text(n:n) = piece(at:at)
+      at = at + merge(2, 1, piece(at:at) == quote)
+    end do
+    text = text(:n)
+  end function single_quotes
+
+  pure subroutine parse_logical(piece, quote, flag, problem)
+    !! `.true.`, `true`, `.t.`, `t` and their opposites in any case; Fortran would take any word in T or F.
+    character(*), intent(in) :: piece
+    character, intent(in) :: quote             !! blank for a bare word
+    logical, intent(inout) :: flag
+    character(:), allocatable, intent(out) :: problem
+    character(7) :: word
+    problem = ''
+    word = lower(piece)
+    if (len(piece) > len(word) .or. quote /= ' ') word = ''
+    select case (word)
+    case ('.true.', 'true', '.t.', 't')
+      flag = .true.
+    case ('.false.', 'false', '.f.', 'f')
+      flag = .false.
+    case default
+      problem = shown(piece)//' is no logical'
+    end select
+  end subroutine parse_logical
+
+end module bw_scene_scalars

@@ -3,10 +3,8 @@ module bw_scene_describe
   use bw_error, only: error_type, fail, status_bad_input
   use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
                            range_text
-  use bw_input_table, only: group_row, group_table, name_table, rows_of
-  use bw_text, only: lower
-  use bw_text_builder, only: text_builder
-  use bw_unknown_input, only: unknown_group
+  use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group
+  use bw_text, only: lower, text_builder
   implicit none (type, external)
   private
   public :: describe_text
@@ -68,6 +66,7 @@ contains
   end function describe_text
 
   pure subroutine put_opening(builder)
+    !! How a scene is written.
     type(text_builder), intent(inout) :: builder
     integer :: i
     do i = 1, size(opening)
@@ -76,6 +75,7 @@ contains
   end subroutine put_opening
 
   pure subroutine put_group(builder, group)
+    !! One group: what its absence means, its names as a table, its rules.
     type(text_builder), intent(inout) :: builder
     type(input_group), intent(in) :: group
     integer, allocatable :: rows(:)
@@ -142,6 +142,7 @@ contains
   end subroutine put_table
 
   pure function cells_of(row) result(cells)
+    !! The cells of one name's line of the table.
     type(input_name), intent(in) :: row
     character(widest) :: cells(columns)
     cells(1) = '`'//trim(row%name)//'`'
@@ -156,6 +157,7 @@ contains
   end function cells_of
 
   pure subroutine put_row(builder, cells, width)
+    !! One line of a pipe table, its cells filled up to their widths.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: cells(:)
     integer, intent(in) :: width(:)
