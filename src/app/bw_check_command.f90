@@ -38,7 +38,7 @@ contains
       layout = layout_of(scenes(i))
       call plan_tolerance(scenes(i), progress, text, error)
       if (.not. allocated(error) .and. .not. command%quiet) text = scene_heading(scenes(i))// &
-        scene_summary(scenes(i), layout)//text//cost_summary(layout)// &
+        scene_summary(scenes(i), layout)//text//cost_summary(scenes(i), layout)// &
         time_summary(scenes(i), layout, check_seconds/count, progress)
       if (progress%stop_requested()) then
         call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')

@@ -15,7 +15,7 @@ module bw_hint
   private
   public :: estimate_absent, hint_line
 
-  integer, parameter, public :: compared_modes = 10    !! the first modes, whose frequencies are compared
+  integer, parameter, public :: compared_modes = 10     !! the first modes, whose frequencies effects are judged by
 
   type, public :: estimate_type
     !! What an absent effect would do to the frequencies, relatively; nothing where it is not absent.
@@ -110,6 +110,7 @@ contains
   end function weight
 
   pure function words(estimate) result(text)
+    !! What an effect would do to the mode that it would change most, and to the last one where that is more.
     type(estimate_type), intent(in) :: estimate
     character(:), allocatable :: text
     text = ''

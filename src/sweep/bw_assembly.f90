@@ -1,7 +1,6 @@
 module bw_assembly
   !! The result of a sweep from the journals of all its cases, by NetCDF alone.
-  use bw_case_block, only: block_for, case_block
-  use bw_case_fields, only: case_field, case_length, fields_of, short_fields
+  use bw_case_fields, only: block_for, case_block, case_field, field_of, fields_of, short_fields
   use bw_case_result, only: case_done
   use bw_error, only: error_type, fail, status_bad_file
   use bw_journal_reader, only: journal_reader
@@ -45,7 +44,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call create_result(path, scene, layout, self%file, error)
     self%fields = fields_of(layout)
-    self%at_status = case_length(self%fields(:short_fields(self%fields)))
+    associate (status => field_of(self%fields, 'case_status'))
+      self%at_status = status%first
+    end associate
     self%block = block_for(self%fields(:short_fields(self%fields)), layout%cases)
     self%table = sweep_table(scene, layout)
     allocate (self%done(layout%cases), source=0_i1)
@@ -77,7 +78,7 @@ contains
     real(dp), intent(in), contiguous :: numbers(:)
     type(string), intent(in) :: notes(:)
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%held == self%block%room .or. index /= self%first + self%block%held) then
+    if (self%block%count == self%block%capacity .or. index /= self%first + self%block%count) then
       call self%write_block(error)                       ! it is full, or does not reach up to this case
       self%first = index
     end if
@@ -93,8 +94,8 @@ contains
     !! Write the block, and begin an empty one.
     class(assembly_type), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%held > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
-    self%block%held = 0
+    if (self%block%count > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
+    self%block%count = 0
   end subroutine write_block
 
   subroutine finish(self, notes, seconds, error)

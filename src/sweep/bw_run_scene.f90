@@ -14,7 +14,7 @@ module bw_run_scene
   use bw_one_case, only: plan_case, run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
-  use bw_report, only: case_report
+  use bw_report, only: case_report, stage_table
   use bw_result_file, only: create_result, result_file
   use bw_result_header, only: source_text
   use bw_result_layout, only: layout_of
@@ -22,7 +22,6 @@ module bw_run_scene
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_summary, only: bytes_text, working_bytes
-  use bw_stage_table, only: stage_table
   use bw_stopwatch, only: stage_write, stopwatch
   use bw_text, only: string, text_of
   use bw_unfinished_work, only: unfinished_work

@@ -12,7 +12,7 @@ module bw_run_sweep
   use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
-  use bw_stage_table, only: stage_table
+  use bw_report, only: stage_table
   use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
   use bw_text, only: append, string, text_of
   use bw_unfinished_work, only: journal_suffix, unfinished_work

@@ -1,7 +1,7 @@
 module bw_effect_list
   !! What the effects of a scene change, and those that it leaves out: one row for each.
-  use bw_kinds, only: dp
   use bw_hint, only: compared_modes
+  use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   implicit none (type, external)
   private

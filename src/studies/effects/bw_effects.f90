@@ -1,6 +1,7 @@
 module bw_effects
   !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
   use bw_kinds, only: dp, i8
+  use bw_case_fields, only: named_value
   use bw_case_result, only: case_done, case_result
   use bw_effect_list, only: compare_frequencies, compared_case, effect_list
   use bw_effect_pairs, only: compared_scenes, pairs_of
@@ -10,7 +11,6 @@ module bw_effects
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
-  use bw_result_values, only: named_value
   use bw_scene, only: scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, string
