@@ -5,7 +5,6 @@ module bw_hint
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
   use bw_absent_return, only: return_time
-  use bw_effect_list, only: compared_modes
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance, default_tolerance
@@ -15,6 +14,8 @@ module bw_hint
   implicit none (type, external)
   private
   public :: estimate_absent, hint_line
+
+  integer, parameter, public :: compared_modes = 10     !! the first modes, whose frequencies effects are judged by
 
   type, public :: estimate_type
     !! What an absent effect would do to the frequencies, relatively; nothing where it is not absent.
@@ -109,6 +110,7 @@ contains
   end function weight
 
   pure function words(estimate) result(text)
+    !! What an effect would do to the mode that it would change most, and to the last one where that is more.
     type(estimate_type), intent(in) :: estimate
     character(:), allocatable :: text
     text = ''

@@ -59,6 +59,7 @@ contains
   end function notes_text
 
   pure function without_last_end(lines) result(text)
+    !! Lines without the end of the last of them.
     character(*), intent(in) :: lines
     character(:), allocatable :: text
     text = lines(:max(0, len(lines) - 1))

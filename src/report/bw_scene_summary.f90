@@ -6,6 +6,7 @@ module bw_scene_summary
   use bw_case_fields, only: case_length, fields_of
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
+  use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
   use bw_scene, only: changes_shapes, effects_text, scene_type
   use bw_scene_cases, only: case_count
@@ -29,7 +30,7 @@ contains
   end function scene_heading
 
   function scene_summary(scene, layout) result(text)
-    !! A few lines, indented by two.
+    !! What is simulated, line by line, indented by two.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
@@ -48,6 +49,7 @@ contains
   end function scene_summary
 
   pure function method_text(scene) result(text)
+    !! How modes are found.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = 'closed form'
@@ -55,6 +57,7 @@ contains
   end function method_text
 
   function modes_text(scene, layout) result(text)
+    !! How many modes are summed, or by which tolerance that is found.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
@@ -69,6 +72,7 @@ contains
   end function modes_text
 
   function response_text(scene) result(text)
+    !! The histories, and the spectrum if there is one.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     associate (response => scene%response)
@@ -80,6 +84,7 @@ contains
   end function response_text
 
   function sweep_text(scene) result(text)
+    !! How many cases there are, and what they are the product of.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     integer :: s
@@ -90,46 +95,36 @@ contains
     end do
   end function sweep_text
 
-  function cost_summary(layout) result(text)
+  function cost_summary(scene, layout) result(text)
     !! What `beamwave check` says of memory and of the disk.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
-      '  result     '//bytes_text(result_bytes(layout))
+      '  result     '//bytes_text(result_bytes(scene, layout))
     if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
     text = text//new_line('a')
   end function cost_summary
-
-  pure integer(i8) function result_bytes(layout) result(bytes)
-    !! Size of the result file: the numbers of its cases, long axes, and about 60 kB of names.
-    type(result_layout), intent(in) :: layout
-    bytes = 8*(numbers_of_case(layout)*max(1, layout%cases) + layout%samples + layout%frequencies) + 60000
-  end function result_bytes
-
-  pure integer(i8) function numbers_of_case(layout) result(numbers)
-    type(result_layout), intent(in) :: layout
-    numbers = case_length(fields_of(layout))
-  end function numbers_of_case
 
   pure integer(i8) function journal_bytes(layout) result(bytes)
     !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.
     type(result_layout), intent(in) :: layout
     integer(i8), parameter :: frame = 20      ! words of a record beside its numbers: header and notes
-    bytes = 8*layout%cases*(numbers_of_case(layout) + frame) + 5000
+    bytes = 8*layout%cases*(case_length(fields_of(layout)) + frame) + 5000
   end function journal_bytes
 
   pure integer(i8) function working_bytes(layout) result(bytes)
-    !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
-    !! 25 MB of program and libraries; of a sweep also the list of its cases.
+    !! Memory of one case: its numbers as they are found and once more on their way to the file, shapes, what is needed to
+    !! search histories for waves, and about 25 MB of program and libraries; of a sweep also a block of cases and the list of
+    !! all of them.
     type(result_layout), intent(in) :: layout
-    integer(i8) :: histories, spectra, modal, shapes
-    integer, parameter :: most_shapes = 2**22        ! held at a time
-    histories = int(layout%samples, i8)*layout%points*merge(2, 1, layout%velocity)
+    integer, parameter :: most_shapes = 2**22        ! in memory at a time
+    integer, parameter :: wave_numbers = 30          ! by frequency
+    integer(i8) :: numbers, shapes
+    numbers = case_length(fields_of(layout))
     shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
-    spectra = int(layout%frequencies, i8)*(layout%points + 30)
-    modal = (int(layout%modes, i8) + layout%modes_before)*16
-    bytes = 8*(2*histories + spectra + modal + shapes) + 25000000
-    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 6_i8*layout%cases
+    bytes = 8*(2*numbers + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+    if (layout%cases > 0) bytes = bytes + 2*min(8*numbers*layout%cases, block_bytes) + 6_i8*layout%cases
   end function working_bytes
 
   pure function bytes_text(bytes) result(text)
