@@ -1,6 +1,6 @@
 module bw_monitor
   !! How long work tells of its progress and learns that it should stop, without knowing who listens.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
   public :: stops
@@ -26,6 +26,40 @@ module bw_monitor
       implicit none (type, external)
       class(monitor_type), intent(inout) :: self
     end function stop_interface
+  end interface
+
+  type, abstract, extends(monitor_type), public :: progress_type
+    !! A monitor that also follows a scene from case to case.
+  contains
+    procedure(begin_interface), deferred :: begin
+    procedure(cases_interface), deferred :: cases_done
+    procedure(end_interface), deferred :: end
+  end type progress_type
+
+  abstract interface
+    subroutine begin_interface(self, name, cases, finished)
+      !! Called before the first case of a scene.
+      import :: progress_type, i8
+      implicit none (type, external)
+      class(progress_type), intent(inout) :: self
+      character(*), intent(in) :: name          !! of the scene
+      integer(i8), intent(in) :: cases          !! how many it has
+      integer(i8), intent(in) :: finished       !! how many an earlier run had finished
+    end subroutine begin_interface
+
+    subroutine cases_interface(self, count)
+      import :: progress_type, i8
+      implicit none (type, external)
+      class(progress_type), intent(inout) :: self
+      integer(i8), intent(in) :: count          !! cases that have been finished since the last call
+    end subroutine cases_interface
+
+    subroutine end_interface(self)
+      !! Called when no more is to come of the scene.
+      import :: progress_type
+      implicit none (type, external)
+      class(progress_type), intent(inout) :: self
+    end subroutine end_interface
   end interface
 
   type, extends(monitor_type), public :: silent_monitor

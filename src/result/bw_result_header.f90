@@ -43,7 +43,7 @@ contains
     call file%put_text('history', time_stamp()//': beamwave '//command//' '//scene%file, error)
     if (present(study)) call file%put_text('study', study, error)
     call file%put_text('scene', trim(resolved_text(scene)), error)
-    call file%put_text('effects', trim(effect_names(scene)), error)
+    call file%put_text('effects', effect_names(scene), error)
     call file%put_text('method', trim(method_name(scene)), error)
     call file%put_text('notes', '', error)
     call file%put_text('compiler', program_compiler//trim(merge(', tuned for its processor', repeat(' ', 25), program_native)), &

@@ -36,7 +36,7 @@ module bw_assembly
 contains
 
   subroutine begin(self, path, scene, layout, error)
-    !! A result without cases.
+    !! Create a result without cases.
     class(assembly_type), intent(inout) :: self
     character(*), intent(in) :: path                     !! where it is made
     type(scene_type), intent(in) :: scene
@@ -53,7 +53,7 @@ contains
   end subroutine begin
 
   subroutine take_journal(self, path, work, error)
-    !! All cases of a journal that are not there yet: whoever did one, it has the same bits.
+    !! Read a journal, and put all of its cases that are not there yet into the result: whoever did one, it has the same bits.
     !! **Errors**: the journal cannot be read, or the result not written.
     class(assembly_type), intent(inout) :: self
     character(*), intent(in) :: path
@@ -72,6 +72,7 @@ contains
   end subroutine take_journal
 
   subroutine take_case(self, index, numbers, notes, error)
+    !! Put a case into the result, its long fields at once and the others into the block of its neighbours.
     class(assembly_type), intent(inout) :: self
     integer(i8), intent(in) :: index
     real(dp), intent(in), contiguous :: numbers(:)
@@ -90,6 +91,7 @@ contains
   end subroutine take_case
 
   subroutine write_block(self, error)
+    !! Write the block, and begin an empty one.
     class(assembly_type), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     if (self%block%count > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
@@ -97,7 +99,7 @@ contains
   end subroutine write_block
 
   subroutine finish(self, notes, seconds, error)
-    !! Notes and stage times, and the file is closed.
+    !! Put the notes and the times of the stages, and close the file.
     !! **Errors**: cases are missing, or the file cannot be written.
     class(assembly_type), intent(inout) :: self
     character(*), intent(in) :: notes

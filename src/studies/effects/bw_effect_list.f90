@@ -7,12 +7,6 @@ module bw_effect_list
   private
   public :: compare_frequencies, largest_change
 
-  integer, parameter, public :: effect_rotation = 1, effect_rotation_with_tension = 2, effect_other_plane = 3, &
-    effect_stiffening = 4, effect_shear = 5, effect_damping = 6, effect_body_inertia = 7, effect_capture = 8, &
-    effect_release = 9, effect_recontact = 10
-  character(*), parameter, public :: effect_words(*) = [character(21) :: 'rotation', 'rotation_with_tension', &
-    'out_of_plane', 'stiffening', 'shear', 'damping', 'body_inertia', 'capture', 'release', 'recontact']   !! by number
-
   integer, parameter, public :: effect_off = 1, effect_on = 2, effect_not_combined = 3
   character(*), parameter, public :: state_words(*) = [character(12) :: 'off', 'on', 'not_combined']   !! by number
 
@@ -23,9 +17,10 @@ module bw_effect_list
 
   type, public :: effect_row
     !! One effect: the scene with it beside the scene without it, all else alike.
-    integer :: effect = 0
+    character(21) :: effect = ''                   !! what it is called
     integer :: state = effect_not_combined
     character(:), allocatable :: remark            !! with which values; where it is not combined, the reason
+    integer :: place_with = 0, place_without = 0   !! of the two scenes among those that are run; 0: not combined
     type(compared_case) :: with, without
     real(dp), dimension(compared_modes) :: frequency_change = missing, phase_velocity_change = missing, &
       group_velocity_change = missing              !! with over without, less 1

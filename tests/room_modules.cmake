@@ -1,5 +1,5 @@
-# beamwave_show_modules(<folder>): every program of a subfolder sees the modules of the layers that it
-# links, directly or through other layers. Works on finished targets, whichever add_pfunit_ctest made
+# beamwave_show_modules(<folder>): every program of a subfolder sees the modules of the rooms that it
+# links, directly or through other rooms. Works on finished targets, whichever add_pfunit_ctest made
 # them.
 function(beamwave_show_modules folder)
   get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)

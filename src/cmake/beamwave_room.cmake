@@ -1,27 +1,28 @@
-# beamwave_layer(<name> [SOURCES …] [EXCEPT …] [USES <layer> …] [LINKS <target> …])
+# beamwave_room(<name> [SOURCES …] [EXCEPT …] [USES <room> …] [LINKS <target> …])
 #
-# One static library and one module directory per folder of src/, of all Fortran files in it and below it, EXCEPT
-# main programs, and of SOURCES that are made elsewhere. A layer sees the modules of the layers named in USES and no others, so the direction of the data is a matter of the
-# build. Module directories are not passed on: a layer names every layer whose modules it uses.
-function(beamwave_layer name)
-  cmake_parse_arguments(LAYER "" "" "SOURCES;USES;LINKS;EXCEPT" ${ARGN})
+# A room is a folder of src/: one static library and one directory of modules, of all Fortran files in the folder and below it,
+# EXCEPT main programs, and of SOURCES that are made elsewhere. It sees the modules of the rooms named in USES and of no others,
+# so that the build holds to the direction of the data. Module directories are not passed on: a room names every room whose
+# modules it uses.
+function(beamwave_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;USES;LINKS;EXCEPT" ${ARGN})
   set(target beamwave_${name})
   set(modules "${PROJECT_BINARY_DIR}/modules/${name}")
   file(GLOB_RECURSE sources RELATIVE "${CMAKE_CURRENT_SOURCE_DIR}" CONFIGURE_DEPENDS "*.f90")
-  list(REMOVE_ITEM sources ${LAYER_EXCEPT})
-  add_library(${target} STATIC ${sources} ${LAYER_SOURCES})
+  list(REMOVE_ITEM sources ${ROOM_EXCEPT})
+  add_library(${target} STATIC ${sources} ${ROOM_SOURCES})
   add_library(beamwave::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES
     Fortran_MODULE_DIRECTORY "${modules}" BEAMWAVE_MODULES "${modules}")
   target_link_libraries(${target} PRIVATE beamwave_flags)
-  target_link_libraries(${target} PUBLIC ${LAYER_LINKS})
-  foreach(used IN LISTS LAYER_USES)
+  target_link_libraries(${target} PUBLIC ${ROOM_LINKS})
+  foreach(used IN LISTS ROOM_USES)
     target_link_libraries(${target} PUBLIC beamwave::${used})
     target_include_directories(${target} PRIVATE "${PROJECT_BINARY_DIR}/modules/${used}")
   endforeach()
 endfunction()
 
-# beamwave_see(<target> <layer> …): lets a program or a test use and link these layers.
+# beamwave_see(<target> <room> …): lets a program or a test use and link these rooms.
 function(beamwave_see target)
   target_link_libraries(${target} PRIVATE beamwave_flags)
   foreach(used IN LISTS ARGN)
