@@ -6,9 +6,8 @@ module bw_case_modes
   use bw_closed_form, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
   use bw_double_double, only: dd
-  use bw_galerkin_source, only: galerkin_source, galerkin_source_of
+  use bw_galerkin_source, only: galerkin_cache, galerkin_source, galerkin_source_of
   use bw_kept_modes, only: kept_modes
-  use bw_kept_operators, only: kept_operators
   use bw_mode_choice, only: first_modes
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_mode_notes, only: note_coupling, note_no_effect, note_strain, note_unresolved
@@ -41,7 +40,7 @@ contains
     class(monitor_type), intent(inout), target :: monitor    !! the modes mean nothing where it asks to stop
     type(kept_modes), intent(inout), target, optional :: kept
       !! what cases share, for as long as the sources live; absent: nothing is kept
-    type(kept_operators), intent(inout), optional :: operators   !! the same of modes without a closed form
+    type(galerkin_cache), intent(inout), optional :: operators   !! the same of modes without a closed form
     real(dp), allocatable :: longest               ! absent: no history is asked for
     type(part_monitor) :: first, second
     first = part_monitor(monitor, 0.0_dp, scene%modes%after/(scene%modes%after + real(scene%modes%before, dp)))
@@ -113,7 +112,7 @@ contains
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
-    type(kept_operators), intent(inout), optional :: operators
+    type(galerkin_cache), intent(inout), optional :: operators
     class(mode_source), allocatable, intent(out) :: alone, loaded
     class(monitor_type), intent(inout) :: monitor
     result%can_grow = .true.                       ! the modes know

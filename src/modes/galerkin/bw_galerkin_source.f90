@@ -1,20 +1,40 @@
 module bw_galerkin_source
-  !! Modes without a closed form by their numbers: as many as were solved for, and how amplitudes fall beyond them.
+  !! Modes without a closed form by their numbers: as many as were solved for, and how amplitudes fall beyond them. Cases whose
+  !! beam and effects do not differ may share a cache, and then solve for their modes once: what is in it is what would be found
+  !! again, to the bit.
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
+  use bw_double_double, only: dd
   use bw_galerkin, only: galerkin_modes
   use bw_galerkin_set, only: galerkin_set
   use bw_mode_set, only: mode_set, mode_source
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
   public :: galerkin_source_of
+
+  integer, parameter :: most_sources = 16          !! cached at a time
+  integer, parameter :: most_modes = 128           !! of one that is cached: all together take less than 20 MB
 
   type, extends(mode_source), public :: galerkin_source
     type(galerkin_set) :: solved                   !! the first modes, from which others are taken
   contains
     procedure :: find => find_among_solved
   end type galerkin_source
+
+  type :: cache_entry
+    type(beam_operator) :: operator
+    type(galerkin_source) :: source
+  end type cache_entry
+
+  type, public :: galerkin_cache
+    !! Sources in the order in which they came; the newest replaces the oldest.
+    private
+    type(cache_entry), allocatable :: entries(:)
+    integer :: found = 0                           !! that were ever cached
+  contains
+    procedure :: find => find_source
+  end type galerkin_cache
 
 contains
 
@@ -31,8 +51,8 @@ contains
   end subroutine galerkin_source_of
 
   pure real(dp) function decay_of(operator, count) result(decay)
-    !! Of |Φ_k(1)Φ_k(ξ)|/(M_kβ_k) beyond mode `count`: k⁻³ in a beam that its tip mass holds, α being above 1/γ. Where
-    !! the mass is light, or waves are those of shear or of a string, k⁻².
+    !! The n of |Φ_k(1)Φ_k(ξ)|/(M_kβ_k) ∝ k⁻ⁿ beyond mode `count`: 3 where the tip mass holds the beam, α being above 1/γ; 2 where
+    !! the mass is light, or waves are those of shear or of a string.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     real(dp) :: alpha
@@ -44,7 +64,8 @@ contains
   end function decay_of
 
   subroutine find_among_solved(self, number, modes, longest, monitor)
-    !! `longest` has no use here: β² has the digits that it has. Nor has the monitor: all is found already.
+    !! The modes of these numbers of those that were solved for. `longest` has no use here: β² has the digits that it has. Nor
+    !! has the monitor: all is found already.
     class(galerkin_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
@@ -73,5 +94,52 @@ contains
     if (present(longest) .or. present(monitor)) continue
     call move_alloc(found, modes)
   end subroutine find_among_solved
+
+  ! The cache
+
+  subroutine find_source(self, operator, count, source, monitor)
+    !! `galerkin_source_of`, from the cache where it is there.
+    class(galerkin_cache), intent(inout) :: self
+    type(beam_operator), intent(in) :: operator
+    integer, intent(in) :: count
+    type(galerkin_source), intent(out) :: source
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found, nor cached, where it asks to stop
+    integer :: place
+    if (.not. allocated(self%entries)) allocate (self%entries(most_sources))
+    do place = 1, min(self%found, most_sources)
+      if (self%entries(place)%source%highest /= count) cycle
+      if (.not. same_operator(self%entries(place)%operator, operator)) cycle
+      source = self%entries(place)%source
+      return
+    end do
+    call galerkin_source_of(operator, count, source, monitor)
+    if (stops(monitor)) return
+    if (count > most_modes) return
+    place = 1 + mod(self%found, most_sources)
+    self%entries(place)%operator = operator
+    self%entries(place)%source = source
+    self%found = self%found + 1
+  end subroutine find_source
+
+  pure logical function same_operator(one, other) result(same)
+    !! Whether two beams and all that acts on them are the same to the bit.
+    type(beam_operator), intent(in) :: one, other
+    same = (one%gamma == other%gamma) .and. (one%hub_radius == other%hub_radius) .and. (one%in_plane .eqv. other%in_plane) &
+      .and. (allocated(one%omega) .eqv. allocated(other%omega)) &
+      .and. (allocated(one%tension) .eqv. allocated(other%tension)) &
+      .and. (allocated(one%shear) .eqv. allocated(other%shear)) &
+      .and. (allocated(one%tip_inertia) .eqv. allocated(other%tip_inertia))
+    if (.not. same) return
+    if (allocated(one%omega)) same = same_number(one%omega, other%omega)
+    if (allocated(one%tension)) same = same .and. all(one%tension == other%tension)
+    if (allocated(one%shear)) same = same .and. one%shear%compliance == other%shear%compliance &
+      .and. one%shear%rotary == other%shear%rotary
+    if (allocated(one%tip_inertia)) same = same .and. one%tip_inertia == other%tip_inertia
+  end function same_operator
+
+  elemental logical function same_number(a, b) result(same)
+    type(dd), intent(in) :: a, b
+    same = a%hi == b%hi .and. a%lo == b%lo
+  end function same_number
 
 end module bw_galerkin_source

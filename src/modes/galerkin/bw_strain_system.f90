@@ -16,8 +16,7 @@ module bw_strain_system
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
   use bw_double_double, only: dd, operator(*)
-  use bw_strain_basis, only: integral, integral_transposed, times_quadratic
-  use bw_tip_coordinates, only: tip_coordinates, tip_coordinates_of
+  use bw_strain_basis, only: integral, integral_transposed, times_quadratic, tip_coordinates, tip_coordinates_of
   implicit none (type, external)
   private
   public :: build_system
@@ -36,7 +35,7 @@ module bw_strain_system
     real(dp), allocatable :: force(:)           !! the row of v(1) in S, without the mass; unallocated where there is none
     real(dp), allocatable :: pushed(:)          !! the column of v(1) in B, likewise
     real(dp) :: mass = 0.0_dp                   !! γ at the tip
-    real(dp) :: held = 0.0_dp                   !! S has so many times the mass
+    real(dp) :: mass_weight = 0.0_dp            !! by which the mass enters S beside the shift
     type(dd) :: shift                           !! σ
   end type strain_system
 
@@ -67,6 +66,7 @@ contains
   end subroutine build_system
 
   pure subroutine place_rows(operator, system, rows)
+    !! Which rows of B stand for what, and how many there are.
     type(beam_operator), intent(in) :: operator
     type(strain_system), intent(inout) :: system
     integer, intent(out) :: rows
@@ -166,7 +166,7 @@ contains
         system%force = system%stiffness(v, :)
         system%pushed = system%mass_root(:, v)
         system%mass = operator%gamma
-        system%held = weights%deflection
+        system%mass_weight = weights%deflection
         system%mass_root(system%tip_row, v) = sqrt(operator%gamma)
         system%stiffness(v, v) = system%stiffness(v, v) + weights%deflection*operator%gamma
       end if
