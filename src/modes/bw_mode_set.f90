@@ -13,7 +13,7 @@ module bw_mode_set
 
   type, abstract, public :: mode_set
     integer :: count = 0                          !! number of modes n
-    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
+    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the free beam
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
@@ -23,7 +23,7 @@ module bw_mode_set
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
-    integer :: kept_as = 0                        !! sets with the same number, not 0, have the same shapes (bw_kept_modes)
+    integer :: cache_key = 0                      !! sets with the same key, not 0, have the same shapes (bw_mode_cache)
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
@@ -55,7 +55,6 @@ module bw_mode_set
     real(dp) :: decay = 0.0_dp
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
-    real(dp), allocatable :: points(:)            !! ξ where shapes will be asked for; unallocated: not known beforehand
   contains
     procedure(find_interface), deferred :: find
     procedure :: terms => terms_of_set

@@ -9,7 +9,7 @@ module bw_far_field
   !! from level to level. A singularity is at least three half-widths from the middle of a cell, so that the error falls as
   !! (3 + √8)^(−nodes).
   !!
-  !! Places are kept in units of π from the middle of their cell: a difference of two of them loses nothing to the size of the
+  !! Places are in units of π from the middle of their cell: a difference of two of them loses nothing to the size of the
   !! mode number.
   !!
   !! **Source**: Fong & Darve (2009), doi:10.1016/j.jcp.2009.08.031.
@@ -129,7 +129,7 @@ contains
     !! −1 … 1, from the whole eighths of a turn and the remainder of a root.
     type(root_type), intent(in) :: root
     integer, intent(in) :: cell
-    t = (0.25_dp*(root%eighths - (4*cell - 2)*leaf) + root%rest/pi)*(2.0_dp/leaf)
+    t = (0.25_dp*(root%eighths - (4*cell - 2)*leaf) + root%remainder/pi)*(2.0_dp/leaf)
   end function place_in_cell
 
   function gathered(chebyshev, from, weight, monitor) result(node)

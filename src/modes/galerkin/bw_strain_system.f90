@@ -8,7 +8,7 @@ module bw_strain_system
   !! - mass is M = BᵀB, the rows of B being the coefficients of v and of rψ, and √γ v(1) and √J ψ(1): exact;
   !! - the tension's part is exact too, T being quadratic.
   !!
-  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_tip_coordinates).
+  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_strain_basis).
   !!
   !! With the modes' equation A x = β²M x, S = A + σM is positive definite for the shift σ chosen here, even beyond a
   !! critical speed. With S = LLᵀ the singular values of B L⁻ᵀ are (β² + σ)^(−½) and its left singular vectors hold the
