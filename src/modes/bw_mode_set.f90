@@ -12,6 +12,7 @@ module bw_mode_set
   public :: terms_of_set, first_numbers
 
   type, abstract, public :: mode_set
+    !! Modes of one beam, with what follows from them for each.
     integer :: count = 0                          !! number of modes n
     real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the free beam
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
@@ -38,13 +39,13 @@ module bw_mode_set
   end type mode_set
 
   type, public :: full_numbers
-    !! What moves a set of modes, in all the digits that are known of it, and standard errors: a few times that may be.
+    !! What moves a set of modes, in all the digits that are known of it, with standard errors: it may be off by a few of these.
     real(qp), allocatable :: square(:)            !! β², (n)
     real(qp), allocatable :: damping(:)           !! c, 0 where nothing damps, (n)
     real(qp), allocatable :: mass(:)              !! M, (n)
     real(dp), allocatable :: square_error(:)      !! of β², (n)
     real(dp), allocatable :: damping_error(:)     !! of c, (n)
-    real(dp), allocatable :: mass_error(:)        !! of M, as a part of it, (n)
+    real(dp), allocatable :: mass_error(:)        !! of M, relatively, (n)
   end type full_numbers
 
   type, abstract, public :: mode_source
@@ -85,6 +86,7 @@ module bw_mode_set
     end function overlap_interface
 
     subroutine find_interface(self, number, modes, longest, monitor)
+      !! Find the modes of these numbers, damped by the source's law.
       import :: mode_set, mode_source, monitor_type, dp
       implicit none (type, external)
       class(mode_source), intent(in) :: self
@@ -96,7 +98,8 @@ module bw_mode_set
     end subroutine find_interface
 
     pure function elastic_interface(self) result(squares)
-      !! K_kk/M_kk, K the elastic stiffness alone: what damping is proportional to. Where nothing else acts it is β² itself.
+      !! K_kk/M_kk, K the elastic stiffness without tension and rotation: what damping is proportional to. Where nothing else
+      !! acts it is β² itself.
       import :: mode_set, dd
       implicit none (type, external)
       class(mode_set), intent(in) :: self
@@ -123,7 +126,7 @@ contains
   end function first_numbers
 
   pure subroutine damp(self, law)
-    !! Damp the modes that were found.
+    !! Damp the modes that were found: set c_k, and β² − c²/4.
     class(mode_set), intent(inout) :: self
     type(damping_law), intent(in), optional :: law      !! absent: they stay undamped
     type(dd) :: elastic(self%count)
@@ -135,8 +138,8 @@ contains
   end subroutine damp
 
   pure subroutine full_numbers_of_set(self, numbers)
-    !! Of modes that were found in binary64. LAPACK's singular values give β² to rounding of its elastic part, of 200 modes
-    !! within 7e-15; their vectors, and with them M, are good to rounding over the gap to the next value, about 2/(kα²).
+    !! The numbers of modes that were found in binary64. LAPACK's singular values give β² to rounding of its elastic part, of 200
+    !! modes within 7e-15; their vectors, and with them M, are good to rounding over the gap to the next value, about 2/(kα²).
     class(mode_set), intent(in) :: self
     type(full_numbers), intent(out) :: numbers
     real(dp), parameter :: relative_error = 2.0e-15_dp
@@ -165,7 +168,7 @@ contains
   end function no_body_energy
 
   subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes)
-    !! What a sum over modes asks of them, and no more: a source may find it for less than a whole set.
+    !! Find what a sum over modes asks of them, and no more: a source may find it for less than a whole set.
     class(mode_source), intent(in) :: self
     integer, intent(in) :: number(:)              !! as those of `find`
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)

@@ -68,7 +68,7 @@ contains
   end subroutine find_modes
 
   pure subroutine find_cached_modes(cached, omega, longest, modes)
-    !! The same of the modes of a set that is in the cache.
+    !! Find the modes of a set that is in the cache.
     type(cached_set), intent(inout) :: cached
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
@@ -85,7 +85,7 @@ contains
   end subroutine find_cached_modes
 
   pure subroutine allocate_set(n, gamma, omega, modes)
-    !! Arrays of n modes, and what these have in common.
+    !! Allocate the arrays of n modes, and set what these have in common.
     integer, intent(in) :: n
     real(dp), intent(in) :: gamma
     type(dd), intent(in), optional :: omega
@@ -162,7 +162,7 @@ contains
   end function closed_form_shapes
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! The beam's part and that of the mass at the tip, Eq. 26 times M̄_k.
+    !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! in closed form, of the free beam
     real(dp), intent(in) :: amplitude(:)
@@ -177,7 +177,7 @@ contains
   end function overlap_with_mass
 
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! The beam's part alone.
+    !! Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the free beam
     real(dp), intent(in) :: amplitude(:)
@@ -192,7 +192,7 @@ contains
   end function overlap_of_beam
 
   pure function closed_form_elastic(self) result(squares)
-    !! α⁴, Eq. 28, of the roots that β² has, refined or not.
+    !! α⁴, Eq. 28, of the same roots, refined or not, as β².
     class(closed_form_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = self%beta_squared
@@ -200,8 +200,8 @@ contains
   end function closed_form_elastic
 
   pure subroutine closed_form_in_full(self, numbers)
-    !! The digits of double-double numbers, of modes whose roots were all refined (`longest` without end). Without a mass
-    !! at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
+    !! The numbers to the digits of double-double ones, of modes whose roots were all refined (`longest` without end). Without a
+    !! mass at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
     class(closed_form_set), intent(in) :: self
     type(full_numbers), intent(out) :: numbers
     real(dp), parameter :: relative_error = 2.0e-32_dp     ! of β²; of 200 modes within 8e-32

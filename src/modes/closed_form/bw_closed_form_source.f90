@@ -31,7 +31,7 @@ module bw_closed_form_source
 contains
 
   pure type(closed_form_source) function source_of_number(gamma, omega) result(source)
-    !! The same of a mass ratio that is a binary64 number.
+    !! `source_of_ratio` of a mass ratio that is a binary64 number.
     real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
     source = source_of_ratio(to_dd(gamma), omega)
@@ -48,7 +48,7 @@ contains
   end function source_of_ratio
 
   subroutine find_in_closed_form(self, number, modes, longest, monitor)
-    !! The modes of these numbers, from the cache if there is one with room for them.
+    !! Find the modes of these numbers, in the cache if there is one with room for them.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
@@ -71,7 +71,7 @@ contains
   end subroutine find_in_closed_form
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
-    !! Runs of far modes by interpolation, other far ones in their short form, the others through a set.
+    !! Find terms of runs of far modes by interpolation, of other far ones in their short form, of the others through a set.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
@@ -95,7 +95,7 @@ contains
     call add_far(light + 1, size(number))
   contains
     subroutine add_far(from, to)
-      !! Far modes, all light or all heavy: from the cache, if no phases are asked for and there is room.
+      !! Find terms of far modes, all light or all heavy: in the cache, if no phases are asked for and there is room.
       integer, intent(in) :: from, to              !! places in the list
       integer :: first, last
       logical :: is_cached

@@ -29,7 +29,7 @@ module bw_far_modes
 contains
 
   pure subroutine far_terms(k, beam, xi, beta, drive, shapes)
-    !! What a sum asks of far modes, all of them light or all heavy; a few hundred at a time.
+    !! Find what a sum asks of far modes, all of them light or all heavy; a few hundred at a time.
     integer, intent(in) :: k(:)                  !! mode numbers, at least one
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: xi(:)                !! ξ = 0 or αξ ≥ ½, (points)
@@ -43,7 +43,7 @@ contains
   end subroutine far_terms
 
   pure subroutine far_shapes_and_roots(k, gamma, xi, remainder, alpha, drive, shapes)
-    !! The part of `far_terms` that has nothing to do with the rotation of the beam.
+    !! Find what of `far_terms` has nothing to do with the rotation of the beam.
     integer, intent(in) :: k(:)                  !! as those of `far_terms`
     real(dp), intent(in) :: gamma
     real(dp), intent(in) :: xi(:)
@@ -164,7 +164,7 @@ contains
   ! Frequencies
 
   pure subroutine far_frequencies(k, beam, remainder, roots, beta)
-    !! β of roots that are known: in binary64 where no phases are asked for.
+    !! Find β of roots that are known: in binary64 where no phases are asked for.
     integer, intent(in) :: k(:)                  !! as those of `far_terms`
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: remainder(:)         !! as those of `far_shapes_and_roots`

@@ -50,7 +50,7 @@ contains
   end function is_far_run
 
   pure subroutine far_run_terms(first, beam, xi, beta, drive, shapes, found)
-    !! `far_terms` of the modes of a run.
+    !! Find the `far_terms` of the modes of a run.
     integer, intent(in) :: first                         !! number of the first mode
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: xi(:)
@@ -122,8 +122,8 @@ contains
   end subroutine interpolate
 
   pure subroutine find_powers(n, sampled, p)
-    !! Newton's divided differences, then the coefficients of powers of the place in the run, −1 … 1: from far off as runs
-    !! are from where quantities vary fast, they fall so quickly that powers are as good as any polynomials.
+    !! Find Newton's divided differences, and from them the coefficients of powers of the place in the run, −1 … 1: from far off
+    !! as runs are from where quantities vary fast, they fall so quickly that powers are as good as any polynomials.
     integer, intent(in) :: n
     real(dp), intent(in) :: sampled(4, n)
     real(dp), intent(out) :: p(4, 0:n - 1)
@@ -158,7 +158,7 @@ contains
   end function square_of_eighth
 
   pure subroutine add_squares(eighths, middle, change, beta)
-    !! β = A² + middle + change, of which each is far larger than the next.
+    !! Add up β = A² + middle + change, of which each is far larger than the next.
     real(dp), intent(in) :: eighths(run_length), change(run_length)
     type(dd), intent(in) :: middle
     type(dd), intent(out) :: beta(run_length)
@@ -179,7 +179,7 @@ contains
   end subroutine add_squares
 
   pure subroutine inner_shapes(eighths, remainder, xi, values)
-    !! √2 cos(αξ + π/4): the whole eighths of a turn times either half of ξ are exact.
+    !! Find √2 cos(αξ + π/4): the whole eighths of a turn times either half of ξ are exact.
     real(dp), intent(in) :: eighths(run_length), remainder(run_length)      !! α = eighths·π/4 + remainder
     real(dp), intent(in) :: xi
     real(dp), intent(out) :: values(run_length)

@@ -68,7 +68,7 @@ contains
   end function root_value
 
   elemental logical function is_light(root)
-    !! γα ≲ 1: the root, k ≥ 2, is anchored at (k − ½)π.
+    !! Whether γα ≲ 1, so that the root, k ≥ 2, is anchored at (k − ½)π.
     type(root_type), intent(in) :: root
     is_light = mod(root%eighths, 4) == 2
   end function is_light
@@ -199,6 +199,7 @@ contains
   end subroutine newton_step
 
   elemental real(dp) function hyperbolic_secant(alpha) result(sech)
+    !! sech α without overflow.
     real(dp), intent(in) :: alpha
     sech = 2.0_dp*exp(-alpha)/(1.0_dp + exp(-2.0_dp*alpha))
   end function hyperbolic_secant

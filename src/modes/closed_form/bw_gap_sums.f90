@@ -72,7 +72,7 @@ contains
   end subroutine add_neighbours
 
   pure function pair_sums(onto, from, weight, onto_free) result(sums)
-    !! The same pair by pair, for all i at a time in vector registers; each sum is rounded about once (Neumaier).
+    !! `gap_sums` pair by pair, for all i at a time in vector registers; each sum is rounded about once (Neumaier).
     type(root_type), intent(in) :: onto(:)           !! a few hundred
     type(root_type), intent(in) :: from(:)
     real(dp), intent(in) :: weight(:)

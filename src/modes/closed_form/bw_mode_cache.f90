@@ -63,7 +63,7 @@ contains
   end function has_room_for_set
 
   subroutine find_set(self, count, gamma, place)
-    !! Where in `sets` the first `count` modes are; they are solved if they are not there.
+    !! Find the place in `sets` of the first `count` modes, which are solved if they are not there.
     class(mode_cache), intent(inout) :: self
     integer, intent(in) :: count                 !! one that the cache has room for
     type(dd), intent(in) :: gamma
@@ -99,7 +99,7 @@ contains
   end subroutine solve_set
 
   pure subroutine roots_for_case(self, omega, longest, alpha)
-    !! α as one case needs it: solved again in extended precision what `is_coarse` there, once for all cases.
+    !! Find α as one case needs it: what `is_coarse` there is solved again in extended precision, once for all cases.
     class(cached_set), intent(inout) :: self
     type(dd), intent(in), optional :: omega      !! as those of `is_coarse`
     real(dp), intent(in), optional :: longest
@@ -124,7 +124,7 @@ contains
   end function has_room_for_list
 
   pure subroutine cached_far_terms(self, k, beam, xi, beta, drive, shapes)
-    !! `far_terms` of bw_far_modes, of a list that the cache has room for.
+    !! Find the `far_terms` of bw_far_modes, of a list that the cache has room for.
     class(mode_cache), intent(inout) :: self
     integer, intent(in) :: k(:)                  !! as those of `far_terms`
     type(far_beam), intent(in) :: beam
@@ -141,7 +141,7 @@ contains
   end subroutine cached_far_terms
 
   pure subroutine find_list(self, k, gamma, xi, place)
-    !! Where in `lists` the modes are; they are solved if they are not there.
+    !! Find the place in `lists` of far modes, which are solved if they are not there.
     class(mode_cache), intent(inout) :: self
     integer, intent(in) :: k(:)
     real(dp), intent(in) :: gamma, xi(:)

@@ -34,7 +34,7 @@ contains
   end function overlap_with_tip_mass
 
   function overlap_without_mass(onto, from, amplitude, monitor) result(sums)
-    !! Σ_i ∫Φ_kφ_i dξ a_i: the beam's part alone.
+    !! Σ_i a_i∫Φ_kφ_i dξ, without the mass.
     type(root_type), intent(in) :: onto(:)        !! of modes Φ_k, any; these or the others are without mass
     type(root_type), intent(in) :: from(:)        !! of modes φ_i, from the first
     real(dp), intent(in) :: amplitude(:)          !! a_i, (size(from))

@@ -156,7 +156,7 @@ contains
   end function series
 
   elemental real(qp) function refined_light(root) result(alpha)
-    !! `light_equation` with the residual in extended precision.
+    !! One Newton step of `light_equation` with the residual in extended precision.
     type(root_type), intent(in) :: root
     real(qp) :: delta, c, sign
     real(dp) :: coarse, slope
@@ -169,7 +169,7 @@ contains
   end function refined_light
 
   elemental real(qp) function refined_heavy(root) result(alpha)
-    !! `heavy_equation` with the residual in extended precision.
+    !! One Newton step of `heavy_equation` with the residual in extended precision.
     type(root_type), intent(in) :: root
     real(qp) :: delta, u, tau, sign
     real(dp) :: coarse, slope

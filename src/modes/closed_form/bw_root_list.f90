@@ -36,7 +36,7 @@ contains
   end function near_modes
 
   pure integer function first_far_mode(gamma) result(k)
-    !! From this mode on sech α and 1 − tanh α are below rounding of what they are added to: γα, where it is below 1,
+    !! The mode from which on sech α and 1 − tanh α are below rounding of what they are added to: γα, where it is below 1,
     !! and 1/(γα), where that is.
     real(dp), intent(in) :: gamma
     real(dp), parameter :: margin = log(16.0_dp/epsilon(1.0_dp))
@@ -49,7 +49,7 @@ contains
   end function first_far_mode
 
   pure subroutine solve_far_roots(k, gamma, root)
-    !! Roots of far modes, those of a light mass first.
+    !! Solve for roots of far modes, those of a light mass first.
     integer, intent(in) :: k(:)
     real(dp), intent(in) :: gamma
     type(root_type), intent(out) :: root(:)

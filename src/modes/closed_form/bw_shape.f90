@@ -54,7 +54,7 @@ contains
   end function shapes_of
 
   pure subroutine set_first(root, shape)
-    !! Mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
+    !! Find the shape of mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
     type(root_type), intent(in) :: root
     type(shape_type), intent(out) :: shape
     real(dp) :: a, x, denominator
@@ -72,7 +72,7 @@ contains
   end subroutine set_first
 
   pure subroutine set_higher(root, shape)
-    !! Modes from the second on, with everything scaled by e^(−α).
+    !! Find shapes of modes from the second on, with everything scaled by e^(−α).
     type(root_type), intent(in) :: root(:)
     type(shape_type), intent(out) :: shape(:)
     real(dp), dimension(size(root)) :: sine, cosine, difference, decay, sech, th, denominator, tip, force, gamma
@@ -113,7 +113,7 @@ contains
   end function mass_of
 
   pure subroutine end_angles(k, light, remainder, sine, cosine, difference)
-    !! sin α, cos α and sin α − cos α from the remainder alone, k ≥ 2.
+    !! Find sin α, cos α and sin α − cos α from the remainder of the root, k ≥ 2.
     integer, intent(in) :: k(:)
     logical, intent(in) :: light(:)
     real(dp), intent(in) :: remainder(:)
@@ -159,7 +159,7 @@ contains
   end function shape_values
 
   pure subroutine evaluate(shape, xi, values)
-    !! The closed form, for αξ not small.
+    !! Evaluate Φ(ξ) by the closed form, for αξ not small.
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi
     real(dp), intent(out) :: values(:)
@@ -173,7 +173,7 @@ contains
   end subroutine evaluate
 
   elemental real(dp) function series_value(shape, xi) result(value)
-    !! The power series, for αξ ≲ 2.
+    !! Φ(ξ) by the power series, for αξ ≲ 2.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: xi
     real(dp) :: z

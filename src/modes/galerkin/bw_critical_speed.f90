@@ -27,8 +27,8 @@ module bw_critical_speed
 contains
 
   type(dd) function critical_speed_of(operator) result(omega)
-    !! In h/l²; 0 where there is none: in plane with tension, out of the plane without shear. A beam that does not turn is taken
-    !! to bend in plane.
+    !! The critical speed in h/l²; 0 where there is none: in plane with tension, out of the plane without shear. A beam that
+    !! does not turn is taken to bend in plane.
     type(beam_operator), intent(in) :: operator
     omega = dd()
     if (allocated(operator%omega) .and. .not. operator%in_plane) then
@@ -109,7 +109,7 @@ contains
       change = (a + 2.0_dp*(b + c) + d)/6.0_dp
     end function step_of
     pure function slope(state, y)
-      !! The derivative of the same by y.
+      !! The derivative of ψ and −dψ/dξ by y.
       real(dp), intent(in) :: state(2), y
       real(dp) :: slope(2), x, tension
       x = finest*(exp(y) - 1.0_dp)

@@ -2,7 +2,7 @@ module bw_galerkin
   !! Modes of a beam whose shapes have no closed form: with tension, with shear, or with a body at the tip that has
   !! rotary inertia.
   !!
-  !! β² comes from the singular values of the strain system, and again from Rayleigh's quotient, part by part: β² = λ + what
+  !! β² comes from the singular values of the strain system, and again from Rayleigh's quotient, term by term: β² = λ + what
   !! rotation adds, λ the elastic stiffness, of modes of mass 1. The quotient is wrong by the square of what a shape is wrong. It
   !! says β² where (β² + σ)^(−½) leaves it as a small difference, and where two ways to the same number agree there are digits.
   use bw_kinds, only: dp
@@ -25,7 +25,7 @@ module bw_galerkin
 contains
 
   subroutine galerkin_modes(operator, count, set, monitor)
-    !! The first `count` modes.
+    !! Find the first `count` modes; not `resolved`, with arrays in which nothing moves, where there are none to be had.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count                   !! ≥ 1
     type(galerkin_set), intent(out) :: set
@@ -56,7 +56,7 @@ contains
   end subroutine galerkin_modes
 
   pure subroutine find_squares(operator, modes, set)
-    !! β² from the singular values, or from Rayleigh's quotient where the shift would leave a small difference. Where the two
+    !! Find β² from the singular values, or from Rayleigh's quotient where the shift would leave a small difference. Where the two
     !! do not agree the modes are not resolved.
     type(beam_operator), intent(in) :: operator
     type(strain_modes), intent(in) :: modes
@@ -65,13 +65,13 @@ contains
     real(dp), dimension(size(modes%period)) :: quotient, scale
     set%rotation = rotation_terms(operator, modes)
     set%beta_squared = squares_of(modes%period, modes%system%shift)
-    quotient = sum(modes%strain**2, dim=1) + set%rotation               ! λ = K_kk, and the part of the rotation
+    quotient = sum(modes%strain**2, dim=1) + set%rotation               ! λ = K_kk, and what rotation adds
     scale = abs(set%beta_squared%hi) + modes%system%shift%hi
     set%resolved = all(abs(quotient - set%beta_squared%hi) <= agreement*scale)
     where (abs(set%beta_squared%hi) < 0.5_dp*modes%system%shift%hi) set%beta_squared = to_dd(quotient)
   end subroutine find_squares
 
-  ! The part of the rotation in Rayleigh's quotient
+  ! What rotation adds to Rayleigh's quotient
 
   pure function rotation_terms(operator, modes) result(terms)
     !! β² − λ, (modes): the work against the tension, less Ω² times what of the mass the centrifugal force acts on.
@@ -130,7 +130,7 @@ contains
   ! The set
 
   pure subroutine leave_empty(set)
-    !! A set whose modes could not be found: arrays of the right lengths, in which nothing moves.
+    !! Make a set whose modes could not be found: arrays of the right lengths, in which nothing moves.
     type(galerkin_set), intent(inout) :: set
     integer :: n
     n = set%count
@@ -163,7 +163,7 @@ contains
   end function tip_values
 
   pure subroutine normalise(set)
-    !! From norm 1 of all that moves to ∫Φ² dξ = 1.
+    !! Scale modes from norm 1 of all that moves to ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
     type(galerkin_set), intent(inout) :: set
     real(dp) :: scale
     integer :: k

@@ -11,7 +11,7 @@ module bw_galerkin_set
   private
 
   type, public :: tip_body
-    !! What the energy of the body at the tip takes, beside its mass.
+    !! What the energy of the body at the tip depends on, beside its mass.
     real(dp) :: inertia = 0.0_dp                   !! J in m_i l²
     real(dp) :: pull = 0.0_dp                      !! T(1) = Ω²γ(1 + R), tension that the body's mass brings
     real(dp) :: compliance = 0.0_dp                !! s² of the beam
@@ -67,7 +67,8 @@ contains
   end function overlap_of_beam
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! The same with the mass at the tip. A body's rotary inertia has no part: it arrives without spin.
+    !! `overlap_of_beam` and γΣ_i a_iΦ_k(1)φ_i(1) of the mass at the tip. A body's rotary inertia has no part: it arrives
+    !! without spin.
     class(galerkin_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -86,8 +87,8 @@ contains
   end function galerkin_elastic
 
   real(dp) function coupling(self, law) result(ratio)
-    !! The largest ratio of what damping couples two modes to what it takes from each, |C_ij|/√(C_iiC_jj): of a matrix that
-    !! is taken as diagonal.
+    !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj): how far the matrix that is
+    !! treated as diagonal is from being so.
     class(galerkin_set), intent(in) :: self
     type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
     real(dp) :: gram(self%count, self%count), rate(self%count)

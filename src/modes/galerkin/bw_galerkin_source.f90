@@ -39,7 +39,7 @@ module bw_galerkin_source
 contains
 
   subroutine galerkin_source_of(operator, count, source, monitor)
-    !! The first `count` modes, and none beyond them.
+    !! Make a source of the first `count` modes, and none beyond them.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     type(galerkin_source), intent(out) :: source
@@ -64,8 +64,8 @@ contains
   end function decay_of
 
   subroutine find_among_solved(self, number, modes, longest, monitor)
-    !! The modes of these numbers of those that were solved for. `longest` has no use here: β² has the digits that it has. Nor
-    !! has the monitor: all is found already.
+    !! Find the modes of these numbers among those that were solved for. `longest` has no use here: β² has the digits that it
+    !! has. Nor has the monitor: all is found already.
     class(galerkin_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
@@ -98,7 +98,7 @@ contains
   ! The cache
 
   subroutine find_source(self, operator, count, source, monitor)
-    !! `galerkin_source_of`, from the cache where it is there.
+    !! Make the source as `galerkin_source_of` does, or find it in the cache.
     class(galerkin_cache), intent(inout) :: self
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
@@ -138,6 +138,7 @@ contains
   end function same_operator
 
   elemental logical function same_number(a, b) result(same)
+    !! Whether two double-double numbers are the same to the bit.
     type(dd), intent(in) :: a, b
     same = a%hi == b%hi .and. a%lo == b%lo
   end function same_number

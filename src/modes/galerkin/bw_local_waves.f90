@@ -22,7 +22,7 @@ module bw_local_waves
 contains
 
   subroutine find_waves(operator, beta_squared, alpha, phase_velocity, group_velocity)
-    !! Mean wave numbers over the beam, and the velocities that follow from them.
+    !! Find mean wave numbers over the beam, and the velocities that follow from them.
     type(beam_operator), intent(in) :: operator
     type(dd), intent(in) :: beta_squared(:)                    !! (modes)
     real(dp), intent(out) :: alpha(:)                          !! P l, (modes)
@@ -43,7 +43,7 @@ contains
   end subroutine find_waves
 
   pure subroutine mean_wave(operator, beta_squared, tension, weight, alpha, phase_velocity, group_velocity)
-    !! The same of one mode.
+    !! Find the mean wave number of one mode, and its velocities.
     type(beam_operator), intent(in) :: operator
     real(dp), intent(in) :: beta_squared
     real(dp), intent(in) :: tension(:), weight(:)              !! at the nodes of a mean over the beam
@@ -58,7 +58,7 @@ contains
   end subroutine mean_wave
 
   elemental subroutine local_wave(operator, beta_squared, tension, p, slope)
-    !! Larger root of a y² + b y − c, and its derivative by β².
+    !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
     type(beam_operator), intent(in) :: operator
     real(dp), intent(in) :: beta_squared, tension
     real(dp), intent(out) :: p, slope
@@ -87,7 +87,7 @@ contains
   end subroutine local_wave
 
   subroutine gauss_rule(n, node, weight)
-    !! Nodes and weights of Gauss's rule for integrals over [0, 1], exact for polynomials up to degree 2n − 1: nodes are the
+    !! Find nodes and weights of Gauss's rule for integrals over [0, 1], exact for polynomials up to degree 2n − 1: nodes are the
     !! eigenvalues of the matrix of ξ in Legendre's polynomials, weights 1/Σp_j² there (Golub and Welsch 1969).
     integer, intent(in) :: n                             !! ≥ 1
     real(dp), allocatable, intent(out) :: node(:), weight(:)   !! ascending, (n)

@@ -39,7 +39,7 @@ module bw_singular_values
 contains
 
   recursive subroutine singular_values(matrix, count, values, left, right, info, monitor)
-    !! The largest singular values, descending, with their vectors; a dominant column's is deflated first.
+    !! Find the largest singular values, descending, with their vectors; that of a dominant column is deflated first.
     real(dp), intent(inout) :: matrix(:, :)                           !! destroyed; not fewer rows than columns
     integer, intent(in) :: count                                      !! ≥ 1, at most as many as columns
     real(dp), allocatable, intent(out) :: values(:)
@@ -122,7 +122,7 @@ contains
   ! LAPACK's way
 
   subroutine decompose(matrix, count, values, left, right, info, monitor)
-    !! The same of a matrix without a dominant column.
+    !! Find singular values as above of a matrix without a dominant column.
     real(dp), contiguous, intent(inout) :: matrix(:, :)               !! arguments as those of `singular_values`
     integer, intent(in) :: count
     real(dp), allocatable, intent(out) :: values(:), left(:, :), right(:, :)
@@ -178,7 +178,7 @@ contains
   end subroutine reduce
 
   subroutine transform_back(side, a, tau, vectors, info, monitor)
-    !! From singular vectors of the bidiagonal form to those of the matrix.
+    !! Turn singular vectors of the bidiagonal form into those of the matrix.
     character, intent(in) :: side               !! 'Q': on the left, 'P': on the right
     real(dp), intent(inout) :: a(:, :)          !! with the reflections
     real(dp), intent(in) :: tau(:)

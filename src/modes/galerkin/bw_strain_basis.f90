@@ -118,9 +118,9 @@ contains
   ! The tip
 
   pure type(tip_coordinates) function tip_coordinates_of(functions, shear, turning_last) result(tip)
-    !! The unknowns of a system of n functions of each strain.
+    !! The unknowns of the tip in a system of n functions of each strain.
     integer, intent(in) :: functions               !! n, of each strain
-    real(dp), intent(in), optional :: shear        !! s; absent: there are curvatures alone
+    real(dp), intent(in), optional :: shear        !! s; absent: the only strains are curvatures
     logical, intent(in) :: turning_last            !! ψ(1) is the last unknown, else v(1)
     real(dp) :: lever(2)                           ! v(1) of the second and the third strain
     integer :: j, last, unknowns

@@ -28,7 +28,7 @@ module bw_strain_modes
 contains
 
   subroutine solve_strain_modes(operator, count, modes, monitor)
-    !! The first `count` modes; not `resolved`, and maybe without arrays, where there are none to be had.
+    !! Find the first `count` modes; not `resolved`, and maybe without arrays, where there are none to be had.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count                   !! ≥ 1
     type(strain_modes), intent(out) :: modes
@@ -46,8 +46,8 @@ contains
   end subroutine solve_strain_modes
 
   pure integer function first_guess(operator, count)
-    !! Half a wave of mode k takes π/2 polynomials, and the ends take some. Tension leaves bending to a layer at the clamp
-    !! of length δ = √((1 + s²T)/T), which takes some 4/√δ.
+    !! How many functions to try first. Half a wave of mode k needs π/2 polynomials, and the ends need more. Tension leaves bending
+    !! to a layer at the clamp of length δ = √((1 + s²T)/T), which needs about 4/√δ.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     real(dp), parameter :: layer = 2.5_dp          ! tuned: what is never enough
@@ -60,7 +60,7 @@ contains
   end function first_guess
 
   subroutine solve_with(operator, count, functions, modes, monitor)
-    !! The same in a given number of functions; `resolved` says no more than that LAPACK had no trouble.
+    !! Find modes in a given number of functions; `resolved` says no more than that LAPACK had no trouble.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     integer, intent(in) :: functions               !! ≥ `count` and 3
@@ -82,7 +82,7 @@ contains
   end subroutine solve_with
 
   subroutine find_strains(modes)
-    !! x = L⁻ᵀ(right singular vector)/value, and from these unknowns the strains.
+    !! Find the unknowns x = L⁻ᵀ(right singular vector)/value, and from them the strains.
     type(strain_modes), intent(inout) :: modes
     integer :: k
     associate (s => modes%system%stiffness, x => modes%strain)
@@ -96,21 +96,21 @@ contains
   end subroutine find_strains
 
   subroutine divide_by_factor(s, b, monitor)
-    !! B L⁻ᵀ, some rows at a time.
+    !! Replace B by B L⁻ᵀ, a batch of rows at a time.
     real(dp), intent(in) :: s(:, :)
     real(dp), intent(inout) :: b(:, :)
     class(monitor_type), intent(inout), optional :: monitor
-    integer, parameter :: some = 512
+    integer, parameter :: batch = 512
     integer :: first, last
-    do first = 1, size(b, 1), some
+    do first = 1, size(b, 1), batch
       if (stops(monitor)) return
-      last = min(first + some - 1, size(b, 1))
+      last = min(first + batch - 1, size(b, 1))
       call dtrsm('R', 'L', 'T', 'N', last - first + 1, size(b, 2), 1.0_dp, s, size(s, 1), b(first:last, :), last - first + 1)
     end do
   end subroutine divide_by_factor
 
   pure subroutine sharpen_tip(modes)
-    !! √γ v(1) of a heavy mass that hardly moves, from the force on it: the row of v(1) in S x = p⁻²M x.
+    !! Find √γ v(1) of a heavy mass that hardly moves from the force on it: the row of v(1) in S x = p⁻²M x.
     type(strain_modes), intent(inout) :: modes
     real(dp) :: force, push, rounding
     integer :: k
@@ -125,7 +125,7 @@ contains
   end subroutine sharpen_tip
 
   pure function last_coefficients(modes) result(largest)
-    !! Of v, and of rψ where there is shear: how far a mode is from being resolved, (modes).
+    !! The largest of the last coefficients of v, and of rψ where there is shear: how far a mode is from being resolved, (modes).
     type(strain_modes), intent(in) :: modes
     real(dp) :: largest(size(modes%period))
     integer :: last
