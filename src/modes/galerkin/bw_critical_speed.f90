@@ -93,6 +93,7 @@ contains
     turns_over = .true.
     do i = 0, steps - 1
       y = i*h
+      if (state(2) >= 0.0_dp .and. push_at(place(y)) <= 0.0_dp) exit       ! T rises towards the root: from here on ψ grows
       state = state + step_of(state, y)
       if (state(1) <= 0.0_dp) return
     end do
@@ -111,11 +112,22 @@ contains
     pure function slope(state, y)
       !! The derivative of ψ and −dψ/dξ by y.
       real(dp), intent(in) :: state(2), y
-      real(dp) :: slope(2), x, tension
-      x = finest*(exp(y) - 1.0_dp)
-      tension = equation%push*(equation%pull(1) + x*(equation%pull(2) + x*equation%pull(3)))
-      slope = (x + finest)*[state(2), -(equation%push - tension/(1.0_dp + equation%compliance*tension))*state(1)]
+      real(dp) :: slope(2), x
+      x = place(y)
+      slope = (x + finest)*[state(2), -push_at(x)*state(1)]
     end function slope
+    pure real(dp) function place(y) result(x)
+      !! x = 1 − ξ.
+      real(dp), intent(in) :: y
+      x = finest*(exp(y) - 1.0_dp)
+    end function place
+    pure real(dp) function push_at(x) result(q)
+      !! q = w − T/(1 + s²T).
+      real(dp), intent(in) :: x
+      real(dp) :: tension
+      tension = equation%push*(equation%pull(1) + x*(equation%pull(2) + x*equation%pull(3)))
+      q = equation%push - tension/(1.0_dp + equation%compliance*tension)
+    end function push_at
   end function turns_over
 
 end module bw_critical_speed

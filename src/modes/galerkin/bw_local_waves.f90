@@ -81,9 +81,11 @@ contains
     end if
     y = max(y, tiny(y))
     p = sqrt(y)
+    slope = 0.0_dp
+    if (root <= 0.0_dp) return                ! λ = 0: no wave runs, and β² < 0 asks for no velocity
     slope = turning - shear%compliance*shear%rotary*lambda &
       + y*(shear%compliance + shear%rotary*(1.0_dp + shear%compliance*tension))
-    slope = slope/max(root, tiny(root))/(2.0_dp*p)
+    slope = slope/root/(2.0_dp*p)
   end subroutine local_wave
 
   subroutine gauss_rule(n, node, weight)
