@@ -27,11 +27,11 @@ leave_nothing
 left_out=
 mpi_compiles || apt_install libopenmpi-dev openmpi-bin || say 'no MPI: its tests will be skipped'
 without_sanitizers=
-set_up_python beamwave_postproc,pytest,f90nml '[test]' || left_out='no Python: the tests that need it were left out'
+set_up_python beamwave_postproc,pytest,f90nml,mpmath '[test]' || left_out='no Python: the tests that need it were left out'
 for preset in "${presets[@]}"; do
   set_up "$preset"
 done
-if can_sanitize; then set_up sanitize --target fuzz_scene_reader; else without_sanitizers=yes; fi
+if can_sanitize; then set_up sanitize --target fuzz; else without_sanitizers=yes; fi
 
 export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-3}  # kills, limits and job queues are waited for: room for one more
 cd "$root"

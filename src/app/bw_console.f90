@@ -13,7 +13,8 @@ module bw_console
 contains
 
   subroutine print_report(text)
-    !! Lines. A failure sets `report_lost`; that the reader has closed a pipe, as `head` does, is none.
+    !! Print lines to standard output. A failure sets `report_lost`; that the reader has closed a pipe, as `head` does, is
+    !! none.
     character(*), intent(in) :: text
     integer :: problem
     if (text == '') return
@@ -22,20 +23,20 @@ contains
   end subroutine print_report
 
   subroutine print_warning(text)
-    !! Lines. Nowhere is left to tell of a failure.
+    !! Print lines to standard error. Nowhere is left to tell of a failure.
     character(*), intent(in) :: text
     integer :: ignored
     ignored = write_text(standard_error, whole_lines(text))
   end subroutine print_warning
 
   subroutine print_error(error)
-    !! On standard error, in whole lines.
+    !! Print the message of an error to standard error.
     type(error_type), intent(in) :: error
     call print_warning(error%message)
   end subroutine print_error
 
   pure function whole_lines(text) result(lines)
-    !! With an end to the last line.
+    !! The text with an end to its last line.
     character(*), intent(in) :: text
     character(:), allocatable :: lines
     lines = text

@@ -32,6 +32,7 @@ module bw_mpi_processes
 contains
 
   subroutine join(self)
+    !! Start MPI, and make the window.
     class(mpi_processes), intent(inout) :: self
     integer(mpi_address_kind), parameter :: bytes = 8
     type(c_ptr) :: memory
@@ -43,6 +44,7 @@ contains
   end subroutine join
 
   subroutine part(self)
+    !! Wait for all processes, and end MPI.
     class(mpi_processes), intent(inout) :: self
     type(mpi_request) :: request
     call mpi_ibarrier(mpi_comm_world, request)
@@ -53,7 +55,7 @@ contains
   end subroutine part
 
   subroutine wait_for(request)
-    !! Without taking the processor from others.
+    !! Wait for a request without taking the processor from others.
     type(mpi_request), intent(inout) :: request
     logical :: done
     do
@@ -64,6 +66,7 @@ contains
   end subroutine wait_for
 
   subroutine share(self, values)
+    !! All get the leader's values, which may have any length.
     class(mpi_processes), intent(inout) :: self
     integer(i4), allocatable, intent(inout) :: values(:)
     integer(i4), allocatable, asynchronous :: shared(:)
@@ -81,6 +84,7 @@ contains
   end subroutine share
 
   subroutine begin(self)
+    !! The leader sets its integers back while the others wait.
     class(mpi_processes), intent(inout) :: self
     type(mpi_request) :: request
     integer(i8) :: former
@@ -107,6 +111,7 @@ contains
   end subroutine change
 
   subroutine take(self, length, first)
+    !! Take the next places from the leader's counter.
     class(mpi_processes), intent(inout) :: self
     integer(i8), intent(in) :: length
     integer(i8), intent(out) :: first
@@ -114,6 +119,7 @@ contains
   end subroutine take
 
   subroutine tell(self, done, all_done, stopped)
+    !! Add to the leader's number of finished cases, and read it and the counter.
     class(mpi_processes), intent(inout) :: self
     integer(i8), intent(in) :: done
     integer(i8), intent(out) :: all_done
@@ -126,12 +132,14 @@ contains
   end subroutine tell
 
   subroutine stop_all(self)
+    !! Put the leader's counter beyond all places.
     class(mpi_processes), intent(inout) :: self
     integer(i8) :: former
     call change(self, next_place, stopped_at, mpi_replace, former)
   end subroutine stop_all
 
   subroutine collect(self, totals, error)
+    !! Add up what each process has, and find the process with the worst error.
     class(mpi_processes), intent(inout) :: self
     real(dp), intent(inout) :: totals(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -150,7 +158,7 @@ contains
   end subroutine collect
 
   subroutine share_error(self, worst, error)
-    !! All get the error of one.
+    !! All processes get the error of one.
     class(mpi_processes), intent(in) :: self
     integer, intent(in) :: worst(2)
     type(error_type), allocatable, intent(inout) :: error

@@ -8,7 +8,7 @@ module bw_beam_units
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
   implicit none (type, external)
   private
-  public :: units_of
+  public :: body_inertia, slenderness, units_of
 
   type, public :: beam_units
     real(dp) :: length = 1.0_dp     !! l, m
@@ -46,5 +46,22 @@ contains
       h = sound*sqrt(to_dd(beam%second_moment)/to_dd(beam%area))
     end if
   end function root_of_stiffness
+
+  pure real(dp) function slenderness(beam) result(r)
+    !! r = √(I/A)/l: D/(4l) for a solid circle.
+    type(beam_par), intent(in) :: beam
+    if (beam%round) then
+      r = 0.25_dp*beam%diameter/beam%length
+    else
+      r = sqrt(beam%second_moment/beam%area)/beam%length
+    end if
+  end function slenderness
+
+  pure real(dp) function body_inertia(rotary_inertia, units) result(inertia)
+    !! J in m_i l² of a body at the tip, from kg m².
+    real(dp), intent(in) :: rotary_inertia
+    type(beam_units), intent(in) :: units
+    inertia = rotary_inertia/units%mass/units%length/units%length
+  end function body_inertia
 
 end module bw_beam_units

@@ -1,13 +1,14 @@
 module bw_rotation
   !! Rotation at a constant angular velocity. In plane the term −ω²v of Eq. 1 is taken off the square of every
-  !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing.
+  !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing. In either plane
+  !! it brings a tension into the beam, which stiffens it.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd, to_dd, to_quad, operator(*)
   use bw_kinds, only: dp, qp
   use bw_rotation_par, only: rotation_par
   implicit none (type, external)
   private
-  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane
+  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane, tension_of
 
 contains
 
@@ -32,12 +33,22 @@ contains
   end function speed_in_plane
 
   pure real(qp) function full_speed_in_plane(rotation, units) result(speed)
-    !! The same in all its digits.
+    !! The same speed in all its digits.
     type(rotation_par), intent(in), optional :: rotation
     type(beam_units), intent(in) :: units
     speed = 0.0_qp
     if (.not. present(rotation)) return
     if (acts_in_plane(rotation)) speed = to_quad(dimensionless_speed(rotation, units))
   end function full_speed_in_plane
+
+  pure function tension_of(omega, hub_radius, gamma) result(tension)
+    !! The tension T(ξ) = Ω²[½(1 − ξ²) + R(1 − ξ) + γ(1 + R)] in EI/l², as the three numbers of
+    !! t_0 + t_1ξ + t_2ξ².
+    real(dp), intent(in) :: omega            !! Ω = |ω|l²/h
+    real(dp), intent(in) :: hub_radius       !! R in l
+    real(dp), intent(in) :: gamma            !! mass at the tip
+    real(dp) :: tension(3)
+    tension = omega**2*[0.5_dp + hub_radius + gamma*(1.0_dp + hub_radius), -hub_radius, -0.5_dp]
+  end function tension_of
 
 end module bw_rotation

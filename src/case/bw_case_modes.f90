@@ -15,9 +15,8 @@ module bw_case_modes
   use bw_monitor, only: monitor_type, part_monitor
   use bw_record_stretch, only: record_stretch
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
-  use bw_scene_operator, only: operator_of
+  use bw_scene, only: changes_shapes, scene_type
+  use bw_beam_operator, only: operator_of
   implicit none (type, external)
   private
   public :: find_modes, extend_modes

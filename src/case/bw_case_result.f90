@@ -23,7 +23,7 @@ module bw_case_result
     type(beam_units) :: units
     class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
     integer :: mode_count = 0                         !! how many were summed
-    class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
+    class(mode_set), allocatable :: before            !! of the unloaded beam, if the mass was captured
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
@@ -32,7 +32,7 @@ module bw_case_result
     type(event_type), allocatable :: events(:)        !! in the order of time
     type(course_type), allocatable :: courses(:)      !! between events; where there is none at t > 0, the motion is one
     type(tip_rest), allocatable :: tip_rest           !! of a release, where a tolerance asks for as many modes as it takes
-    integer :: released_count = 0                     !! modes of the beam alone after it, likewise
+    integer :: released_count = 0                     !! modes of the unloaded beam after it, likewise
     class(mode_set), allocatable :: held              !! modes of beam and mass while the mass is pressed against the tip
     real(dp) :: known_until = huge(1.0_dp)            !! l²/h; from then on contacts leave nothing of the motion that is known
     integer :: ending = case_done                     !! why so, as a status

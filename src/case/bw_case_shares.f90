@@ -3,8 +3,7 @@ module bw_case_shares
   !! goes on from where it has not the time to run a case to its end.
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   implicit none (type, external)
   private
   public :: case_seconds, case_shares, stage_part

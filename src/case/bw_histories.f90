@@ -3,7 +3,6 @@ module bw_histories
   use bw_kinds, only: dp
   use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
   use bw_contact_errors, only: estimate_contact_errors
-  use bw_course, only: growth_error
   use bw_course_histories, only: last_sample, sum_courses
   use bw_continuum, only: continuum_velocity
   use bw_magnitude, only: largest_magnitude
@@ -12,6 +11,7 @@ module bw_histories
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
+  use bw_record_stretch, only: kept_phase
   use bw_scene, only: scene_type
   use bw_release_error, only: release_error
   use bw_released_motion, only: released_error, stretch_after
@@ -77,7 +77,7 @@ contains
     real(dp) :: error, peak, rounding
     error = maxval(result%response%displacement_error)
     peak = largest_magnitude(result%response%displacement)
-    rounding = result%response%sum_error + growth_error(result%modes, grid%samples*grid%step%hi)
+    rounding = result%response%sum_error + phase_error(scene, result%modes, grid)
     if (error <= (slack*scene%modes%tolerance + rounding)*peak) return
     result%status = case_not_converged
     call add_note(result, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
@@ -104,7 +104,7 @@ contains
     real(dp) :: rounding, speed
     part = part_monitor(monitor, 1.0_dp, 0.0_dp)
     speed = abs(result%approach_velocity)
-    rounding = result%response%sum_error + growth_error(result%modes, grid%samples*grid%step%hi)
+    rounding = result%response%sum_error + phase_error(scene, result%modes, grid)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
       + rounding*largest_magnitude(result%response%displacement)
     if (scene%response%velocity) result%response%velocity_error = &
@@ -138,6 +138,24 @@ contains
       end associate
     end function errors
   end subroutine estimate_errors
+
+  pure real(dp) function phase_error(scene, modes, grid) result(error)
+    !! Of the first mode, whose motion is most of the whole: what the rounding of its root comes to at the end of the record,
+    !! in its phase or as a part of its growth. A root that binary64 does not carry so far has more digits.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: modes
+    type(time_grid), intent(in) :: grid
+    real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; where it is less roots have more digits too (bw_refined_root)
+    real(dp) :: longest, half
+    longest = grid%samples*grid%step%hi
+    if (allocated(modes%damping) .and. modes%beta_squared(1)%hi > 0.0_dp) then
+      half = 0.5_dp*max(modes%damping(1), tiny(1.0_dp))       ! the motion falls as e^(−ct/2) while phases drift as t,
+      longest = min(longest, max(grid%step%hi, 1.0_dp/half))  ! together the most at 2/c; its peak may be the first sample
+      longest = longest*exp(-half*max(0.0_dp, longest - grid%step%hi))
+    end if
+    error = 2.0_dp*epsilon(error)*modes%alpha(1)**4*longest/max(sqrt(abs(modes%beta_squared(1)%hi)), 1.0_dp/longest)
+    error = min(error, kept_phase(scene)/least_turning)
+  end function phase_error
 
   function after_release(scene, source, alone, force, grid, result, velocity, monitor) result(values)
     !! The same after the mass has left, (points).

@@ -6,7 +6,7 @@ module bw_mode_notes
   use bw_damping_par, only: by_ratio
   use bw_galerkin_set, only: galerkin_set
   use bw_scene, only: scene_type
-  use bw_scene_operator, only: axial_strain
+  use bw_beam_operator, only: axial_strain
   use bw_text, only: shortest
   implicit none (type, external)
   private

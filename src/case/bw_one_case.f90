@@ -13,7 +13,9 @@ module bw_one_case
   use bw_kept_blows, only: find_blow, kept_blows
   use bw_kept_work, only: kept_work
   use bw_later_events, only: follow_events
+  use bw_measuring, only: known_modes
   use bw_mode_set, only: mode_set, mode_source
+  use bw_modes_at_end, only: modes_at_end
   use bw_monitor, only: monitor_type, part_monitor
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -39,6 +41,7 @@ contains
     class(mode_source), allocatable :: source     ! of beam and mass
     class(mode_source), allocatable :: alone      ! of the beam alone
     type(part_monitor) :: part                    ! for a stage
+    type(known_modes), allocatable :: known       ! that move after the last event
     real(dp), allocatable :: share(:)
     call watch%start()
     allocate (result%notes(0))
@@ -68,7 +71,8 @@ contains
     if (allocated(scene%response)) call watch%lap(stage_response)
     if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
     part = stage_part(monitor, share, spectrum_share)
-    call take_spectrum(scene, layout, kept%spectrum, part, result, whole)
+    call modes_at_end(scene, free, loaded, source, alone, result, known)
+    call take_spectrum(scene, layout, known, kept%spectrum, part, result, whole)
     if (.not. whole) return
     if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
   end subroutine run_case

@@ -3,6 +3,7 @@ module bw_released_motion
   !! velocity of the tip when the mass leaves, and the state that it starts from.
   use bw_kinds, only: dp
   use bw_case_result, only: case_result
+  use bw_coherence, only: stretch_type
   use bw_course, only: move
   use bw_course_histories, only: last_sample
   use bw_double_double, only: operator(*)
@@ -11,7 +12,6 @@ module bw_released_motion
   use bw_mode_choice, only: modes_for
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_reach, only: stretch_type
   use bw_release, only: release_mass
   use bw_release_error, only: blow_reach, release_tail
   use bw_response, only: add_motion, response_type, start_histories
@@ -36,7 +36,7 @@ contains
     integer :: before
     before = last_sample(result%courses, 1, grid)
     associate (released => result%courses(2)%start%hi, step => grid%step%hi)
-      stretch = stretch_type(max(0.0_dp, before*step - released), grid%samples*step - released, grid%samples - before)
+      stretch = stretch_type(max(0.0_dp, before*step - released), grid%samples*step - released, step)
     end associate
   end function stretch_after
 
@@ -79,8 +79,8 @@ contains
     type(stretch_type) :: stretch
     real(dp) :: strength
     stretch = stretch_after(grid, result)
-    call modes_for(tail_bound, fewest, source, force, points, stretch%end, stretch%samples, result%released_count, tail, &
-                   alone, result%courses(2)%start)
+    call modes_for(tail_bound, fewest, source, force, points, stretch, result%released_count, tail, alone, &
+                   result%courses(2)%start)
     call alone%find(first_numbers(fewest), free)
     strength = source%gamma*maxval(blow_reach(free, points, stretch, .false.))
     if (.not. allocated(result%tip_rest)) allocate (result%tip_rest)

@@ -4,9 +4,13 @@ module bw_result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
+  use bw_stopwatch, only: stage_count
   implicit none (type, external)
   private
-  public :: layout_of, has_dimension, dimension_length
+  public :: layout_of, has, dimension_length
+
+  character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
+    'point', 'time', 'frequency', 'peak', 'stage']
 
   type, public :: result_layout
     !! A length of 0 means that nothing has this dimension.
@@ -94,15 +98,30 @@ contains
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
     case ('peak'); length = layout%peaks
+    case ('stage'); length = stage_count
     case default; length = 0
     end select
   end function dimension_length
 
-  pure logical function has_dimension(layout, name)
-    !! The result has a dimension of that name.
+  pure recursive logical function has(layout, words) result(there)
+    !! The result has all that the words name: dimensions, `velocity` (histories of the velocity), `contacts` (histories that go
+    !! through them), `estimates` (of the errors of histories).
     type(result_layout), intent(in) :: layout
-    character(*), intent(in) :: name
-    has_dimension = dimension_length(layout, name) > 0
-  end function has_dimension
+    character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
+    integer :: gap
+    gap = index(words, ' ')
+    if (gap > 0) then
+      there = has(layout, words(:gap - 1))
+      if (there) there = has(layout, words(gap + 1:))
+      return
+    end if
+    select case (words)
+    case (''); there = .true.
+    case ('velocity'); there = layout%velocity
+    case ('contacts'); there = layout%contacts
+    case ('estimates'); there = layout%continuum .or. layout%contacts
+    case default; there = dimension_length(layout, words) > 0
+    end select
+  end function has
 
 end module bw_result_layout

@@ -3,6 +3,7 @@ module bw_tolerance_sum
   use bw_kinds, only: dp
   use bw_case_modes, only: extend_modes
   use bw_case_result, only: case_result, add_note, case_not_converged
+  use bw_coherence, only: stretch_type
   use bw_course_histories, only: add_course, last_sample, take
   use bw_double_double, only: operator(*)
   use bw_error, only: error_type, fail, status_bad_input
@@ -176,8 +177,8 @@ contains
     type(case_result), intent(inout) :: result
     real(dp), intent(out) :: reached            !! estimated error, V l²/h
     real(dp) :: after
-    call modes_for(bound, first_modes, source, force, points, early%samples*early%step%hi, early%samples, &
-                   result%mode_count, reached)
+    call modes_for(bound, first_modes, source, force, points, &
+                   stretch_type(early%step%hi, early%samples*early%step%hi, early%step%hi), result%mode_count, reached)
     if (.not. allocated(result%courses)) return
     call plan_released(bound, first_modes, source, alone, force, points, grid, result, after, monitor)
     reached = max(reached, after)

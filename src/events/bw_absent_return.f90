@@ -7,8 +7,7 @@ module bw_absent_return
   use bw_damping, only: damping_law, law_of
   use bw_missing, only: missing
   use bw_root_list, only: solve_roots
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_shape, only: shape_type, shapes_of
   implicit none (type, external)
   private

@@ -10,7 +10,7 @@ module bw_held_modes
   use bw_double_double, only: dd, to_dd
   use bw_kinds, only: dp, qp
   use bw_mode_set, only: mode_set
-  use bw_monitor, only: monitor_type
+  use bw_monitor, only: monitor_type, stops
   use bw_oscillators, only: oscillators, weighted_sum
   implicit none (type, external)
   private
@@ -32,11 +32,12 @@ module bw_held_modes
 
 contains
 
-  pure subroutine held_modes(free, motion, held)
+  subroutine held_modes(free, motion, held, monitor)
     !! All modes that the beam's own allow.
     class(mode_set), intent(in) :: free        !! of the beam alone
     type(contact_motion), intent(in) :: motion !! of that beam and the mass
     type(held_set), intent(out) :: held
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     real(qp), dimension(free%count) :: pole, weight, inertia, mixed
     real(qp) :: gamma, scale, mass
     integer :: k, n
@@ -50,6 +51,7 @@ contains
     pole = 1.0_qp/(motion%parts%square(:n) + motion%omega**2)
     weight = motion%gap%a(:n)**2*pole/inertia
     do k = 1, n
+      if (stops(monitor)) return
       call find_distances(pole, weight, 1.0_qp/gamma, k, mixed, held%parts%square(k))
       held%parts%square(k) = 1.0_qp/held%parts%square(k) - motion%omega**2
       mixed = motion%gap%a(:n)*pole/mixed/inertia

@@ -104,8 +104,10 @@ contains
     logical :: worthless
     if (.not. allocated(contacts%held)) then
       allocate (contacts%held)
-      call held_modes(free, motion, contacts%held)
+      call held_modes(free, motion, contacts%held, monitor)
     end if
+    outcome = in_doubt
+    if (stops(monitor)) return
     call hold(motion, contacts%held, real(last - motion%state%time, dp), outcome, impulse, course, sway, monitor)
     call judge(contacts%held%tip, course, sway, contacts, worthless)
     if (outcome == in_doubt .or. worthless) then

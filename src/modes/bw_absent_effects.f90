@@ -9,12 +9,11 @@ module bw_absent_effects
   use bw_double_double, only: dd
   use bw_effect_estimates, only: shear_shift, tension_shift
   use bw_root_list, only: solve_roots
-  use bw_rotation, only: acts_in_plane, dimensionless_speed
+  use bw_rotation, only: acts_in_plane, dimensionless_speed, tension_of
   use bw_scene, only: scene_type
   use bw_shape, only: shape_type, shapes_of
   use bw_shear, only: shear_of
   use bw_shear_par, only: shear_par, usual_shear
-  use bw_stiffening, only: tension_of
   implicit none (type, external)
   private
   public :: absent_changes, spin_squared

@@ -32,6 +32,7 @@ module bw_mode_set
     procedure :: shapes => all_shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone
+    procedure :: overlap_far_below                                !! the same, of modes far below these
     procedure(elastic_interface), deferred :: elastic
     procedure :: damp
     procedure :: body_energy => no_body_energy
@@ -55,6 +56,7 @@ module bw_mode_set
     real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
     real(dp) :: decay = 0.0_dp
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
+    logical :: quadratic = .false.                !! phases of far modes are π²k²τ and terms linear in k (bw_coherence)
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find
@@ -116,6 +118,15 @@ contains
     real(dp) :: values(self%count, size(xi))      !! (modes, points)
     values = self%some_shapes(1, self%count, xi)
   end function all_shapes
+
+  function overlap_far_below(self, from, amplitude) result(sums)
+    !! `overlap_of_beam` where modes of beam and mass are far below these of the beam alone, and their limit may be known.
+    class(mode_set), intent(in) :: self
+    class(mode_set), intent(in) :: from
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(self%count)
+    sums = self%overlap_of_beam(from, amplitude)
+  end function overlap_far_below
 
   pure function first_numbers(count) result(number)
     !! 1 … count: the first modes of a source.

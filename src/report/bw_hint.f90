@@ -5,16 +5,17 @@ module bw_hint
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
   use bw_absent_return, only: return_time
-  use bw_effect_list, only: compared_modes
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance, default_tolerance
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
-  use bw_text, only: shortest, text_of
+  use bw_text, only: percent, shortest, text_of
   implicit none (type, external)
   private
   public :: estimate_absent, hint_line
+
+  integer, parameter, public :: compared_modes = 10     !! the first modes, whose frequencies effects are judged by
 
   type, public :: estimate_type
     !! What an absent effect would do to the frequencies, relatively; nothing where it is not absent.
@@ -109,24 +110,17 @@ contains
   end function weight
 
   pure function words(estimate) result(text)
+    !! What an effect would do to the mode that it would change most, and to the last one where that is more.
     type(estimate_type), intent(in) :: estimate
     character(:), allocatable :: text
     text = ''
     if (estimate%steadies) text = 'mode 1 would not grow'
     if (estimate%change == 0.0_dp) return
     if (estimate%steadies) text = text//', '
-    text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)
+    text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)//' %'
     if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) then
-      text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)
+      text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)//' %'
     end if
   end function words
-
-  pure function percent(change) result(text)
-    !! Two digits and a sign.
-    real(dp), intent(in) :: change
-    character(:), allocatable :: text
-    text = shortest(100.0_dp*change, 2)//' %'
-    if (change > 0.0_dp) text = '+'//text
-  end function percent
 
 end module bw_hint

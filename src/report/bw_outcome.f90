@@ -6,8 +6,7 @@ module bw_outcome
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_summary, only: scene_heading, scene_summary
-  use bw_text, only: text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
 
@@ -60,6 +59,7 @@ contains
   end function notes_text
 
   pure function without_last_end(lines) result(text)
+    !! Lines without the end of the last of them.
     character(*), intent(in) :: lines
     character(:), allocatable :: text
     text = lines(:max(0, len(lines) - 1))

@@ -1,17 +1,17 @@
 module bw_report
   !! The printed report of a case: the first modes with their wave velocities, the jump, the balance, what was
-  !! measured in the histories, and what to beware of.
-  use bw_kinds, only: dp
+  !! measured in the histories, what to beware of, and where the time went.
+  use bw_kinds, only: dp, i8
+  use bw_case_fields, only: named_value
   use bw_case_result, only: case_result
-  use bw_columns, only: fixed, right
+  use bw_columns, only: fixed, right, seconds_text
   use bw_event, only: event_words
   use bw_missing, only: is_missing
-  use bw_result_values, only: named_value
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_stopwatch, only: stage_count, stage_words, stopwatch
+  use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
   private
-  public :: case_report, case_line, case_heading, notes_report
+  public :: case_report, notes_report, stage_table
 
   integer, parameter :: shown_modes = 10, shown_peaks = 10, shown_events = 20, shown_points = 5
 
@@ -32,6 +32,7 @@ contains
   end function case_report
 
   subroutine report_modes(result, lines)
+    !! The first modes, and above which angular velocity one is unstable.
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp) :: critical(1)
@@ -159,37 +160,60 @@ contains
                         named_value(result, 'measured_group_velocity'))
   end subroutine report_measured
 
-  function case_heading() result(text)
-    !! Heads the rows of `case_line`.
-    character(:), allocatable :: text
-    text = '    case   modes  mode 1: frequency  phase velocity  group velocity    displacement   swept'//new_line('a')// &
-           '                              rad/s             m/s             m/s   m, largest'//new_line('a')
-  end function case_heading
-
-  function case_line(case_number, swept, modes, numbers) result(text)
-    !! One line of a sweep.
-    integer, intent(in) :: case_number
-    character(*), intent(in) :: swept             !! 'name = value, …'
-    integer, intent(in) :: modes                  !! how many were summed
-    real(dp), intent(in) :: numbers(4)            !! of the columns that follow; fill where there is none
-    character(:), allocatable :: text
-    text = right(text_of(case_number), 8)//right(text_of(modes), 8)//right(fixed(numbers(1)), 19)// &
-      right(fixed(numbers(2)), 16)//right(fixed(numbers(3)), 16)//right(fixed(numbers(4)), 16)//'   '//swept// &
-      new_line('a')
-  end function case_line
-
   pure function notes_report(notes) result(text)
     !! The notes as they stand in the file, one to a line, indented and marked.
     character(*), intent(in) :: notes             !! lines
     character(:), allocatable :: text
-    integer :: first, last
+    type(string), allocatable :: lines(:)
+    integer :: i
     text = ''
-    first = 1
-    do while (first <= len(notes))
-      last = first + index(notes(first:)//new_line('a'), new_line('a')) - 2
-      text = text//'  note: '//notes(first:last)//new_line('a')
-      first = last + 2
+    lines = lines_of(notes)
+    do i = 1, size(lines)
+      text = text//'  note: '//lines(i)%text//new_line('a')
     end do
   end function notes_report
+
+  pure function stage_table(watch, elapsed, processes, cases) result(text)
+    !! Stages are summed over processes; the last line is the run as a whole.
+    type(stopwatch), intent(in) :: watch
+    real(dp), intent(in) :: elapsed               !! wall time from the first case to the result, s
+    integer, intent(in) :: processes
+    integer(i8), intent(in) :: cases              !! done in this run
+    character(:), allocatable :: text
+    type(text_builder) :: lines
+    real(dp) :: wall, remainder
+    integer :: i
+    wall = max(elapsed*processes, sum(watch%seconds), tiny(1.0_dp))
+    call lines%append_line('  stage           wall       CPU   share     calls   cases/s')
+    do i = 1, stage_count
+      if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
+      call lines%append_line(stage_row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
+    end do
+    remainder = wall - sum(watch%seconds)
+    if (nint(100.0_dp*remainder/wall) > 0) call lines%append_line(other_row(remainder, wall))
+    call lines%append_line(stage_row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))
+    if (processes > 1) call lines%append_line('  '//text_of(processes)//' processes; stages are their sums, and shares '// &
+                                              'those of '//seconds_text(wall))
+    text = lines%text()
+  end function stage_table
+
+  pure function other_row(seconds, whole) result(text)
+    !! The line of the time that is in none of the stages: making scenes of cases, handing them out, waiting.
+    real(dp), intent(in) :: seconds, whole        !! as those of `stage_row`
+    character(:), allocatable :: text
+    text = '  other   '//right(seconds_text(seconds), 12)//right(text_of(nint(100.0_dp*seconds/whole))//' %', 18)
+  end function other_row
+
+  pure function stage_row(name, seconds, cpu, whole, calls) result(text)
+    !! The line of a stage.
+    character(*), intent(in) :: name
+    real(dp), intent(in) :: seconds, cpu
+    real(dp), intent(in) :: whole                 !! of which `seconds` is the share, s
+    integer(i8), intent(in) :: calls
+    character(:), allocatable :: text
+    text = '  '//name//repeat(' ', 8 - len(name))//right(seconds_text(seconds), 12)//right(seconds_text(cpu), 10)// &
+      right(text_of(nint(100.0_dp*seconds/max(whole, tiny(1.0_dp))))//' %', 8)//right(text_of(calls), 10)// &
+      right(shortest(real(calls, dp)/max(seconds, 1.0e-9_dp), 3), 10)
+  end function stage_row
 
 end module bw_report

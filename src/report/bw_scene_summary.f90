@@ -4,15 +4,13 @@ module bw_scene_summary
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
   use bw_case_fields, only: case_length, fields_of
-  use bw_damping_par, only: by_ratio
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
+  use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
-  use bw_scene, only: scene_type
+  use bw_scene, only: changes_shapes, effects_text, scene_type
   use bw_scene_cases, only: case_count
-  use bw_scene_method, only: changes_shapes
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
@@ -32,7 +30,7 @@ contains
   end function scene_heading
 
   function scene_summary(scene, layout) result(text)
-    !! A few lines, indented by two.
+    !! What is simulated, line by line, indented by two.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
@@ -50,74 +48,22 @@ contains
     text = lines%text()
   end function scene_summary
 
-  function effects_text(scene) result(text)
-    !! The groups that are there, with their numbers.
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = ''
-    if (allocated(scene%rotation)) text = text//', rotation '//number_or_swept(scene, 'rotation%angular_velocity', &
-      scene%rotation%angular_velocity, ' rad/s')//trim(merge(' in plane    ', ' out of plane', scene%rotation%plane == 'in'))
-    if (allocated(scene%stiffening)) text = text//', stiffening (hub radius '// &
-      number_or_swept(scene, 'stiffening%hub_radius', scene%stiffening%hub_radius, ' m')//')'
-    if (allocated(scene%shear)) text = text//', shear (Poisson''s ratio '// &
-      number_or_swept(scene, 'shear%poisson_ratio', scene%shear%poisson_ratio, '')//', shear coefficient '// &
-      number_or_swept(scene, 'shear%shear_coefficient', scene%shear%shear_coefficient, '')//')'
-    if (allocated(scene%damping)) text = text//damping_text(scene)
-    if (allocated(scene%impact)) then
-      text = text//', impact (mass ratio '//mass_text(scene)//', approach '// &
-        number_or_swept(scene, 'impact%approach_velocity', scene%impact%approach_velocity, ' m/s')//', restitution '// &
-        number_or_swept(scene, 'impact%restitution', scene%impact%restitution, '')//')'
-      if (allocated(scene%capture)) then
-        text = text//', capture'
-        if (scene%capture%rotary_inertia > 0.0_dp .or. is_swept(scene, 'capture%rotary_inertia')) text = text// &
-          ' of a body with rotary inertia '// &
-          number_or_swept(scene, 'capture%rotary_inertia', scene%capture%rotary_inertia, ' kg m2')
-        if (allocated(scene%release)) text = text//', release at '// &
-          number_or_swept(scene, 'release%time', scene%release%time, ' s')
-      else
-        text = text//', rebound'
-        if (allocated(scene%recontact)) text = text//' and recontact'
-      end if
-    end if
-    if (text == '') text = ', none: modes and wave velocities of the beam alone'
-    text = text(3:)
-  end function effects_text
-
   pure function method_text(scene) result(text)
+    !! How modes are found.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     text = 'closed form'
     if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
   end function method_text
 
-  function damping_text(scene) result(text)
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    associate (damping => scene%damping)
-      if (by_ratio(damping)) then
-        text = ', damping (ratio '//number_or_swept(scene, 'damping%ratio', damping%ratio, '')//')'
-      else
-        text = ', damping ('//number_or_swept(scene, 'damping%mass_proportional', damping%mass_proportional, ' 1/s')// &
-          ' of the mass, '//number_or_swept(scene, 'damping%stiffness_proportional', damping%stiffness_proportional, &
-          ' s')//' of the stiffness)'
-      end if
-    end associate
-  end function damping_text
-
-  function mass_text(scene) result(text)
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = number_or_swept(scene, 'impact%mass_ratio', scene%impact%mass_ratio, '')
-    if (is_swept(scene, 'impact%mass')) text = 'swept'
-  end function mass_text
-
   function modes_text(scene, layout) result(text)
+    !! How many modes are summed, or by which tolerance that is found.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     if (by_tolerance(scene%modes)) then
-      text = 'as many modes as the tolerance takes ('//number_or_swept(scene, 'modes%tolerance', &
-        scene%modes%tolerance, '')//')'
+      text = 'as many modes as the tolerance takes ('// &
+        scene%groups(position_of(scene%groups, 'modes'))%number_or_swept('tolerance', '')//')'
     else if (allocated(scene%capture)) then
       text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'
     else
@@ -126,6 +72,7 @@ contains
   end function modes_text
 
   function response_text(scene) result(text)
+    !! The histories, and the spectrum if there is one.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     associate (response => scene%response)
@@ -137,6 +84,7 @@ contains
   end function response_text
 
   function sweep_text(scene) result(text)
+    !! How many cases there are, and what they are the product of.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     integer :: s
@@ -147,66 +95,36 @@ contains
     end do
   end function sweep_text
 
-  function number_or_swept(scene, name, value, unit) result(text)
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: name              !! 'group%name'
-    real(dp), intent(in) :: value
-    character(*), intent(in) :: unit              !! with the blank before it
-    character(:), allocatable :: text
-    text = shortest(value, 6)//unit
-    if (is_swept(scene, name)) text = 'swept'
-  end function number_or_swept
-
-  pure logical function is_swept(scene, name)
-    !! A sweep gives it, or what it follows from.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: name              !! of a group that is there
-    integer :: g, gap
-    gap = index(name, '%')
-    g = position_of(scene%groups, name(:gap - 1))
-    is_swept = scene%groups(g)%values(scene%groups(g)%at(name(gap + 1:)))%sweep > 0
-  end function is_swept
-
-  function cost_summary(layout) result(text)
+  function cost_summary(scene, layout) result(text)
     !! What `beamwave check` says of memory and of the disk.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     character(:), allocatable :: text
     text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
-      '  result     '//bytes_text(result_bytes(layout))
+      '  result     '//bytes_text(result_bytes(scene, layout))
     if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
     text = text//new_line('a')
   end function cost_summary
-
-  pure integer(i8) function result_bytes(layout) result(bytes)
-    !! Size of the result file: the numbers of its cases, long axes, and about 60 kB of names.
-    type(result_layout), intent(in) :: layout
-    bytes = 8*(numbers_of_case(layout)*max(1, layout%cases) + layout%samples + layout%frequencies) + 60000
-  end function result_bytes
-
-  pure integer(i8) function numbers_of_case(layout) result(numbers)
-    type(result_layout), intent(in) :: layout
-    numbers = case_length(fields_of(layout))
-  end function numbers_of_case
 
   pure integer(i8) function journal_bytes(layout) result(bytes)
     !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.
     type(result_layout), intent(in) :: layout
     integer(i8), parameter :: frame = 20      ! words of a record beside its numbers: header and notes
-    bytes = 8*layout%cases*(numbers_of_case(layout) + frame) + 5000
+    bytes = 8*layout%cases*(case_length(fields_of(layout)) + frame) + 5000
   end function journal_bytes
 
   pure integer(i8) function working_bytes(layout) result(bytes)
-    !! Memory of one case: histories with their copies on the way to the file and to the spectrum, shapes, and about
-    !! 25 MB of program and libraries; of a sweep also the list of its cases.
+    !! Memory of one case: its numbers as they are found and once more on their way to the file, shapes, what is needed to
+    !! search histories for waves, and about 25 MB of program and libraries; of a sweep also a block of cases and the list of
+    !! all of them.
     type(result_layout), intent(in) :: layout
-    integer(i8) :: histories, spectra, modal, shapes
-    integer, parameter :: most_shapes = 2**22        ! held at a time
-    histories = int(layout%samples, i8)*layout%points*merge(2, 1, layout%velocity)
+    integer, parameter :: most_shapes = 2**22        ! in memory at a time
+    integer, parameter :: wave_numbers = 30          ! by frequency
+    integer(i8) :: numbers, shapes
+    numbers = case_length(fields_of(layout))
     shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
-    spectra = int(layout%frequencies, i8)*(layout%points + 30)
-    modal = (int(layout%modes, i8) + layout%modes_before)*16
-    bytes = 8*(2*histories + spectra + modal + shapes) + 25000000
-    if (layout%cases > 0) bytes = bytes + 2*min(result_bytes(layout), block_bytes) + 6_i8*layout%cases
+    bytes = 8*(2*numbers + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+    if (layout%cases > 0) bytes = bytes + 2*min(8*numbers*layout%cases, block_bytes) + 6_i8*layout%cases
   end function working_bytes
 
   pure function bytes_text(bytes) result(text)

@@ -167,14 +167,19 @@ contains
     type(response_type), intent(inout) :: response
     integer, allocatable :: k(:)
     type(dd), allocatable :: up(:)
-    real(dp), allocatable :: down(:), growing(:)
+    real(dp), allocatable :: down(:), growing(:), start(:), start_rate(:)
+    start = response%displacement(1, :) + matmul(q, shapes)
+    if (allocated(response%velocity)) start_rate = response%velocity(1, :) + matmul(rate, shapes)
     call add_damped_modes(beta_squared, c, q, rate, shapes, grid, monitor, response%displacement, response%velocity)
     k = numbers_of(grows(beta_squared, c, grid%samples*grid%step%hi))
-    if (size(k) == 0) return
-    up = slow_exponent(beta_squared(k), c(k))
-    down = fast_exponent(beta_squared(k), c(k))
-    growing = (rate(k) - down*q(k))/(up%hi - down)
-    call add_some_growing(number(k), -(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, monitor, response)
+    if (size(k) > 0) then
+      up = slow_exponent(beta_squared(k), c(k))
+      down = fast_exponent(beta_squared(k), c(k))
+      growing = (rate(k) - down*q(k))/(up%hi - down)
+      call add_some_growing(number(k), -(up*up), growing, growing*up%hi, shapes(k, :), grid, unit_time, monitor, response)
+    end if
+    response%displacement(1, :) = start          ! to the last digit: of a beam at rest position zero
+    if (allocated(response%velocity)) response%velocity(1, :) = start_rate
   end subroutine add_some_damped
 
   elemental logical function turns_in_record(beta, grid)

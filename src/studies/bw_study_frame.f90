@@ -77,6 +77,8 @@ contains
   end subroutine end_study
 
   subroutine write_file(self, values, notes, error)
+    !! Write the file in a process of its own, and give it its final name.
+    !! **Errors**: it cannot be written.
     class(study_frame), intent(in) :: self
     class(study_values), intent(in) :: values
     character(*), intent(in) :: notes
@@ -100,7 +102,7 @@ contains
   end subroutine write_file
 
   subroutine leave(self, outcome)
-    !! Stopped in order: nothing is left.
+    !! End a study that was stopped in order: nothing is left of it.
     class(study_frame), intent(inout) :: self
     type(outcome_type), intent(inout) :: outcome
     call self%work%leave()

@@ -1,15 +1,14 @@
 module bw_timed_runs
   !! How long cases take, one beside the other: they are run in turn, round after round, so that what else the machine
-  !! does falls on all of them alike.
+  !! does falls on all of them alike. And how long the next of a row of runs will take, each finer than the one before.
   use bw_kept_work, only: kept_work
   use bw_kinds, only: dp
   use bw_case_result, only: case_result
   use bw_monitor, only: monitor_type, part_monitor
   use bw_one_case, only: run_case
-  use bw_repeats, only: repeats_type
   use bw_result_layout, only: layout_of
   use bw_scene, only: scene_type
-  use bw_stopwatch, only: stage_count, stopwatch
+  use bw_stopwatch, only: repeats_type, stage_count, stopwatch
   implicit none (type, external)
   private
   public :: repeat_runs, run_once
@@ -23,18 +22,28 @@ module bw_timed_runs
     type(repeats_type) :: stage(stage_count)      !! of its stages
   end type timed_run
 
+  type, public :: foresight
+    !! The last two runs: seconds are taken to go on as a power of what makes runs finer.
+    private
+    real(dp) :: size(2) = 0.0_dp                 !! number of modes, or the inverse of the tolerance
+    real(dp) :: seconds(2) = 0.0_dp              !! 0: no such run
+  contains
+    procedure :: book
+    procedure :: next_seconds
+  end type foresight
+
 contains
 
   subroutine run_once(run, monitor, result, whole)
-    !! One more run, timed.
+    !! Run a case once more, and book its time.
     type(timed_run), intent(inout) :: run
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                 !! false where the monitor asked to stop; nothing is booked then
-    type(kept_work) :: kept
+    type(kept_work) :: cache
     type(stopwatch) :: watch
     integer :: i
-    call run_case(run%scene, layout_of(run%scene), watch, monitor, kept, result, whole)
+    call run_case(run%scene, layout_of(run%scene), watch, monitor, cache, result, whole)
     if (.not. whole) return
     call run%seconds%add(sum(watch%seconds))
     do i = 1, stage_count
@@ -65,6 +74,7 @@ contains
   end subroutine repeat_runs
 
   pure logical function needs_more(run, budget)
+    !! Whether a case is to be run again.
     type(timed_run), intent(in) :: run
     real(dp), intent(in) :: budget
     needs_more = run%is_timed .and. run%seconds%count < most .and. &
@@ -83,5 +93,26 @@ contains
     end do
     part = min(part, 1.0_dp)
   end function progress_of
+
+  elemental subroutine book(self, size, seconds)
+    !! Take account of another run.
+    class(foresight), intent(inout) :: self
+    real(dp), intent(in) :: size                 !! above that of the run before
+    real(dp), intent(in) :: seconds
+    self%size = [self%size(2), size]
+    self%seconds = [self%seconds(2), seconds]
+  end subroutine book
+
+  elemental real(dp) function next_seconds(self, size, steepest) result(seconds)
+    !! How long a run of that size will take, s; 0 where no run is known.
+    class(foresight), intent(in) :: self
+    real(dp), intent(in) :: size                 !! above those of the runs
+    real(dp), intent(in) :: steepest             !! the largest power: first runs find cold caches, which are no trend
+    real(dp) :: power
+    seconds = self%seconds(2)
+    if (any(self%seconds <= 0.0_dp)) return
+    power = log(self%seconds(2)/self%seconds(1))/log(self%size(2)/self%size(1))
+    seconds = seconds*(size/self%size(2))**max(0.0_dp, min(steepest, power))
+  end function next_seconds
 
 end module bw_timed_runs

@@ -1,7 +1,6 @@
 module bw_assembly
   !! The result of a sweep from the journals of all its cases, by NetCDF alone.
-  use bw_case_block, only: block_for, case_block
-  use bw_case_fields, only: case_field, case_length, fields_of, short_fields
+  use bw_case_fields, only: block_for, case_block, case_field, field_of, fields_of, short_fields
   use bw_case_result, only: case_done
   use bw_error, only: error_type, fail, status_bad_file
   use bw_journal_reader, only: journal_reader
@@ -37,7 +36,7 @@ module bw_assembly
 contains
 
   subroutine begin(self, path, scene, layout, error)
-    !! A result without cases.
+    !! Create a result without cases.
     class(assembly_type), intent(inout) :: self
     character(*), intent(in) :: path                     !! where it is made
     type(scene_type), intent(in) :: scene
@@ -45,14 +44,16 @@ contains
     type(error_type), allocatable, intent(out) :: error
     call create_result(path, scene, layout, self%file, error)
     self%fields = fields_of(layout)
-    self%at_status = case_length(self%fields(:short_fields(self%fields)))
+    associate (status => field_of(self%fields, 'case_status'))
+      self%at_status = status%first
+    end associate
     self%block = block_for(self%fields(:short_fields(self%fields)), layout%cases)
     self%table = sweep_table(scene, layout)
     allocate (self%done(layout%cases), source=0_i1)
   end subroutine begin
 
   subroutine take_journal(self, path, work, error)
-    !! All cases of a journal that are not there yet: whoever did one, it has the same bits.
+    !! Read a journal, and put all of its cases that are not there yet into the result: whoever did one, it has the same bits.
     !! **Errors**: the journal cannot be read, or the result not written.
     class(assembly_type), intent(inout) :: self
     character(*), intent(in) :: path
@@ -71,12 +72,13 @@ contains
   end subroutine take_journal
 
   subroutine take_case(self, index, numbers, notes, error)
+    !! Put a case into the result, its long fields at once and the others into the block of its neighbours.
     class(assembly_type), intent(inout) :: self
     integer(i8), intent(in) :: index
     real(dp), intent(in), contiguous :: numbers(:)
     type(string), intent(in) :: notes(:)
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%held == self%block%room .or. index /= self%first + self%block%held) then
+    if (self%block%count == self%block%capacity .or. index /= self%first + self%block%count) then
       call self%write_block(error)                       ! it is full, or does not reach up to this case
       self%first = index
     end if
@@ -89,14 +91,15 @@ contains
   end subroutine take_case
 
   subroutine write_block(self, error)
+    !! Write the block, and begin an empty one.
     class(assembly_type), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%held > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
-    self%block%held = 0
+    if (self%block%count > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
+    self%block%count = 0
   end subroutine write_block
 
   subroutine finish(self, notes, seconds, error)
-    !! Notes and stage times, and the file is closed.
+    !! Put the notes and the times of the stages, and close the file.
     !! **Errors**: cases are missing, or the file cannot be written.
     class(assembly_type), intent(inout) :: self
     character(*), intent(in) :: notes

@@ -6,9 +6,9 @@ module bw_journal_reader
   use bw_descriptors, only: close_file, is_file, look_at_open, open_file, read_bytes, read_words, to_read_itself
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: path_state, reason
-  use bw_journal_record, only: at_case, at_count, at_letters, at_sums, at_work, header, make_room, mark, word, words_of
+  use bw_journal_writer, only: at_case, at_count, at_letters, at_sums, at_work, header, make_room, mark, word, words_of
   use bw_kinds, only: dp, i1, i8
-  use bw_text, only: append, string
+  use bw_text, only: lines_of, string
   implicit none (type, external)
   private
 
@@ -42,6 +42,7 @@ module bw_journal_reader
 contains
 
   subroutine open_reader(self, path, error)
+    !! Open a journal at its first record.
     !! **Errors**: the journal cannot be read.
     class(journal_reader), intent(inout) :: self
     character(*), intent(in) :: path
@@ -74,15 +75,15 @@ contains
       call self%read_record(verdict, error)
       found = verdict == is_sound
       if (found .or. verdict == is_none) exit
-      is_bad = is_bad .or. verdict == is_damaged
-      is_torn = is_torn .or. verdict == is_cut
+      is_bad = is_bad .or. verdict == is_damaged .or. is_torn    ! what was cut before was not the last
+      is_torn = verdict == is_cut
       call self%find_mark(error)
     end do
     if (is_bad .or. (is_torn .and. found)) self%damaged = self%damaged + 1
   end subroutine next
 
   subroutine read_record(self, verdict, error)
-    !! What lies at the reader's place; behind a sound record it goes on.
+    !! Find out what lies at the reader's place; a sound record is taken in, and the place is then behind it.
     class(journal_reader), intent(inout) :: self
     integer, intent(out) :: verdict
     type(error_type), allocatable, intent(inout) :: error
@@ -112,7 +113,7 @@ contains
   end subroutine read_record
 
   subroutine fetch(self, count, words, error)
-    !! So many words from the reader's place; none where the file ends before.
+    !! Point to so many words from the reader's place on; to none where the file ends before.
     class(journal_reader), intent(inout) :: self
     integer(i8), intent(in) :: count
     integer(i8), pointer, contiguous, intent(out) :: words(:)
@@ -158,7 +159,7 @@ contains
   end subroutine find_mark
 
   subroutine cannot_be_taken(error, path, problem)
-    !! What cannot be read now may be read another time.
+    !! Fill `error` unless there is one already: what cannot be read now may be read another time.
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in) :: path
     integer, intent(in) :: problem
@@ -167,22 +168,16 @@ contains
   end subroutine cannot_be_taken
 
   pure subroutine split(words, letters, lines)
-    !! Notes, each of which has a line's end.
+    !! The notes of a record, each of which has a line's end, one by one.
     integer(i8), intent(in) :: words(:), letters
     type(string), allocatable, intent(out) :: lines(:)
     character(letters) :: text
-    integer :: first, last
-    allocate (lines(0))
     text = transfer(words, text)
-    first = 1
-    do while (first <= letters)
-      last = first + index(text(first:)//new_line('a'), new_line('a')) - 2
-      call append(lines, text(first:last))
-      first = last + 2
-    end do
+    lines = lines_of(text)
   end subroutine split
 
   subroutine close_reader(self)
+    !! Close the journal; the numbers of its last record are gone.
     class(journal_reader), intent(inout) :: self
     integer :: ignored
     ignored = close_file(self%descriptor)

@@ -2,8 +2,7 @@ module bw_notes
   !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
   !! number of others that have it too. The kind is what stands before the first colon. The cases may come in any order.
   use bw_kinds, only: i8
-  use bw_text, only: append, string, text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
   private
 
@@ -26,7 +25,7 @@ module bw_notes
 contains
 
   pure subroutine add(self, index, notes)
-    !! Take account of a case.
+    !! Take account of the notes of a case.
     class(notes_type), intent(inout) :: self
     integer(i8), intent(in) :: index       !! of the case
     type(string), intent(in) :: notes(:)
@@ -49,13 +48,14 @@ contains
   end subroutine add
 
   pure function kind_of(text) result(kind)
+    !! The kind of a note: what stands before its first colon.
     character(*), intent(in) :: text
     character(:), allocatable :: kind
     kind = text(:index(text//':', ':') - 1)
   end function kind_of
 
   pure function lines(self, cases) result(text)
-    !! One line for each kind, by their first cases, line ends included.
+    !! The notes, one line for each kind, in the order of their first cases, with the ends of lines.
     class(notes_type), intent(in) :: self
     integer, intent(in) :: cases           !! of the sweep; 0 where there is none
     character(:), allocatable :: text
@@ -80,7 +80,7 @@ contains
   end function lines
 
   pure integer function earliest(kinds, left) result(k)
-    !! Which of those that are left comes first.
+    !! The place of the kind that comes first among those that are left.
     type(kind_type), intent(in) :: kinds(:)
     logical, intent(in) :: left(:)
     integer :: i

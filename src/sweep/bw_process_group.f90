@@ -28,24 +28,25 @@ module bw_process_group
 contains
 
   pure logical function leads(self)
+    !! Whether this process is the one that speaks and writes the result.
     class(process_group), intent(in) :: self
     leads = self%number == 0
   end function leads
 
   subroutine join(self)
-    !! The first call of all, which sets `number` and `processes`.
+    !! Come together with the other processes, and set `number` and `processes`: the first call of all.
     class(process_group), intent(inout) :: self
     self%processes = 1
   end subroutine join
 
   subroutine part(self)
-    !! The last call of all.
+    !! Go apart again: the last call of all.
     class(process_group), intent(inout) :: self
     self%done = 0
   end subroutine part
 
   subroutine share(self, values)
-    !! All get the leader's values. Called by all.
+    !! Hand the leader's values to all. Called by all.
     class(process_group), intent(inout) :: self
     integer(i4), allocatable, intent(inout) :: values(:)
     associate (unused => self, shared => values)
@@ -53,14 +54,14 @@ contains
   end subroutine share
 
   subroutine begin(self)
-    !! The counter stands at the first place, and nothing is done. Called by all.
+    !! Set the counter to the first place, and the number of finished cases to 0. Called by all.
     class(process_group), intent(inout) :: self
     self%next = 1
     self%done = 0
   end subroutine begin
 
   subroutine take(self, length, first)
-    !! The next places, which nobody else gets.
+    !! Take the next places, which nobody else gets.
     class(process_group), intent(inout) :: self
     integer(i8), intent(in) :: length                !! how many
     integer(i8), intent(out) :: first                !! from 1; above all places where nothing is left or somebody has stopped
@@ -80,13 +81,14 @@ contains
   end subroutine tell
 
   subroutine stop_all(self)
-    !! Nothing more is to be taken, by anybody.
+    !! Let nobody take anything more.
     class(process_group), intent(inout) :: self
     self%next = stopped_at
   end subroutine stop_all
 
   subroutine collect(self, totals, error)
-    !! All have done their cases. Called by all; all get the sums, and an error if anybody has one.
+    !! Add up what all processes have when their cases are done. Called by all; all get the sums, and an error if anybody has
+    !! one.
     class(process_group), intent(inout) :: self
     real(dp), intent(inout) :: totals(:)
     type(error_type), allocatable, intent(inout) :: error

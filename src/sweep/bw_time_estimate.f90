@@ -1,5 +1,5 @@
 module bw_time_estimate
-  !! How long a scene will take: a few of its cases are run for a bounded time.
+  !! How long a scene will take: samples of its cases are run for a bounded time.
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
@@ -39,6 +39,17 @@ module bw_time_estimate
     procedure :: stop_requested
   end type time_limit
 
+  type :: case_timer
+    !! What is at hand while cases are run for their time.
+    type(scene_type) :: scene
+    type(result_layout) :: layout
+    type(scene_type) :: one                   !! the case at hand, or the one before it
+    type(kept_work) :: cache                  !! what cases share
+    type(time_limit) :: limit
+  contains
+    procedure :: sample
+  end type case_timer
+
 contains
 
   real(dp) function estimated_seconds(scene, layout, budget, monitor) result(seconds)
@@ -48,46 +59,54 @@ contains
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                !! what the estimate may take itself, s
     class(monitor_type), intent(inout), target :: monitor    !! the estimate means nothing where it asks to stop
-    real(dp) :: spent, began, elapsed, part
-    type(kept_work) :: kept
-    type(scene_type) :: one
-    integer(i8) :: cases, index
-    integer :: samples
-    logical :: is_quick
-    type(time_limit) :: limit
-    limit%user => monitor
-    cases = case_count(scene)
+    type(case_timer) :: timer
+    real(dp) :: spent, began, part
+    logical :: whole
+    timer%scene = scene
+    timer%layout = layout
+    timer%limit%user => monitor
     began = wall_seconds()
-    call sample(scene, layout, 1_i8, began + budget, one, kept, limit, part, spent)   ! a first case finds caches and plans empty
+    call timer%sample(1_i8, began + budget, part, spent)     ! a first case finds caches and plans empty
     seconds = spent/part
-    if (part >= 1.0_dp .and. cases > 1) then
-      samples = 0
-      is_quick = spent < quick*budget
-      seconds = 0.0_dp
-      do while (samples < min(cases, int(most_samples, i8)))
-        samples = samples + 1
-        index = place(samples, cases)
-        ! a case shares work with the one before it
-        if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, one, kept, limit, part, spent)
-        call sample(scene, layout, index, wall_seconds() + budget, one, kept, limit, part, spent)
-        seconds = seconds + spent/part
-        elapsed = wall_seconds() - began
-        if (elapsed > budget) exit
-        if (monitor%stop_requested()) exit
-      end do
-      seconds = seconds/samples
-    end if
-    seconds = start_seconds + file_seconds + cases*(seconds + writing_seconds(layout))
+    whole = part >= 1.0_dp
+    if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
+    seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds
 
+  subroutine sample_sweep(timer, budget, began, is_quick, seconds)
+    !! The mean processor time of cases that lie all over a sweep.
+    type(case_timer), intent(inout) :: timer
+    real(dp), intent(in) :: budget                !! s since `began`, after which no other case is begun
+    real(dp), intent(in) :: began                 !! on the clock of `wall_seconds`
+    logical, intent(in) :: is_quick               !! there is time to run the case before each sample too
+    real(dp), intent(out) :: seconds
+    real(dp) :: spent, part
+    integer(i8) :: cases, index
+    integer :: samples
+    cases = case_count(timer%scene)
+    samples = 0
+    seconds = 0.0_dp
+    do while (samples < min(cases, int(most_samples, i8)))
+      samples = samples + 1
+      index = place(samples, cases)
+      ! a case shares work with the one before it
+      if (is_quick .and. index > 1) call timer%sample(index - 1, began + 2.0_dp*budget, part, spent)
+      call timer%sample(index, wall_seconds() + budget, part, spent)
+      seconds = seconds + spent/part
+      if (wall_seconds() - began > budget) exit
+      if (timer%limit%user%stop_requested()) exit
+    end do
+    seconds = seconds/samples
+  end subroutine sample_sweep
+
   pure real(dp) function writing_seconds(layout) result(seconds)
-    !! Of a case onto the disk, s.
+    !! How long it takes to write a case onto the disk, s.
     type(result_layout), intent(in) :: layout
     seconds = put_seconds + number_seconds*case_length(fields_of(layout))
   end function writing_seconds
 
   pure integer(i8) function place(sample, cases)
-    !! Which case is the n-th sample.
+    !! The number of the case that is the n-th sample.
     integer, intent(in) :: sample
     integer(i8), intent(in) :: cases
     real(dp) :: position
@@ -95,15 +114,11 @@ contains
     place = 1 + min(cases - 1, int((position - floor(position))*real(cases, dp), i8))
   end function place
 
-  subroutine sample(scene, layout, index, deadline, one, kept, limit, part, spent)
+  subroutine sample(self, index, deadline, part, spent)
     !! Run a case, or the part of it that there is time for.
-    type(scene_type), intent(in) :: scene
-    type(result_layout), intent(in) :: layout
-    integer(i8), intent(in) :: index
+    class(case_timer), intent(inout) :: self
+    integer(i8), intent(in) :: index              !! of the case, from 1
     real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
-    type(scene_type), intent(inout) :: one        !! the case before this one
-    type(kept_work), intent(inout) :: kept
-    type(time_limit), intent(inout) :: limit
     real(dp), intent(out) :: part                 !! of the case that was done, above 0, at most 1
     real(dp), intent(out) :: spent                !! s of the processor
     type(stopwatch) :: watch
@@ -113,24 +128,26 @@ contains
     logical :: whole
     call cpu_time(began)
     whole = .true.
-    call case_scene(scene, index, one, error)
-    call limit%start(one, deadline)
-    if (.not. allocated(error)) call run_case(one, layout, watch, limit, kept, result, whole)
+    call case_scene(self%scene, index, self%one, error)
+    call self%limit%start(self%one, deadline)
+    if (.not. allocated(error)) call run_case(self%one, self%layout, watch, self%limit, self%cache, result, whole)
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
     if (whole) return
-    if (limit%before > 0.0_dp .and. limit%fraction > limit%first) then   ! what comes before the histories is not a part of them
-      spent = (limit%before - began) + (ended - limit%before)*((1.0_dp - limit%first)/(limit%fraction - limit%first))
-    else if (limit%before <= 0.0_dp .and. limit%fraction > 0.0_dp) then
-      part = limit%fraction
-    else
-      spent = max(2.0_dp*spent, case_seconds(one))
-    end if
+    associate (limit => self%limit)
+      if (limit%before > 0.0_dp .and. limit%fraction > limit%first) then   ! what comes before the histories is not a part of them
+        spent = (limit%before - began) + (ended - limit%before)*((1.0_dp - limit%first)/(limit%fraction - limit%first))
+      else if (limit%before <= 0.0_dp .and. limit%fraction > 0.0_dp) then
+        part = limit%fraction
+      else
+        spent = max(2.0_dp*spent, case_seconds(self%one))
+      end if
+    end associate
   end subroutine sample
 
   subroutine start(self, scene, deadline)
-    !! Before a case.
+    !! Call this before a case.
     class(time_limit), intent(inout) :: self
     type(scene_type), intent(in) :: scene         !! without sweeps
     real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
@@ -143,6 +160,7 @@ contains
   end subroutine start
 
   subroutine advance(self, fraction)
+    !! Remember how much of the case is done, and when its histories began.
     class(time_limit), intent(inout) :: self
     real(dp), intent(in) :: fraction
     if (self%before <= 0.0_dp .and. fraction > self%histories) then
@@ -154,6 +172,7 @@ contains
   end subroutine advance
 
   logical function stop_requested(self)
+    !! The time is up, or the user asks to stop.
     class(time_limit), intent(inout) :: self
     stop_requested = wall_seconds() > self%deadline
     if (.not. stop_requested) stop_requested = self%user%stop_requested()

@@ -1,11 +1,14 @@
 module bw_unfinished_work
-  !! The unfinished work of a scene: its directory with the journals of its finished cases. Nothing is taken away but what has
-  !! been read, under the lock, as this work's own, or as work of another scene or version whose place a run takes.
+  !! The unfinished work of a scene: the scene, what its result will hold, and the directory with the journals of its finished
+  !! cases. Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or
+  !! version whose place a run takes.
   use bw_checksum, only: word_sum, words_of_text
   use bw_error, only: error_type
   use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, files_in, remove_file
   use bw_journal_reader, only: journal_reader
   use bw_kinds, only: i1, i8
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_not_there
   use bw_text, only: append, string
   use bw_work_directory, only: work_directory
@@ -15,6 +18,8 @@ module bw_unfinished_work
   character(*), parameter, public :: journal_suffix = '.journal'
 
   type, extends(work_directory), public :: unfinished_work
+    type(scene_type) :: scene
+    type(result_layout) :: layout             !! of the scene's result
     character(:), allocatable :: identity     !! what the journals have to belong to: program, version, layout and resolved scene
     type(string), allocatable :: own(:)       !! journals of this work, as they were found last
     type(string), allocatable, private :: others(:)
@@ -32,7 +37,7 @@ module bw_unfinished_work
 contains
 
   subroutine survey(self, count, done, error)
-    !! Read all journals: which cases are finished.
+    !! Read all journals, and find out which cases are finished.
     !! **Errors**: one cannot be read.
     class(unfinished_work), intent(inout) :: self
     integer(i8), intent(in) :: count          !! numbers of a case
@@ -59,7 +64,7 @@ contains
   end subroutine survey
 
   subroutine read_journal(self, reader, count, done, is_others, error)
-    !! All sound records of a journal.
+    !! Read all sound records of a journal.
     class(unfinished_work), intent(in) :: self
     type(journal_reader), intent(inout) :: reader
     integer(i8), intent(in) :: count
@@ -79,19 +84,20 @@ contains
   end subroutine read_journal
 
   pure integer(i8) function sum_of_identity(self)
-    !! What each record of this work's journals holds.
+    !! The checksum of the identity, which each record of this work's journals has.
     class(unfinished_work), intent(in) :: self
     sum_of_identity = word_sum(words_of_text(self%identity))
   end function sum_of_identity
 
   pure logical function has_others(self)
-    !! The survey has found work of another scene or version.
+    !! Whether the survey has found work of another scene or version.
     class(unfinished_work), intent(in) :: self
     has_others = size(self%others) > 0
   end function has_others
 
   subroutine remove_others(self, error)
-    !! Take that away.
+    !! Remove the journals of other work that the survey has found.
+    !! **Errors**: one cannot be removed.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
     integer :: problem, i

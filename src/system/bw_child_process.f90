@@ -42,7 +42,7 @@ module bw_child_process
 contains
 
   subroutine begin(self)
-    !! From here on there are two.
+    !! Start the child: from here on there are two processes.
     class(child_process), intent(inout) :: self
     integer(c_int) :: channel
     self%number = bw_fork(channel)
@@ -50,7 +50,7 @@ contains
   end subroutine begin
 
   pure logical function is_here(self)
-    !! This process does the work.
+    !! Whether this process is the one that does the work.
     class(child_process), intent(in) :: self
     is_here = self%number <= 0
   end function is_here
@@ -79,7 +79,7 @@ contains
   end subroutine tell
 
   subroutine hear(self, texts, whole, error, monitor)
-    !! What the child has found, when it has ended; it is ended where the monitor asks to stop.
+    !! Wait for the end of the child, and take what it has found; it is ended where the monitor asks to stop.
     !! **Errors**: those of the work, or that its process did not come to its end.
     class(child_process), intent(inout) :: self
     type(string), allocatable, intent(out) :: texts(:)
@@ -103,7 +103,7 @@ contains
   end subroutine hear
 
   subroutine listen(self, message, whole, monitor)
-    !! All that the child writes until it ends, unless the monitor asks to stop.
+    !! Read all that the child writes until it ends, unless the monitor asks to stop.
     class(child_process), intent(in) :: self
     character(:), allocatable, intent(out) :: message
     logical, intent(out) :: whole
@@ -122,7 +122,7 @@ contains
   end subroutine listen
 
   subroutine take_message(message, ended, texts, error)
-    !! What the child has told, or how it ended without its last word.
+    !! Split the message of the child into its texts, or say how it ended without its last word.
     character(*), intent(in) :: message
     integer, intent(in) :: ended                     !! its exit status, or below 0 the signal that ended it
     type(string), allocatable, intent(inout) :: texts(:)

@@ -18,7 +18,8 @@ module bw_descriptors
 contains
 
   integer function open_file(path, way, descriptor) result(problem)
-    !! `to_read`, `to_read_itself` (where the path is a link, that is a problem), `new_file` (which must not be there), `to_lock`.
+    !! Open a file. The `way` is `to_read`, `to_read_itself` (where the path is a link, that is a problem), `new_file` (which
+    !! must not be there) or `to_lock`.
     character(*), intent(in) :: path
     integer, intent(in) :: way
     integer, intent(out) :: descriptor     !! −1 where there is a problem
@@ -28,7 +29,7 @@ contains
   end function open_file
 
   integer function close_file(descriptor) result(problem)
-    !! Some file systems tell only now that what was written could not be kept.
+    !! Close a file. Some file systems tell only now that what was written could not be kept.
     integer, intent(inout) :: descriptor   !! −1 afterwards; nothing is done with −1
     problem = 0
     if (descriptor >= 0) problem = bw_close(int(descriptor, c_int))
@@ -36,7 +37,7 @@ contains
   end function close_file
 
   integer function read_words(descriptor, offset, words, have) result(problem)
-    !! Words of eight bytes from any place.
+    !! Read words of eight bytes from any place.
     integer, intent(in) :: descriptor
     integer(i8), intent(in) :: offset      !! bytes, from 0
     integer(i8), intent(inout), contiguous, target :: words(:)
@@ -46,7 +47,7 @@ contains
   end function read_words
 
   integer function read_bytes(descriptor, offset, bytes, have) result(problem)
-    !! Bytes from any place.
+    !! Read bytes from any place.
     integer, intent(in) :: descriptor
     integer(i8), intent(in) :: offset      !! from 0
     integer(i1), intent(inout), contiguous, target :: bytes(:)
@@ -55,14 +56,14 @@ contains
   end function read_bytes
 
   integer function write_words(descriptor, words) result(problem)
-    !! Write behind what was written before, at once and whole.
+    !! Write words behind what was written before, at once and whole.
     integer, intent(in) :: descriptor
     integer(i8), intent(in), contiguous, target :: words(:)
     problem = bw_write(int(descriptor, c_int), c_loc(words), word*size(words, kind=i8))
   end function write_words
 
   integer function write_text(descriptor, text) result(problem)
-    !! Write behind what was written before, at once. gfortran's own units forget a failure of their last buffer.
+    !! Write text behind what was written before, at once. gfortran's own units forget a failure of their last buffer.
     integer, intent(in) :: descriptor      !! `standard_output`, `standard_error`, or an open file's
     character(*), intent(in), target :: text
     problem = 0
@@ -70,13 +71,13 @@ contains
   end function write_text
 
   integer function flush_file(descriptor) result(problem)
-    !! All of it onto the disk, so that it outlives the machine.
+    !! Flush all of a file onto the disk, so that it outlives the machine.
     integer, intent(in) :: descriptor
     problem = bw_flush(int(descriptor, c_int))
   end function flush_file
 
   integer function flush_path(path) result(problem)
-    !! The same of a file that is not open.
+    !! Flush a file that is not open onto the disk.
     character(*), intent(in) :: path
     integer :: descriptor, closed
     problem = open_file(path, to_read, descriptor)
@@ -86,7 +87,7 @@ contains
   end function flush_path
 
   integer function look_at_open(descriptor, state) result(problem)
-    !! Which file a descriptor is.
+    !! Find out which file a descriptor is.
     integer, intent(in) :: descriptor
     type(path_state), intent(out) :: state
     integer(c_int64_t) :: found(5)
@@ -95,7 +96,7 @@ contains
   end function look_at_open
 
   logical function is_terminal(descriptor)
-    !! Somebody may be reading along.
+    !! Whether a stream goes to a terminal, where somebody may be reading along.
     integer, intent(in) :: descriptor      !! `standard_output` or `standard_error`
     is_terminal = bw_is_terminal(int(descriptor, c_int)) == 1
   end function is_terminal

@@ -36,7 +36,7 @@ module bw_file_lock
 contains
 
   function unique_name() result(name)
-    !! What nothing else is called, now or later: host, process and the time to the millisecond.
+    !! A name that nothing else has, now or later: host, process and the time to the millisecond.
     character(:), allocatable :: name
     character(8) :: date
     character(10) :: time
@@ -45,6 +45,7 @@ contains
   end function unique_name
 
   function own_host() result(name)
+    !! The name of this host.
     character(:), allocatable :: name
     character(256) :: buffer
     call bw_host(buffer, int(len(buffer), c_int))
@@ -78,7 +79,7 @@ contains
   end subroutine take
 
   subroutine write_draft(self, draft, problem)
-    !! The lock under a name of its own, with its text, and locked where that is possible.
+    !! Write the lock under a name of its own, with its text, and lock it where that is possible.
     class(file_lock), intent(inout) :: self
     character(*), intent(in) :: draft
     integer, intent(out) :: problem
@@ -139,7 +140,7 @@ contains
   end subroutine take_over
 
   subroutine refuse(path, descriptor, advice, error)
-    !! Another run holds the lock: which one, as far as its text tells.
+    !! Say that another run has the lock, and which one, as far as the text of the lock tells.
     character(*), intent(in) :: path
     integer, intent(in) :: descriptor
     character(*), intent(in) :: advice
@@ -153,7 +154,7 @@ contains
   end subroutine refuse
 
   logical function holder_is_gone(descriptor)
-    !! The holder was a process of this host that has ended.
+    !! Whether the holder was a process of this host that has ended.
     integer, intent(in) :: descriptor
     character(:), allocatable :: host
     integer(i8) :: process, beginning
@@ -165,13 +166,13 @@ contains
   end function holder_is_gone
 
   logical function is_locked_to_write(descriptor)
-    !! Another program says by a lock that it changes this file.
+    !! Whether another program says by a lock that it changes this file.
     integer, intent(in) :: descriptor
     is_locked_to_write = bw_kind_of_error(bw_lock(int(descriptor, c_int), to_read)) == error_is_held
   end function is_locked_to_write
 
   subroutine read_holder(descriptor, host, process, beginning)
-    !! What the text of a lock says; empty and 0 where it says nothing.
+    !! Read what the text of a lock says; host is empty and process 0 where it says nothing.
     integer, intent(in) :: descriptor
     character(:), allocatable, intent(out) :: host
     integer(i8), intent(out) :: process, beginning
@@ -203,7 +204,7 @@ contains
   end subroutine bury
 
   logical function is_held(self)
-    !! The lock has its name still: nobody has taken it away or over.
+    !! Whether the lock still has its name: nobody has taken it away or over.
     class(file_lock), intent(in) :: self
     type(path_state) :: mine, named
     integer :: problem
@@ -215,7 +216,7 @@ contains
   end function is_held
 
   subroutine give_back(self)
-    !! Take the lock away, if it is held.
+    !! Take the lock away, if this process still has it.
     class(file_lock), intent(inout) :: self
     integer :: ignored
     if (self%is_held()) ignored = remove_file(self%path)

@@ -25,7 +25,7 @@ module bw_files
 contains
 
   integer function look_at(path, state) result(problem)
-    !! What a path names; that nothing is there is no problem.
+    !! Find out what a path names; that nothing is there is no problem.
     character(*), intent(in) :: path
     type(path_state), intent(out) :: state
     integer(c_int64_t) :: found(5)
@@ -35,7 +35,7 @@ contains
   end function look_at
 
   logical function directory_is_there(path)
-    !! A directory of that name is there, as far as can be seen.
+    !! Whether a directory of that name is there, as far as can be seen.
     character(*), intent(in) :: path
     type(path_state) :: state
     integer :: problem
@@ -44,13 +44,13 @@ contains
   end function directory_is_there
 
   pure logical function same_file(one, other)
-    !! Two names or a name and an open file mean the same file.
+    !! Whether two names, or a name and an open file, mean the same file.
     type(path_state), intent(in) :: one, other
     same_file = one%kind > 0 .and. one%device == other%device .and. one%inode == other%inode
   end function same_file
 
   integer function files_in(directory, suffix, names) result(problem)
-    !! The names in a directory that end so, in their order; hidden ones are left out.
+    !! List the names in a directory that end so, in their order; hidden ones are left out.
     character(*), intent(in) :: directory, suffix
     type(string), allocatable, intent(out) :: names(:)
     type(c_ptr) :: address
@@ -89,7 +89,7 @@ contains
   end function make_directory
 
   pure function directory_of(path) result(directory)
-    !! What a path lies in; slashes at its end mean nothing.
+    !! The directory in which a path lies; slashes at its end mean nothing.
     character(*), intent(in) :: path
     character(:), allocatable :: directory
     integer :: last
@@ -100,7 +100,7 @@ contains
   end function directory_of
 
   integer function remove_file(path) result(problem)
-    !! That nothing is there is no problem.
+    !! Remove a file; that nothing is there is no problem.
     character(*), intent(in) :: path
     problem = bw_remove(path//c_null_char)
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
@@ -125,7 +125,7 @@ contains
   end function link_file
 
   integer function flush_directory(path) result(problem)
-    !! The names in a directory, onto the disk.
+    !! Flush the names in a directory onto the disk.
     character(*), intent(in) :: path
     problem = bw_flush_directory(path//c_null_char)
   end function flush_directory
@@ -140,7 +140,7 @@ contains
   end function reason
 
   subroutine cannot_be_read(error, path, problem)
-    !! Fill `error`, unless there is one already.
+    !! Fill `error` with the system's reason why a path cannot be read, unless there is an error already.
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in) :: path
     integer, intent(in) :: problem
@@ -148,7 +148,7 @@ contains
   end subroutine cannot_be_read
 
   subroutine cannot_be_written(error, path, problem)
-    !! Fill `error`, unless there is one already.
+    !! Fill `error` with the system's reason why a path cannot be written, unless there is an error already.
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in) :: path
     integer, intent(in) :: problem

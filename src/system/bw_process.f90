@@ -22,17 +22,17 @@ module bw_process
 contains
 
   subroutine open_standard_streams()
-    !! Streams that are closed go nowhere; else the first file that is opened would take their place. Call this first.
+    !! Open streams that are closed to nowhere; else the first file that is opened would take their place. Call this first.
     call bw_open_standard_streams()
   end subroutine open_standard_streams
 
   subroutine watch_over_process()
-    !! Call once, before any work is done.
+    !! Watch for signals, and for endings that are none of ours. Call this once, before any work is done.
     call bw_watch(fault_message, int(status_fault, c_int), memory_message, int(status_bad_file, c_int))
   end subroutine watch_over_process
 
   subroutine settle_libraries(scene, error)
-    !! A process uses one thread, and no locks but its own: those of HDF5 are not there on every file system.
+    !! See to it that libraries use one thread and no locks of their own: those of HDF5 are not there on every file system.
     !! **Errors**: the stack is too small, or OpenBLAS's memory is refused.
     character(*), intent(in) :: scene                !! file of the first scene that is to be run, for messages
     type(error_type), allocatable, intent(out) :: error

@@ -7,7 +7,7 @@ module galerkin_numbers
   use bw_double_double, only: to_dd
   use bw_galerkin, only: galerkin_modes
   use bw_galerkin_set, only: galerkin_set
-  use bw_stiffening, only: tension_of
+  use bw_rotation, only: tension_of
   use bw_strain_modes, only: solve_with, strain_modes
   use bw_text, only: text_of
   use number_table, only: table_type

@@ -233,6 +233,14 @@ def test_a_critical_speed_exists_where_a_mode_can_grow(here):
     assert "out of plane changes nothing" in here.result("out").attributes["notes"]
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_check_says_how_large_the_file_will_be(place, name):
+    said = re.search(r"result +([\d.]+) ([kM])B", place.beamwave("check", f"{name}.nml").stdout)
+    size = (place.directory / f"output/{name}.nc").stat().st_size
+    # of names and attributes, which are most of a small file, variables are counted and not letters
+    assert float(said[1]) * {"k": 1e3, "M": 1e6}[said[2]] == pytest.approx(size, rel=0.1)
+
+
 def test_the_documented_xarray_idioms_work_on_real_results(place, tmp_path):
     idioms = [sys.executable, "-m", "pytest", "--quiet", "-k", "not readme", PROJECT / "postproc/tests/test_idioms.py"]
     ended = subprocess.run(

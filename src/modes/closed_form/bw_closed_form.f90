@@ -24,6 +24,7 @@ module bw_closed_form
     procedure :: some_shapes => closed_form_shapes
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
+    procedure :: overlap_far_below
     procedure :: elastic => closed_form_elastic
     procedure :: in_full => closed_form_in_full
   end type closed_form_set
@@ -190,6 +191,15 @@ contains
       error stop 'bw_closed_form: modes found in different ways have no overlap'
     end select
   end function overlap_of_beam
+
+  pure function overlap_far_below(self, from, amplitude) result(sums)
+    !! ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i: the force at the tip, and how far it bends the beam.
+    class(closed_form_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! of beam and mass
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(self%count)
+    sums = (from%gamma*sum(from%alpha**4*from%tip*amplitude))*self%tip/self%alpha**4
+  end function overlap_far_below
 
   pure function closed_form_elastic(self) result(squares)
     !! α⁴, Eq. 28, of the same roots, refined or not, as β².

@@ -44,6 +44,7 @@ contains
     source%gamma = gamma%hi
     source%mass_ratio = gamma
     source%highest = highest_mode
+    source%quadratic = .true.
     if (present(omega)) source%omega = omega
   end function source_of_ratio
 

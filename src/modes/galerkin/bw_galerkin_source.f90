@@ -4,7 +4,6 @@ module bw_galerkin_source
   !! again, to the bit.
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
-  use bw_double_double, only: dd
   use bw_galerkin, only: galerkin_modes
   use bw_galerkin_set, only: galerkin_set
   use bw_mode_set, only: mode_set, mode_source
@@ -108,7 +107,7 @@ contains
     if (.not. allocated(self%entries)) allocate (self%entries(most_sources))
     do place = 1, min(self%found, most_sources)
       if (self%entries(place)%source%highest /= count) cycle
-      if (.not. same_operator(self%entries(place)%operator, operator)) cycle
+      if (.not. self%entries(place)%operator == operator) cycle
       source = self%entries(place)%source
       return
     end do
@@ -120,27 +119,5 @@ contains
     self%entries(place)%source = source
     self%found = self%found + 1
   end subroutine find_source
-
-  pure logical function same_operator(one, other) result(same)
-    !! Whether two beams and all that acts on them are the same to the bit.
-    type(beam_operator), intent(in) :: one, other
-    same = (one%gamma == other%gamma) .and. (one%hub_radius == other%hub_radius) .and. (one%in_plane .eqv. other%in_plane) &
-      .and. (allocated(one%omega) .eqv. allocated(other%omega)) &
-      .and. (allocated(one%tension) .eqv. allocated(other%tension)) &
-      .and. (allocated(one%shear) .eqv. allocated(other%shear)) &
-      .and. (allocated(one%tip_inertia) .eqv. allocated(other%tip_inertia))
-    if (.not. same) return
-    if (allocated(one%omega)) same = same_number(one%omega, other%omega)
-    if (allocated(one%tension)) same = same .and. all(one%tension == other%tension)
-    if (allocated(one%shear)) same = same .and. one%shear%compliance == other%shear%compliance &
-      .and. one%shear%rotary == other%shear%rotary
-    if (allocated(one%tip_inertia)) same = same .and. one%tip_inertia == other%tip_inertia
-  end function same_operator
-
-  elemental logical function same_number(a, b) result(same)
-    !! Whether two double-double numbers are the same to the bit.
-    type(dd), intent(in) :: a, b
-    same = a%hi == b%hi .and. a%lo == b%lo
-  end function same_number
 
 end module bw_galerkin_source

@@ -1,18 +1,12 @@
 module bw_reach
   !! How far modes go that start with velocity 1: bounds of their displacement or velocity over a stretch of time.
   use bw_double_double, only: dd, sqrt, operator(-)
+  use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
   implicit none (type, external)
   private
   public :: undamped_reaches, damped_reach, turns
-
-  type, public :: stretch_type
-    !! A part of a history, times in l²/h from the start of the motion.
-    real(dp) :: start = 0.0_dp
-    real(dp) :: end = 0.0_dp
-    integer :: samples = 0                        !! up to its end, those before its start included
-  end type stretch_type
 
   real(dp), parameter :: furthest = 600.0_dp
     !! beyond it a history is near overflow; the estimate must not overflow itself

@@ -1,21 +1,25 @@
 module bw_release_error
   !! How far the motion after a release is from that of infinitely many modes.
   !!
-  !! The mass leaves with the velocity that finitely many modes give the tip; what they lack of it the beam keeps in all
-  !! its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after the
-  !! release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do; modes
-  !! beyond these are taken with the amplitudes that the continuum has before the release. Where there are no more modes,
-  !! what the tip's velocity lacks is judged without them (bw_tip_rest).
+  !! The release hands the motion of short waves on to modes of nearly the same number, which then move as far as those of
+  !! beam and mass did. And the force between beam and mass ends of a sudden: what it held bent moves on in all modes of the
+  !! beam alone, with displacements that fall as k⁻⁴ only. A motion that has grown leaves more in this way than the blow did.
+  !!
+  !! With counts of modes the mass leaves with the velocity that these give the tip; what they lack of it the beam keeps in
+  !! all its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after
+  !! the release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do. Where there are
+  !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_rest).
+  use bw_coherence, only: combined, deviation_type, largest, stretch_type
   use bw_course, only: move
-  use bw_double_double, only: dd, sqrt, to_dd
+  use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
-  use bw_reach, only: damped_reach, stretch_type, turns
+  use bw_reach, only: damped_reach, turns
   use bw_release, only: tip_rest
   use bw_tip_rest, only: find_tip_rest
-  use bw_tail, only: add_tail, deviation_type, largest, negligible, sampled
+  use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
   implicit none (type, external)
   private
   public :: release_error, release_tail, blow_reach
@@ -30,8 +34,7 @@ contains
 
   function release_tail(count, loaded, alone, force, released, points, stretch, velocity) result(error)
     !! Estimates of what the modes of the beam alone beyond the first `count` add after the release, (points), where
-    !! those start with all that the tip's velocity gives them (bw_tip_rest). The release hands the motion of short waves
-    !! on to modes of nearly the same number, which then move as far as those of beam and mass did.
+    !! those start with all that the tip's velocity gives them (bw_tip_rest).
     integer, intent(in) :: count
     class(mode_source), intent(in) :: loaded, alone
     real(dp), intent(in) :: force                 !! as that of `release_error`, and the others
@@ -39,27 +42,19 @@ contains
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    real(dp) :: error(size(points)), first(size(points))
-    type(deviation_type) :: sums(size(points))
-    call add_tail(count, loaded, force, points, since_capture(stretch, released), velocity, sums, shown=alone)
-    first = 0.0_dp
-    if (allocated(alone%damping)) then
-      call add_handed_on(count, loaded, alone, force, released, points, stretch, velocity, sums, first)
-    end if
-    error = margin*max(largest(sums, stretch%samples), abs(first))
+    real(dp) :: error(size(points))
+    class(mode_set), allocatable :: low
+    real(dp) :: q(count), rate(count)
+    call loaded%find(first_numbers(count), low)
+    q = 0.0_dp
+    rate = force*low%tip/low%modal_mass
+    call move(low, released, q, rate)
+    error = blow_left(count, loaded, alone, force, released, points, stretch, velocity) &
+      + force_left(low, q, rate, alone, points, stretch, velocity)
   end function release_tail
 
-  pure type(stretch_type) function since_capture(stretch, released) result(whole)
-    !! A stretch with its times from the capture.
-    type(stretch_type), intent(in) :: stretch     !! times from the release
-    type(dd), intent(in) :: released
-    whole = stretch_type(released%hi + stretch%start, released%hi + stretch%end, stretch%samples)
-  end function since_capture
-
-  subroutine add_handed_on(count, loaded, alone, force, released, points, stretch, velocity, sums, seen)
-    !! What modes of the beam alone beyond the first `count` get from the first of beam and mass. The force of the mass at
-    !! the tip ends of a sudden, so that it falls as k⁻⁴ only: where damping has left nothing of the modes far above, this is
-    !! what is missing.
+  function blow_left(count, loaded, alone, force, released, points, stretch, velocity) result(error)
+    !! What the blow gave the modes beyond the first `count`, handed on number by number, (points).
     integer, intent(in) :: count
     class(mode_source), intent(in) :: loaded, alone
     real(dp), intent(in) :: force
@@ -67,28 +62,42 @@ contains
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    type(deviation_type), intent(inout) :: sums(:)
-    real(dp), intent(inout) :: seen(:)            !! as that of `add_state`
-    class(mode_set), allocatable :: low, free
-    type(deviation_type) :: before(size(sums))
-    real(dp) :: q(count), rate(count)
+    real(dp) :: error(size(points))
+    type(deviation_type) :: sums(size(points))
+    type(stretch_type) :: whole
+    whole = stretch_type(released%hi + stretch%start, released%hi + stretch%end, stretch%step)
+    call add_tail(count, loaded, force, points, whole, velocity, sums, shown=alone)
+    error = largest(sums, points, whole, alone%quadratic)
+  end function blow_left
+
+  function force_left(low, q, rate, alone, points, stretch, velocity) result(error)
+    !! What the modes of the beam alone beyond the first of beam and mass get from these, (points).
+    class(mode_set), intent(in) :: low            !! of beam and mass
+    real(dp), intent(in) :: q(:), rate(:)         !! their state when the mass leaves
+    class(mode_source), intent(in) :: alone
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp) :: error(size(points))
+    class(mode_set), allocatable :: free
+    type(deviation_type) :: sums(size(points)), before(size(points))
+    integer, allocatable :: number(:)
+    real(dp), allocatable :: weight(:)
     integer :: first, last
-    call loaded%find(first_numbers(count), low)
-    q = 0.0_dp
-    rate = force*low%tip/low%modal_mass
-    call move(low, released, q, rate)
-    first = count + 1
+    first = low%count + 1
     do while (first <= alone%highest)
       last = min(2*first, alone%highest)
       before = sums
-      call alone%find(sampled(first, last), free)
-      call add_state(free, free%overlap_of_beam(low, q)/free%modal_mass, free%overlap_of_beam(low, rate)/free%modal_mass, &
-                     real(last - first + 1, dp)/free%count, points, stretch, velocity, sums, seen)
+      call sample_window(first, last, number, weight)
+      call alone%find(number, free)
+      call add_state(free, free%overlap_far_below(low, q)/free%modal_mass, free%overlap_far_below(low, rate)/free%modal_mass, &
+                     points, stretch, velocity, weight, sums)
       if (all(sums%magnitude + sums%growing - before%magnitude - before%growing &
               <= negligible*(sums%magnitude + sums%growing))) exit
       first = last + 1
     end do
-  end subroutine add_handed_on
+    error = largest(sums, points, stretch, alone%quadratic)
+  end function force_left
 
   function blow_reach(free, points, stretch, velocity) result(reach)
     !! How far a blow of 1 at its tip drives the beam alone at most, (points).
@@ -98,7 +107,7 @@ contains
     logical, intent(in) :: velocity
     real(dp) :: reach(size(points))
     type(deviation_type) :: sums(size(points))
-    call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, 1.0_dp, points, stretch, velocity, sums)
+    call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, points, stretch, velocity, every(free), sums)
     reach = sums%growing + sums%magnitude
   end function blow_reach
 
@@ -118,7 +127,7 @@ contains
     class(mode_set), allocatable :: many, free
     type(deviation_type) :: sums(size(points))
     type(tip_rest) :: rest
-    real(dp) :: first(size(points)), usual
+    real(dp) :: usual
     real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
     integer :: n
     error = 0.0_dp
@@ -137,52 +146,37 @@ contains
     lacking_rate = (free%overlap_of_beam(many, start_rate, monitor) - loaded%gamma*rest%velocity*free%tip)/free%modal_mass
     lacking(:size(q)) = lacking(:size(q)) - q
     lacking_rate(:size(q)) = lacking_rate(:size(q)) - rate
-    first = 0.0_dp
-    call add_state(free, lacking, lacking_rate, 1.0_dp, points, stretch, velocity, sums, first)
-    call add_tail(n, loaded, force, points, since_capture(stretch, released), velocity, sums, shown=alone)
-    error = margin*max(largest(sums, stretch%samples), abs(first)) &
+    call add_state(free, lacking, lacking_rate, points, stretch, velocity, every(free), sums)
+    error = margin*largest(combined(deviation_type(), sums), points, stretch, alone%quadratic) &
+      + blow_left(n, loaded, alone, force, released, points, stretch, velocity) &
+      + force_left(many, start, start_rate, alone, points, stretch, velocity) &
       + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
   end function release_error
 
-  pure subroutine add_state(modes, q, rate, weight, points, stretch, velocity, sums, seen)
+  pure subroutine add_state(modes, q, rate, points, stretch, velocity, weight, sums)
     !! Amplitudes of modes that start from any state.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q(:), rate(:)         !! (modes)
-    real(dp), intent(in) :: weight                !! each stands for so many modes
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
+    real(dp), intent(in) :: weight(:)             !! for how many modes each stands, (modes)
     type(deviation_type), intent(inout) :: sums(:)
-    real(dp), intent(inout), optional :: seen(:)
-      !! what they add at the first sample of the stretch: just after the release their phases agree, (points)
-    real(dp) :: shapes(modes%count, size(points)), amplitude(modes%count), c(modes%count)
-    logical :: swinging(modes%count)
-    integer :: p
+    type(moving_modes) :: moving
+    real(dp) :: c(modes%count)
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping
-    swinging = turns(modes%beta_squared, c)
-    amplitude = amplitude_of(modes%beta_squared, c, q, rate, stretch, velocity)
-    shapes = modes%shapes(points)
-    do p = 1, size(points)
-      sums(p)%magnitude = sums(p)%magnitude + weight*sum(abs(amplitude*shapes(:, p)), mask=swinging)
-      sums(p)%square = sums(p)%square + weight*sum((amplitude*shapes(:, p))**2, mask=swinging)
-      sums(p)%growing = sums(p)%growing + weight*sum(abs(amplitude*shapes(:, p)), mask=.not. swinging)
-    end do
-    if (present(seen)) seen = seen + weight*matmul(first_sample(modes, q, rate, stretch, velocity), shapes)
+    moving = moving_modes(amplitude_of(modes%beta_squared, c, q, rate, stretch, velocity), modes%alpha, &
+                          abs(modes%tip), turns(modes%beta_squared, c))
+    call add_amplitudes(moving, modes%shapes(points), points, stretch, weight, sums)
   end subroutine add_state
 
-  pure function first_sample(modes, q, rate, stretch, velocity) result(motion)
-    !! Of each mode, its displacement or velocity.
+  pure function every(modes) result(weight)
+    !! Each mode stands for itself.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: q(:), rate(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
-    real(dp) :: motion(modes%count), other(modes%count)
-    motion = q
-    other = rate
-    call move(modes, to_dd(stretch%start), motion, other)
-    if (velocity) motion = other
-  end function first_sample
+    real(dp) :: weight(modes%count)
+    weight = 1.0_dp
+  end function every
 
   elemental real(dp) function amplitude_of(beta_squared, c, q, rate, stretch, velocity) result(amplitude)
     !! The largest displacement or velocity of a mode over the stretch, or a little more.
@@ -191,10 +185,13 @@ contains
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     type(dd) :: beta, slow
+    real(dp) :: swing
     beta = sqrt(beta_squared)
     if (turns(beta_squared, c)) then
       slow = slow_exponent(beta_squared, c)
-      amplitude = hypot(q, rate/beta%hi)*exp(slow%hi*stretch%start)
+      swing = 1.0_dp/beta%hi
+      if (.not. velocity) swing = min(swing, stretch%end)     ! a slow mode does not come that far
+      amplitude = hypot(q, rate*swing)*exp(slow%hi*stretch%start)
       if (velocity) amplitude = beta%hi*amplitude
     else if (velocity) then
       amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &

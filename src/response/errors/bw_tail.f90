@@ -1,51 +1,39 @@
 module bw_tail
-  !! Sums over the modes of a struck beam that are not summed: how far they move, without their phases.
+  !! Sums over the modes of a struck beam that are not summed: how far they move, without their phases (bw_coherence).
   !!
-  !! Were the phases random, the largest value of N samples would hardly ever be above √(½ΣA²)·√(2 ln 2N). But they are nearly
-  !! quadratic in k: near times τ of which πτ/2 is a fraction of small numbers many of them agree again, as in theta sums,
-  !! whose values above x times the mean square's root are as rare as x⁻⁴ (J. Marklof, 1999), so that N samples find one of
-  !! about N^(1/4). The estimate is the smaller of Σ|A| and the larger of these two with their factors. The sums run over
-  !! windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the shapes at a point
-  !! repeat every few modes.
-  !!
-  !! **Empirical**: `safety`, `revival`, and the sampling; test_bw_truncation shows what they are worth.
+  !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
+  !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
+  !! and integrate cubics over it.
+  use bw_coherence, only: deviation_type, from_tip, stretch_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
-  use bw_reach, only: damped_reach, stretch_type, turns, undamped_reaches
+  use bw_reach, only: damped_reach, turns, undamped_reaches
   implicit none (type, external)
   private
-  public :: add_modes, add_tail, largest, sampled
+  public :: add_amplitudes, add_modes, add_tail, sample_window
 
-  real(dp), parameter :: safety = 2.5_dp          !! empirical: of the phases as if they were random
-  real(dp), parameter :: revival = 2.0_dp         !! empirical: of N^(1/4); from 500 samples on it is the larger one
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
+  real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
   real(dp), parameter, public :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
-  real(dp), parameter :: unseen = 0.1_dp
-    !! of what damped modes add: runs see 0.07 too little of a window in which amplitudes fall as k⁻⁶, and modes that creep back
-    !! all have one sign, so that nothing of their sum is to spare
+  real(dp), parameter :: velocities_end = 0.03_dp
+    !! the same of ΣA² of velocities, whose Σ|A| has no bound: after some thirty times the modes
+  real(dp), parameter :: unseen = 0.01_dp
+    !! of a sampled window: the rule is off by less in the steepest, and what ends the sum is less again
 
-  type, public :: deviation_type
-    !! Of one point: the sums from which the estimates are made.
-    real(dp) :: magnitude = 0.0_dp                !! Σ|A|
-    real(dp) :: square = 0.0_dp                   !! ΣA²
-    real(dp) :: growing = 0.0_dp                  !! the largest value of what grows, or creeps back
-  end type deviation_type
+  type, public :: moving_modes
+    !! How some modes move.
+    real(dp), allocatable :: reach(:)             !! how far, where the shape is 1, (modes)
+    real(dp), allocatable :: alpha(:)             !! wave number times length, (modes)
+    real(dp), allocatable :: tip(:)               !! |Φ(1)|, (modes)
+    logical, allocatable :: swings(:)             !! its sign is as good as random, (modes)
+  end type moving_modes
 
 contains
-
-  elemental real(dp) function largest(sums, samples, coherence) result(error)
-    !! The estimate that follows from the sums of one point.
-    type(deviation_type), intent(in) :: sums
-    integer, intent(in) :: samples
-    real(dp), intent(in), optional :: coherence     !! at least so many times the mean square's root
-    real(dp) :: times                               ! of the mean square's root
-    times = max(safety*sqrt(2.0_dp*log(2.0_dp*max(2, samples))), revival*sqrt(sqrt(real(samples, dp))))
-    if (present(coherence)) times = max(times, coherence)
-    error = sums%growing + min(sums%magnitude, times*sqrt(0.5_dp*sums%square))
-  end function largest
 
   subroutine add_tail(count, source, force, points, stretch, velocity, sums, shown)
     !! The continuum's modes from `count` + 1 on.
@@ -58,17 +46,16 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
     type(deviation_type) :: before(size(points))
+    real(dp) :: rising
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
+    rising = falls_beyond(source%gamma, points)
     first = count + 1
     do while (first <= source%highest)
       last = window_end(first, source, stretch%start)
       before = sums
-      call add_window(source, force, sampled(first, last), last - first + 1, points, stretch, velocity, sums, shown)
-      if (allocated(source%damping)) call add_unseen(before, sums)
-      if (source%gamma*first > 1.0_dp .and. all(sums%square - before%square <= negligible*sums%square) .and. &
-          all(sums%growing - before%growing <= negligible*sums%growing) .and. &
-          (velocity .or. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude))) exit
+      call add_window(source, force, first, last, points, stretch, velocity, sums, shown)
+      if (first > rising .and. adds_nothing(before, sums, velocity)) exit
       first = last + 1
     end do
     if (source%decay > 0.0_dp .and. first > source%highest) then
@@ -76,13 +63,28 @@ contains
     end if
   end subroutine add_tail
 
-  elemental subroutine add_unseen(before, sums)
-    !! What the runs of a window may not have seen, unless signs make up for it.
-    type(deviation_type), intent(in) :: before    !! the sums without this window
-    type(deviation_type), intent(inout) :: sums
-    sums%magnitude = sums%magnitude + unseen*(sums%magnitude - before%magnitude)
-    sums%growing = sums%growing + unseen*(sums%growing - before%growing)
-  end subroutine add_unseen
+  pure real(dp) function falls_beyond(gamma, points) result(number)
+    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the tip shapes rise
+    !! from Φ(1).
+    real(dp), intent(in) :: gamma, points(:)
+    real(dp), parameter :: risen = 3.0_dp         ! αd
+    real(dp) :: nearest
+    nearest = minval(1.0_dp - points, mask=points < 1.0_dp)      ! huge where there is none
+    number = max(1.0_dp/gamma, (risen/pi)/nearest)
+  end function falls_beyond
+
+  pure logical function adds_nothing(before, sums, velocity)
+    !! A window that adds so little that those beyond it need not be looked at.
+    type(deviation_type), intent(in) :: before(:) !! the sums without this window, (points)
+    type(deviation_type), intent(in) :: sums(:)
+    logical, intent(in) :: velocity
+    adds_nothing = all(sums%growing - before%growing <= negligible*sums%growing)
+    if (velocity) then
+      adds_nothing = adds_nothing .and. all(sums%square - before%square <= velocities_end*sums%square)
+    else
+      adds_nothing = adds_nothing .and. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude)
+    end if
+  end function adds_nothing
 
   integer function window_end(first, source, elapsed) result(last)
     !! Twice the first mode, or where damping has left much less of the last mode than of the first, no further than all modes
@@ -104,20 +106,20 @@ contains
     end do
   end function window_end
 
-  subroutine add_window(source, force, number, window, points, stretch, velocity, sums, shown)
-    !! Modes that stand for a window of so many: of undamped ones no more is found than is needed.
+  subroutine add_window(source, force, first, last, points, stretch, velocity, sums, shown)
+    !! Modes `first` … `last`: of undamped ones no more is found than is needed.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
-    integer, intent(in) :: number(:), window
+    integer, intent(in) :: first, last
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown
     class(mode_set), allocatable :: modes, others
-    type(dd) :: beta(size(number))
-    real(dp) :: drive(size(number)), shapes(size(number), size(points)), weight
-    weight = real(window, dp)/size(number)
+    integer, allocatable :: number(:)
+    real(dp), allocatable :: weight(:)
+    call sample_window(first, last, number, weight)
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
@@ -126,11 +128,28 @@ contains
       call source%find(number, modes)
       call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
     else
-      call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
-      call add_amplitudes(force*drive, shapes, beta%hi > 0.0_dp, undamped_reaches(beta%hi, stretch%end, velocity), weight, &
-                          sums)
+      call add_terms(source, force, number, points, stretch, velocity, weight, sums)
     end if
   end subroutine add_window
+
+  subroutine add_terms(source, force, number, points, stretch, velocity, weight, sums)
+    !! Undamped modes.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp), intent(in) :: weight(:)
+    type(deviation_type), intent(inout) :: sums(:)
+    type(moving_modes) :: moving
+    type(dd) :: beta(size(number))
+    real(dp) :: drive(size(number)), shapes(size(number), size(points))
+    call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
+    moving = moving_modes(undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive), pi*number, abs(drive), &
+                          beta%hi > 0.0_dp)
+    call add_amplitudes(moving, shapes, points, stretch, weight, sums)
+  end subroutine add_terms
 
   subroutine extrapolate(source, force, points, stretch, velocity, sums, shown)
     !! The modes beyond the highest that can be found, as the last octave of those tells. Velocities fall as 1/k, whose
@@ -145,10 +164,7 @@ contains
     real(dp), parameter :: no_bound = 1.0e3_dp
     type(deviation_type) :: octave(size(points))
     real(dp) :: decay
-    integer :: k, first
-    first = source%highest/2 + 1
-    call add_window(source, force, [(k, k=first, source%highest)], source%highest - first + 1, points, stretch, velocity, &
-                    octave, shown)
+    call add_window(source, force, source%highest/2 + 1, source%highest, points, stretch, velocity, octave, shown)
     decay = merge(1.0_dp, source%decay, velocity)
     sums%square = sums%square + octave%square/(2.0_dp**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
     if (velocity) then
@@ -156,72 +172,113 @@ contains
     else
       sums%magnitude = sums%magnitude + octave%magnitude/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
     end if
+    sums%largest = max(sums%largest, octave%largest)
+    sums%passing = max(sums%passing, octave%passing)
+    sums%alpha = min(sums%alpha, octave%alpha)
   end subroutine extrapolate
 
-  pure function sampled(first, last) result(number)
+  pure subroutine sample_window(first, last, number, weight)
     !! All mode numbers of a short window, runs of neighbours of a long one.
     integer, intent(in) :: first, last
-    integer, allocatable :: number(:)
-    integer :: i, k, gap
+    integer, allocatable, intent(out) :: number(:)
+    real(dp), allocatable, intent(out) :: weight(:)        !! for how many modes each stands
+    real(dp) :: width, outermost, outer, each(runs)
+    integer :: i, k, start
     if (last - first + 1 <= 2*runs*run_length) then
       number = [(k, k=first, last)]
-    else
-      gap = (last - first + 1)/runs
-      number = [((first + i*gap + (gap - run_length)/2 + k, k=0, run_length - 1), i=0, runs - 1)]
+      weight = spread(1.0_dp, 1, size(number))
+      return
     end if
-  end function sampled
+    allocate (number(runs*run_length), weight(runs*run_length))
+    width = last - first + 1
+    outermost = 1.0_dp - run_length/width        ! middle of the last run, of a window from −1 to 1
+    outer = (1.0_dp/3.0_dp - 0.2_dp*outermost**2)/(0.8_dp*outermost**2)
+    each = 0.5_dp*[outer, 1.0_dp - outer, 1.0_dp - outer, outer]*(1.0_dp + unseen)*width/run_length
+    do i = 1, runs
+      start = first + nint(0.5_dp*(1.0_dp + nodes(i))*(width - run_length))
+      number((i - 1)*run_length + 1:i*run_length) = [(k, k=start, start + run_length - 1)]
+      weight((i - 1)*run_length + 1:i*run_length) = each(i)
+    end do
+  end subroutine sample_window
 
   pure subroutine add_modes(modes, rate, points, stretch, velocity, weight, sums)
-    !! Amplitudes of modes that start with velocity `rate`; each stands for `weight` modes.
+    !! Amplitudes of modes that start with velocity `rate`.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)               !! (modes)
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    real(dp), intent(in) :: weight
+    real(dp), intent(in) :: weight(:)             !! for how many modes each stands, (modes)
     type(deviation_type), intent(inout) :: sums(:)
-    real(dp) :: reach(part)
-    logical :: stable(part)
-    integer :: first, last, n
+    type(moving_modes) :: moving
+    integer :: first, last
     do first = 1, modes%count, part
       last = min(first + part - 1, modes%count)
-      n = last - first + 1
       associate (square => modes%beta_squared(first:last))
+        moving%alpha = modes%alpha(first:last)
+        moving%tip = abs(modes%tip(first:last))
         if (allocated(modes%damping)) then
-          stable(:n) = turns(square, modes%damping(first:last))
-          reach(:n) = damped_reach(square, modes%damping(first:last), stretch, velocity)
+          moving%swings = turns(square, modes%damping(first:last))
+          moving%reach = abs(rate(first:last))*damped_reach(square, modes%damping(first:last), stretch, velocity)
         else
-          stable(:n) = square%hi > 0.0_dp
-          reach(:n) = undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
+          moving%swings = square%hi > 0.0_dp
+          moving%reach = abs(rate(first:last)) &
+            *undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
         end if
       end associate
-      call add_amplitudes(rate(first:last), modes%some_shapes(first, last, points), stable(:n), reach(:n), weight, sums)
+      call add_amplitudes(moving, modes%some_shapes(first, last, points), points, stretch, weight(first:last), sums)
     end do
   end subroutine add_modes
 
-  pure subroutine add_amplitudes(rate, shapes, stable, reach, weight, sums)
-    real(dp), intent(in) :: rate(:), shapes(:, :)
-    logical, intent(in) :: stable(:)
-    real(dp), intent(in) :: reach(:)              !! how far the mode goes that starts with velocity 1
-    real(dp), intent(in) :: weight
+  pure subroutine add_amplitudes(moving, shapes, points, stretch, weight, sums)
+    type(moving_modes), intent(in) :: moving
+    real(dp), intent(in) :: shapes(:, :)          !! (modes, points)
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    real(dp), intent(in) :: weight(:)             !! (modes)
     type(deviation_type), intent(inout) :: sums(:)
-    real(dp) :: amplitude, total(3)
+    real(dp) :: amplitude, distance, peak
+    logical :: slow
     integer :: k, p
     do p = 1, size(sums)
-      total = 0.0_dp
-      do k = 1, size(rate)
-        amplitude = abs(rate(k)*shapes(k, p))*reach(k)
-        if (stable(k)) then
-          total(1) = total(1) + amplitude
-          total(2) = total(2) + amplitude**2
-        else
-          total(3) = total(3) + amplitude
-        end if
-      end do
-      sums(p)%magnitude = sums(p)%magnitude + weight*total(1)
-      sums(p)%square = sums(p)%square + weight*total(2)
-      sums(p)%growing = sums(p)%growing + weight*total(3)
+      distance = from_tip(points(p))
+      slow = run_length*min(points(p), distance) < 1.0_dp .and. points(p) < 1.0_dp
+      associate (sum => sums(p))
+        do k = 1, size(moving%reach)
+          amplitude = moving%reach(k)*abs(shapes(k, p))
+          peak = amplitude
+          if (slow .and. weight(k) > 1.0_dp) then
+            peak = moving%reach(k)*largest_shape(points(p), moving%alpha(k), moving%tip(k))
+            amplitude = max(amplitude, mean*peak)
+          end if
+          if (moving%swings(k)) then
+            sum%magnitude = sum%magnitude + weight(k)*amplitude
+            sum%square = sum%square + weight(k)*amplitude**2
+            if (peak > sum%largest) then
+              sum%largest = peak
+              sum%alpha = moving%alpha(k)
+            end if
+            if (2.0_dp*moving%alpha(k)*stretch%end >= distance) then      ! at the group velocity
+              sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
+            end if
+          else
+            sum%growing = sum%growing + weight(k)*amplitude
+          end if
+        end do
+      end associate
     end do
   end subroutine add_amplitudes
+
+  elemental real(dp) function largest_shape(xi, alpha, tip) result(shape)
+    !! A bound of |Φ(ξ)| near one end of the beam, where a run of modes does not see how far its shapes go: √2 and what the
+    !! end adds, and nearer to the end the first term of Taylor's series.
+    real(dp), intent(in) :: xi, alpha
+    real(dp), intent(in) :: tip                   !! |Φ(1)|
+    if (xi < 0.5_dp) then
+      shape = min(1.6_dp, (alpha*xi)**2)
+    else
+      shape = min(sqrt(2.0_dp) + 0.5_dp*tip, tip + sqrt(2.0_dp)*alpha*(1.0_dp - xi))
+    end if
+  end function largest_shape
 
 end module bw_tail

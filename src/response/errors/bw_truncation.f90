@@ -2,20 +2,19 @@ module bw_truncation
   !! How far a sum of n modes is from the answer of infinitely many, before any of the others is summed.
   !!
   !! What is missing is a sum of sines with the amplitudes A of the modes from n + 1 on, and of the differences that a
-  !! finite number of modes before the capture leaves in the first n. Its largest value over N samples is at most Σ|A|.
-  !! The estimate is that of bw_tail.
+  !! finite number of modes before the capture leaves in the first n. The estimate is that of bw_coherence.
   !!
   !! Damped modes enter with the amplitude that is left of them at the start of stretches of the history; those that do not
   !! turn add up as what grows does, without a sign. At the first samples, where damping leaves a few modes to decide, these
   !! are summed as they are.
   !!
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
+  use bw_coherence, only: combined, deviation_type, largest, stretch_type
   use bw_course, only: move
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source
-  use bw_reach, only: stretch_type
-  use bw_tail, only: add_modes, add_tail, deviation_type, largest
+  use bw_tail, only: add_modes, add_tail
   implicit none (type, external)
   private
   public :: truncation_error, tail_error, with_start
@@ -62,78 +61,53 @@ contains
     class(mode_set), intent(in), optional :: modes
     real(dp), intent(in), optional :: lacking(:)  !! (modes)
     real(dp) :: error(size(points))
-    type(deviation_type) :: sums(size(points))
+    type(deviation_type), dimension(size(points)) :: sums, lack
     type(stretch_type), allocatable :: stretches(:)
-    real(dp) :: coherence(size(points)), estimate(size(points))
+    real(dp) :: estimate(size(points))
     integer :: i
     error = 0.0_dp
-    coherence = coherence_near_tip(count, points, longest/samples, velocity)
-    if (allocated(source%damping)) coherence = 0.0_dp
     stretches = stretches_of(source, longest, samples)
     do i = 1, size(stretches)
       sums = deviation_type()
-      if (present(lacking)) call add_modes(modes, lacking, points, stretches(i), velocity, 1.0_dp, sums)
+      lack = deviation_type()
+      if (present(lacking)) call add_modes(modes, lacking, points, stretches(i), velocity, spread(1.0_dp, 1, modes%count), lack)
       call add_tail(count, source, force, points, stretches(i), velocity, sums)
-      estimate = largest(sums, stretches(i)%samples, coherence)
+      estimate = largest(combined(sums, lack), points, stretches(i), source%quadratic)
       if (allocated(source%damping) .and. .not. present(lacking) .and. i <= stretches_summed .and. i < size(stretches)) then
-        estimate = min(estimate, largest_seen(count, source, force, points, stretches(i), longest/samples, velocity))
+        estimate = min(estimate, largest_seen(count, source, force, points, stretches(i), velocity))
       end if
       error = max(error, estimate)
     end do
   end function worst_stretch
 
-  elemental real(dp) function coherence_near_tip(count, xi, step, velocity) result(times)
-    !! How far the modes after the first `count` go together where the blow's wave passes, over their mean square's root.
-    !!
-    !! At the distance d from the tip and the time τ the phases α²τ ± αd of the modes are stationary at α = d/(2τ). By the
-    !! method of stationary phase these add up to A_k √(k/2d), the amplitudes falling as k⁻³ (velocities as k⁻¹), which is
-    !! 2.2/√d (1.2/√d) times the root of ½ΣA² from k on; at the tip itself all of them agree. It matters where samples are
-    !! so close together that one of them sees it.
-    integer, intent(in) :: count
-    real(dp), intent(in) :: xi                    !! where, ξ
-    real(dp), intent(in) :: step                  !! between samples, l²/h
-    logical, intent(in) :: velocity
-    real(dp), parameter :: pi = acos(-1.0_dp)
-    real(dp) :: alpha, distance
-    times = 0.0_dp
-    alpha = pi*max(1, count)
-    distance = 1.0_dp - xi
-    if (step*alpha**2 > alpha*distance + 4.0_dp*pi) return    ! the first sample comes after the wave of these modes
-    if (velocity) then
-      times = 3.5_dp/sqrt(max(distance, 1.0_dp/alpha))
-    else
-      times = 4.0_dp/sqrt(max(distance, tiny(times)))
-    end if
-  end function coherence_near_tip
-
-  function largest_seen(count, source, force, points, stretch, step, velocity) result(largest_motion)
+  function largest_seen(count, source, force, points, stretch, velocity) result(largest_motion)
     !! What the modes from `count` + 1 on add at the samples of a stretch: the first of them with their signs, the others
     !! without, (points).
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force, points(:)
     type(stretch_type), intent(in) :: stretch
-    real(dp), intent(in) :: step                  !! of the samples, l²/h
     logical, intent(in) :: velocity
     real(dp), parameter :: rounding = 1.01_dp     ! and what else is small
     real(dp) :: largest_motion(size(points))
     class(mode_set), allocatable :: modes
     type(deviation_type) :: others(size(points))
     real(dp), dimension(min(summed, source%highest - count)) :: q, rate
-    integer :: j, first
+    real(dp) :: time
+    integer :: j
     largest_motion = 0.0_dp
     if (size(q) > 0) call source%find(count + first_numbers(size(q)), modes)
-    first = nint(stretch%start/step)
-    do j = first, stretch%samples - 1
+    do j = nint(stretch%start/stretch%step), nint(stretch%end/stretch%step) - 1
+      time = j*stretch%step
       others = deviation_type()
-      call add_tail(count + size(q), source, force, points, stretch_type(j*step, stretch%end, j + 1), velocity, others)
+      call add_tail(count + size(q), source, force, points, stretch_type(time, stretch%end, stretch%step), velocity, others)
       associate (unsigned => others%magnitude + others%growing)
         if (size(q) == 0) then
           largest_motion = max(largest_motion, unsigned)
         else
           q = 0.0_dp
           rate = force*modes%tip/modes%modal_mass
-          call move(modes, to_dd(j*step), q, rate)
+          call move(modes, to_dd(time), q, rate)
           if (velocity) q = rate
           largest_motion = max(largest_motion, rounding*abs(matmul(q, modes%shapes(points))) + unsigned)
         end if
@@ -148,14 +122,16 @@ contains
     real(dp), intent(in) :: longest
     integer, intent(in) :: samples
     type(stretch_type), allocatable :: stretches(:)
+    real(dp) :: step
     integer :: first
-    stretches = [stretch_type(0.0_dp, longest, samples)]
+    step = longest/samples
+    stretches = [stretch_type(step, longest, step)]
     if (.not. allocated(source%damping) .or. samples < 2) return
     deallocate (stretches)
     allocate (stretches(0))
     first = 1
     do
-      stretches = [stretches, stretch_type((longest/samples)*first, longest, first + min(first, samples - first))]
+      stretches = [stretches, stretch_type(step*first, step*(first + min(first, samples - first)), step)]
       if (first > samples/2) exit
       first = 2*first
     end do

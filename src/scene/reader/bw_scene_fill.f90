@@ -1,16 +1,14 @@
 module bw_scene_fill
   !! Statements as values: each is matched with its row of the table and read.
-  use bw_input_table, only: group_row, group_table, name_row, name_table, names_of, rows_of
+  use bw_input_name, only: place_of
+  use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group, unknown_name
   use bw_input_values, only: group_values
-  use bw_scene_characters, only: shortened
-  use bw_scene_entries, only: place_of, read_value
-  use bw_scene_items, only: item, read_items
+  use bw_scene_entries, only: item, read_items, read_value
   use bw_scene_lexer, only: tokenise
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, shortened
   use bw_scene_parser, only: opened_group, parsed_scene, statement
   use bw_scene_tokens, only: bad_group_token, bad_token, name_in, token
   use bw_text, only: text_of
-  use bw_unknown_input, only: unknown_group, unknown_name
   implicit none (type, external)
   private
   public :: fill_groups
@@ -43,7 +41,7 @@ contains
       call open_group(i, 0, groups(n))
     end do
     do i = 1, size(groups)
-      call fill_defaults(groups(i), messages)
+      call fill_defaults(groups(i))
     end do
   end subroutine fill_groups
 
@@ -96,13 +94,18 @@ contains
     !! A group without values.
     integer, intent(in) :: row, line
     type(group_values), intent(out) :: group
+    integer, allocatable :: rows(:)
+    rows = rows_of(group_table(row)%name)
     group%group = group_table(row)%name
+    group%row = row
     group%line = line
-    allocate (group%values(size(rows_of(group_table(row)%name))))
-    group%values%name = names_of(group_table(row)%name)
+    allocate (group%values(size(rows)))
+    group%values%row = rows
+    group%values%name = name_table(rows)%name
   end subroutine open_group
 
   pure subroutine fill_group(text, tokens, parsed, opened, group, messages)
+    !! The values that the statements of a group give.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(in) :: parsed
@@ -117,6 +120,7 @@ contains
   end subroutine fill_group
 
   pure subroutine fill_value(text, tokens, source, group, messages)
+    !! The value that one statement gives.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(statement), intent(in) :: source
@@ -139,21 +143,19 @@ contains
       group%values(i)%line = line
       call read_items(text, tokens(source%first:source%last), line, place, items, messages)
       if (size(items) == 0) return
-      call read_value(name_table(name_row(group%group, name)), text, items, group%values(i), messages)
+      call read_value(name_table(group%values(i)%row), text, items, group%values(i), messages)
     end if
   end subroutine fill_value
 
-  pure subroutine fill_defaults(group, messages)
-    !! Read defaults as if the scene had them.
+  pure subroutine fill_defaults(group)
+    !! Read defaults as if the scene had them, however much is wrong with the scene.
     type(group_values), intent(inout) :: group
-    type(message_list), intent(inout) :: messages
+    type(message_list) :: messages               ! nothing is wrong with a default
     type(token), allocatable :: tokens(:)
     type(item), allocatable :: items(:)
-    integer, allocatable :: rows(:)
     integer :: i
-    rows = rows_of(group%group)
-    do i = 1, size(rows)
-      associate (row => name_table(rows(i)))
+    do i = 1, size(group%values)
+      associate (row => name_table(group%values(i)%row))
         if (group%values(i)%given .or. row%default == '') cycle
         call tokenise(row%default, .true., tokens, messages)
         call read_items(row%default, tokens, 0, place_of(row), items, messages)

@@ -3,10 +3,9 @@ module bw_scene_lexer
   !!
   !! Text outside groups, unclosed quotes and characters that a namelist does not know are errors here; what tokens
   !! mean is the parser's business.
-  use bw_scene_characters, only: blanks, ends_word, is_ascii, is_name, is_utf8, lines_up_to, shown, stray_control
-  use bw_scene_messages, only: message_list
-  use bw_scene_tokens, only: bad_group_token, bad_token, comma_token, end_token, equals_token, group_token, name_in, &
-                             text_token, token, word_token
+  use bw_scene_messages, only: message_list, shown
+  use bw_scene_tokens, only: bad_group_token, bad_token, blanks, comma_token, end_token, ends_word, equals_token, &
+    group_token, is_ascii, is_name, is_utf8, line_feed, lines_up_to, name_in, stray_control, text_token, token, word_token
   use bw_text, only: text_of
   implicit none (type, external)
   private
@@ -22,7 +21,6 @@ module bw_scene_lexer
   end type scanner
 
   integer, parameter :: most_tokens = 2**22      !! two for each value that a scene may hold, and more
-  character(*), parameter :: line_feed = achar(10)
   character(*), parameter :: byte_order_mark = char(239)//char(187)//char(191)
 
 contains
@@ -48,12 +46,13 @@ contains
         call messages%add(lex%line, 'text', 'more than '//text_of(most_tokens)//' words and signs, which no scene has')
         exit
       end if
-      call step(text, lex, messages)
+      call lex_next(text, lex, messages)
     end do
     tokens = lex%tokens(:lex%count)
   end subroutine tokenise
 
   pure subroutine report_control(text, stray, messages)
+    !! Say what is wrong with the first byte that is no text.
     character(*), intent(in) :: text
     integer, intent(in) :: stray
     type(message_list), intent(inout) :: messages
@@ -69,7 +68,7 @@ contains
     end select
   end subroutine report_control
 
-  pure subroutine step(text, lex, messages)
+  pure subroutine lex_next(text, lex, messages)
     !! Take the next character, and the token that it starts.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
@@ -83,39 +82,40 @@ contains
     case ('!')
       lex%at = line_end(text, lex%at)
     case ('&')
-      call take_group(text, lex, messages)
+      call lex_group(text, lex, messages)
     case default
       if (lex%inside) then
-        call take_inside(text, lex, messages)
+        call lex_inside(text, lex, messages)
       else
-        call skip_outside(text, lex, messages)
+        call lex_outside(text, lex, messages)
       end if
     end select
-  end subroutine step
+  end subroutine lex_next
 
-  pure subroutine take_inside(text, lex, messages)
+  pure subroutine lex_inside(text, lex, messages)
+    !! Take a token inside a group.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
     select case (text(lex%at:lex%at))
     case ('/')
-      call put(lex, end_token, lex%at, lex%at)
+      call add_token(lex, end_token, lex%at, lex%at)
       lex%inside = .false.
     case ('=')
-      call put(lex, equals_token, lex%at, lex%at)
+      call add_token(lex, equals_token, lex%at, lex%at)
     case (',')
-      call put(lex, comma_token, lex%at, lex%at)
+      call add_token(lex, comma_token, lex%at, lex%at)
     case (';')
       call messages%add(lex%line, 'text', "';' separates nothing here; accepted: ',' or blanks between values")
       lex%at = lex%at + 1
     case ('''', '"')
-      call take_text(text, lex, messages)
+      call lex_text(text, lex, messages)
     case default
-      call take_word(text, lex, messages)
+      call lex_word(text, lex, messages)
     end select
-  end subroutine take_inside
+  end subroutine lex_inside
 
-  pure subroutine put(lex, kind, first, last)
+  pure subroutine add_token(lex, kind, first, last)
     !! Add a token and go behind it.
     type(scanner), intent(inout) :: lex
     integer, intent(in) :: kind, first, last
@@ -129,9 +129,9 @@ contains
     lex%tokens(lex%count) = token(kind=kind, first=first, last=last, line=lex%line, glued=lex%at == lex%past)
     lex%at = last + 1
     lex%past = lex%at
-  end subroutine put
+  end subroutine add_token
 
-  pure subroutine take_group(text, lex, messages)
+  pure subroutine lex_group(text, lex, messages)
     !! `&name` opens a group, wherever it stands; `&end` closes one (the parser refuses it).
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
@@ -141,14 +141,14 @@ contains
     if (.not. is_name(text(lex%at + 1:last))) then
       call messages%add(lex%line, 'text', &
                         shown(text(lex%at:last))//" names no group; accepted: '&' and a name, as &beam")
-      call put(lex, bad_group_token, lex%at + 1, last)
+      call add_token(lex, bad_group_token, lex%at + 1, last)
     else
-      call put(lex, group_token, lex%at + 1, last)
+      call add_token(lex, group_token, lex%at + 1, last)
     end if
     lex%inside = name_in(text, lex%tokens(lex%count)) /= 'end'
-  end subroutine take_group
+  end subroutine lex_group
 
-  pure subroutine take_text(text, lex, messages)
+  pure subroutine lex_text(text, lex, messages)
     !! A text from quote to quote on one line; a doubled quote stands for itself.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
@@ -159,17 +159,17 @@ contains
     if (closing == 0) then
       last = line_end(text, lex%at) - 1
       call messages%add(lex%line, 'text', 'no closing quote on this line: '//shown(text(lex%at:last)))
-      call put(lex, bad_token, first, last)
+      call add_token(lex, bad_token, first, last)
     else if (.not. is_utf8(text(first:closing - 1))) then
       call messages%add(lex%line, 'text', 'a text that is not UTF-8')
-      call put(lex, bad_token, first, closing)
+      call add_token(lex, bad_token, first, closing)
     else
-      call put(lex, text_token, first, closing - 1)
+      call add_token(lex, text_token, first, closing - 1)
       lex%tokens(lex%count)%quote = text(closing:closing)
       lex%at = closing + 1
       lex%past = lex%at
     end if
-  end subroutine take_text
+  end subroutine lex_text
 
   pure integer function closing_quote(text, opening) result(at)
     !! Place of the next quote of that kind on the line that is not doubled; 0 for none.
@@ -188,22 +188,23 @@ contains
     at = 0
   end function closing_quote
 
-  pure subroutine take_word(text, lex, messages)
+  pure subroutine lex_word(text, lex, messages)
+    !! A bare word: a name, a number or a logical.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
     integer :: last
     last = word_end(text, lex%at)
     if (is_ascii(text(lex%at:last))) then
-      call put(lex, word_token, lex%at, last)
+      call add_token(lex, word_token, lex%at, last)
     else
       call messages%add(lex%line, 'text', shown(text(lex%at:last))// &
                         ' holds a character that is not ASCII; accepted only inside quotes and comments')
-      call put(lex, bad_token, lex%at, last)
+      call add_token(lex, bad_token, lex%at, last)
     end if
-  end subroutine take_word
+  end subroutine lex_word
 
-  pure subroutine skip_outside(text, lex, messages)
+  pure subroutine lex_outside(text, lex, messages)
     !! Report text outside groups, once per line.
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
@@ -217,7 +218,7 @@ contains
                         'so write 0.5 instead of 1/2; a comment opens with !')
     end associate
     lex%at = last + 1
-  end subroutine skip_outside
+  end subroutine lex_outside
 
   pure integer function word_end(text, first)
     !! Last character of the word that starts at `first`; first − 1 for none.

@@ -1,7 +1,6 @@
 module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
-  use bw_scene_characters, only: shortened, shown
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, shortened, shown
   use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, text_token, &
                              token, word_token
   use bw_text, only: text_of
@@ -54,13 +53,14 @@ contains
         open = .false.
         i = i + 1
       case default
-        call take_statement(text, tokens, i, parsed, messages)
+        call parse_statement(text, tokens, i, parsed, messages)
       end select
     end do
     if (open) call report_open(text, tokens, parsed, messages)
   end subroutine parse
 
   pure subroutine open_group(text, tokens, i, open, parsed, messages)
+    !! Token i opens a group, or is the `&end` that is not accepted.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     integer, intent(inout) :: i
@@ -82,6 +82,7 @@ contains
   end subroutine open_group
 
   pure subroutine report_open(text, tokens, parsed, messages)
+    !! Say that the group opened last is not closed.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
     type(parsed_scene), intent(in) :: parsed
@@ -93,7 +94,7 @@ contains
     end associate
   end subroutine report_open
 
-  pure subroutine take_statement(text, tokens, i, parsed, messages)
+  pure subroutine parse_statement(text, tokens, i, parsed, messages)
     !! `name = values` up to the next name, group or end. It belongs to the group opened last.
     character(*), intent(in) :: text
     type(token), intent(in) :: tokens(:)
@@ -117,7 +118,7 @@ contains
       end if
     end if
     i = last + 1
-  end subroutine take_statement
+  end subroutine parse_statement
 
   pure subroutine check_separation(text, tokens, i, messages)
     !! A name stands apart from the text before it: Fortran refuses `plane='in'title=`, too.

@@ -25,6 +25,8 @@ module bw_line
     real(dp) :: strength_error = 0           !! bound on the error of both amplitudes' length
     real(dp) :: ratio = 0                    !! signed ratio midpoint to tip
     real(dp) :: ratio_error = 0              !! bound on its error, huge if it does not exist
+    real(dp) :: hidden = 0                   !! part of it that a line hidden beside it may be
+    logical :: doubtful = .true.             !! there may well be such a line
   end type line_type
 
 contains

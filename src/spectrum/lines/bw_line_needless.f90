@@ -11,26 +11,29 @@ module bw_line_needless
   public :: drop_needless
 
   real(dp), parameter, public :: resolution = 1  !! bins; closer lines are one
+  real(dp), parameter :: no_worse = 1.01_dp      !! times what is left
 
 contains
 
   subroutine drop_needless(residual, group)
     !! Leave out, the weakest first, lines within the resolution of another one without which the group's fit leaves no more
-    !! than it may. What is needed stays as it is, to the bit.
-    type(residual_type), intent(in) :: residual  !! without any line
+    !! than it may, or no more than with them: what lies in one place is one line. What is needed stays as it is, to the bit.
+    type(residual_type), intent(in) :: residual  !! what all lines leave
     type(group_type), intent(inout) :: group
     type(line_type), allocatable :: whole(:), trial(:)
-    real(dp) :: goal, left
+    real(dp) :: goal, left, left_now
     integer :: weakest, bins(2)
     allocate (whole, source=group%lines)
     bins = band_of(group, residual%count)
+    left_now = norm2(abs(residual%windowed(bins(1):bins(2), :)))
     do
       weakest = weakest_of_close(group%lines)
       if (weakest == 0) exit
       trial = [group%lines(:weakest - 1), group%lines(weakest + 1:)]
       goal = goal_of(residual, trial, 0.0_dp, bins)
       call fit_lines(trial, residual%count, bins(1), group_image(residual, whole, bins), goal, left)
-      if (left > goal) exit
+      if (left > max(goal, no_worse*left_now)) exit
+      left_now = left
       call move_alloc(trial, group%lines)
     end do
   end subroutine drop_needless

@@ -22,6 +22,7 @@ module bw_line_search
     !! A peak where a further line has failed to help.
     integer :: bin = 0
     integer :: neighbours = 0                  !! lines near it then: a new one takes its leakage away
+    integer :: others = 0                      !! other peaks near it then: one that has gone, being none, spoils its fit no more
   end type closed_type
 
 contains
@@ -119,16 +120,17 @@ contains
     integer, allocatable :: open(:)
     logical :: holds(size(closed))
     integer :: i
-    holds = closed%neighbours == [(neighbours(closed(i)%bin, lines), i=1, size(closed))]
+    holds = [(closed(i)%neighbours == near(closed(i)%bin, line_position(lines)) .and. &
+      & closed(i)%others < near(closed(i)%bin, real(peak, dp)), i=1, size(closed))]  ! the peak itself is one of them
     allocate (open, source=pack(peak, [(all(abs(closed%bin - peak(i)) > beside .or. .not. holds), i=1, size(peak))]))
   end function open_peaks
 
-  pure integer function neighbours(bin, lines)
-    !! Lines that share bins with a group there.
+  pure integer function near(bin, position)
+    !! How many share bins with a group there.
     integer, intent(in) :: bin
-    type(line_type), intent(in) :: lines(:)
-    neighbours = count(abs(line_position(lines) - bin) < 2*apart)
-  end function neighbours
+    real(dp), intent(in) :: position(:)
+    near = count(abs(position - bin) < 2*apart)
+  end function near
 
   subroutine fit_groups(residual, peak, lines, closed, monitor)
     !! Fit each group of lines and new peaks; peaks that made no line are closed.
@@ -146,9 +148,12 @@ contains
       if (stops(monitor)) return
       lines_before = size(group(i)%lines)
       call refit_group(residual, group(i), leakage(residual, group(i), peak))
-      if (size(group(i)%lines) <= lines_before) closed = &
-        & [closed, (closed_type(group(i)%peaks(j), neighbours(group(i)%peaks(j), lines)), j=1, size(group(i)%peaks))]
       fitted = [fitted, group(i)%lines]
+      if (size(group(i)%lines) > lines_before) cycle
+      do j = 1, size(group(i)%peaks)
+        closed = [closed, closed_type(group(i)%peaks(j), near(group(i)%peaks(j), line_position(lines)), &
+          & near(group(i)%peaks(j), real(peak, dp)) - 1)]
+      end do
     end do
     lines = fitted
   end subroutine fit_groups

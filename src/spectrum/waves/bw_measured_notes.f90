@@ -2,7 +2,9 @@ module bw_measured_notes
   !! What a reader of measured waves must know, in words.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
-  use bw_mode_numbering, only: curve_type, mode_type
+  use bw_measuring, only: measuring_type
+  use bw_mode_check, only: is_folded, is_none, not_known, verdict_type
+  use bw_mode_curve, only: mode_type
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
@@ -13,39 +15,41 @@ module bw_measured_notes
 
 contains
 
-  pure function measured_notes(peaks, modes, curve, uniform, listed, folded, faint, samples, duration) result(notes)
+  pure function measured_notes(peaks, modes, verdict, listed, faint, told, samples) result(notes)
     !! One note for each kind of thing found.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
-    type(curve_type), intent(in) :: curve
-    logical, intent(in) :: uniform             !! modes were looked for
+    type(verdict_type), intent(in) :: verdict(:)
     integer, intent(in) :: listed(:)           !! peaks in the result
-    integer, intent(in) :: folded(:)           !! modes that peaks are folded images of, 0: none
     integer, intent(in) :: faint               !! groups left out because the residual or rounding explains them
+    type(measuring_type), intent(in) :: told
     integer, intent(in) :: samples
-    real(dp), intent(in) :: duration           !! s
     type(string), allocatable :: notes(:)
-    logical :: stray(size(peaks))
+    logical, dimension(size(peaks)) :: folded, stray, kept
     allocate (notes(0))
-    if (any(folded > 0)) call append(notes, 'folded back from above half the sampling rate ('// &
-      & shortest(samples/(2*duration), 6)//' Hz) and left out: modes '//ranges(folded))
-    stray = curve%support > 0 .and. modes%number == 0 .and. folded == 0 .and. peaks%members == 1 &
-      & .and. peaks%located .and. .not. peaks%at_edge
-    if (uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call append(notes, &
-      & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing, and any line may be folded')
+    folded = verdict%kind == is_folded .and. peaks%located
+    if (any(folded)) call append(notes, 'folded back from above half the sampling rate ('// &
+      & shortest(samples/(2*told%duration), 6)//' Hz) and left out: modes '//ranges(pack(verdict%number, folded)))
+    stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(modes%number > 0) .and. modes%number == 0 &
+      & .and. peaks%members == 1 .and. .not. peaks%at_edge)
+    stray = stray .and. peaks%located
+    kept = peaks%located .and. .not. (folded .or. stray)
+    if (told%uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call append(notes, &
+      & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing')
+    if (any(kept .and. verdict%kind == not_known) .and. all(modes%number == 0)) call append(notes, &
+      & 'nothing tells which lines are folded back from above half the sampling rate')
     if (.not. all(peaks%located)) call append(notes, 'lines that could not be told apart, left out: '// &
       & frequencies(.not. peaks%located))
     if (faint > 0) call append(notes, 'groups of lines that do not stand out of what the fit leaves, left out: '// &
       & text_of(faint))
     if (any(stray)) call append(notes, 'lines that fit no mode, left out: '//frequencies(stray))
-    if (any(peaks%members > 1 .and. peaks%located)) call append(notes, &
-      & 'lines closer than 1/duration, each group taken as one: '//frequencies(peaks%members > 1 .and. peaks%located))
-    if (any(peaks%at_edge .and. peaks%located)) call append(notes, &
-      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '// &
-      & frequencies(peaks%at_edge .and. peaks%located))
-    if (any(abs(peaks%growth) > worth_a_note)) call append(notes, &
-      & 'lines that grow or decay: '//frequencies(abs(peaks%growth) > worth_a_note))
-    if (size(listed) < count(.not. stray .and. folded == 0 .and. peaks%located)) call append(notes, &
+    if (any(kept .and. peaks%members > 1)) call append(notes, &
+      & 'lines closer than 1/duration, each group taken as one: '//frequencies(kept .and. peaks%members > 1))
+    if (any(kept .and. peaks%at_edge)) call append(notes, &
+      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '//frequencies(kept .and. peaks%at_edge))
+    if (any(kept .and. abs(peaks%growth) > worth_a_note)) call append(notes, &
+      & 'lines that grow or decay: '//frequencies(kept .and. abs(peaks%growth) > worth_a_note))
+    if (size(listed) < count(kept)) call append(notes, &
       & 'only the '//text_of(size(listed))//' strongest peaks are listed')
 
   contains
@@ -59,7 +63,7 @@ contains
       allocate (frequency(0))
       do j = 1, size(chosen)
         if (chosen(j) .and. size(frequency) < most_listed) then
-          call append(frequency, shortest(peaks(j)%position/duration, 6))
+          call append(frequency, shortest(peaks(j)%position/told%duration, 6))
         end if
       end do
       words = list(frequency)//' Hz'

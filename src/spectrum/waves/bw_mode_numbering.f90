@@ -1,236 +1,176 @@
 module bw_mode_numbering
-  !! Which peak is which mode. A ratio R fits many modes, each with its own α; all modes of a uniform beam lie on
-  !! one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and ω). Two strong peaks taken as two
-  !! modes give a curve; the curve that most peaks lie on numbers them. What lies off it is folded, or no mode.
+  !! Which peak is which mode. A ratio R fits many modes, each with its own α; but all modes of a uniform beam imply the
+  !! same mass at the tip (Eq. 19), and lie on one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and
+  !! ω). Two strong peaks taken as two modes give a mass and a curve; the peaks that agree with both number themselves.
+  !!
+  !! Each agreement is worth the logarithm of how unlikely it is by chance. Peaks are numbered where the best numbering is
+  !! worth much, and every other that contradicts it is worth much less.
   use bw_kinds, only: dp
+  use bw_line_needless, only: resolution
   use bw_line_peaks, only: peak_type
-  use bw_mode_ratio, only: alpha_of_ratio, mode_near
+  use bw_mode_curve, only: as_mode, chance_on_curve, chance_of_mass, curve_through, curve_type, mode_type, on_curve, same_mass
+  use bw_mode_ratio, only: mode_near
   implicit none (type, external)
   private
-  public :: folded_mode, number_modes
+  public :: number_modes
 
   integer, parameter :: most_anchors = 6         !! strongest peaks that are tried as pairs
   integer, parameter :: highest_anchor = 50      !! mode
-  integer, parameter :: highest_folded = 400     !! mode
-  integer, parameter :: far = 26                 !! e^(−α/2) is below rounding: α(R) repeats, 4π further every 4 modes
   real(dp), parameter :: clear_position = 0.3_dp !! bins; peaks with larger errors number nothing
-  real(dp), parameter :: clear_ratio = 0.05_dp   !! relative to 1 + |R|
+  real(dp), parameter :: clear_ratio = 0.05_dp   !! of the angle whose tangent is R
+  real(dp), parameter :: gap_costs = log(10.0_dp)  !! a mode below the highest that has no peak; as many more numberings are tried
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
+  type :: numbering_type
+    type(mode_type), allocatable :: modes(:)     !! of each peak
+    real(dp) :: worth = 0
+  end type numbering_type
 
-  type, public :: curve_type
-    !! ν² = slope α⁴ + start, ν in periods in the record.
-    real(dp) :: slope = 0, slope_error = 0
-    real(dp) :: start = 0
-    integer :: support = 0                       !! peaks on it
-    integer :: gaps = 0                          !! modes below the highest that have no peak
-  end type curve_type
-
-  type, public :: mode_type
-    !! A peak as a mode.
-    integer :: number = 0                        !! 0: none
-    real(dp) :: alpha = 0, alpha_error = 0
-    real(dp) :: square = 0, square_error = 0     !! ν² of the undamped mode and its error
-  end type mode_type
+  type :: candidates_type
+    !! The clear peaks, and what each would be as every mode.
+    logical, allocatable :: clear(:)             !! (peak)
+    integer, allocatable :: order(:)             !! the clear ones, the strongest first
+    type(mode_type), allocatable :: role(:, :)   !! (mode, peak)
+    integer :: at_edge = 0                       !! peaks that may be modes but tell nothing
+  end type candidates_type
 
 contains
 
-  subroutine number_modes(peaks, samples, modes, curve)
-    !! Number the peaks; `curve%support` is 0 if that cannot be done.
+  subroutine number_modes(peaks, possible, chance, modes)
+    !! Number the peaks: those that cannot be numbered keep the number 0. A line that stands alone is the first mode, or the first
+    !! after those that move without a frequency, if its ratio allows.
     type(peak_type), intent(in) :: peaks(:)
-    integer, intent(in) :: samples               !! in the record
+    logical, intent(in) :: possible(:)           !! whether each peak may be a mode, and is not known to be folded or none
+    real(dp), intent(in) :: chance               !! that a numbering is taken that agrees with the peaks by chance
     type(mode_type), intent(out) :: modes(:)     !! one for each peak
-    type(curve_type), intent(out) :: curve
-    type(mode_type), allocatable :: role(:, :)   !! every clear peak as every mode
-    logical :: clear(size(peaks))
-    integer, allocatable :: strong(:)
-    integer :: i, j, k, m
-    clear = is_clear(peaks)
-    allocate (strong, source=strongest(peaks, clear))
-    allocate (role(highest_anchor, size(peaks)))
-    do i = 1, size(peaks)
-      if (clear(i)) role(:, i) = [(as_mode(peaks(i), k), k=1, highest_anchor)]
-    end do
-    do i = 1, size(strong)
-      do j = 1, size(strong)
-        if (peaks(strong(i))%position >= peaks(strong(j))%position) cycle
-        do k = 1, highest_anchor
-          do m = k + 1, highest_anchor
-            call try_curve(role(k, strong(i)), role(m, strong(j)), peaks, clear, role, modes, curve)
-          end do
-        end do
-      end do
-    end do
-    if (curve%support == 2 .and. (curve%gaps > 0 .or. count(clear) > 2)) then  ! any two peaks lie on some curve
-      call number_first_two(peaks, clear, strong, role, samples, modes, curve)
-    end if
-    if (curve%support > 0) then
-      call fit_curve(modes, curve)
-    else if (size(peaks) == 1 .and. count(clear) == 1) then
-      modes(1) = as_mode(peaks(1), 1)            ! a line that stands alone is mode 1 if its ratio allows
+    type(candidates_type) :: candidates
+    type(numbering_type) :: best, other
+    logical :: at_zero(size(peaks))
+    integer :: pairs
+    candidates = candidates_of(peaks, possible)
+    best = best_numbering(peaks, candidates)
+    at_zero = peaks%at_edge .and. peaks%position < resolution
+    pairs = max(1, anchors_of(candidates)*(anchors_of(candidates) - 1)/2)
+    if (best%worth >= log(pairs/chance)) then
+      other = best_numbering(peaks, candidates, best)
+      if (best%worth - other%worth >= -log(chance)) modes = best%modes
+    else if (count(possible .and. .not. peaks%at_edge) == 1) then
+      where (candidates%clear) modes = as_mode(peaks, 1 + count(possible .and. at_zero))
     end if
   end subroutine number_modes
 
-  subroutine number_first_two(peaks, clear, strong, role, samples, modes, curve)
-    !! Modes 1 and 2 alone below the Nyquist frequency: the pair on whose curve all other clear peaks are folded modes.
+  function candidates_of(peaks, possible) result(candidates)
     type(peak_type), intent(in) :: peaks(:)
-    logical, intent(in) :: clear(:)
-    integer, intent(in) :: strong(:)
-    type(mode_type), intent(in) :: role(:, :)    !! (mode, peak)
-    integer, intent(in) :: samples
-    type(mode_type), intent(inout) :: modes(:)
-    type(curve_type), intent(inout) :: curve
-    integer :: i, j, k
-    do i = 1, size(strong)
-      do j = 1, size(strong)
-        if (peaks(strong(i))%position >= peaks(strong(j))%position) cycle
-        curve = curve_type()
-        call try_curve(role(1, strong(i)), role(2, strong(j)), peaks, clear, role, modes, curve)
-        if (curve%support /= 2) cycle
-        call fit_curve(modes, curve)
-        if (all(modes%number > 0 .or. .not. clear .or. &
-          & [(folded_mode(peaks(k), curve, samples) > 0, k=1, size(peaks))])) return
+    logical, intent(in) :: possible(:)
+    type(candidates_type) :: candidates
+    integer :: i, k
+    candidates%clear = possible .and. peaks%position_error < clear_position &
+      & .and. peaks%ratio_error/hypot(1.0_dp, peaks%ratio) < clear_ratio*hypot(1.0_dp, peaks%ratio)
+    candidates%order = descending(pack([(i, i=1, size(peaks))], candidates%clear), peaks%strength)
+    candidates%at_edge = count(peaks%at_edge)
+    allocate (candidates%role(highest_anchor, size(peaks)))
+    do i = 1, size(peaks)
+      if (candidates%clear(i)) candidates%role(:, i) = [(as_mode(peaks(i), k), k=1, highest_anchor)]
+    end do
+  end function candidates_of
+
+  pure function descending(chosen, strength) result(order)
+    !! The chosen peaks by falling strength.
+    integer, intent(in) :: chosen(:)
+    real(dp), intent(in) :: strength(:)          !! of all
+    integer :: order(size(chosen)), i, j
+    do i = 1, size(chosen)
+      j = count(strength(chosen(:i - 1)) >= strength(chosen(i))) + 1
+      order(j + 1:i) = order(j:i - 1)
+      order(j) = chosen(i)
+    end do
+  end function descending
+
+  function best_numbering(peaks, candidates, besides) result(best)
+    !! The numbering that is worth most, of all or of those that contradict `besides`.
+    type(peak_type), intent(in) :: peaks(:)
+    type(candidates_type), intent(in) :: candidates
+    type(numbering_type), intent(in), optional :: besides
+    type(numbering_type) :: best, trial
+    integer :: i, j, k, m, anchors
+    allocate (best%modes(size(peaks)))
+    anchors = anchors_of(candidates)
+    do i = 1, anchors
+      do j = 1, anchors
+        if (peaks(candidates%order(i))%position >= peaks(candidates%order(j))%position) cycle
+        associate (low => candidates%role(:, candidates%order(i)), high => candidates%role(:, candidates%order(j)))
+          do k = 1, highest_anchor
+            if (low(k)%number == 0) cycle
+            do m = k + 1, highest_anchor
+              if (high(m)%number == 0) cycle
+              if (.not. same_mass(low(k), high(m))) cycle
+              trial = numbering_by(low(k), high(m), peaks, candidates)
+              if (trial%worth <= best%worth) cycle
+              if (present(besides)) then
+                if (agree(trial, besides)) cycle
+              end if
+              best = trial
+            end do
+          end do
+        end associate
       end do
     end do
-    curve = curve_type()
-    modes = mode_type()
-  end subroutine number_first_two
+  end function best_numbering
 
-  elemental logical function is_clear(peak)
-    type(peak_type), intent(in) :: peak
-    is_clear = peak%position_error < clear_position .and. peak%ratio_error < clear_ratio*(1 + abs(peak%ratio))
-  end function is_clear
+  pure integer function anchors_of(candidates)
+    type(candidates_type), intent(in) :: candidates
+    anchors_of = min(most_anchors, size(candidates%order))
+  end function anchors_of
 
-  pure function strongest(peaks, clear) result(chosen)
-    type(peak_type), intent(in) :: peaks(:)
-    logical, intent(in) :: clear(:)
-    integer, allocatable :: chosen(:)
-    integer :: i
-    allocate (chosen, source=pack([(i, i=1, size(peaks))], &
-      & clear .and. [(count(clear .and. peaks%strength > peaks(i)%strength) < most_anchors, i=1, size(peaks))]))
-    if (size(chosen) > most_anchors) chosen = chosen(:most_anchors)
-  end function strongest
+  pure logical function agree(one, other)
+    !! Whether two numberings have peaks in common, enough for a curve, and number all of these alike.
+    type(numbering_type), intent(in) :: one, other
+    logical :: common(size(one%modes))
+    common = one%modes%number > 0 .and. other%modes%number > 0
+    agree = count(common) > 1 .and. all(one%modes%number == other%modes%number .or. .not. common)
+  end function agree
 
-  pure type(mode_type) function as_mode(peak, number) result(mode)
-    !! The peak as that mode; number 0 if its ratio forbids it.
-    type(peak_type), intent(in) :: peak
-    integer, intent(in) :: number
-    logical :: found
-    call alpha_of_ratio(peak%ratio, peak%ratio_error, number, mode%alpha, mode%alpha_error, found)
-    if (found) mode%number = number
-    mode%square = peak%position**2 + (peak%growth/(2*pi))**2
-    mode%square_error = (2*peak%position + peak%position_error)*peak%position_error &
-      & + 2*abs(peak%growth)/(2*pi)*peak%position_error + 4*epsilon(1.0_dp)*mode%square
-  end function as_mode
-
-  subroutine try_curve(low, high, peaks, clear, role, modes, curve)
-    !! Keep the curve through two modes if more peaks lie on it, or as many and fewer modes are without a peak.
+  function numbering_by(low, high, peaks, candidates) result(numbering)
+    !! What two peaks taken as two modes make of all others, the strongest first: each number is given once. Worth nothing
+    !! where more modes below the highest have no peak than have one.
     type(mode_type), intent(in) :: low, high
     type(peak_type), intent(in) :: peaks(:)
-    logical, intent(in) :: clear(:)
-    type(mode_type), intent(in) :: role(:, :)    !! (mode, peak)
-    type(mode_type), intent(inout) :: modes(:)
-    type(curve_type), intent(inout) :: curve
-    type(mode_type) :: trial_modes(size(modes))
-    type(curve_type) :: trial
-    integer :: i
-    if (low%number == 0 .or. high%number == 0) return
-    trial%slope = (high%square - low%square)/(high%alpha**4 - low%alpha**4)
-    trial%start = low%square - trial%slope*low%alpha**4
-    if (trial%slope <= 0 .or. trial%start > tolerance(0.0_dp, low, high, trial%slope)) return
-    do i = 1, size(peaks)
-      if (clear(i)) trial_modes(i) = mode_on_curve(peaks(i), role(:, i), low, high, trial)
+    type(candidates_type), intent(in) :: candidates
+    type(numbering_type) :: numbering
+    type(curve_type) :: curve
+    type(mode_type) :: mode
+    logical :: possible
+    integer :: i, gaps
+    allocate (numbering%modes(size(peaks)))
+    call curve_through(low, high, curve, possible)
+    if (.not. possible) return
+    do i = 1, size(candidates%order)
+      associate (peak => candidates%order(i))
+        mode = role_on(curve, peaks(peak), candidates%role(:, peak))
+        if (mode%number == 0 .or. any(numbering%modes%number == mode%number)) cycle
+        if (.not. (on_curve(mode, curve) .and. same_mass(mode, low) .and. same_mass(mode, high))) cycle
+        numbering%modes(peak) = mode
+        if (mode%number /= low%number) numbering%worth = numbering%worth - log(chance_of_mass(mode, curve))
+        if (all(mode%number /= [low%number, high%number])) numbering%worth = numbering%worth - log(chance_on_curve(mode, curve))
+      end associate
     end do
-    trial%support = count(trial_modes%number > 0)
-    trial%gaps = maxval(trial_modes%number) - trial%support - count(peaks%at_edge)  ! a mode may grow, or hide at 0
-    if (trial%gaps > trial%support) return
-    if (trial%support < curve%support) return
-    if (trial%support == curve%support .and. trial%gaps >= curve%gaps) return
-    curve = trial
-    modes = trial_modes
-  end subroutine try_curve
+    associate (number => numbering%modes%number)
+      gaps = max(0, maxval(number) - count(number > 0) - candidates%at_edge)  ! a mode may grow, or hide at 0
+      numbering%worth = merge(numbering%worth - gaps*gap_costs, 0.0_dp, gaps <= count(number > 0))
+    end associate
+  end function numbering_by
 
-  pure real(dp) function tolerance(power, low, high, slope)
-    !! How far the curve through two modes may err at α⁴ = power.
-    real(dp), intent(in) :: power, slope
-    type(mode_type), intent(in) :: low, high
-    real(dp) :: share
-    share = (high%alpha**4 - power)/(high%alpha**4 - low%alpha**4)
-    tolerance = abs(share)*curve_error(low, slope) + abs(1 - share)*curve_error(high, slope)
-  end function tolerance
-
-  elemental real(dp) function curve_error(mode, slope)
-    !! Error of a mode's ν² − slope·α⁴.
-    type(mode_type), intent(in) :: mode
-    real(dp), intent(in) :: slope
-    curve_error = mode%square_error + slope*((mode%alpha + mode%alpha_error)**4 - mode%alpha**4)
-  end function curve_error
-
-  pure type(mode_type) function mode_on_curve(peak, role, low, high, curve) result(mode)
-    !! The mode that the peak is, if its α and its frequency agree with the curve within their errors.
+  pure type(mode_type) function role_on(curve, peak, role) result(mode)
+    !! The peak as the mode that its frequency asks for.
+    type(curve_type), intent(in) :: curve
     type(peak_type), intent(in) :: peak
     type(mode_type), intent(in) :: role(:)       !! the peak as each of the first modes
-    type(mode_type), intent(in) :: low, high
-    type(curve_type), intent(in) :: curve
-    real(dp) :: power
     integer :: k
-    power = max(0.0_dp, (peak%position**2 - curve%start)/curve%slope)
-    k = mode_near(sqrt(sqrt(power)))
+    k = mode_near(sqrt(sqrt(max(0.0_dp, (peak%position**2 - curve%start)/curve%slope))))
     if (k <= size(role)) then
       mode = role(k)
     else
       mode = as_mode(peak, k)
     end if
-    if (mode%number == 0) return
-    if (abs(mode%square - curve%start - curve%slope*mode%alpha**4) > &
-      & curve_error(mode, curve%slope) + tolerance(mode%alpha**4, low, high, curve%slope)) mode%number = 0
-  end function mode_on_curve
-
-  pure subroutine fit_curve(modes, curve)
-    !! Straight line ν²(α⁴) through all modes, weighted by their errors; its slope's error if all errors conspire.
-    type(mode_type), intent(in) :: modes(:)
-    type(curve_type), intent(inout) :: curve
-    real(dp), allocatable :: x(:), y(:), e(:), w(:), share(:)
-    logical :: used(size(modes))
-    used = modes%number > 0
-    allocate (x, source=pack(modes%alpha, used)**4)
-    allocate (y, source=pack(modes%square, used))
-    allocate (e, source=pack(curve_error(modes, curve%slope), used))
-    allocate (w, source=(minval(e)/e)**2)
-    w = w/sum(w)
-    allocate (share, source=w*(x - sum(w*x)))
-    share = share/sum(share*x)
-    curve%slope = sum(share*(y - sum(w*y)))
-    curve%start = sum(w*y) - curve%slope*sum(w*x)
-    curve%slope_error = sum(abs(share)*e) + 8*epsilon(1.0_dp)*curve%slope
-  end subroutine fit_curve
-
-  pure integer function folded_mode(peak, curve, samples) result(number)
-    !! The mode above half the sampling rate that folds back onto the peak, 0 if none is found.
-    type(peak_type), intent(in) :: peak
-    type(curve_type), intent(in) :: curve
-    integer, intent(in) :: samples
-    type(mode_type) :: as(far + 3), mode
-    real(dp) :: position, error
-    integer :: k, lowest
-    number = 0
-    if (.not. is_clear(peak)) return
-    as = [(as_mode(peak, k), k=1, far + 3)]
-    lowest = mode_near(sqrt(sqrt(max(0.0_dp, (0.5_dp*samples)**2 - curve%start)/curve%slope)))
-    do k = lowest, highest_folded
-      mode = as(min(k, far + modulo(k - far, 4)))
-      if (mode%number == 0) cycle
-      mode%alpha = mode%alpha + (k - mode%number)*pi
-      position = sqrt(max(0.0_dp, curve%start + curve%slope*mode%alpha**4))
-      error = (curve%slope_error*mode%alpha**4 + curve_error(mode, curve%slope))/(2*max(position, 1.0_dp)) &
-        & + peak%position_error
-      if (error > clear_position) cycle
-      position = abs(position - samples*anint(position/samples))
-      if (abs(position - peak%position) < error) then
-        number = k
-        return
-      end if
-    end do
-  end function folded_mode
+  end function role_on
 
 end module bw_mode_numbering

@@ -3,7 +3,7 @@ module bw_mode_ratio
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: alpha_of_ratio, mode_near
+  public :: alpha_of_ratio, alpha_range, mode_near
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: margin = 1.0e-3_dp      !! roots lie that near the ends (k−¾)π and (k−½)π, or between

@@ -5,20 +5,16 @@ module bw_accuracy
   use bw_case_result, only: case_done, case_result
   use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
-  use bw_foreseen, only: foresight
   use bw_missing, only: is_missing
   use bw_model_error, only: model_errors
-  use bw_monitor, only: part_monitor
+  use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
-  use bw_price_file, only: price_values
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
-  use bw_progress, only: progress_type
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, string
-  use bw_timed_runs, only: repeat_runs, run_once, timed_run
+  use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run
   implicit none (type, external)
   private
   public :: measure_accuracy
@@ -61,12 +57,13 @@ contains
       call frame%leave(outcome)
     else
       if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
-      call frame%end(scene, price_values(state%list), price_report(state%list), state%notes, outcome, error)
+      call frame%end(scene, state%list, price_report(state%list), state%notes, outcome, error)
     end if
   end subroutine measure_accuracy
 
   subroutine refuse(scene, error)
-    !! Accuracy is measured against the answer of infinitely many modes: it takes a history that has one.
+    !! Accuracy is measured against the answer of infinitely many modes, so a scene needs a history that has one.
+    !! **Errors**: `status_bad_input` where it has none.
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(out) :: error
     character(*), parameter :: accepted = '; accepted: a scene with &impact, &capture and &response'
@@ -81,7 +78,7 @@ contains
   end subroutine refuse
 
   subroutine measure(scene, progress, state, whole, error)
-    !! The converged run, the error of each rung, then all rungs in turn for their seconds.
+    !! Make the converged run, find the error of each rung, then run all rungs in turn for their seconds.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
@@ -107,7 +104,7 @@ contains
   end subroutine measure
 
   subroutine run_rungs(progress, state, whole)
-    !! Each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
+    !! Run each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
     logical, intent(out) :: whole
@@ -141,13 +138,14 @@ contains
   end subroutine run_rungs
 
   pure real(dp) function next_seconds(foreseen, rung) result(seconds)
+    !! How long the run of a rung will take, s, by those of the coarser rungs of its ladder; 0 for the first.
     type(foresight), intent(in) :: foreseen
     type(rung_type), intent(in) :: rung
     seconds = foreseen%next_seconds(fineness(rung), merge(steepest_count, steepest_tolerance, is_missing(rung%tolerance)))
   end function next_seconds
 
   pure real(dp) function fineness(rung)
-    !! What grows along a ladder.
+    !! A measure of how fine a rung is, which grows along its ladder.
     type(rung_type), intent(in) :: rung
     if (is_missing(rung%tolerance)) then
       fineness = rung%mode_count
@@ -157,7 +155,7 @@ contains
   end function fineness
 
   pure subroutine leave_out(state, first)
-    !! A rung and the finer ones of its ladder.
+    !! Leave out a rung and the finer ones of its ladder, which would take too long.
     type(study_state), intent(inout) :: state
     integer, intent(in) :: first
     integer :: i
@@ -169,6 +167,7 @@ contains
   end subroutine leave_out
 
   pure subroutine take_account(scene, state)
+    !! Put everything that was measured into the list.
     type(scene_type), intent(in) :: scene
     type(study_state), intent(inout) :: state
     integer :: i

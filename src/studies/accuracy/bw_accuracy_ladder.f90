@@ -1,16 +1,22 @@
 module bw_accuracy_ladder
   !! The rungs of a study of accuracy, and how one of them is measured.
-  use bw_kinds, only: dp
+  use bw_beam_units, only: beam_units, units_of
   use bw_case_result, only: case_diverged, case_not_converged, case_result
   use bw_converged, only: converged_run, most_extended
+  use bw_double_double, only: dd
   use bw_error, only: error_type
+  use bw_frequency_equation, only: root_type
+  use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
     rung_measured, rung_out_of_reach, rung_too_long, rung_type
-  use bw_refined_count, only: refined_count
-  use bw_scene, only: scene_type
+  use bw_record_stretch, only: record_stretch
+  use bw_refined_root, only: is_coarse
+  use bw_root_list, only: root_values, solve_roots
+  use bw_rotation, only: acts_in_plane, dimensionless_speed
+  use bw_scene, only: changes_shapes, scene_type
   use bw_scene_variant, only: with_counts, with_tolerance
   use bw_timed_runs, only: timed_run
   implicit none (type, external)
@@ -19,6 +25,7 @@ module bw_accuracy_ladder
 
   integer, parameter :: coarsest = 2, finest = 11      !! decades of the tolerances
   integer, parameter, public :: counts(*) = [5, 10, 20, 50, 100, 200, 500, 1000, 2000]
+  integer, parameter :: batch = 4096                   !! roots solved at a time
 
 contains
 
@@ -59,7 +66,7 @@ contains
   end function scene_of_rung
 
   subroutine leave_out_of_reach(converged, monitor, runs, rungs)
-    !! Tolerances that the program refuses are not run, nor those for which a run takes too long.
+    !! Mark the rungs that are not run: tolerances that the program refuses, and those for which a run takes too long.
     type(converged_run), intent(in) :: converged
     class(monitor_type), intent(inout) :: monitor
     type(timed_run), intent(inout) :: runs(:)
@@ -79,7 +86,7 @@ contains
   end subroutine leave_out_of_reach
 
   integer function status_extended(scene, monitor) result(status)
-    !! Of a rung with every root in extended precision.
+    !! The status of a rung with every root in extended precision before it is run.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     type(error_type), allocatable :: error
@@ -94,7 +101,7 @@ contains
   end function status_extended
 
   pure subroutine take_errors(scene, result, converged, rung)
-    !! What a run of the rung yielded beside the converged run.
+    !! Put into a rung what its run yielded beside the converged run.
     type(scene_type), intent(in) :: scene          !! of the rung
     type(case_result), intent(in) :: result
     type(converged_run), intent(in) :: converged
@@ -112,7 +119,8 @@ contains
   end subroutine take_errors
 
   pure real(dp) function true_error(result, converged) result(error)
-    !! Over the samples that are finite in both; 0 where nothing moves.
+    !! The largest difference of a run's displacement from the converged run's over the peak, at the samples that are finite
+    !! in both; 0 where nothing moves.
     type(case_result), intent(in) :: result
     type(converged_run), intent(in) :: converged
     integer :: finite
@@ -126,7 +134,7 @@ contains
   end function true_error
 
   pure subroutine take_seconds(run, rung)
-    !! Medians and quartiles of the repeats.
+    !! Put the median and the quartiles of the repeats into a rung.
     type(timed_run), intent(in) :: run
     type(rung_type), intent(inout) :: rung
     integer :: i
@@ -137,5 +145,37 @@ contains
     rung%upper = run%seconds%quantile(0.75_dp)
     rung%stages = [(run%stage(i)%median(), i=1, priced_stages)]
   end subroutine take_seconds
+
+  pure integer function refined_count(scene, count) result(refined)
+    !! How many of the first `count` modes of beam and mass have their roots solved in extended precision.
+    type(scene_type), intent(in) :: scene  !! without sweeps, with a response
+    integer, intent(in) :: count
+    type(beam_units) :: units
+    type(dd), allocatable :: omega
+    integer :: first, k
+    refined = 0
+    if (changes_shapes(scene)) return        ! modes without a closed form have no roots
+    units = units_of(scene%beam)
+    if (allocated(scene%rotation)) then
+      if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, units)
+    end if
+    do first = 1, count, batch
+      refined = refined + coarse_roots([(k, k=first, min(first + batch - 1, count))], scene%impact%mass_ratio, omega, &
+                                       record_stretch(scene)*(scene%response%duration/units%time%hi))
+    end do
+  end function refined_count
+
+  pure integer function coarse_roots(number, gamma, omega, longest) result(coarse)
+    !! How many of these roots double precision leaves too coarse for a record.
+    integer, intent(in) :: number(:)       !! of the modes
+    real(dp), intent(in) :: gamma          !! mass ratio
+    type(dd), intent(in), optional :: omega   !! speed of rotation in the plane of the motion, h/l²; absent: none
+    real(dp), intent(in) :: longest        !! the record, l²/h
+    type(root_type) :: roots(size(number))
+    type(dd) :: alpha(size(number))
+    roots = solve_roots(number, gamma)
+    alpha = root_values(roots)
+    coarse = count(is_coarse(roots%remainder, alpha%hi, omega, longest))
+  end function coarse_roots
 
 end module bw_accuracy_ladder

@@ -8,16 +8,15 @@ module bw_converged
   use bw_direct_motion, only: sum_directly
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
-  use bw_foreseen, only: foresight
   use bw_missing, only: missing
   use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case, run_case
   use bw_result_layout, only: layout_of
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: changes_shapes
+  use bw_scene, only: changes_shapes, scene_type
   use bw_scene_variant, only: with_tolerance
   use bw_stopwatch, only: stopwatch
+  use bw_timed_runs, only: foresight
   implicit none (type, external)
   private
   public :: converge, find_reach
@@ -27,7 +26,7 @@ module bw_converged
   real(dp), parameter :: patience = 5.0_dp           !! s of the processor; a run that would take longer is not made
   real(dp), parameter, public :: steepest_tolerance = 1.0_dp   !! of seconds over 1/tolerance, as a power
   integer, parameter :: checked = 32            !! samples, at most
-  integer, parameter, public :: most_extended = 500000    !! modes; extended precision for more would take longer than all the rungs
+  integer, parameter, public :: most_extended = 600000    !! modes; extended precision for more would take longer than all the rungs
 
   type, public :: converged_run
     type(case_result) :: result
@@ -42,6 +41,8 @@ module bw_converged
 contains
 
   subroutine converge(scene, monitor, run, whole, error)
+    !! Make runs of ever finer tolerances, up to the finest in reach or until the next would take too long. The last is the
+    !! converged run.
     !! **Errors**: `status_bad_input` where no tolerance is in reach.
     type(scene_type), intent(in) :: scene       !! without sweeps
     class(monitor_type), intent(inout) :: monitor
@@ -70,7 +71,7 @@ contains
   end subroutine converge
 
   pure real(dp) function tolerance_of(decade, reach) result(tolerance)
-    !! A power of ten, or what is in reach where that is near.
+    !! The tolerance of a decade: a power of ten, or the finest in reach where that is near.
     integer, intent(in) :: decade
     real(dp), intent(in) :: reach
     real(dp), parameter :: near = 20.0_dp       ! a decade, and something for rounding
@@ -79,7 +80,7 @@ contains
   end function tolerance_of
 
   subroutine run_fine(fine, monitor, run, seconds, whole, error)
-    !! One run, every root in extended precision where there are not too many.
+    !! Make one run, with every root in extended precision where there are not too many.
     !! **Errors**: `status_not_trusted` where it does not keep its tolerance.
     type(scene_type), intent(inout) :: fine
     class(monitor_type), intent(inout) :: monitor
@@ -87,7 +88,7 @@ contains
     real(dp), intent(out) :: seconds            !! of the processor, which other work on the machine changes least
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
-    type(kept_work) :: kept
+    type(kept_work) :: cache
     type(stopwatch) :: watch
     integer :: count
     real(dp) :: began, ended
@@ -96,7 +97,7 @@ contains
     call plan_case(fine, monitor, count, error)
     if (allocated(error)) return
     fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
-    call run_case(fine, layout_of(fine), watch, monitor, kept, run%result, whole)
+    call run_case(fine, layout_of(fine), watch, monitor, cache, run%result, whole)
     call cpu_time(ended)
     seconds = ended - began
     if (.not. whole .or. run%result%status /= case_not_converged) return
@@ -104,7 +105,7 @@ contains
   end subroutine run_fine
 
   pure subroutine take_peak(run)
-    !! The peak, and the run's own estimate of its error over it.
+    !! Find the peak, and the run's own estimate of its error over it.
     type(converged_run), intent(inout) :: run
     associate (response => run%result%response)
       if (response%finite_samples > 0) run%peak = maxval(abs(response%displacement(:response%finite_samples, :)))
@@ -115,7 +116,7 @@ contains
   end subroutine take_peak
 
   subroutine find_reach(scene, monitor, tolerance, error)
-    !! The finest tolerance that can be kept, down to `converged_tolerance`.
+    !! Find the finest tolerance that can be reached, down to `converged_tolerance`.
     !! **Errors**: `status_bad_input` where there is none.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
@@ -136,7 +137,7 @@ contains
   end subroutine find_reach
 
   subroutine check(scene, monitor, run, whole)
-    !! `difference`, if the motion is what the direct sum knows.
+    !! Find the `difference` from a direct sum, where the modes are those that a direct sum knows and not too many.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor
     type(converged_run), intent(inout) :: run

@@ -1,9 +1,9 @@
 module bw_direct_motion
-  !! The motion of a scene within a tolerance at a few samples by direct sums, every root in extended precision: what the
+  !! The motion of a scene within a tolerance at chosen samples by direct sums, every root in extended precision: what the
   !! converged run is checked against.
   !!
-  !! At a release every mode of beam and mass is handed on to each of the beam alone, of far more of them than move after it:
-  !! what the run takes those far above to be, one blow at the tip, is left for those beyond these alone.
+  !! At a release every mode of beam and mass is handed on to each of the unloaded beam, far more of them than move after it:
+  !! what the run takes modes far above to be, one blow at the tip, is taken here of those beyond these only.
   use bw_kinds, only: dp
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
@@ -21,118 +21,137 @@ module bw_direct_motion
   private
   public :: sum_directly
 
-  integer, parameter :: batch = 4096            !! modes held at a time
+  integer, parameter :: batch = 4096            !! modes at a time
   integer, parameter :: wider = 3               !! so many times the modes that move after a release are handed on to them
   real(dp), parameter :: endless = huge(1.0_dp) !! a record that calls for extended precision in every root
+
+  type :: direct_type
+    !! What a direct sum takes its modes from.
+    type(scene_type) :: scene
+    class(mode_source), allocatable :: loaded    !! modes of beam and mass
+    class(mode_source), allocatable :: unloaded  !! modes of the beam without it
+    real(dp) :: unit = 0.0_dp                    !! of displacements: V l²/h, m
+  contains
+    procedure :: add_captured
+    procedure :: add_released
+    procedure :: hand_on
+    procedure :: started
+  end type direct_type
+
+  type :: released_type
+    !! The modes of the unloaded beam, and how they move just after the release.
+    class(mode_set), allocatable :: modes
+    real(dp), allocatable :: q(:), rate(:)       !! displacements and velocities times the modal masses, (modes)
+    real(dp) :: remainder(2) = 0.0_dp            !! displacement and velocity of the tip by modes of beam and mass beyond these
+  end type released_type
 
 contains
 
   subroutine sum_directly(scene, run, sample, monitor, displacement, whole)
-    !! Displacements, m, of the continuum's modes as a run chose their numbers.
+    !! Sum the displacements of as many modes as a run has chosen.
     type(scene_type), intent(in) :: scene                      !! its modes in closed form
     type(case_result), intent(in) :: run                       !! of this scene
     integer, intent(in) :: sample(:)                           !! numbers of samples, from 0, ascending
     class(monitor_type), intent(inout) :: monitor
     type(dd), allocatable, intent(out) :: displacement(:, :)   !! (samples, points)
     logical, intent(out) :: whole                              !! false where the monitor asked to stop
+    type(direct_type) :: direct
     type(case_result), target :: result
     class(mode_set), pointer :: free, loaded
-    class(mode_source), allocatable :: source, alone
     type(time_grid) :: grid
     type(dd) :: times(size(sample))
-    real(dp) :: unit
     integer :: early
     allocate (result%notes(0))
     allocate (displacement(size(sample), size(scene%response%points)), source=dd(0.0_dp, 0.0_dp))
     result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source, alone, monitor)
+    call find_modes(scene, result, free, loaded, direct%loaded, direct%unloaded, monitor)
     whole = .not. monitor%stop_requested()
     if (.not. whole) return
+    direct%scene = scene
+    direct%unit = scene%impact%approach_velocity*result%units%time%hi
     grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
     times = grid%step*real(sample, dp)
     early = size(sample)
     if (allocated(run%courses)) early = count(sample < last_sample(run%courses, 1, grid))
-    unit = scene%impact%approach_velocity*result%units%time%hi
-    call add_captured(scene, source, run%mode_count, unit, times(:early), monitor, displacement(:early, :), whole)
+    call direct%add_captured(run%mode_count, times(:early), monitor, displacement(:early, :), whole)
     if (.not. whole .or. early == size(sample)) return
-    call add_released(scene, source, alone, run, unit, times(early + 1:) - run%courses(2)%start, monitor, &
-                      displacement(early + 1:, :), whole)
+    call direct%add_released(run, times(early + 1:) - run%courses(2)%start, monitor, displacement(early + 1:, :), whole)
   end subroutine sum_directly
 
-  subroutine add_captured(scene, source, count, unit, times, monitor, displacement, whole)
-    type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source                   !! of beam and mass
+  subroutine add_captured(self, count, times, monitor, displacement, whole)
+    !! Add the motion of beam and mass together.
+    class(direct_type), intent(in) :: self
     integer, intent(in) :: count                               !! modes
-    real(dp), intent(in) :: unit                               !! V l²/h, m
-    type(dd), intent(in) :: times(:)                           !! l²/h
+    type(dd), intent(in) :: times(:)                           !! from the impact, l²/h
     class(monitor_type), intent(inout) :: monitor
-    type(dd), intent(inout) :: displacement(:, :)              !! (times, points)
-    logical, intent(out) :: whole
+    type(dd), intent(inout) :: displacement(:, :)              !! m, (times, points)
+    logical, intent(out) :: whole                              !! false where the monitor asked to stop
     class(mode_set), allocatable :: modes
     integer :: first
     do first = 1, count, batch
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
-      call source%find(batch_from(first, count), modes, endless)
-      call add_directly(modes, started(scene, modes)*unit, scene%response%points, times, displacement)
+      call self%loaded%find(batch_from(first, count), modes, endless)
+      call add_directly(modes, self%started(modes)*self%unit, self%scene%response%points, times, displacement)
     end do
   end subroutine add_captured
 
-  subroutine add_released(scene, source, alone, run, unit, times, monitor, displacement, whole)
-    type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source, alone            !! of beam and mass, of the beam alone
+  subroutine add_released(self, run, times, monitor, displacement, whole)
+    !! Add the motion of the beam after the mass has left it.
+    class(direct_type), intent(in) :: self
     type(case_result), intent(in) :: run
-    real(dp), intent(in) :: unit
     type(dd), intent(in) :: times(:)                           !! from the release, l²/h
     class(monitor_type), intent(inout) :: monitor
-    type(dd), intent(inout) :: displacement(:, :)
-    logical, intent(out) :: whole
-    class(mode_set), allocatable :: free, loaded
-    real(dp) :: q(run%released_count), rate(run%released_count), rest(2)
+    type(dd), intent(inout) :: displacement(:, :)              !! m, (times, points)
+    logical, intent(out) :: whole                              !! false where the monitor asked to stop
+    type(released_type) :: released
+    class(mode_set), allocatable :: loaded
     integer :: first, last
-    call alone%find(first_numbers(run%released_count), free, endless, monitor)
-    q = 0.0_dp
-    rate = 0.0_dp
-    rest = [run%tip_rest%displacement, run%tip_rest%velocity]
+    call self%unloaded%find(first_numbers(run%released_count), released%modes, endless, monitor)
+    allocate (released%q(run%released_count), released%rate(run%released_count), source=0.0_dp)
+    released%remainder = [run%tip_rest%displacement, run%tip_rest%velocity]
     last = max(run%released_count, min(wider*run%released_count, run%tip_rest%count))
     do first = 1, last, batch
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
-      call source%find(batch_from(first, last), loaded, endless)
-      call hand_on(scene, loaded, first, run, free, q, rate, rest)
+      call self%loaded%find(batch_from(first, last), loaded, endless)
+      call self%hand_on(loaded, first, run, released)
     end do
-    q = (q - source%gamma*rest(1)*free%tip)/free%modal_mass
-    rate = (rate - source%gamma*rest(2)*free%tip)/free%modal_mass
-    call add_directly(free, rate*unit, scene%response%points, times, displacement, displaced=q*unit)
+    associate (q => released%q, rate => released%rate, modes => released%modes)
+      q = (q - self%loaded%gamma*released%remainder(1)*modes%tip)/modes%modal_mass
+      rate = (rate - self%loaded%gamma*released%remainder(2)*modes%tip)/modes%modal_mass
+      call add_directly(modes, rate*self%unit, self%scene%response%points, times, displacement, displaced=q*self%unit)
+    end associate
   end subroutine add_released
 
-  subroutine hand_on(scene, loaded, first, run, free, q, rate, rest)
-    !! Adds what some modes of beam and mass do at the release to modes of the beam alone; what the run took them to add at
-    !! the tip is taken off the rest.
-    type(scene_type), intent(in) :: scene
-    class(mode_set), intent(in) :: loaded, free
+  subroutine hand_on(self, loaded, first, run, released)
+    !! Add what a batch of modes of beam and mass do at the release to the modes of the beam that is unloaded; what the run
+    !! took them to add at the tip is taken off the remainder.
+    class(direct_type), intent(in) :: self
+    class(mode_set), intent(in) :: loaded
     integer, intent(in) :: first                               !! number of the first of `loaded`
     type(case_result), intent(in) :: run
-    real(dp), intent(inout) :: q(:), rate(:)                   !! times the modal masses, (modes)
-    real(dp), intent(inout) :: rest(2)                         !! displacement and velocity of the tip
+    type(released_type), intent(inout) :: released
     real(dp), dimension(loaded%count) :: moved, moved_rate
     integer :: beyond
     moved = 0.0_dp
-    moved_rate = started(scene, loaded)
+    moved_rate = self%started(loaded)
     call move(loaded, run%courses(2)%start, moved, moved_rate)
-    q = q + free%overlap_of_beam(loaded, moved)
-    rate = rate + free%overlap_of_beam(loaded, moved_rate)
+    released%q = released%q + released%modes%overlap_of_beam(loaded, moved)
+    released%rate = released%rate + released%modes%overlap_of_beam(loaded, moved_rate)
     beyond = max(1, run%released_count - first + 2)            ! place of the first that does not move after it
-    rest(1) = rest(1) - dot_product(loaded%tip(beyond:), moved(beyond:))
-    rest(2) = rest(2) - dot_product(loaded%tip(beyond:), moved_rate(beyond:))
+    associate (remainder => released%remainder)
+      remainder(1) = remainder(1) - dot_product(loaded%tip(beyond:), moved(beyond:))
+      remainder(2) = remainder(2) - dot_product(loaded%tip(beyond:), moved_rate(beyond:))
+    end associate
   end subroutine hand_on
 
-  pure function started(scene, modes) result(rate)
-    !! Velocities just after the capture, V.
-    type(scene_type), intent(in) :: scene
+  pure function started(self, modes) result(rate)
+    !! The modes' velocities just after the capture, V.
+    class(direct_type), intent(in) :: self
     class(mode_set), intent(in) :: modes
     real(dp) :: rate(modes%count)
-    rate = continuum_velocity(modes, scene%impact%mass_ratio, scene%impact%restitution)
+    rate = continuum_velocity(modes, self%scene%impact%mass_ratio, self%scene%impact%restitution)
   end function started
 
   pure function batch_from(first, last) result(number)

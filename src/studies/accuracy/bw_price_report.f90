@@ -6,10 +6,8 @@ module bw_price_report
   use bw_missing, only: is_missing
   use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, method_words, price_digits, &
     price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
-  use bw_processor, only: processor_name
-  use bw_stopwatch, only: stage_words
-  use bw_text, only: shortest, text_of
-  use bw_text_builder, only: text_builder
+  use bw_stopwatch, only: processor_name, stage_words
+  use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: price_report
@@ -20,7 +18,7 @@ module bw_price_report
 contains
 
   function price_report(list) result(text)
-    !! The tables as they are printed.
+    !! The tables of the study as they are printed.
     type(price_list), intent(in) :: list
     character(:), allocatable :: text
     type(text_builder) :: lines
@@ -37,7 +35,7 @@ contains
   end function price_report
 
   subroutine report_converged(list, lines)
-    !! What the errors are measured against.
+    !! Say what the errors are measured against.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     call lines%append_line('  Errors are the largest of the displacement over its peak, '//shortest(list%peak, 4)//' m, against a')
@@ -51,7 +49,7 @@ contains
   end subroutine report_converged
 
   subroutine report_model(list, lines)
-    !! Where the model's error is larger than the numerical one.
+    !! Say from which tolerance on the model's error is larger than the numerical one.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     integer :: largest, i
@@ -71,7 +69,7 @@ contains
   end subroutine report_model
 
   subroutine report_ladder(list, ladder, title, lines)
-    !! The rungs of one ladder, if it has any.
+    !! Print the rungs of one ladder, if it has any.
     type(price_list), intent(in) :: list
     integer, intent(in) :: ladder
     character(*), intent(in) :: title
@@ -90,6 +88,7 @@ contains
   end subroutine report_ladder
 
   function rung_line(list, rung) result(text)
+    !! The line of a rung, but for what the next digit costs.
     type(price_list), intent(in) :: list
     type(rung_type), intent(in) :: rung
     character(:), allocatable :: text
@@ -114,7 +113,7 @@ contains
   end function rung_line
 
   pure function reason(list, rung) result(text)
-    !! Why there are no numbers.
+    !! The words that stand in the place of a rung's numbers where it was not run.
     type(price_list), intent(in) :: list
     type(rung_type), intent(in) :: rung
     character(:), allocatable :: text
@@ -130,7 +129,7 @@ contains
   end function reason
 
   subroutine report_slopes(list, lines)
-    !! What a further digit costs, by the straight line through all errors.
+    !! Say what a further digit costs, by the straight line through all errors.
     type(price_list), intent(in) :: list
     type(text_builder), intent(inout) :: lines
     real(dp) :: slope
@@ -147,7 +146,7 @@ contains
   end subroutine report_slopes
 
   pure function next_text(seconds, growth) result(text)
-    !! What the next digit costs.
+    !! The columns on what the next digit costs; empty where that is not known.
     real(dp), intent(in) :: seconds, growth
     character(:), allocatable :: text
     text = ''
@@ -156,6 +155,7 @@ contains
   end function next_text
 
   pure function signed(text, value) result(with_sign)
+    !! The text of a magnitude with the sign of its value.
     character(*), intent(in) :: text
     real(dp), intent(in) :: value
     character(:), allocatable :: with_sign
@@ -163,7 +163,7 @@ contains
   end function signed
 
   pure function error_text(error, least) result(text)
-    !! Below what the converged run knows only that is known.
+    !! A true error; below the converged run's own it is only known to be smaller.
     real(dp), intent(in) :: error, least
     character(:), allocatable :: text
     if (.not. is_missing(error) .and. error <= least .and. least > 0.0_dp) then
@@ -174,6 +174,7 @@ contains
   end function error_text
 
   pure function ratio_text(rung, least) result(text)
+    !! The estimate over the true error; a dash where that is not resolved.
     type(rung_type), intent(in) :: rung
     real(dp), intent(in) :: least
     character(:), allocatable :: text
@@ -183,7 +184,7 @@ contains
   end function ratio_text
 
   pure function small(value) result(text)
-    !! Two digits and a power of ten; a dash for what does not exist.
+    !! A small number with two digits and a power of ten; a dash for one that does not exist.
     real(dp), intent(in) :: value
     character(:), allocatable :: text
     character(12) :: buffer
@@ -196,12 +197,14 @@ contains
   end function small
 
   pure function milliseconds(seconds) result(text)
+    !! Seconds as milliseconds with three digits.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     text = shortest(1000.0_dp*seconds, 3)
   end function milliseconds
 
   pure function percent(part) result(text)
+    !! A part of the whole in whole per cents.
     real(dp), intent(in) :: part
     character(:), allocatable :: text
     text = text_of(nint(100.0_dp*min(part, 1.0e6_dp)))//' %'

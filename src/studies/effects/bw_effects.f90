@@ -1,18 +1,16 @@
 module bw_effects
   !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
   use bw_kinds, only: dp, i8
+  use bw_case_fields, only: named_value
   use bw_case_result, only: case_done, case_result
-  use bw_effect_file, only: effect_values
-  use bw_effect_list, only: compare_frequencies, compared_case, compared_modes, effect_list, effect_words
-  use bw_effect_pairs, only: pairs_of
-  use bw_effect_report, only: effect_report
-  use bw_effect_scenes, only: effect_scenes
+  use bw_effect_list, only: compare_frequencies, compared_case, effect_list
+  use bw_effect_pairs, only: compared_scenes, pairs_of
+  use bw_effect_report, only: effect_report, effect_values
   use bw_error, only: error_type, status_not_trusted
+  use bw_hint, only: compared_modes
   use bw_modes_par, only: by_tolerance, default_tolerance
-  use bw_monitor, only: part_monitor
+  use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
-  use bw_progress, only: progress_type
-  use bw_result_values, only: named_value
   use bw_scene, only: scene_type
   use bw_study_frame, only: study_frame
   use bw_text, only: append, string
@@ -26,9 +24,8 @@ module bw_effects
   real(dp), parameter :: comparing = 0.5_dp      !! share of the first runs in the progress that is shown
 
   type :: study_state
-    type(effect_scenes) :: scenes
-    type(timed_run), allocatable :: runs(:)      !! of the scenes
-    type(case_result), allocatable :: results(:) !! of the scenes, as long as they are needed
+    type(timed_run), allocatable :: runs(:)      !! of the scenes that are compared, the first of which is studied
+    type(case_result), allocatable :: results(:) !! of the same scenes, as long as they are needed
     type(effect_list) :: list
     type(string), allocatable :: notes(:)
     logical :: trusted = .true.
@@ -63,17 +60,19 @@ contains
   end subroutine compare_effects
 
   subroutine compare(scene, progress, state, whole)
-    !! Every scene once, for what it yields, then all in turn for their seconds.
+    !! Run every scene once, for what it yields, then all in turn for their seconds.
     type(scene_type), intent(in) :: scene
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
     logical, intent(out) :: whole                !! false where the monitor asked to stop
+    type(compared_scenes) :: scenes
     type(part_monitor) :: part
     integer :: i
-    call pairs_of(scene, state%scenes)
-    allocate (state%runs(size(state%scenes%scenes)), state%results(size(state%scenes%scenes)))
+    call pairs_of(scene, scenes)
+    state%list%rows = scenes%rows
+    allocate (state%runs(size(scenes%variants%scenes)), state%results(size(scenes%variants%scenes)))
     do i = 1, size(state%runs)
-      state%runs(i)%scene = state%scenes%scenes(i)
+      state%runs(i)%scene = scenes%variants%scenes(i)
     end do
     call run_scene_once(1, progress, state, whole)
     if (.not. whole) return
@@ -89,11 +88,10 @@ contains
   end subroutine compare
 
   subroutine start_list(scene, state)
-    !! Which modes are compared, and what their changes are measured against.
+    !! Choose which modes are compared, and what their changes are measured against.
     type(scene_type), intent(in) :: scene
     type(study_state), intent(inout) :: state
     associate (list => state%list, result => state%results(1))
-      list%rows = state%scenes%rows
       list%mode_count = min(compared_modes, result%modes%count)
       list%tolerance = default_tolerance
       list%tolerance_source = 'the default of modes%tolerance'
@@ -108,7 +106,7 @@ contains
   end subroutine start_list
 
   pure real(dp) function left_by_counts(result) result(error)
-    !! 0 where there is no estimate.
+    !! The error that a scene's counts leave in its displacement, over the peak; 0 where there is no estimate.
     type(case_result), intent(in) :: result
     error = 0.0_dp
     if (.not. allocated(result%response)) return
@@ -117,7 +115,7 @@ contains
   end function left_by_counts
 
   pure real(dp) function peak_of(result) result(peak)
-    !! Largest displacement, m; 0 without a history.
+    !! The largest displacement, m; 0 without a history.
     type(case_result), intent(in) :: result
     peak = 0.0_dp
     if (.not. allocated(result%response)) return
@@ -133,12 +131,12 @@ contains
     type(study_state), intent(inout) :: state
     logical, intent(out) :: whole
     whole = .true.
-    associate (pair => state%scenes%pairs(row))
-      if (pair%with == 0) return
-      call run_scene_once(pair%with, progress, state, whole)
-      if (whole) call run_scene_once(pair%without, progress, state, whole)
+    associate (i => state%list%rows(row)%place_with, j => state%list%rows(row)%place_without)
+      if (i == 0) return
+      call run_scene_once(i, progress, state, whole)
+      if (whole) call run_scene_once(j, progress, state, whole)
       if (.not. whole) return
-      associate (with => state%results(pair%with), without => state%results(pair%without))
+      associate (with => state%results(i), without => state%results(j))
         state%list%rows(row)%with = compared(with)
         state%list%rows(row)%without = compared(without)
         call compare_frequencies(state%list%rows(row), state%list%tolerance)
@@ -149,7 +147,7 @@ contains
   end subroutine compare_pair
 
   subroutine run_scene_once(place, progress, state, whole)
-    !! Unless its result is there. This run finds cold caches: its time counts only where it is too long.
+    !! Run a scene, unless its result is there. This run finds cold caches: its time counts only where it is too long.
     integer, intent(in) :: place
     class(progress_type), intent(inout), target :: progress
     type(study_state), intent(inout) :: state
@@ -168,7 +166,7 @@ contains
   end subroutine run_scene_once
 
   pure type(compared_case) function compared(result) result(numbers)
-    !! Of the modes in force after the last event at t = 0.
+    !! What is compared of a case: the modes in force after the last event at t = 0.
     type(case_result), intent(in) :: result
     integer :: n
     n = min(compared_modes, result%modes%count)
@@ -181,7 +179,7 @@ contains
   end function compared
 
   pure subroutine compare_responses(with, without, peak, change)
-    !! The largest difference, at the samples that are finite in both.
+    !! The largest difference of two displacements over the peak, at the samples that are finite in both.
     type(case_result), intent(in) :: with, without
     real(dp), intent(in) :: peak                   !! of the scene's own, m
     real(dp), intent(inout) :: change              !! stays missing where there are no two histories
@@ -195,34 +193,36 @@ contains
   end subroutine compare_responses
 
   subroutine note_untrusted(row, with, without, state)
+    !! Note that one of the two runs of a row has numbers that cannot be trusted.
     integer, intent(in) :: row
     type(case_result), intent(in) :: with, without
     type(study_state), intent(inout) :: state
     if (with%status == case_done .and. without%status == case_done) return
-    call append(state%notes, 'not trusted: '//trim(effect_words(row))//': numbers of one of its two runs are not finished')
+    call append(state%notes, 'not trusted: '//trim(state%list%rows(row)%effect)// &
+                ': numbers of one of its two runs are not finished')
     if (state%results(1)%status /= case_done) state%trusted = .false.
   end subroutine note_untrusted
 
   subroutine forget(row, state)
-    !! The results that no later row needs: their histories may be large.
+    !! Drop the histories that no later row needs: they may be large.
     integer, intent(in) :: row
     type(study_state), intent(inout) :: state
     integer :: place
     do place = 2, size(state%results)
-      if (any(state%scenes%pairs(row + 1:)%with == place .or. state%scenes%pairs(row + 1:)%without == place)) cycle
+      if (any([state%list%rows(row + 1:)%place_with, state%list%rows(row + 1:)%place_without] == place)) cycle
       if (allocated(state%results(place)%response)) deallocate (state%results(place)%response)
     end do
   end subroutine forget
 
   pure subroutine take_seconds(state)
-    !! Medians.
+    !! Put the median times into the rows.
     type(study_state), intent(inout) :: state
     integer :: i
     do i = 1, size(state%list%rows)
-      associate (pair => state%scenes%pairs(i), row => state%list%rows(i))
-        if (pair%with == 0) cycle
-        row%seconds_with = state%runs(pair%with)%seconds%median()
-        row%seconds_without = state%runs(pair%without)%seconds%median()
+      associate (row => state%list%rows(i))
+        if (row%place_with == 0) cycle
+        row%seconds_with = state%runs(row%place_with)%seconds%median()
+        row%seconds_without = state%runs(row%place_without)%seconds%median()
       end associate
     end do
   end subroutine take_seconds
