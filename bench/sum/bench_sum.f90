@@ -2,7 +2,7 @@ module bench_sum
   !! What the commands of bench/sum call, to time it in one process with its rival. Without dimensions: lengths in l, times in l²/h.
   use, intrinsic :: iso_c_binding
   use bw_kinds, only: dp
-  use bw_closed_form, only: closed_form_source, source_in_closed_form
+  use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_choice, only: first_modes

@@ -3,12 +3,11 @@ module bw_case_modes
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
   use bw_case_result, only: case_result
-  use bw_closed_form, only: closed_form_source, source_in_closed_form
+  use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
   use bw_double_double, only: dd
-  use bw_galerkin_source, only: galerkin_source, galerkin_source_of
-  use bw_kept_modes, only: kept_modes
-  use bw_kept_operators, only: kept_operators
+  use bw_galerkin_source, only: galerkin_cache, galerkin_source, galerkin_source_of
+  use bw_mode_cache, only: mode_cache
   use bw_mode_choice, only: first_modes
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_mode_notes, only: note_coupling, note_no_effect, note_strain, note_unresolved
@@ -38,9 +37,9 @@ contains
     class(mode_source), allocatable, intent(out) :: source   !! of beam and mass; absent: the mass is not captured
     class(mode_source), allocatable, intent(out) :: alone    !! of the beam alone
     class(monitor_type), intent(inout), target :: monitor    !! the modes mean nothing where it asks to stop
-    type(kept_modes), intent(inout), target, optional :: kept
+    type(mode_cache), intent(inout), target, optional :: kept
       !! what cases share, for as long as the sources live; absent: nothing is kept
-    type(kept_operators), intent(inout), optional :: operators   !! the same of modes without a closed form
+    type(galerkin_cache), intent(inout), optional :: operators   !! the same of modes without a closed form
     real(dp), allocatable :: longest               ! absent: no history is asked for
     type(part_monitor) :: first, second
     first = part_monitor(monitor, 0.0_dp, scene%modes%after/(scene%modes%after + real(scene%modes%before, dp)))
@@ -72,20 +71,19 @@ contains
   end subroutine find_modes
 
   subroutine prepare(scene, result, source)
-    !! Say what damps the modes, and where their shapes will be asked for.
+    !! Say what damps the modes.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     class(mode_source), allocatable, intent(inout) :: source
     if (.not. allocated(source)) return
     if (allocated(scene%damping)) source%damping = law_of(scene%damping, result%units)
-    if (allocated(scene%response)) source%points = scene%response%points
   end subroutine prepare
 
   subroutine find_closed_form(scene, result, kept, alone, loaded)
     !! Rotation acts on modes in closed form in its own plane only.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
-    type(kept_modes), intent(inout), target, optional :: kept
+    type(mode_cache), intent(inout), target, optional :: kept
     class(mode_source), allocatable, intent(out) :: alone, loaded
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     result%can_grow = .true.
@@ -103,7 +101,7 @@ contains
       type(closed_form_source), allocatable :: found
       allocate (found)
       found = source_in_closed_form(gamma, omega)
-      if (present(kept)) found%kept => kept
+      if (present(kept)) found%cache => kept
       call move_alloc(found, source)
     end subroutine take_source
   end subroutine find_closed_form
@@ -112,7 +110,7 @@ contains
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(inout) :: result
-    type(kept_operators), intent(inout), optional :: operators
+    type(galerkin_cache), intent(inout), optional :: operators
     class(mode_source), allocatable, intent(out) :: alone, loaded
     class(monitor_type), intent(inout) :: monitor
     result%can_grow = .true.                       ! the modes know

@@ -14,7 +14,7 @@ module bw_kept_blows
 
   type :: kept_blow
     type(blow_type) :: blow
-    integer :: shapes(2) = 0                      !! `kept_as` of the modes of the beam alone, and of beam and mass
+    integer :: shapes(2) = 0                      !! `cache_key` of the modes of the beam alone, and of beam and mass
   end type kept_blow
 
   type, public :: kept_blows
@@ -36,8 +36,8 @@ contains
     type(kept_blows), intent(inout) :: kept
     type(blow_type), intent(out) :: blow
     integer :: place, shapes(2)
-    shapes = [free%kept_as, 0]
-    if (present(loaded)) shapes(2) = loaded%kept_as
+    shapes = [free%cache_key, 0]
+    if (present(loaded)) shapes(2) = loaded%cache_key
     place = place_of(kept, shapes, gamma, e, profile_points)
     if (place > 0) then
       blow = kept%blows(place)%blow

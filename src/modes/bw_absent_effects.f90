@@ -24,7 +24,8 @@ module bw_absent_effects
 contains
 
   pure subroutine absent_changes(scene, number, change, steadies)
-    !! Relative change of frequencies by each effect, of the modes in force after t = 0, a capture's included.
+    !! By how much each effect would change the frequencies, relatively, of the modes in force after t = 0: those with the mass at
+    !! the tip where it is captured.
     type(scene_type), intent(in) :: scene                              !! without sweeps
     integer, intent(in) :: number(:)                                   !! of the modes, ascending
     real(dp), intent(out) :: change(size(number), size(absent_words))  !! 0 where the effect is on or cannot be
@@ -51,20 +52,21 @@ contains
   end subroutine absent_changes
 
   elemental real(dp) function relative_change(square, shift) result(change)
-    !! Of a frequency whose square is shifted; 0 where there is none.
+    !! The relative change of a frequency whose square is shifted; 0 where there is no frequency.
     real(dp), intent(in) :: square, shift
     change = 0.0_dp
     if (square > 0.0_dp) change = shift/square/(1.0_dp + sqrt(1.0_dp + max(-1.0_dp, shift/square)))
   end function relative_change
 
   pure real(dp) function tip_mass(scene) result(gamma)
+    !! The mass ratio at the tip after t = 0: 0 where no mass is captured.
     type(scene_type), intent(in) :: scene
     gamma = 0.0_dp
     if (allocated(scene%capture)) gamma = scene%impact%mass_ratio
   end function tip_mass
 
   pure real(dp) function spin_squared(scene) result(square)
-    !! Ω², what rotation in the plane of the motion takes off every β².
+    !! Ω², by which rotation in the plane of the motion lowers every β²; 0 where there is none.
     type(scene_type), intent(in) :: scene
     type(dd) :: omega
     square = 0.0_dp
@@ -74,6 +76,7 @@ contains
   end function spin_squared
 
   pure function tension_shifts(scene, shape) result(shifts)
+    !! What the tension of the scene's rotation adds to each β², (modes); 0 where nothing rotates.
     type(scene_type), intent(in) :: scene
     type(shape_type), intent(in) :: shape(:)
     real(dp) :: shifts(size(shape))
@@ -91,6 +94,7 @@ contains
   end function tension_shifts
 
   pure function shear_shifts(scene, shape) result(shifts)
+    !! What shear of the scene's section, or of the usual one, adds to each β², (modes).
     type(scene_type), intent(in) :: scene
     type(shape_type), intent(in) :: shape(:)
     real(dp) :: shifts(size(shape))

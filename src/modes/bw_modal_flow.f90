@@ -31,7 +31,7 @@ contains
   end function slow_exponent
 
   elemental type(dd) function exponent_of(beta_squared, c, turning) result(exponent)
-    !! The same where β² − c²/4 is known to more digits than β² and c give it.
+    !! `slow_exponent` where β² − c²/4 is known to more digits than follow from β² and c.
     type(dd), intent(in) :: beta_squared, turning
     real(dp), intent(in) :: c
     type(dd) :: sum
@@ -73,12 +73,12 @@ contains
     if (x < joined_below) then
       call join(cosh(x), time%hi*mean_hyperbolic_cosine(x), square%hi, c, time%hi, q, q_dot)
     else
-      call part(slow_exponent(beta_squared, c), -(root%hi + 0.5_dp*c), root%hi, time, q, q_dot)
+      call split(slow_exponent(beta_squared, c), -(root%hi + 0.5_dp*c), root%hi, time, q, q_dot)
     end if
   end subroutine flow
 
   elemental subroutine join(cosine, sine, square, c, time, q, q_dot)
-    !! The state from C and S.
+    !! Form the state from C and S, which are of like size.
     real(dp), intent(in) :: cosine, sine, square, c, time
     real(dp), intent(inout) :: q, q_dot
     real(dp) :: start, rate, decay
@@ -89,8 +89,8 @@ contains
     q_dot = decay*(rate*cosine - square*start*sine) - 0.5_dp*c*q
   end subroutine join
 
-  elemental subroutine part(slow, fast, root, time, q, q_dot)
-    !! The state from the two exponentials.
+  elemental subroutine split(slow, fast, root, time, q, q_dot)
+    !! Form the state from the two exponentials, one of which may be far larger than the other.
     type(dd), intent(in) :: slow, time
     real(dp), intent(in) :: fast, root
     real(dp), intent(inout) :: q, q_dot
@@ -101,11 +101,11 @@ contains
     decaying = 0.5_dp*(slow%hi*q - q_dot)/root*exp(fast*time%hi)
     q = growing + decaying
     q_dot = slow%hi*growing + fast*decaying
-  end subroutine part
+  end subroutine split
 
   elemental real(dp) function energy_gain(beta_squared, c, time, q, q_dot) result(gain)
-    !! By how much q̇² + β²q² changes in a time of free motion, never more than nothing. Nothing at all is changed where
-    !! nothing damps; a growing mode whose two terms are huge then keeps their difference.
+    !! By how much q̇² + β²q² changes in a time of free motion: ≤ 0, and exactly 0 where nothing damps, so that a growing mode
+    !! whose two terms are huge then has their difference for ever.
     !!
     !! With q = a e^(st) + b e^(ft), s + f = −c and sf = β², the sum is −csa²e^(2st) + 4abβ²e^(−ct) − cfb²e^(2ft).
     type(dd), intent(in) :: beta_squared

@@ -12,8 +12,9 @@ module bw_mode_set
   public :: terms_of_set, first_numbers
 
   type, abstract, public :: mode_set
+    !! Modes of one beam, with what follows from them for each.
     integer :: count = 0                          !! number of modes n
-    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
+    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the free beam
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
@@ -23,7 +24,7 @@ module bw_mode_set
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
-    integer :: kept_as = 0                        !! sets with the same number, not 0, have the same shapes (bw_kept_modes)
+    integer :: cache_key = 0                      !! sets with the same key, not 0, have the same shapes (bw_mode_cache)
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
@@ -39,13 +40,13 @@ module bw_mode_set
   end type mode_set
 
   type, public :: full_numbers
-    !! What moves a set of modes, in all the digits that are known of it, and standard errors: a few times that may be.
+    !! What moves a set of modes, in all the digits that are known of it, with standard errors: it may be off by a few of these.
     real(qp), allocatable :: square(:)            !! β², (n)
     real(qp), allocatable :: damping(:)           !! c, 0 where nothing damps, (n)
     real(qp), allocatable :: mass(:)              !! M, (n)
     real(dp), allocatable :: square_error(:)      !! of β², (n)
     real(dp), allocatable :: damping_error(:)     !! of c, (n)
-    real(dp), allocatable :: mass_error(:)        !! of M, as a part of it, (n)
+    real(dp), allocatable :: mass_error(:)        !! of M, relatively, (n)
   end type full_numbers
 
   type, abstract, public :: mode_source
@@ -57,7 +58,6 @@ module bw_mode_set
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
     logical :: quadratic = .false.                !! phases of far modes are π²k²τ and terms linear in k (bw_coherence)
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
-    real(dp), allocatable :: points(:)            !! ξ where shapes will be asked for; unallocated: not known beforehand
   contains
     procedure(find_interface), deferred :: find
     procedure :: terms => terms_of_set
@@ -88,6 +88,7 @@ module bw_mode_set
     end function overlap_interface
 
     subroutine find_interface(self, number, modes, longest, monitor)
+      !! Find the modes of these numbers, damped by the source's law.
       import :: mode_set, mode_source, monitor_type, dp
       implicit none (type, external)
       class(mode_source), intent(in) :: self
@@ -99,7 +100,8 @@ module bw_mode_set
     end subroutine find_interface
 
     pure function elastic_interface(self) result(squares)
-      !! K_kk/M_kk, K the elastic stiffness alone: what damping is proportional to. Where nothing else acts it is β² itself.
+      !! K_kk/M_kk, K the elastic stiffness without tension and rotation: what damping is proportional to. Where nothing else
+      !! acts it is β² itself.
       import :: mode_set, dd
       implicit none (type, external)
       class(mode_set), intent(in) :: self
@@ -135,7 +137,7 @@ contains
   end function first_numbers
 
   pure subroutine damp(self, law)
-    !! Damp the modes that were found.
+    !! Damp the modes that were found: set c_k, and β² − c²/4.
     class(mode_set), intent(inout) :: self
     type(damping_law), intent(in), optional :: law      !! absent: they stay undamped
     type(dd) :: elastic(self%count)
@@ -147,8 +149,8 @@ contains
   end subroutine damp
 
   pure subroutine full_numbers_of_set(self, numbers)
-    !! Of modes that were found in binary64. LAPACK's singular values give β² to rounding of its elastic part, of 200 modes
-    !! within 7e-15; their vectors, and with them M, are good to rounding over the gap to the next value, about 2/(kα²).
+    !! The numbers of modes that were found in binary64. LAPACK's singular values give β² to rounding of its elastic part, of 200
+    !! modes within 7e-15; their vectors, and with them M, are good to rounding over the gap to the next value, about 2/(kα²).
     class(mode_set), intent(in) :: self
     type(full_numbers), intent(out) :: numbers
     real(dp), parameter :: relative_error = 2.0e-15_dp
@@ -177,7 +179,7 @@ contains
   end function no_body_energy
 
   subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes)
-    !! What a sum over modes asks of them, and no more: a source may find it for less than a whole set.
+    !! Find what a sum over modes asks of them, and no more: a source may find it for less than a whole set.
     class(mode_source), intent(in) :: self
     integer, intent(in) :: number(:)              !! as those of `find`
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)

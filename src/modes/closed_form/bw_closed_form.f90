@@ -1,27 +1,25 @@
 module bw_closed_form
-  !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21.
+  !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21, with the velocities of
+  !! their waves, Eqs 32 and 33. Without dimensions: lengths in l, times in l²/h, velocities in h/l.
   use bw_kinds, only: dp, qp
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
-  use bw_far_runs, only: far_run_terms, is_far_run
-  use bw_far_terms, only: far_terms
-  use bw_frequency_equation, only: highest_mode, root_type
-  use bw_kept_modes, only: chunk, kept_modes, kept_set
-  use bw_mode_set, only: full_numbers, mode_set, mode_source, terms_of_set
+  use bw_frequency_equation, only: root_type
+  use bw_missing, only: missing
+  use bw_mode_cache, only: cached_set
+  use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
-  use bw_root_list, only: light_modes, near_modes, root_values, solve_roots
+  use bw_root_list, only: batch, root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of, shape_values
-  use bw_wave_velocity, only: phase_velocity, group_velocity
   implicit none (type, external)
   private
-  public :: closed_form_modes, source_in_closed_form
+  public :: closed_form_modes, find_modes, find_cached_modes
+  public :: phase_velocity, group_velocity           ! for their own tests
 
   type, extends(mode_set), public :: closed_form_set
     type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
-    real(dp), allocatable :: known_at(:)           !! points where they are known already; unallocated: none
-    real(dp), allocatable :: known(:, :)           !! Φ_k there, (n, points)
   contains
     procedure :: some_shapes => closed_form_shapes
     procedure :: overlap_with_mass
@@ -31,33 +29,20 @@ module bw_closed_form
     procedure :: in_full => closed_form_in_full
   end type closed_form_set
 
-  type, extends(mode_source), public :: closed_form_source
-    type(dd) :: mass_ratio                         !! γ to all digits
-    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; absent: none
-    type(kept_modes), pointer :: kept => null()    !! what cases share; not associated: nothing is kept
-  contains
-    procedure :: find => find_in_closed_form
-    procedure :: terms => terms_in_closed_form
-  end type closed_form_source
-
-  interface source_in_closed_form
-    module procedure :: source_of_number, source_of_ratio
-  end interface source_in_closed_form
-
 contains
 
   type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
-    !! The first `count` modes; γ = 0 is the beam alone.
+    !! The first `count` modes; γ = 0 is the free beam.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
     integer :: k
-    call set_modes([(k, k=1, count)], to_dd(gamma), omega, longest, modes)
+    call find_modes([(k, k=1, count)], to_dd(gamma), omega, longest, modes)
   end function closed_form_modes
 
-  subroutine set_modes(number, gamma, omega, longest, modes, monitor)
-    !! Modes of any numbers, in their order.
+  subroutine find_modes(number, gamma, omega, longest, modes, monitor)
+    !! Find modes of any numbers, in their order.
     integer, intent(in) :: number(:)       !! k ≥ 1, ascending
     type(dd), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
@@ -66,44 +51,42 @@ contains
       !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
     type(closed_form_set), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
-    type(shape_type) :: shape(chunk)
-    type(dd) :: alpha(chunk)
+    type(shape_type) :: shape(batch)
+    type(dd) :: alpha(batch)
     integer :: first, last, m
-    call size_set(size(number), gamma%hi, omega, modes)
-    do first = 1, size(number), chunk
-      last = min(first + chunk - 1, size(number))
+    call allocate_set(size(number), gamma%hi, omega, modes)
+    do first = 1, size(number), batch
+      last = min(first + batch - 1, size(number))
       m = last - first + 1
       shape(:m) = shapes_of(solve_roots(number(first:last), gamma%hi))
       shape(:m)%root%gamma_low = gamma%lo
       alpha(:m) = root_values(shape(:m)%root)
-      call refine_roots(shape(:m)%root, is_coarse(shape(:m)%root%rest, alpha(:m)%hi, omega, longest), alpha(:m))
-      call set_some(first, last, shape(:m), alpha(:m), omega, modes)
+      call refine_roots(shape(:m)%root, is_coarse(shape(:m)%root%remainder, alpha(:m)%hi, omega, longest), alpha(:m))
+      call set_range(first, last, shape(:m), alpha(:m), omega, modes)
       if (present(monitor)) call monitor%advance(real(last, dp)/size(number))
       if (stops(monitor)) return
     end do
-  end subroutine set_modes
+  end subroutine find_modes
 
-  pure subroutine set_kept_modes(kept, points, omega, longest, modes)
-    !! The same of modes whose shapes are known.
-    type(kept_set), intent(inout) :: kept
-    real(dp), intent(in), optional :: points(:)    !! where shapes will be asked for
+  pure subroutine find_cached_modes(cached, omega, longest, modes)
+    !! Find the modes of a set that is in the cache.
+    type(cached_set), intent(inout) :: cached
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
     type(closed_form_set), intent(out) :: modes
-    type(dd) :: alpha(size(kept%shape))
+    type(dd) :: alpha(size(cached%shape))
     integer :: first, last
-    call size_set(size(kept%shape), kept%gamma%hi, omega, modes)
-    modes%kept_as = kept%number
-    if (present(points)) call kept%shapes_at(points, modes%known)
-    if (allocated(modes%known)) modes%known_at = points
-    call kept%roots(omega, longest, alpha)
-    do first = 1, modes%count, chunk
-      last = min(first + chunk - 1, modes%count)
-      call set_some(first, last, kept%shape(first:last), alpha(first:last), omega, modes)
+    call allocate_set(size(cached%shape), cached%gamma%hi, omega, modes)
+    modes%cache_key = cached%key
+    call cached%roots(omega, longest, alpha)
+    do first = 1, modes%count, batch
+      last = min(first + batch - 1, modes%count)
+      call set_range(first, last, cached%shape(first:last), alpha(first:last), omega, modes)
     end do
-  end subroutine set_kept_modes
+  end subroutine find_cached_modes
 
-  pure subroutine size_set(n, gamma, omega, modes)
+  pure subroutine allocate_set(n, gamma, omega, modes)
+    !! Allocate the arrays of n modes, and set what these have in common.
     integer, intent(in) :: n
     real(dp), intent(in) :: gamma
     type(dd), intent(in), optional :: omega
@@ -113,10 +96,10 @@ contains
     if (present(omega)) modes%omega = omega
     allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
     allocate (modes%phase_velocity(n), modes%group_velocity(n))
-  end subroutine size_set
+  end subroutine allocate_set
 
-  pure subroutine set_some(first, last, shape, alpha, omega, modes)
-    !! Modes `first` … `last` of a set.
+  pure subroutine set_range(first, last, shape, alpha, omega, modes)
+    !! Fill in the modes `first` … `last` of a set.
     integer, intent(in) :: first, last
     type(shape_type), intent(in) :: shape(:)
     type(dd), intent(in) :: alpha(:)
@@ -138,48 +121,51 @@ contains
       modes%phase_velocity(first:last) = phase_velocity(shape%alpha, beta_squared)
       modes%group_velocity(first:last) = group_velocity(shape%alpha, beta_squared)
     end associate
-  end subroutine set_some
+  end subroutine set_range
+
+  ! Waves
+
+  elemental real(dp) function phase_velocity(alpha, beta_squared) result(velocity)
+    !! C_p = β/P (Eq. 32); missing for an unstable mode, 0 at its critical speed.
+    real(dp), intent(in) :: alpha           !! wave number P l > 0
+    type(dd), intent(in) :: beta_squared    !! β² = α⁴ − ω², in (h/l²)²
+    velocity = missing
+    if (beta_squared%hi < 0.0_dp) return
+    velocity = sqrt(beta_squared%hi)/alpha
+  end function phase_velocity
+
+  elemental real(dp) function group_velocity(alpha, beta_squared) result(velocity)
+    !! C_g = dβ/dP = 2α³/β (Eq. 33); missing for an unstable mode and at its critical speed.
+    real(dp), intent(in) :: alpha
+    type(dd), intent(in) :: beta_squared
+    velocity = missing
+    if (beta_squared%hi <= 0.0_dp) return
+    velocity = 2.0_dp*alpha*(alpha**2/sqrt(beta_squared%hi))
+  end function group_velocity
+
+  ! What is asked of a set
 
   pure function closed_form_shapes(self, first, last, xi) result(values)
+    !! Φ_k(ξ) from the roots.
     class(closed_form_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    if (knows(self, xi)) then
-      values = self%known(first:last, :)
-    else
-      values = values_of_shapes(self%root(first:last), xi)
-    end if
-  end function closed_form_shapes
-
-  pure function values_of_shapes(root, xi) result(values)
-    !! Φ_k(ξ) from the roots.
-    type(root_type), intent(in) :: root(:)
-    real(dp), intent(in) :: xi(:)
-    real(dp) :: values(size(root), size(xi))
-    type(shape_type) :: shape(chunk)
-    integer :: k, last, p
-    do k = 1, size(root), chunk
-      last = min(k + chunk - 1, size(root))
-      shape(:last - k + 1) = shapes_of(root(k:last))
+    type(shape_type) :: shape(batch)
+    integer :: k, n, p
+    do k = 1, size(values, 1), batch
+      n = min(batch, size(values, 1) - k + 1)
+      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
       do p = 1, size(xi)
-        values(k:last, p) = shape_values(shape(:last - k + 1), xi(p))
+        values(k:k + n - 1, p) = shape_values(shape(:n), xi(p))
       end do
     end do
-  end function values_of_shapes
-
-  pure logical function knows(self, xi)
-    !! The shapes at these points.
-    class(closed_form_set), intent(in) :: self
-    real(dp), intent(in) :: xi(:)
-    knows = allocated(self%known)
-    if (knows) knows = size(self%known_at) == size(xi)
-    if (knows) knows = all(self%known_at == xi)
-  end function knows
+  end function closed_form_shapes
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
+    class(mode_set), intent(in) :: from            !! in closed form, of the free beam
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -192,8 +178,9 @@ contains
   end function overlap_with_mass
 
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    !! Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the free beam
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -214,48 +201,8 @@ contains
     sums = (from%gamma*sum(from%alpha**4*from%tip*amplitude))*self%tip/self%alpha**4
   end function overlap_far_below
 
-  pure type(closed_form_source) function source_of_number(gamma, omega) result(source)
-    !! The same for a mass ratio that is a binary64 number.
-    real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
-    type(dd), intent(in), optional :: omega
-    source = source_of_ratio(to_dd(gamma), omega)
-  end function source_of_number
-
-  pure type(closed_form_source) function source_of_ratio(gamma, omega) result(source)
-    !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
-    type(dd), intent(in) :: gamma                  !! mass ratio, ≥ 0
-    type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: none acts on the modes
-    source%gamma = gamma%hi
-    source%mass_ratio = gamma
-    source%highest = highest_mode
-    source%quadratic = .true.
-    if (present(omega)) source%omega = omega
-  end function source_of_ratio
-
-  subroutine find_in_closed_form(self, number, modes, longest, monitor)
-    class(closed_form_source), intent(in) :: self
-    integer, intent(in) :: number(:)
-    class(mode_set), allocatable, intent(out) :: modes
-    real(dp), intent(in), optional :: longest
-    class(monitor_type), intent(inout), optional :: monitor
-    type(closed_form_set), allocatable :: found
-    integer :: place
-    logical :: is_kept
-    allocate (found)
-    is_kept = .false.
-    if (associated(self%kept)) is_kept = self%kept%takes(number)
-    if (is_kept) then
-      call self%kept%place(size(number), self%mass_ratio, place)
-      call set_kept_modes(self%kept%sets(place), self%points, self%omega, longest, found)
-    else
-      call set_modes(number, self%mass_ratio, self%omega, longest, found, monitor)
-    end if
-    call found%damp(self%damping)
-    call move_alloc(found, modes)
-  end subroutine find_in_closed_form
-
   pure function closed_form_elastic(self) result(squares)
-    !! α⁴, Eq. 28, of the roots that β² has, refined or not.
+    !! α⁴, Eq. 28, of the same roots, refined or not, as β².
     class(closed_form_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = self%beta_squared
@@ -263,8 +210,8 @@ contains
   end function closed_form_elastic
 
   pure subroutine closed_form_in_full(self, numbers)
-    !! Of modes whose roots were all refined (`longest` without end): the digits of double-double numbers. Without a mass
-    !! at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
+    !! The numbers to the digits of double-double ones, of modes whose roots were all refined (`longest` without end). Without a
+    !! mass at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
     class(closed_form_set), intent(in) :: self
     type(full_numbers), intent(out) :: numbers
     real(dp), parameter :: relative_error = 2.0e-32_dp     ! of β²; of 200 modes within 8e-32
@@ -284,63 +231,5 @@ contains
     end if
     numbers%damping_error = relative_error*real(numbers%damping, dp)
   end subroutine closed_form_in_full
-
-  subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
-    !! Runs of far modes by interpolation, other far ones in their short form, the others through a set.
-    class(closed_form_source), intent(in) :: self
-    integer, intent(in) :: number(:)
-    real(dp), intent(in) :: xi(:)
-    real(dp), intent(in), optional :: longest
-    type(dd), intent(out) :: beta(:)
-    real(dp), intent(out) :: drive(:), shapes(:, :)
-    integer :: first, light, n, near
-    logical :: found
-    if (present(longest)) then
-      if (is_far_run(number, self%gamma, self%omega, xi)) then
-        call far_run_terms(number(1), self%mass_ratio, self%omega, xi, longest, beta, drive, shapes, found)
-        if (found) return
-      end if
-    end if
-    n = size(number)
-    near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
-    light = max(near, light_modes(number, self%gamma))
-    if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
-    do first = near + 1, light, chunk
-      associate (last => min(first + chunk - 1, light))
-        call add_far(first, last, .true.)
-      end associate
-    end do
-    do first = light + 1, n, chunk
-      associate (last => min(first + chunk - 1, n))
-        call add_far(first, last, .false.)
-      end associate
-    end do
-  contains
-    subroutine add_far(first, last, light)
-      !! From those that cases share, if no phases are asked for and there is room.
-      integer, intent(in) :: first, last
-      logical, intent(in) :: light
-      logical :: is_kept
-      associate (k => number(first:last))
-        is_kept = associated(self%kept) .and. .not. present(longest)
-        if (is_kept) is_kept = self%kept%terms%takes(k, xi)
-        if (is_kept) then
-          call self%kept%terms%terms(k, self%gamma, light, self%omega, xi, beta(first:last), drive(first:last), &
-                                     shapes(first:last, :))
-        else
-          call far_terms(k, self%mass_ratio, light, self%omega, xi, longest, beta(first:last), drive(first:last), &
-                         shapes(first:last, :))
-        end if
-      end associate
-    end subroutine add_far
-  end subroutine terms_in_closed_form
-
-  pure integer function modes_of_series(xi) result(k)
-    !! The highest mode that needs its power series, αξ < ½, at one of the points.
-    real(dp), intent(in) :: xi(:)
-    real(dp) :: alpha
-    alpha = 0.5_dp/minval(xi, mask=xi > 0.0_dp)
-    k = int(min(real(highest_mode, dp), alpha/acos(-1.0_dp) + 2.0_dp))
-  end function modes_of_series
 
 end module bw_closed_form

@@ -9,7 +9,7 @@ module bw_far_field
   !! from level to level. A singularity is at least three half-widths from the middle of a cell, so that the error falls as
   !! (3 + √8)^(−nodes).
   !!
-  !! Places are kept in units of π from the middle of their cell: a difference of two of them loses nothing to the size of the
+  !! Places are in units of π from the middle of their cell: a difference of two of them loses nothing to the size of the
   !! mode number.
   !!
   !! **Source**: Fong & Darve (2009), doi:10.1016/j.jcp.2009.08.031.
@@ -70,7 +70,7 @@ contains
   end subroutine add_far_field
 
   pure integer function cells_to(roots) result(cells)
-    !! As many as hold all these modes.
+    !! How many cells hold all these modes.
     type(root_type), intent(in) :: roots(:)         !! ascending
     cells = (roots(size(roots))%k - 1)/leaf + 1
   end function cells_to
@@ -93,7 +93,8 @@ contains
   end function first_in_cells
 
   pure type(interpolation) function interpolation_of_cells() result(chebyshev)
-    !! In extended precision: rounded once, constants add nothing to what sums lose from level to level.
+    !! The constants of the interpolation. In extended precision: rounded once, they add nothing to what sums lose from level
+    !! to level.
     real(qp), parameter :: half_turn = acos(-1.0_qp)
     real(qp) :: place(nodes), series(nodes, 0:nodes - 1), half_place(nodes)
     integer :: half, j, m
@@ -126,14 +127,14 @@ contains
   end function chebyshev_polynomials
 
   elemental real(dp) function place_in_cell(root, cell) result(t)
-    !! −1 … 1, from the whole eighths of a turn and the remainder of a root.
+    !! The place of a root in its cell, −1 … 1, from the whole eighths of a turn and the remainder of a root.
     type(root_type), intent(in) :: root
     integer, intent(in) :: cell
-    t = (0.25_dp*(root%eighths - (4*cell - 2)*leaf) + root%rest/pi)*(2.0_dp/leaf)
+    t = (0.25_dp*(root%eighths - (4*cell - 2)*leaf) + root%remainder/pi)*(2.0_dp/leaf)
   end function place_in_cell
 
   function gathered(chebyshev, from, weight, monitor) result(node)
-    !! From modes to the nodes of their cells.
+    !! Weights of modes as weights at the nodes of their cells, (nodes, cells).
     type(interpolation), intent(in) :: chebyshev
     type(root_type), intent(in) :: from(:)
     real(dp), intent(in) :: weight(:)
@@ -153,7 +154,7 @@ contains
   end function gathered
 
   pure function lifted(chebyshev, node) result(above)
-    !! Weights of cells to the nodes of those that hold two of them.
+    !! Weights at the nodes of cells as weights at the nodes of the cells above, which hold two of them, (nodes, cells).
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: node(:, :)
     real(dp) :: above(nodes, (size(node, 2) + 1)/2)
@@ -167,7 +168,7 @@ contains
   end function lifted
 
   pure function lowered(chebyshev, above, cells) result(node)
-    !! Sums at the nodes of cells to those of their halves.
+    !! Sums at the nodes of cells as sums at the nodes of their halves, (nodes, cells).
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: above(:, :)
     integer, intent(in) :: cells
@@ -179,7 +180,7 @@ contains
   end function lowered
 
   subroutine exchange(chebyshev, width, weights, field, monitor)
-    !! What cells of one level see of those that do not touch them while their parents touch.
+    !! Add what nodes of cells of one level see of the cells that do not touch theirs while their parents touch.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: width                   !! of a cell, in units of π
     real(dp), intent(in) :: weights(:, :)
@@ -198,7 +199,7 @@ contains
   end subroutine exchange
 
   pure subroutine see(chebyshev, width, from, weights, onto, field)
-    !! Nodes of one cell by those of another: 1/(u⁴ − v⁴) in units of π⁻⁴.
+    !! Add to the nodes of one cell the weights at those of another, each times 1/(u⁴ − v⁴) in units of π⁻⁴.
     type(interpolation), intent(in) :: chebyshev
     real(dp), intent(in) :: width
     integer, intent(in) :: from, onto               !! cells
@@ -215,7 +216,7 @@ contains
   end subroutine see
 
   subroutine scatter(chebyshev, onto, node, sums, monitor)
-    !! From the nodes of cells to their modes.
+    !! Add sums at the nodes of cells to those of their modes.
     type(interpolation), intent(in) :: chebyshev
     type(root_type), intent(in) :: onto(:)
     real(dp), intent(in) :: node(:, :)

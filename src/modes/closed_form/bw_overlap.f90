@@ -7,9 +7,9 @@ module bw_overlap
   !! the sum is γΦ̄_k(1)φ_i(1) α_i⁴/(α_i⁴ − ᾱ_k⁴).
   use bw_frequency_equation, only: root_type
   use bw_gap_sums, only: gap_sums
-  use bw_kept_modes, only: chunk
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type
+  use bw_root_list, only: batch
   use bw_shape, only: shape_type, shapes_of
   implicit none (type, external)
   private
@@ -34,7 +34,7 @@ contains
   end function overlap_with_tip_mass
 
   function overlap_without_mass(onto, from, amplitude, monitor) result(sums)
-    !! Σ_i ∫Φ_kφ_i dξ a_i: the beam's part alone.
+    !! Σ_i a_i∫Φ_kφ_i dξ, without the mass.
     type(root_type), intent(in) :: onto(:)        !! of modes Φ_k, any; these or the others are without mass
     type(root_type), intent(in) :: from(:)        !! of modes φ_i, from the first
     real(dp), intent(in) :: amplitude(:)          !! a_i, (size(from))
@@ -52,12 +52,13 @@ contains
   end function overlap_without_mass
 
   pure logical function carries_mass(root)
+    !! Whether the modes are those with the mass at the tip.
     type(root_type), intent(in) :: root(:)
     carries_mass = root(1)%gamma > 0.0_dp
   end function carries_mass
 
   pure function own(onto, amplitude) result(sums)
-    !! Without a mass the two sets are one: of the sum the term i = k is left.
+    !! The sums where there is no mass: the two sets are one, and of each sum the term i = k is left.
     type(root_type), intent(in) :: onto(:)
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(size(onto))
@@ -74,10 +75,10 @@ contains
     integer, intent(in) :: power
     real(dp), intent(in) :: values(:)
     real(dp) :: products(size(root))
-    type(shape_type) :: shape(chunk)
+    type(shape_type) :: shape(batch)
     integer :: first, last
-    do first = 1, size(root), chunk
-      last = min(first + chunk - 1, size(root))
+    do first = 1, size(root), batch
+      last = min(first + batch - 1, size(root))
       associate (s => shape(:last - first + 1))
         s = shapes_of(root(first:last))
         products(first:last) = s%tip*(values(first:last)*s%alpha**power)
@@ -91,10 +92,10 @@ contains
     integer, intent(in) :: power
     real(dp), intent(in) :: values(:)
     real(dp) :: products(size(root))
-    type(shape_type) :: shape(chunk)
+    type(shape_type) :: shape(batch)
     integer :: first, last
-    do first = 1, size(root), chunk
-      last = min(first + chunk - 1, size(root))
+    do first = 1, size(root), batch
+      last = min(first + batch - 1, size(root))
       associate (s => shape(:last - first + 1))
         s = shapes_of(root(first:last))
         products(first:last) = s%tip_force/s%alpha*values(first:last)*s%alpha**power

@@ -9,9 +9,8 @@ module bw_shape
   !! **Source**: Eqs 7, 9, 18, 20, 21.
   use bw_kinds, only: dp
   use bw_double_double, only: dd, two_product
-  use bw_frequency_equation, only: is_light, root_type
+  use bw_frequency_equation, only: alternating_series, growing_series, is_light, root_type
   use bw_root_list, only: root_values
-  use bw_small_series, only: alternating_series, growing_series
   implicit none (type, external)
   private
   public :: shape_of, shapes_of, shape_value, shape_values
@@ -55,11 +54,11 @@ contains
   end function shapes_of
 
   pure subroutine set_first(root, shape)
-    !! Mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
+    !! Find the shape of mode 1, α ≤ 1.8752, through the power series: exact also as γ → ∞, where α → 0.
     type(root_type), intent(in) :: root
     type(shape_type), intent(out) :: shape
     real(dp) :: a, x, denominator
-    a = root%rest
+    a = root%remainder
     shape%root = root
     shape%alpha = a
     x = a**4
@@ -73,14 +72,14 @@ contains
   end subroutine set_first
 
   pure subroutine set_higher(root, shape)
-    !! Modes from the second on, with everything scaled by e^(−α).
+    !! Find shapes of modes from the second on, with everything scaled by e^(−α).
     type(root_type), intent(in) :: root(:)
     type(shape_type), intent(out) :: shape(:)
     real(dp), dimension(size(root)) :: sine, cosine, difference, decay, sech, th, denominator, tip, force, gamma
     type(dd) :: alpha(size(root))
     logical :: light(size(root))
     light = is_light(root)
-    call end_angles(root%k, light, root%rest, sine, cosine, difference)
+    call end_angles(root%k, light, root%remainder, sine, cosine, difference)
     alpha = root_values(root)
     gamma = root%gamma
     decay = exp(-min(0.5_dp*alpha%hi, longest_decay))**2      ! may underflow: the exponential itself would do so slowly
@@ -113,16 +112,16 @@ contains
     mass = 0.25_dp*tip*(tip + tip_force/alpha) - tip_force*end_ratio
   end function mass_of
 
-  pure subroutine end_angles(k, light, rest, sine, cosine, difference)
-    !! sin α, cos α and sin α − cos α from the remainder alone, k ≥ 2.
+  pure subroutine end_angles(k, light, remainder, sine, cosine, difference)
+    !! Find sin α, cos α and sin α − cos α from the remainder of the root, k ≥ 2.
     integer, intent(in) :: k(:)
     logical, intent(in) :: light(:)
-    real(dp), intent(in) :: rest(:)
+    real(dp), intent(in) :: remainder(:)
     real(dp), intent(out) :: sine(:), cosine(:), difference(:)
     real(dp), dimension(size(k)) :: sign, c, s
     sign = merge(-1.0_dp, 1.0_dp, mod(k, 2) == 0)       ! −(−1)^k
-    c = sign*cos(rest)
-    s = sign*sin(rest)
+    c = sign*cos(remainder)
+    s = sign*sin(remainder)
     where (light)
       sine = c
       cosine = -s
@@ -160,7 +159,7 @@ contains
   end function shape_values
 
   pure subroutine evaluate(shape, xi, values)
-    !! The closed form, for αξ not small.
+    !! Evaluate Φ(ξ) by the closed form, for αξ not small.
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi
     real(dp), intent(out) :: values(:)
@@ -174,7 +173,7 @@ contains
   end subroutine evaluate
 
   elemental real(dp) function series_value(shape, xi) result(value)
-    !! The power series, for αξ ≲ 2.
+    !! Φ(ξ) by the power series, for αξ ≲ 2.
     type(shape_type), intent(in) :: shape
     real(dp), intent(in) :: xi
     real(dp) :: z
@@ -186,10 +185,10 @@ contains
     !! αξ modulo 2π: the whole eighths of a turn are multiplied and reduced exactly.
     type(root_type), intent(in) :: root
     real(dp), intent(in) :: xi
-    real(dp) :: eighths, rest
-    call two_product(real(root%eighths, dp), xi, eighths, rest)
+    real(dp) :: eighths, remainder
+    call two_product(real(root%eighths, dp), xi, eighths, remainder)
     eighths = eighths - 8.0_dp*aint(0.125_dp*eighths)
-    angle = 0.25_dp*pi*(eighths + rest) + root%rest*xi
+    angle = 0.25_dp*pi*(eighths + remainder) + root%remainder*xi
   end function angle_at
 
 end module bw_shape

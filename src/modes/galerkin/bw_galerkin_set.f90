@@ -6,12 +6,12 @@ module bw_galerkin_set
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
-  use bw_strain_basis, only: basis_values, integral
+  use bw_strain_basis, only: basis_values, slope_of
   implicit none (type, external)
   private
 
   type, public :: tip_body
-    !! What the energy of the body at the tip takes, beside its mass.
+    !! What the energy of the body at the tip depends on, beside its mass.
     real(dp) :: inertia = 0.0_dp                   !! J in m_i l²
     real(dp) :: pull = 0.0_dp                      !! T(1) = Ω²γ(1 + R), tension that the body's mass brings
     real(dp) :: compliance = 0.0_dp                !! s² of the beam
@@ -36,6 +36,7 @@ module bw_galerkin_set
 contains
 
   pure function galerkin_shapes(self, first, last, xi) result(values)
+    !! Φ_k(ξ): exactly 0 at the root, exactly `tip` at the tip.
     class(galerkin_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -49,7 +50,7 @@ contains
   end function galerkin_shapes
 
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    !! The coefficients' products: p_j are orthonormal.
+    !! ∫Φ_kφ_i dξ, and with shear of rψ too, from products of coefficients, p_j being orthonormal.
     class(galerkin_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -66,7 +67,8 @@ contains
   end function overlap_of_beam
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    !! A body's rotary inertia has no part: it arrives without spin.
+    !! `overlap_of_beam` and γΣ_i a_iΦ_k(1)φ_i(1) of the mass at the tip. A body's rotary inertia has no part: it arrives
+    !! without spin.
     class(galerkin_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -77,7 +79,7 @@ contains
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)
-    !! Less what rotation adds to it β² is the same, and is taken where that is the sharper way: exactly where nothing turns.
+    !! λ_k, from the strains, or from β² less what rotation adds where that is sharper: exactly β² where nothing turns.
     class(galerkin_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = to_dd(sum(self%strain**2, dim=1))
@@ -85,8 +87,8 @@ contains
   end function galerkin_elastic
 
   real(dp) function coupling(self, law) result(ratio)
-    !! The largest ratio of what damping couples two modes to what it takes from each, |C_ij|/√(C_iiC_jj): of a matrix that
-    !! is taken as diagonal.
+    !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj): how far the matrix that is
+    !! treated as diagonal is from being so.
     class(galerkin_set), intent(in) :: self
     type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
     real(dp) :: gram(self%count, self%count), rate(self%count)
@@ -116,22 +118,12 @@ contains
     strain = matmul(self%strain, sqrt(self%modal_mass)*q)
     associate (body => self%body, tip_rate => dot_product(self%strain(1, :), sqrt(self%modal_mass)*rate))
       energy(1) = 0.5_dp*body%inertia*tip_rate**2            ! ψ(1) is the first coefficient of the curvature
-      energy(2) = 0.5_dp*body%pull*slope_square(n, strain, body%compliance)
+      energy(2) = 0.5_dp*body%pull*sum(slope_of(n, strain, body%compliance)**2)
     end associate
   end function energy_of_body
 
-  pure real(dp) function slope_square(n, strain, compliance)
-    !! ∫v'² dξ, v' = ψ and the shear strain.
-    integer, intent(in) :: n                       !! functions of each strain
-    real(dp), intent(in) :: strain(:)              !! (n), or (2n) with shear
-    real(dp), intent(in) :: compliance             !! s²
-    real(dp) :: slope(n + 1)
-    slope = integral(strain(:n))
-    if (size(strain) > n) slope(:n) = slope(:n) + sqrt(compliance)*strain(n + 1:)
-    slope_square = sum(slope**2)
-  end function slope_square
-
   pure function products(onto, from, amplitude) result(sums)
+    !! Σ_i a_i Σ_j o_jk f_ji over the coefficients that both sets have, (modes of `onto`).
     real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(size(onto, 2))

@@ -9,11 +9,12 @@ module bw_local_waves
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator, shear_numbers
   use bw_double_double, only: dd
-  use bw_gauss, only: gauss_rule
+  use bw_lapack, only: dsterf
   use bw_missing, only: missing
+  use bw_strain_basis, only: basis_values
   implicit none (type, external)
   private
-  public :: find_waves
+  public :: find_waves, gauss_rule
 
   integer, parameter :: nodes = 200
     !! of the mean over a beam with tension: 1e-12 for Ω to 1000, where T reaches 0 at the tip
@@ -21,7 +22,7 @@ module bw_local_waves
 contains
 
   subroutine find_waves(operator, beta_squared, alpha, phase_velocity, group_velocity)
-    !! Mean wave numbers over the beam, and the velocities that follow from them.
+    !! Find mean wave numbers over the beam, and the velocities that follow from them.
     type(beam_operator), intent(in) :: operator
     type(dd), intent(in) :: beta_squared(:)                    !! (modes)
     real(dp), intent(out) :: alpha(:)                          !! P l, (modes)
@@ -42,6 +43,7 @@ contains
   end subroutine find_waves
 
   pure subroutine mean_wave(operator, beta_squared, tension, weight, alpha, phase_velocity, group_velocity)
+    !! Find the mean wave number of one mode, and its velocities.
     type(beam_operator), intent(in) :: operator
     real(dp), intent(in) :: beta_squared
     real(dp), intent(in) :: tension(:), weight(:)              !! at the nodes of a mean over the beam
@@ -56,7 +58,7 @@ contains
   end subroutine mean_wave
 
   elemental subroutine local_wave(operator, beta_squared, tension, p, slope)
-    !! Larger root of a y² + b y − c, and its derivative by β².
+    !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
     type(beam_operator), intent(in) :: operator
     real(dp), intent(in) :: beta_squared, tension
     real(dp), intent(out) :: p, slope
@@ -79,9 +81,24 @@ contains
     end if
     y = max(y, tiny(y))
     p = sqrt(y)
+    slope = 0.0_dp
+    if (root <= 0.0_dp) return                ! λ = 0: no wave runs, and β² < 0 asks for no velocity
     slope = turning - shear%compliance*shear%rotary*lambda &
       + y*(shear%compliance + shear%rotary*(1.0_dp + shear%compliance*tension))
-    slope = slope/max(root, tiny(root))/(2.0_dp*p)
+    slope = slope/root/(2.0_dp*p)
   end subroutine local_wave
+
+  subroutine gauss_rule(n, node, weight)
+    !! Find nodes and weights of Gauss's rule for integrals over [0, 1], exact for polynomials up to degree 2n − 1: nodes are the
+    !! eigenvalues of the matrix of ξ in Legendre's polynomials, weights 1/Σp_j² there (Golub and Welsch 1969).
+    integer, intent(in) :: n                             !! ≥ 1
+    real(dp), allocatable, intent(out) :: node(:), weight(:)   !! ascending, (n)
+    real(dp) :: below(n)
+    integer :: j, info
+    allocate (node(n), source=0.5_dp)
+    below = [(0.5_dp*j/sqrt((2.0_dp*j - 1.0_dp)*(2.0_dp*j + 1.0_dp)), j=1, n)]
+    call dsterf(n, node, below, info)
+    weight = 1.0_dp/sum(basis_values(n, node)**2, dim=1)
+  end subroutine gauss_rule
 
 end module bw_local_waves

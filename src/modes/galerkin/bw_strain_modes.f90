@@ -4,9 +4,9 @@ module bw_strain_modes
   !! **Errors**: β² + σ within 1e-13 relatively for 200 modes, Ω from 0 to 1000 and every slenderness (tests).
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
+  use bw_lapack, only: dpotrf, dtrsm
   use bw_monitor, only: monitor_type, stops
   use bw_singular_values, only: singular_values
-  use bw_heavy_value, only: give_heavy, heavy_column, heavy_value, take_heavy
   use bw_strain_system, only: build_system, strain_system
   implicit none (type, external)
   private
@@ -15,25 +15,6 @@ module bw_strain_modes
   real(dp), parameter :: negligible = 1.0e-11_dp   !! last coefficients of a resolved mode, of a norm of 1
   integer, parameter :: watched = 4                !! how many of the last: neighbours may vanish by parity
   integer, parameter :: most_functions = 2000
-
-  interface
-    subroutine dpotrf(uplo, n, a, lda, info)
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: uplo
-      integer, intent(in) :: n, lda
-      real(dp), intent(inout) :: a(lda, *)
-      integer, intent(out) :: info
-    end subroutine dpotrf
-    subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: side, uplo, transa, diag
-      integer, intent(in) :: m, n, lda, ldb
-      real(dp), intent(in) :: alpha, a(lda, *)
-      real(dp), intent(inout) :: b(ldb, *)
-    end subroutine dtrsm
-  end interface
 
   type, public :: strain_modes
     !! The first modes, each with BᵀB-norm 1.
@@ -47,7 +28,7 @@ module bw_strain_modes
 contains
 
   subroutine solve_strain_modes(operator, count, modes, monitor)
-    !! The first `count` modes; not `resolved`, and maybe without arrays, where there are none to be had.
+    !! Find the first `count` modes; not `resolved`, and maybe without arrays, where there are none to be had.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count                   !! ≥ 1
     type(strain_modes), intent(out) :: modes
@@ -65,8 +46,8 @@ contains
   end subroutine solve_strain_modes
 
   pure integer function first_guess(operator, count)
-    !! Half a wave of mode k takes π/2 polynomials, and the ends take some. Tension leaves bending to a layer at the clamp
-    !! of length δ = √((1 + s²T)/T), which takes some 4/√δ.
+    !! How many functions to try first. Half a wave of mode k needs π/2 polynomials, and the ends need more. Tension leaves bending
+    !! to a layer at the clamp of length δ = √((1 + s²T)/T), which needs about 4/√δ.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     real(dp), parameter :: layer = 2.5_dp          ! tuned: what is never enough
@@ -79,7 +60,7 @@ contains
   end function first_guess
 
   subroutine solve_with(operator, count, functions, modes, monitor)
-    !! The same in a given number of functions; `resolved` says no more than that LAPACK had no trouble.
+    !! Find modes in a given number of functions; `resolved` says no more than that LAPACK had no trouble.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
     integer, intent(in) :: functions               !! ≥ `count` and 3
@@ -92,7 +73,7 @@ contains
       if (info == 0) call divide_by_factor(s, b, monitor)
     end associate
     if (stops(monitor)) return
-    if (info == 0) call graded_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info, monitor)
+    if (info == 0) call singular_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info, monitor)
     modes%resolved = info == 0
     if (stops(monitor)) modes%resolved = .false.
     if (modes%resolved) modes%resolved = all(modes%period > 0.0_dp)
@@ -100,37 +81,8 @@ contains
     deallocate (modes%system%stiffness, modes%system%mass_root)
   end subroutine solve_with
 
-  recursive subroutine graded_values(matrix, count, values, left, right, info, monitor)
-    !! `singular_values`, each to its own digits where a body at the tip makes one or two columns far longer than the others.
-    real(dp), intent(inout) :: matrix(:, :)        !! destroyed
-    integer, intent(in) :: count
-    real(dp), allocatable, intent(out) :: values(:)
-    real(dp), allocatable, intent(out) :: left(:, :), right(:, :)     !! (rows, count), (columns, count)
-    integer, intent(out) :: info
-    class(monitor_type), intent(inout), optional :: monitor           !! nothing is found where it asks to stop
-    type(heavy_value) :: heavy
-    real(dp), allocatable :: lesser(:), lesser_left(:, :), lesser_right(:, :)
-    integer :: column, last
-    column = heavy_column(matrix)
-    if (column == 0) then
-      call singular_values(matrix, count, values, left, right, info, monitor)
-      return
-    end if
-    last = size(matrix, 2)
-    matrix(:, [column, last]) = matrix(:, [last, column])
-    call take_heavy(matrix, heavy)
-    info = 0
-    allocate (lesser(0), lesser_left(size(matrix, 1), 0), lesser_right(last - 1, 0))
-    if (count > 1) call graded_values(matrix(:, :last - 1), count - 1, lesser, lesser_left, lesser_right, info, monitor)
-    if (stops(monitor) .or. info /= 0) return
-    values = [heavy%value, lesser]
-    left = reshape([heavy%left, lesser_left], [size(matrix, 1), count])
-    right = reshape([heavy%right, give_heavy(heavy, lesser_right)], [last, count])
-    right([column, last], :) = right([last, column], :)
-  end subroutine graded_values
-
   subroutine find_strains(modes)
-    !! x = L⁻ᵀ(right singular vector)/value, and from these unknowns the strains.
+    !! Find the unknowns x = L⁻ᵀ(right singular vector)/value, and from them the strains.
     type(strain_modes), intent(inout) :: modes
     integer :: k
     associate (s => modes%system%stiffness, x => modes%strain)
@@ -144,27 +96,27 @@ contains
   end subroutine find_strains
 
   subroutine divide_by_factor(s, b, monitor)
-    !! B L⁻ᵀ, some rows at a time.
+    !! Replace B by B L⁻ᵀ, a batch of rows at a time.
     real(dp), intent(in) :: s(:, :)
     real(dp), intent(inout) :: b(:, :)
     class(monitor_type), intent(inout), optional :: monitor
-    integer, parameter :: some = 512
+    integer, parameter :: batch = 512
     integer :: first, last
-    do first = 1, size(b, 1), some
+    do first = 1, size(b, 1), batch
       if (stops(monitor)) return
-      last = min(first + some - 1, size(b, 1))
+      last = min(first + batch - 1, size(b, 1))
       call dtrsm('R', 'L', 'T', 'N', last - first + 1, size(b, 2), 1.0_dp, s, size(s, 1), b(first:last, :), last - first + 1)
     end do
   end subroutine divide_by_factor
 
   pure subroutine sharpen_tip(modes)
-    !! √γ v(1) of a heavy mass that hardly moves, from the force on it: the row of v(1) in S x = p⁻²M x.
+    !! Find √γ v(1) of a heavy mass that hardly moves from the force on it: the row of v(1) in S x = p⁻²M x.
     type(strain_modes), intent(inout) :: modes
     real(dp) :: force, push, rounding
     integer :: k
     associate (system => modes%system, x => modes%strain, u => modes%motion, gamma => modes%system%mass)
       do k = 1, size(modes%period)
-        push = gamma*(modes%period(k)**(-2) - system%held)
+        push = gamma*(modes%period(k)**(-2) - system%mass_weight)
         force = dot_product(system%force, x(:, k)) - dot_product(system%pushed, u(:, k))/modes%period(k)**2
         rounding = norm2(system%force)*norm2(x(:, k)) + norm2(system%pushed)/modes%period(k)**2
         if (rounding < push/sqrt(gamma)) u(system%tip_row, k) = sqrt(gamma)*(force/push)
@@ -173,7 +125,7 @@ contains
   end subroutine sharpen_tip
 
   pure function last_coefficients(modes) result(largest)
-    !! Of v, and of rψ where there is shear: how far a mode is from being resolved, (modes).
+    !! The largest of the last coefficients of v, and of rψ where there is shear: how far a mode is from being resolved, (modes).
     type(strain_modes), intent(in) :: modes
     real(dp) :: largest(size(modes%period))
     integer :: last

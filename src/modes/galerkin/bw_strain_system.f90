@@ -6,9 +6,9 @@ module bw_strain_system
   !!
   !! - the elastic stiffness is the identity: no locking;
   !! - mass is M = BᵀB, the rows of B being the coefficients of v and of rψ, and √γ v(1) and √J ψ(1): exact;
-  !! - the tension's part is exact too, T being quadratic.
+  !! - what tension adds is exact too, T being quadratic.
   !!
-  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_tip_coordinates).
+  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_strain_basis).
   !!
   !! With the modes' equation A x = β²M x, S = A + σM is positive definite for the shift σ chosen here, even beyond a
   !! critical speed. With S = LLᵀ the singular values of B L⁻ᵀ are (β² + σ)^(−½) and its left singular vectors hold the
@@ -16,8 +16,7 @@ module bw_strain_system
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
   use bw_double_double, only: dd, operator(*)
-  use bw_strain_basis, only: integral, integral_transposed, times_quadratic
-  use bw_tip_coordinates, only: tip_coordinates, tip_coordinates_of
+  use bw_strain_basis, only: integral, integral_transposed, times_quadratic, tip_coordinates, tip_coordinates_of
   implicit none (type, external)
   private
   public :: build_system
@@ -32,23 +31,23 @@ module bw_strain_system
     integer :: turn_row = 0                     !! where the n + 1 rows of rψ begin; 0: none
     integer :: tip_row = 0                      !! the row √γ v(1); 0: none
     integer :: inertia_row = 0                  !! the row √J ψ(1); 0: none
-    type(tip_coordinates), allocatable :: tip   !! unknowns of the tip; unallocated: strains alone
+    type(tip_coordinates), allocatable :: tip   !! unknowns of the tip; unallocated: there are none
     real(dp), allocatable :: force(:)           !! the row of v(1) in S, without the mass; unallocated where there is none
     real(dp), allocatable :: pushed(:)          !! the column of v(1) in B, likewise
     real(dp) :: mass = 0.0_dp                   !! γ at the tip
-    real(dp) :: held = 0.0_dp                   !! S has so many times the mass
+    real(dp) :: mass_weight = 0.0_dp            !! by which the mass enters S beside the shift
     type(dd) :: shift                           !! σ
   end type strain_system
 
   type :: shift_weights
-    !! By how much the rows of B enter S beyond A's own part, beside the shift.
+    !! By how much the rows of B enter S beside what A has of them and the shift.
     real(dp) :: deflection = 0.0_dp, turning = 0.0_dp, inertia = 0.0_dp
   end type shift_weights
 
 contains
 
   pure subroutine build_system(operator, functions, system)
-    !! The factors of mass and stiffness for n functions of each strain.
+    !! Build the factors of mass and stiffness for n functions of each strain.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: functions                 !! n ≥ 3
     type(strain_system), intent(out) :: system
@@ -67,6 +66,7 @@ contains
   end subroutine build_system
 
   pure subroutine place_rows(operator, system, rows)
+    !! Say which rows of B stand for what, and how many there are.
     type(beam_operator), intent(in) :: operator
     type(strain_system), intent(inout) :: system
     integer, intent(out) :: rows
@@ -86,7 +86,8 @@ contains
   end subroutine place_rows
 
   pure subroutine choose_shift(operator, shift, weights)
-    !! In plane A = K − Ω²(v's part of M): σ = Ω² leaves K and Ω² times the other parts. Out of plane A = K − Ω²(ψ's part).
+    !! Choose σ. In plane A = K − Ω²(mass of v): σ = Ω² leaves K and Ω² times the other masses. Out of plane
+    !! A = K − Ω²(inertia of ψ), which is positive definite without a shift where rotation is slow.
     type(beam_operator), intent(in) :: operator
     type(dd), intent(out) :: shift
     type(shift_weights), intent(out) :: weights
@@ -107,7 +108,7 @@ contains
   end subroutine choose_shift
 
   pure subroutine set_column(operator, weights, j, system)
-    !! Column j of S and B: strain j alone.
+    !! Fill in column j of S and B: what strain j of size 1 does.
     type(beam_operator), intent(in) :: operator
     type(shift_weights), intent(in) :: weights
     integer, intent(in) :: j
@@ -132,7 +133,7 @@ contains
   end subroutine set_column
 
   pure subroutine strain_motion(operator, n, j, psi, slope)
-    !! ψ and v' of strain j: a curvature, or beyond n a shear strain.
+    !! Find ψ and v' of strain j: a curvature, or beyond n a shear strain.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: n, j
     real(dp), intent(out) :: psi(:), slope(:)        !! (n + 1)
@@ -146,7 +147,7 @@ contains
   end subroutine strain_motion
 
   pure subroutine add_body(operator, weights, system)
-    !! Unknowns of the tip, and mass and inertia of what it carries.
+    !! Change to the unknowns of the tip, and add mass and inertia of the body there.
     type(beam_operator), intent(in) :: operator
     type(shift_weights), intent(in) :: weights
     type(strain_system), intent(inout) :: system
@@ -166,7 +167,7 @@ contains
         system%force = system%stiffness(v, :)
         system%pushed = system%mass_root(:, v)
         system%mass = operator%gamma
-        system%held = weights%deflection
+        system%mass_weight = weights%deflection
         system%mass_root(system%tip_row, v) = sqrt(operator%gamma)
         system%stiffness(v, v) = system%stiffness(v, v) + weights%deflection*operator%gamma
       end if

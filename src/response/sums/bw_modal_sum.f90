@@ -12,6 +12,7 @@ module bw_modal_sum
   use bw_monitor, only: monitor_type, part_monitor
   use bw_time_grid, only: time_grid
   use bw_turn_table, only: turn_table
+  use bw_lapack, only: dgemm
   implicit none (type, external)
   private
   public :: add_stable_modes, block_length
@@ -31,18 +32,6 @@ module bw_modal_sum
     !! What all blocks have in common: turns from the middle of a block to the samples after it.
     real(dp), allocatable :: cosine(:, :), sine(:, :)   !! (samples of half a block, modes)
   end type block_turns
-
-  interface
-    pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
-      !! BLAS: C = alpha·AB + beta·C
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: transa, transb
-      integer, intent(in) :: m, n, k, lda, ldb, ldc
-      real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
-      real(dp), intent(inout) :: c(ldc, *)
-    end subroutine dgemm
-  end interface
 
 contains
 

@@ -1,30 +1,12 @@
 module bw_least_squares
   !! Small dense least squares by LAPACK.
   use bw_kinds, only: dp
+  use bw_lapack, only: dgelsy, dgeqrf
   implicit none (type, external)
   private
   public :: least_squares, factorise, gradient_length
 
   real(dp), parameter :: dependent = 1.0e-13_dp   !! columns this close to the others are left out of a solution
-
-  interface
-    subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
-      import :: dp
-      implicit none (type, external)
-      integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
-      real(dp), intent(inout) :: a(lda, *), b(ldb, *), work(*)
-      integer, intent(inout) :: jpvt(*)
-      real(dp), intent(in) :: rcond
-      integer, intent(out) :: rank, info
-    end subroutine dgelsy
-    subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
-      import :: dp
-      implicit none (type, external)
-      integer, intent(in) :: m, n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
-      integer, intent(out) :: info
-    end subroutine dgeqrf
-  end interface
 
 contains
 

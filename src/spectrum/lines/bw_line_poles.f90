@@ -4,6 +4,7 @@ module bw_line_poles
   !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
   use bw_kinds, only: dp
   use bw_line, only: points
+  use bw_lapack, only: zgeev, zgesvd
   implicit none (type, external)
   private
   public :: find_poles, pencil_of, rank_of
@@ -19,27 +20,6 @@ module bw_line_poles
     real(dp), allocatable :: singular(:)        !! of the divided differences, descending
     complex(dp), allocatable :: shifted(:, :)   !! the shifted differences between their singular vectors
   end type pencil_type
-
-  interface
-    subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: jobu, jobvt
-      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
-      complex(dp), intent(inout) :: a(lda, *), u(ldu, *), vt(ldvt, *), work(*)
-      real(dp), intent(inout) :: s(*), rwork(*)
-      integer, intent(out) :: info
-    end subroutine zgesvd
-    subroutine zgeev(jobvl, jobvr, n, a, lda, w, vl, ldvl, vr, ldvr, work, lwork, rwork, info)
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: jobvl, jobvr
-      integer, intent(in) :: n, lda, ldvl, ldvr, lwork
-      complex(dp), intent(inout) :: a(lda, *), w(*), vl(ldvl, *), vr(ldvr, *), work(*)
-      real(dp), intent(inout) :: rwork(*)
-      integer, intent(out) :: info
-    end subroutine zgeev
-  end interface
 
 contains
 

@@ -175,7 +175,7 @@ contains
     type(dd) :: alpha(size(number))
     roots = solve_roots(number, gamma)
     alpha = root_values(roots)
-    coarse = count(is_coarse(roots%rest, alpha%hi, omega, longest))
+    coarse = count(is_coarse(roots%remainder, alpha%hi, omega, longest))
   end function coarse_roots
 
 end module bw_accuracy_ladder

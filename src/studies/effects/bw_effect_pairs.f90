@@ -153,7 +153,7 @@ contains
     if (allocated(scene%capture)) gamma = scene%impact%mass_ratio
     units = units_of(scene%beam)
     root = solve_root(1, gamma)
-    digits = shortest(tried_speed*root%rest**2*units%frequency, 3)
+    digits = shortest(tried_speed*root%remainder**2*units%frequency, 3)
     read (digits, *) speed
   end function usual_speed
 
