@@ -116,10 +116,10 @@ contains
     integer :: k
     associate (system => modes%system, x => modes%strain, u => modes%motion, gamma => modes%system%mass)
       do k = 1, size(modes%period)
-        push = gamma*(modes%period(k)**(-2) - system%mass_weight)
+        push = sqrt(gamma)*(modes%period(k)**(-2) - system%mass_weight)   ! over √γ, lest γ take it out of range
         force = dot_product(system%force, x(:, k)) - dot_product(system%pushed, u(:, k))/modes%period(k)**2
         rounding = norm2(system%force)*norm2(x(:, k)) + norm2(system%pushed)/modes%period(k)**2
-        if (rounding < push/sqrt(gamma)) u(system%tip_row, k) = sqrt(gamma)*(force/push)
+        if (rounding < push) u(system%tip_row, k) = force/push
       end do
     end associate
   end subroutine sharpen_tip
