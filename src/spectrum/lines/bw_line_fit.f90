@@ -2,8 +2,7 @@ module bw_line_fit
   !! Lines that share a few bins, fitted to both histories at once (Gauss–Newton on positions, amplitudes eliminated).
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares
-  use bw_line, only: line_type, points
-  use bw_line_image, only: add_lines, amplitude_columns, jacobian, parts, unknowns
+  use bw_line, only: add_lines, amplitude_columns, jacobian, line_type, parts, points, unknowns
   implicit none (type, external)
   private
   public :: fit_lines

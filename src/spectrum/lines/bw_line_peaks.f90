@@ -1,10 +1,9 @@
 module bw_line_peaks
   !! From fitted lines to peaks that can be told apart, each with bounds on its errors.
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_type
+  use bw_line, only: line_position, line_type, resolution
   use bw_line_bounds, only: bound_errors, line_strength
   use bw_line_group, only: band_of, group_image_of, group_type
-  use bw_line_needless, only: resolution
   use bw_line_residual, only: residual_type
   use bw_line_search, only: line_groups
   implicit none (type, external)

@@ -7,7 +7,7 @@ module bw_line_residual
   use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
-  public :: find_residual, plain_bins, strength, visible_peaks
+  public :: find_residual, peak_lines, plain_bins, strength, visible_peaks
 
   integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
   integer, parameter :: most_peaks = 64        !! taken up at a time
@@ -167,5 +167,23 @@ contains
       end if
     end do
   end function plain_bins
+
+  pure function peak_lines(residual, peaks) result(lines)
+    !! A line at each peak, its offset by a parabola through the logarithms of three bins.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: peaks(:)
+    type(line_type) :: lines(size(peaks))
+    real(dp) :: value(-1:1)
+    integer :: i, m
+    lines%bin = peaks
+    do i = 1, size(peaks)
+      if (peaks(i) == 0 .or. peaks(i) == ubound(residual%windowed, 1)) cycle
+      value = [(norm2(abs(residual%windowed(peaks(i) + m, :))), m=-1, 1)]
+      if (any(value <= 0)) cycle
+      value = log(value)
+      lines(i)%offset = (value(1) - value(-1))/max(2*(2*value(0) - value(1) - value(-1)), 1.0_dp)
+      lines(i)%offset = max(-0.5_dp, min(0.5_dp, lines(i)%offset))
+    end do
+  end function peak_lines
 
 end module bw_line_residual

@@ -3,8 +3,7 @@ module bw_line_search
   !! what is left of the record is searched again until nothing stands out.
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_row, line_type, sidelobe
-  use bw_line_group, only: band_of, refit_group, group_type
-  use bw_line_needless, only: drop_needless
+  use bw_line_group, only: band_of, drop_needless, group_type, refit_group
   use bw_line_residual, only: find_residual, residual_type, strength, visible_peaks
   use bw_monitor, only: monitor_type, stops
   implicit none (type, external)

@@ -6,9 +6,8 @@ module bw_measured
   use bw_line_residual, only: residual_type
   use bw_line_search, only: find_lines
   use bw_measured_notes, only: measured_notes
-  use bw_measuring, only: measuring_type
   use bw_missing, only: is_missing, missing
-  use bw_mode_check, only: check_peaks, is_mode, not_known, verdict_type
+  use bw_mode_check, only: check_peaks, is_mode, measuring_type, not_known, verdict_type
   use bw_mode_curve, only: mode_type, slope_of
   use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops

@@ -2,8 +2,7 @@ module bw_measured_notes
   !! What a reader of measured waves must know, in words.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
-  use bw_measuring, only: measuring_type
-  use bw_mode_check, only: is_folded, is_none, not_known, verdict_type
+  use bw_mode_check, only: is_folded, is_none, measuring_type, not_known, verdict_type
   use bw_mode_curve, only: mode_type
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)

@@ -2,9 +2,8 @@ module bw_mode_check
   !! What is known about the modes in a record, beside it, checks what was measured. It says which peaks are folded back from above
   !! half the sampling rate, and which are no mode; it gives no value.
   use bw_kinds, only: dp
-  use bw_line_needless, only: resolution
+  use bw_line, only: resolution
   use bw_line_peaks, only: as_single, peak_type, with_hidden
-  use bw_measuring, only: known_modes
   implicit none (type, external)
   private
   public :: check_peaks
@@ -16,6 +15,20 @@ module bw_mode_check
   real(dp), parameter :: rounding = 32*epsilon(1.0_dp)   !! of the frequencies of modes
 
   integer, parameter, public :: not_known = 0, is_mode = 1, is_folded = 2, is_none = 3
+
+  type, public :: known_modes
+    !! The modes that make up a record, from the first on.
+    real(dp), allocatable :: angular_frequency(:)  !! rad/s, ascending; 0 of a mode that does not oscillate, (mode)
+    logical :: all = .true.                        !! false: there are others above these
+  end type known_modes
+
+  type, public :: measuring_type
+    real(dp) :: duration = 1                   !! of the record, T > 0, s
+    real(dp) :: length = 1                     !! of the beam, > 0, m
+    integer :: max_peaks = 20                  !! ≥ 0
+    logical :: uniform = .true.                !! Eqs 18 to 20 hold; otherwise wave numbers and velocities are missing
+    type(known_modes), allocatable :: known    !! to check what was measured; unallocated: not known
+  end type measuring_type
 
   type, public :: verdict_type
     integer :: kind = not_known       !! a number above

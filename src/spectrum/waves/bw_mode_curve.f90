@@ -2,8 +2,7 @@ module bw_mode_curve
   !! Peaks as modes of a uniform beam, and the curve ν² = c₁ α⁴ + c₀ that they lie on, with the errors of both.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
-  use bw_mode_ratio, only: alpha_of_ratio, alpha_range
-  use bw_tip_mass, only: mass_angle
+  use bw_mode_ratio, only: alpha_of_ratio, alpha_range, mass_angle
   implicit none (type, external)
   private
   public :: as_mode, same_mass, curve_through, on_curve, chance_on_curve, chance_of_mass, slope_of
