@@ -35,13 +35,13 @@ module bw_line
 contains
 
   elemental real(dp) function line_position(line)
-    !! Periods in the record.
+    !! The position of a line is the number of its periods in the record.
     type(line_type), intent(in) :: line
     line_position = line%bin + line%offset
   end function line_position
 
   pure function line_row(line, count, first, last, shift, windowed) result(row)
-    !! Transform of exp(…) of a line of amplitude 1, without its mirror image, at the bins first … last.
+    !! The Fourier transform of a line of amplitude 1, without its mirror image, at the bins first … last.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count             !! N
     integer, intent(in) :: first, last       !! bins
@@ -52,7 +52,7 @@ contains
   end function line_row
 
   pure function mirror_row(line, count, first, last, shift, windowed) result(row)
-    !! The same of the line's mirror image at negative frequency.
+    !! The same transform of the line's mirror image at negative frequency.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count, first, last
     real(dp), intent(in) :: shift
@@ -62,7 +62,7 @@ contains
   end function mirror_row
 
   pure function transform(bin, offset, growth, count, first, last, windowed) result(row)
-    !! Σ_j w_j exp((growth + 2πi (bin − m + offset)) j/N − max(growth, 0)), m = first … last: a geometric sum.
+    !! The geometric sum Σ_j w_j exp((growth + 2πi (bin − m + offset)) j/N − max(growth, 0)) at the bins m = first … last.
     integer, intent(in) :: bin, count, first, last
     real(dp), intent(in) :: offset, growth
     logical, intent(in) :: windowed
@@ -93,7 +93,7 @@ contains
   end function transform
 
   pure complex(dp) function exp_less_one(z)
-    !! e^z − 1 without cancellation near 0.
+    !! The number e^z − 1, without cancellation near 0.
     complex(dp), intent(in) :: z
     real(dp) :: half, growth
     half = sin(z%im/2)
@@ -129,7 +129,7 @@ contains
   end subroutine subtract_line
 
   pure complex(dp) function turn(line, j, count)
-    !! exp(2πi (bin + offset) j/N + growth j/N), whole periods taken out before rounding.
+    !! The factor exp(2πi (bin + offset) j/N + growth j/N) of sample j; whole periods are subtracted before anything is rounded.
     type(line_type), intent(in) :: line
     integer, intent(in) :: j, count
     integer(i8) :: part
@@ -139,7 +139,7 @@ contains
   end function turn
 
   elemental real(dp) function sidelobe(distance)
-    !! Largest leakage of a steady line through the window, relative to its peak, at that many bins.
+    !! The largest leakage of a steady line through the window at that distance, relative to the line's peak.
     real(dp), intent(in) :: distance         !! bins, of either sign
     real(dp) :: d
     d = abs(distance)
@@ -148,13 +148,13 @@ contains
   end function sidelobe
 
   elemental integer function unknowns(line)
-    !! Real numbers that describe a line.
+    !! How many real numbers describe a line: two amplitudes, its position, and its growth unless it is steady.
     type(line_type), intent(in) :: line
     unknowns = 2*points + merge(1, 2, line%steady)
   end function unknowns
 
   pure function amplitude_columns(line, count, first, bins, shift) result(columns)
-    !! Image of a line of amplitude 1 and of amplitude i, real and imaginary parts below each other, (2 bins, 2).
+    !! The windowed images of a line of amplitude 1 and of amplitude i, with imaginary parts below real ones, (2 bins, 2).
     type(line_type), intent(in) :: line
     integer, intent(in) :: count, first, bins
     real(dp), intent(in) :: shift
@@ -167,14 +167,14 @@ contains
   end function amplitude_columns
 
   pure function parts(values) result(stacked)
-    !! Real parts, then imaginary parts.
+    !! The real parts of an image, followed by its imaginary parts.
     complex(dp), intent(in) :: values(:)
     real(dp) :: stacked(2*size(values))
     stacked = [values%re, values%im]
   end function parts
 
   pure function jacobian(lines, count, first, bins) result(matrix)
-    !! Slopes of both images with respect to each line's amplitudes (re, im, re, im), offset and growth.
+    !! The slopes of both histories' images with respect to each line's amplitudes (re, im, re, im), offset and growth.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count, first, bins
     real(dp) :: matrix(2*points*bins, sum(unknowns(lines)))
@@ -192,7 +192,7 @@ contains
   end function jacobian
 
   pure subroutine position_columns(line, count, first, bins, columns)
-    !! Slopes of both images with respect to offset and growth. An image is analytic in growth + 2πi offset, so
+    !! Find the slopes of both images with respect to offset and growth. An image is analytic in growth + 2πi offset, so
     !! that the slope by growth is the slope by offset over 2πi, and over −2πi for the mirror image.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count, first, bins
@@ -213,7 +213,7 @@ contains
   end subroutine position_columns
 
   pure subroutine add_lines(lines, count, first, image, factor, windowed)
-    !! Add factor times the images of the lines.
+    !! Add the images of the lines, multiplied by the factor, to an image of both histories.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count, first
     complex(dp), intent(inout) :: image(first:, :)

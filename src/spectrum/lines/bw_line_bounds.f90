@@ -1,5 +1,5 @@
 module bw_line_bounds
-  !! How far fitted lines may be from the true ones.
+  !! This module tells how far fitted lines may be from the true ones.
   !!
   !! A bound is `safety` standard deviations of the fit. The noise is what the fit leaves in the group's bins, never less than
   !! rounding; where that is more than noise, it is what is left in the bins that the line itself reaches, since what is not
@@ -61,7 +61,7 @@ contains
   end subroutine bound_errors
 
   pure function own_bins(line, bins) result(own)
-    !! First and last bin of the group's that are also in the band of the line alone.
+    !! The first and last of the group's bins that are in the band of this line by itself too.
     type(line_type), intent(in) :: line
     integer, intent(in) :: bins(2)             !! of the group
     integer :: own(2)
@@ -81,7 +81,7 @@ contains
   end subroutine settle
 
   elemental real(dp) function line_strength(line)
-    !! Largest amplitude of both histories together, never 0.
+    !! The largest amplitude of both histories together; it is never 0.
     type(line_type), intent(in) :: line
     line_strength = max(sqrt(abs(line%amplitude(1))**2 + abs(line%amplitude(2))**2), sqrt(tiny(1.0_dp)))
   end function line_strength
@@ -118,7 +118,7 @@ contains
   end subroutine line_errors
 
   pure function direction(amplitude) result(gradient)
-    !! Slopes of both amplitudes' length with respect to their real and imaginary parts.
+    !! The slopes of the length of both amplitudes together with respect to their real and imaginary parts.
     complex(dp), intent(in) :: amplitude(:)
     real(dp) :: gradient(2*points)
     gradient = [amplitude(1)%re, amplitude(1)%im, amplitude(2)%re, amplitude(2)%im]

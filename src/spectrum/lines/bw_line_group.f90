@@ -31,7 +31,7 @@ module bw_line_group
 contains
 
   pure function band_of(group, count) result(bins)
-    !! First and last bin of the group's fit, wider where lines grow.
+    !! The first and last bin of the group's fit; the band is wider where lines grow.
     type(group_type), intent(in) :: group
     integer, intent(in) :: count
     integer :: bins(2), half
@@ -43,7 +43,7 @@ contains
   end function band_of
 
   pure function group_image(residual, lines, bins) result(image)
-    !! Windowed transform of these lines with what is left, without all others.
+    !! The windowed transform of these lines and of what all lines leave, in these bins: the record without all other lines.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: bins(2)
@@ -53,7 +53,7 @@ contains
   end function group_image
 
   pure function group_image_of(lines, count, bins) result(image)
-    !! Windowed transform of these lines alone.
+    !! The windowed transform of these lines and nothing else in these bins.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count, bins(2)
     complex(dp) :: image(bins(1):bins(2), points)
@@ -62,7 +62,7 @@ contains
   end function group_image_of
 
   pure real(dp) function group_noise(residual, lines, leakage)
-    !! Expected residual of a real number of the image: noise, leakage, rounding of the strongest line.
+    !! The residual to be expected of each real number of the image: noise, leakage, and rounding of the strongest line.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
@@ -91,7 +91,7 @@ contains
   end subroutine refit_group
 
   pure real(dp) function goal_of(residual, lines, leakage, bins)
-    !! Length of the image's residual that leaves nothing to explain.
+    !! The length of the image's residual below which nothing is left to explain.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
@@ -100,7 +100,7 @@ contains
   end function goal_of
 
   pure real(dp) function numbers_in(bins)
-    !! Real numbers in both histories' bins.
+    !! How many real numbers both histories have in these bins.
     integer, intent(in) :: bins(2)
     numbers_in = 2*points*(bins(2) - bins(1) + 1)
   end function numbers_in
@@ -225,7 +225,7 @@ contains
   end subroutine drop_crowded
 
   pure integer function weakest_of_close(lines) result(weakest)
-    !! The weakest line that has another one within the resolution; 0 where none has.
+    !! The index of the weakest line that has another one within the resolution, or 0 where none has.
     type(line_type), intent(in) :: lines(:)
     real(dp) :: strength(size(lines))
     integer :: i

@@ -50,7 +50,7 @@ module bw_line_poles
 contains
 
   subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
-    !! A pencil over so many bins that its rank, which counts the lines, is well below its size.
+    !! Make a pencil over so many bins that its rank, which counts the lines, is well below its size.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: own(:)
     integer, intent(in) :: bins(2)
@@ -68,7 +68,7 @@ contains
   end subroutine ample_pencil
 
   function group_pencil(residual, own, bins, beside) result(pencil)
-    !! Pencil of the group's bins and some beside them; on both sides of 0 where the group is near it.
+    !! The pencil of the group's bins and of `beside` more at either end, on both sides of 0 where the group is near it.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
     integer, intent(in) :: bins(2), beside
@@ -89,7 +89,7 @@ contains
   end function group_pencil
 
   function pole_lines(pencil, rank, bins) result(lines)
-    !! Lines at the poles that lie among the group's bins; mirror images at negative frequency are left out. A pole at
+    !! The lines at the poles that lie among the group's bins; mirror images at negative frequency are left out. A pole at
     !! 0 that grows is a real exponential: put there exactly, it stays, having no phase and no slope by its offset.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank, bins(2)
@@ -107,7 +107,7 @@ contains
   end function pole_lines
 
   function pencil_of(image, first, count) result(pencil)
-    !! The pencil of `image` on its principal vectors.
+    !! The Loewner pencil of an image, reduced to its principal vectors.
     integer, intent(in) :: first                  !! first bin, may be negative
     complex(dp), intent(in) :: image(first:, :)   !! transform without window, (bins, points)
     integer, intent(in) :: count                  !! samples in the record
@@ -124,14 +124,14 @@ contains
   end function pencil_of
 
   pure integer function rank_of(pencil, noise)
-    !! Poles that stand out of noise of this size in the bins, and out of rounding.
+    !! How many poles stand out of noise of this size in the bins, and out of rounding.
     type(pencil_type), intent(in) :: pencil
     real(dp), intent(in) :: noise
     rank_of = count(pencil%singular > max(noise*size(pencil%singular), rounding*pencil%singular(1)))
   end function rank_of
 
   subroutine find_poles(pencil, rank, position, growth)
-    !! Poles of the rational function of that degree.
+    !! Find the poles of the rational function of that degree.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank                   !! ≥ 1
     real(dp), allocatable, intent(out) :: position(:)  !! bins; none if the degree is too high
@@ -150,7 +150,7 @@ contains
   end subroutine find_poles
 
   pure subroutine loewner(image, first, count, middle, pencil, shifted)
-    !! Divided differences of F = Y/ω and of ωF between even and odd bins, both histories below each other, in the
+    !! Make the divided differences of F = Y/ω and of ωF between even and odd bins, both histories below each other, in the
     !! variable (ω − ω_middle)/(2πi ω_middle/N), which is near the bin's distance from the middle.
     integer, intent(in) :: first, count, middle
     complex(dp), intent(in) :: image(first:, :)
@@ -175,7 +175,7 @@ contains
   end subroutine loewner
 
   pure complex(dp) function local_node(away, count)
-    !! (e^(ix) − 1) N/(2πi), x = 2π away/N.
+    !! The variable of the rational function at a bin that far from the middle: (e^(ix) − 1) N/(2πi), x = 2π away/N.
     integer, intent(in) :: away, count
     real(dp) :: x
     x = pi*away/count
@@ -183,7 +183,7 @@ contains
   end function local_node
 
   elemental complex(dp) function logarithm(z)
-    !! log(1 + z); small |z| keeps its digits, 0 of 1 + z gives a large negative growth.
+    !! The logarithm of 1 + z. Small |z| keeps its digits, and 0 of 1 + z gives a large negative growth.
     complex(dp), intent(in) :: z
     complex(dp) :: rounded
     rounded = 1 + z
@@ -197,6 +197,7 @@ contains
   end function logarithm
 
   subroutine singular_vectors(matrix, singular, left, right)
+    !! Find the singular values, descending, and the singular vectors of a matrix of at least as many rows as columns.
     complex(dp), intent(in) :: matrix(:, :)
     real(dp), allocatable, intent(out) :: singular(:)
     complex(dp), allocatable, intent(out) :: left(:, :), right(:, :)  !! columns, conjugated rows; then `spare` more
@@ -217,6 +218,7 @@ contains
   end subroutine singular_vectors
 
   function eigenvalues(matrix) result(values)
+    !! The eigenvalues of a square matrix.
     complex(dp), intent(in) :: matrix(:, :)
     complex(dp) :: values(size(matrix, 1))
     complex(dp) :: a(size(matrix, 1), size(matrix, 1) + spare), none(1, 1), work(32*size(matrix, 1))
