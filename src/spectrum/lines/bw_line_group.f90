@@ -14,7 +14,7 @@ module bw_line_group
   real(dp), parameter :: worth = 0.3_dp        !! a further line must lower the residual to this part of it
   real(dp), parameter :: unseen = 0.2_dp       !! of the threshold: no peak would be taken up any more
   real(dp), parameter :: fullest = 0.7_dp      !! unknowns for each number in a group's bins
-  real(dp), parameter :: most_fitted = 0.85_dp !! unknowns for each independent number of a fit that leaves more than it may
+  real(dp), parameter :: most_fitted = 0.85_dp !! unknowns for each independent number of a fit that leaves more than it may; tuned
   real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
   real(dp), parameter :: no_worse = 1.01_dp    !! times what is left with a line that is left out
