@@ -6,7 +6,7 @@ module bw_case_spectrum
   use bw_course_histories, only: last_sample
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
-  use bw_measuring, only: known_modes, measuring_type
+  use bw_mode_check, only: known_modes, measuring_type
   use bw_modes_at_end, only: kind_at_end
   use bw_monitor, only: monitor_type
   use bw_result_layout, only: result_layout

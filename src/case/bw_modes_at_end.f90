@@ -4,7 +4,7 @@ module bw_modes_at_end
   use bw_course, only: free_modes, held_modes, loaded_modes
   use bw_double_double, only: dd, to_dd, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_measuring, only: known_modes
+  use bw_mode_check, only: known_modes
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_scene, only: scene_type

@@ -13,7 +13,7 @@ module bw_one_case
   use bw_kept_blows, only: find_blow, kept_blows
   use bw_kept_work, only: kept_work
   use bw_later_events, only: follow_events
-  use bw_measuring, only: known_modes
+  use bw_mode_check, only: known_modes
   use bw_mode_set, only: mode_set, mode_source
   use bw_modes_at_end, only: modes_at_end
   use bw_monitor, only: monitor_type, part_monitor

@@ -3,7 +3,7 @@ module unit_numbers
   use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_measured, only: measure_waves, measured_type
-  use bw_measuring, only: measuring_type
+  use bw_mode_check, only: measuring_type
   use bw_missing, only: is_missing
   use bw_response, only: response_type
   use number_table, only: table_type

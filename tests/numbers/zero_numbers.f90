@@ -2,7 +2,7 @@ module zero_numbers
   !! Where nothing moves: the answer is zero to the last bit, and nothing traps on the way.
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves, measured_type
-  use bw_measuring, only: measuring_type
+  use bw_mode_check, only: measuring_type
   use bw_response, only: response_type
   use number_table, only: table_type
   use paper_motion, only: catch_mass, catch_type, paper_beam

@@ -1,5 +1,5 @@
 module bw_least_squares
-  !! Small dense least squares by LAPACK.
+  !! This module solves small dense least-squares problems by LAPACK.
   use bw_kinds, only: dp
   use bw_lapack, only: dgelsy, dgeqrf
   implicit none (type, external)
@@ -11,7 +11,7 @@ module bw_least_squares
 contains
 
   function least_squares(matrix, right) result(solution)
-    !! Shortest x of least |matrix x − right|, columns scaled to length 1 first; (n, right sides).
+    !! The shortest x that makes |matrix x − right| least, with columns scaled to length 1 first; (n, right sides).
     real(dp), intent(in) :: matrix(:, :)     !! (m, n)
     real(dp), intent(in) :: right(:, :)      !! (m, right sides)
     real(dp) :: solution(size(matrix, 2), size(right, 2))
@@ -34,7 +34,7 @@ contains
   end function least_squares
 
   pure function column_lengths(matrix) result(length)
-    !! Euclidean lengths, 1 for a column of zeros.
+    !! The Euclidean length of each column, 1 for a column of zeros.
     real(dp), intent(in) :: matrix(:, :)
     real(dp) :: length(size(matrix, 2))
     length = norm2(matrix, dim=1)
@@ -42,7 +42,7 @@ contains
   end function column_lengths
 
   subroutine factorise(matrix, triangle, length)
-    !! Triangle R of matrix·diag(1/length) = QR, for the covariance of a fit.
+    !! Find the triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit.
     real(dp), intent(in) :: matrix(:, :)     !! (m, n), m ≥ n
     real(dp), intent(out) :: triangle(:, :)  !! (n, n), its upper part
     real(dp), intent(out) :: length(:)       !! lengths of the columns, (n)
@@ -59,8 +59,8 @@ contains
   end subroutine factorise
 
   pure real(dp) function gradient_length(triangle, length, gradient)
-    !! Standard deviation of gradient·x for noise of standard deviation 1: |R⁻ᵀ (gradient/length)|; huge if the fit
-    !! does not determine it.
+    !! The standard deviation of gradient·x where the right side has noise of standard deviation 1, |R⁻ᵀ (gradient/length)|.
+    !! It is huge if the fit does not determine that number.
     real(dp), intent(in) :: triangle(:, :), length(:)  !! from `factorise`
     real(dp), intent(in) :: gradient(:)
     real(dp) :: y(size(gradient))

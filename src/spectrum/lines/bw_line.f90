@@ -7,10 +7,13 @@ module bw_line
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
-  public :: line_position, mirror_row, line_row, subtract_line, sidelobe
+  public :: line_position, line_row, subtract_line, sidelobe
+  public :: add_lines, amplitude_columns, jacobian, parts, unknowns
 
   integer, parameter, public :: points = 2   !! tip and midpoint, in this order
   real(dp), parameter, public :: main_lobe = 10/32.0_dp  !! mean of the window sin⁶(πj/N)
+  real(dp), parameter, public :: resolution = 1  !! periods in the record; closer lines are one
+  real(dp), parameter :: difference = 1.0e-4_dp  !! bins; slopes need a few digits only, residuals are exact
   integer, parameter :: block = 256          !! samples between two rotations of the coefficient
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: window(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! sin⁶(πj/N) as a row of bins
@@ -32,13 +35,13 @@ module bw_line
 contains
 
   elemental real(dp) function line_position(line)
-    !! Periods in the record.
+    !! The position of a line is the number of its periods in the record.
     type(line_type), intent(in) :: line
     line_position = line%bin + line%offset
   end function line_position
 
   pure function line_row(line, count, first, last, shift, windowed) result(row)
-    !! Transform of exp(…) of a line of amplitude 1, without its mirror image, at the bins first … last.
+    !! The Fourier transform of a line of amplitude 1, without its mirror image, at the bins first … last.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count             !! N
     integer, intent(in) :: first, last       !! bins
@@ -49,7 +52,7 @@ contains
   end function line_row
 
   pure function mirror_row(line, count, first, last, shift, windowed) result(row)
-    !! The same of the line's mirror image at negative frequency.
+    !! The same transform of the line's mirror image at negative frequency.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count, first, last
     real(dp), intent(in) :: shift
@@ -59,7 +62,7 @@ contains
   end function mirror_row
 
   pure function transform(bin, offset, growth, count, first, last, windowed) result(row)
-    !! Σ_j w_j exp((growth + 2πi (bin − m + offset)) j/N − max(growth, 0)), m = first … last: a geometric sum.
+    !! The geometric sum Σ_j w_j exp((growth + 2πi (bin − m + offset)) j/N − max(growth, 0)) at the bins m = first … last.
     integer, intent(in) :: bin, count, first, last
     real(dp), intent(in) :: offset, growth
     logical, intent(in) :: windowed
@@ -90,7 +93,7 @@ contains
   end function transform
 
   pure complex(dp) function exp_less_one(z)
-    !! e^z − 1 without cancellation near 0.
+    !! The number e^z − 1, without cancellation near 0.
     complex(dp), intent(in) :: z
     real(dp) :: half, growth
     half = sin(z%im/2)
@@ -126,7 +129,7 @@ contains
   end subroutine subtract_line
 
   pure complex(dp) function turn(line, j, count)
-    !! exp(2πi (bin + offset) j/N + growth j/N), whole periods taken out before rounding.
+    !! The factor exp(2πi (bin + offset) j/N + growth j/N) of sample j; whole periods are subtracted before anything is rounded.
     type(line_type), intent(in) :: line
     integer, intent(in) :: j, count
     integer(i8) :: part
@@ -136,12 +139,96 @@ contains
   end function turn
 
   elemental real(dp) function sidelobe(distance)
-    !! Largest leakage of a steady line through the window, relative to its peak, at that many bins.
+    !! The largest leakage of a steady line through the window at that distance, relative to the line's peak.
     real(dp), intent(in) :: distance         !! bins, of either sign
     real(dp) :: d
     d = abs(distance)
     sidelobe = 1
     if (d >= 4) sidelobe = 36/(pi*d*(d*d - 1)*(d*d - 4)*(d*d - 9))
   end function sidelobe
+
+  elemental integer function unknowns(line)
+    !! How many real numbers describe a line: two amplitudes, its position, and its growth unless it is steady.
+    type(line_type), intent(in) :: line
+    unknowns = 2*points + merge(1, 2, line%steady)
+  end function unknowns
+
+  pure function amplitude_columns(line, count, first, bins, shift) result(columns)
+    !! The windowed images of a line of amplitude 1 and of amplitude i, with imaginary parts below real ones, (2 bins, 2).
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count, first, bins
+    real(dp), intent(in) :: shift
+    real(dp) :: columns(2*bins, 2)
+    complex(dp) :: row(bins), mirror(bins)
+    row = line_row(line, count, first, first + bins - 1, shift, .true.)/2
+    mirror = mirror_row(line, count, first, first + bins - 1, shift, .true.)/2
+    columns(:, 1) = parts(row + mirror)
+    columns(:, 2) = parts((0, 1)*(row - mirror))
+  end function amplitude_columns
+
+  pure function parts(values) result(stacked)
+    !! The real parts of an image, followed by its imaginary parts.
+    complex(dp), intent(in) :: values(:)
+    real(dp) :: stacked(2*size(values))
+    stacked = [values%re, values%im]
+  end function parts
+
+  pure function jacobian(lines, count, first, bins) result(matrix)
+    !! The slopes of both histories' images with respect to each line's amplitudes (re, im, re, im), offset and growth.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: count, first, bins
+    real(dp) :: matrix(2*points*bins, sum(unknowns(lines)))
+    integer :: i, p, last
+    matrix = 0
+    last = 0
+    do i = 1, size(lines)
+      do p = 1, points
+        matrix(2*bins*(p - 1) + 1:2*bins*p, last + 2*p - 1:last + 2*p) = &
+          & amplitude_columns(lines(i), count, first, bins, 0.0_dp)
+      end do
+      call position_columns(lines(i), count, first, bins, matrix(:, last + 2*points + 1:last + unknowns(lines(i))))
+      last = last + unknowns(lines(i))
+    end do
+  end function jacobian
+
+  pure subroutine position_columns(line, count, first, bins, columns)
+    !! Find the slopes of both images with respect to offset and growth. An image is analytic in growth + 2πi offset, so
+    !! that the slope by growth is the slope by offset over 2πi, and over −2πi for the mirror image.
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: count, first, bins
+    real(dp), intent(inout) :: columns(:, :)
+    complex(dp) :: row(bins), mirror(bins)
+    integer :: p, last
+    last = first + bins - 1
+    row = (line_row(line, count, first, last, difference, .true.) &
+      & - line_row(line, count, first, last, -difference, .true.))/(4*difference)
+    mirror = (mirror_row(line, count, first, last, difference, .true.) &
+      & - mirror_row(line, count, first, last, -difference, .true.))/(4*difference)
+    do p = 1, points
+      associate (c => line%amplitude(p), rows => columns(2*bins*(p - 1) + 1:2*bins*p, :))
+        rows(:, 1) = parts(c*row + conjg(c)*mirror)
+        if (.not. line%steady) rows(:, 2) = parts((c*row - conjg(c)*mirror)/cmplx(0, 2*pi, dp))
+      end associate
+    end do
+  end subroutine position_columns
+
+  pure subroutine add_lines(lines, count, first, image, factor, windowed)
+    !! Add the images of the lines, multiplied by the factor, to an image of both histories.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: count, first
+    complex(dp), intent(inout) :: image(first:, :)
+    real(dp), intent(in) :: factor
+    logical, intent(in) :: windowed
+    complex(dp) :: row(size(image, 1)), mirror(size(image, 1))
+    integer :: i, p, last
+    last = first + size(image, 1) - 1
+    do i = 1, size(lines)
+      row = line_row(lines(i), count, first, last, 0.0_dp, windowed)*(factor/2)
+      mirror = mirror_row(lines(i), count, first, last, 0.0_dp, windowed)*(factor/2)
+      do p = 1, points
+        image(:, p) = image(:, p) + lines(i)%amplitude(p)*row + conjg(lines(i)%amplitude(p))*mirror
+      end do
+    end do
+  end subroutine add_lines
 
 end module bw_line

@@ -2,8 +2,7 @@ module bw_line_fit
   !! Lines that share a few bins, fitted to both histories at once (Gauss–Newton on positions, amplitudes eliminated).
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares
-  use bw_line, only: line_type, points
-  use bw_line_image, only: add_lines, amplitude_columns, jacobian, parts, unknowns
+  use bw_line, only: add_lines, amplitude_columns, jacobian, line_type, parts, points, unknowns
   implicit none (type, external)
   private
   public :: fit_lines
@@ -49,7 +48,7 @@ contains
   end subroutine fit_lines
 
   subroutine fit_amplitudes(lines, count, first, image, residual)
-    !! Linear least squares for the amplitudes at given positions.
+    !! Find the amplitudes of least residual at given positions and growths.
     type(line_type), intent(inout) :: lines(:)
     integer, intent(in) :: count, first
     complex(dp), intent(in) :: image(first:, :)
@@ -71,7 +70,7 @@ contains
   end subroutine fit_amplitudes
 
   function newton_step(lines, count, first, image) result(step)
-    !! Change of offset (1, :) and of growth (2, :).
+    !! The Gauss–Newton step of each line's offset (1, :) and growth (2, :).
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count, first
     complex(dp), intent(in) :: image(first:, :)
@@ -94,6 +93,7 @@ contains
   end function newton_step
 
   elemental subroutine move_line(line, offset, growth, count)
+    !! Change a line's offset and growth; what passes 0 or the Nyquist frequency comes back as its mirror image.
     type(line_type), intent(inout) :: line
     real(dp), intent(in) :: offset, growth
     integer, intent(in) :: count
@@ -113,6 +113,7 @@ contains
   end subroutine move_line
 
   pure subroutine move(lines, step, count)
+    !! Move all lines by a step.
     type(line_type), intent(inout) :: lines(:)
     real(dp), intent(in) :: step(:, :)
     integer, intent(in) :: count

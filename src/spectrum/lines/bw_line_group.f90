@@ -1,23 +1,23 @@
 module bw_line_group
-  !! One group of lines that share bins: how many there are, steady or growing, and where.
+  !! One group of lines that share bins: how many there are, steady or growing, where, and which the others do without.
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_type, main_lobe, points
-  use bw_line_candidates, only: ample_pencil, peak_lines, pole_lines
+  use bw_line, only: add_lines, line_position, line_type, main_lobe, points, resolution, unknowns
   use bw_line_fit, only: fit_lines
-  use bw_line_image, only: add_lines, unknowns
-  use bw_line_poles, only: pencil_type
-  use bw_line_residual, only: residual_type
+  use bw_line_poles, only: ample_pencil, pencil_type, pole_lines
+  use bw_line_residual, only: peak_lines, residual_type
   implicit none (type, external)
   private
-  public :: band_of, goal_of, group_image, group_image_of, group_noise, numbers_in, refit_group
+  public :: band_of, drop_needless, group_image, group_image_of, group_noise, numbers_in, refit_group
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
   integer, parameter :: extra_lines = 2        !! tried beyond one more
   real(dp), parameter :: worth = 0.3_dp        !! a further line must lower the residual to this part of it
   real(dp), parameter :: unseen = 0.2_dp       !! of the threshold: no peak would be taken up any more
   real(dp), parameter :: fullest = 0.7_dp      !! unknowns for each number in a group's bins
+  real(dp), parameter :: most_fitted = 0.85_dp !! unknowns for each independent number of a fit that leaves more than it may; tuned
   real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
+  real(dp), parameter :: no_worse = 1.01_dp    !! times what is left with a line that is left out
   real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's largest value
   integer, parameter :: steady_all = 1, growing_at_zero = 2, growing_all = 3  !! passes of a fit
 
@@ -31,7 +31,7 @@ module bw_line_group
 contains
 
   pure function band_of(group, count) result(bins)
-    !! First and last bin of the group's fit, wider where lines grow.
+    !! The first and last bin of the group's fit; the band is wider where lines grow.
     type(group_type), intent(in) :: group
     integer, intent(in) :: count
     integer :: bins(2), half
@@ -43,7 +43,7 @@ contains
   end function band_of
 
   pure function group_image(residual, lines, bins) result(image)
-    !! Windowed transform of these lines with what is left, without all others.
+    !! The windowed transform of these lines and of what all lines leave, in these bins: the record without all other lines.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: bins(2)
@@ -53,7 +53,7 @@ contains
   end function group_image
 
   pure function group_image_of(lines, count, bins) result(image)
-    !! Windowed transform of these lines alone.
+    !! The windowed transform of these lines and nothing else in these bins.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: count, bins(2)
     complex(dp) :: image(bins(1):bins(2), points)
@@ -62,7 +62,7 @@ contains
   end function group_image_of
 
   pure real(dp) function group_noise(residual, lines, leakage)
-    !! Expected residual of a real number of the image: noise, leakage, rounding of the strongest line.
+    !! The residual to be expected of each real number of the image: noise, leakage, and rounding of the strongest line.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
@@ -91,7 +91,7 @@ contains
   end subroutine refit_group
 
   pure real(dp) function goal_of(residual, lines, leakage, bins)
-    !! Length of the image's residual that leaves nothing to explain.
+    !! The length of the image's residual below which nothing is left to explain.
     type(residual_type), intent(in) :: residual
     type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
@@ -100,7 +100,7 @@ contains
   end function goal_of
 
   pure real(dp) function numbers_in(bins)
-    !! Real numbers in both histories' bins.
+    !! How many real numbers both histories have in these bins.
     integer, intent(in) :: bins(2)
     numbers_in = 2*points*(bins(2) - bins(1) + 1)
   end function numbers_in
@@ -174,5 +174,68 @@ contains
     type(line_type), intent(in) :: lines(:)
     cancel = any(abs([lines%amplitude(1), lines%amplitude(2)]) > most_cancelled)
   end function cancel
+
+  subroutine drop_needless(residual, group)
+    !! Leave out, the weakest first, lines within the resolution of another one without which the group's fit leaves no more
+    !! than it may, or no more than with them: what was left while stronger lines were not at their places yet may have been
+    !! taken for a line beside one of them. Of a fit that still leaves more, the weakest lines give way until numbers are free
+    !! to tell the noise from. What is needed stays as it is, to the bit.
+    type(residual_type), intent(in) :: residual  !! what all lines leave
+    type(group_type), intent(inout) :: group
+    type(line_type), allocatable :: whole(:), trial(:)
+    real(dp) :: goal, left, left_now
+    integer :: weakest, bins(2)
+    allocate (whole, source=group%lines)
+    bins = band_of(group, residual%count)
+    left_now = norm2(abs(residual%windowed(bins(1):bins(2), :)))
+    do
+      weakest = weakest_of_close(group%lines)
+      if (weakest == 0) exit
+      trial = [group%lines(:weakest - 1), group%lines(weakest + 1:)]
+      goal = goal_of(residual, trial, 0.0_dp, bins)
+      call fit_lines(trial, residual%count, bins(1), group_image(residual, whole, bins), goal, left)
+      if (left > max(goal, no_worse*left_now)) exit
+      left_now = left
+      call move_alloc(trial, group%lines)
+    end do
+    goal = goal_of(residual, group%lines, 0.0_dp, bins)
+    if (left_now > goal) call drop_crowded(residual, whole, bins, group%lines)
+  end subroutine drop_needless
+
+  subroutine drop_crowded(residual, whole, bins, lines)
+    !! Leave out the weakest lines of a fit that leaves more than it may and has taken up nearly all independent numbers of its
+    !! bins: such lines stand for no mode, and nothing would be left to tell the noise from. The others are fitted again.
+    type(residual_type), intent(in) :: residual
+    type(line_type), intent(in) :: whole(:)    !! lines that `residual` is without
+    integer, intent(in) :: bins(2)             !! first and last bin of the fit
+    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(line_type), allocatable :: strongest(:)
+    logical :: stays(size(lines))
+    real(dp) :: strength(size(lines)), left
+    integer :: i
+    strength = [(norm2(abs(lines(i)%amplitude)), i=1, size(lines))]
+    stays = .true.
+    do while (sum(unknowns(lines), mask=stays) > most_fitted*numbers_in(bins)/correlated)
+      stays(minloc(strength, dim=1, mask=stays)) = .false.
+    end do
+    if (all(stays)) return
+    allocate (strongest, source=pack(lines, stays))
+    call fit_lines(strongest, residual%count, bins(1), group_image(residual, whole, bins), 0.0_dp, left)
+    call move_alloc(strongest, lines)
+  end subroutine drop_crowded
+
+  pure integer function weakest_of_close(lines) result(weakest)
+    !! The index of the weakest line that has another one within the resolution, or 0 where none has.
+    type(line_type), intent(in) :: lines(:)
+    real(dp) :: strength(size(lines))
+    integer :: i
+    strength = huge(1.0_dp)
+    do i = 1, size(lines)
+      if (count(abs(line_position(lines) - line_position(lines(i))) < resolution) < 2) cycle
+      strength(i) = norm2(abs(lines(i)%amplitude))
+    end do
+    weakest = 0
+    if (any(strength < huge(1.0_dp))) weakest = minloc(strength, dim=1)
+  end function weakest_of_close
 
 end module bw_line_group

@@ -1,10 +1,9 @@
 module bw_line_peaks
-  !! From fitted lines to peaks that can be told apart, each with bounds on its errors.
+  !! This module makes peaks that can be told apart of fitted lines, each with bounds on its errors.
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_type
+  use bw_line, only: line_position, line_type, resolution
   use bw_line_bounds, only: bound_errors, line_strength
   use bw_line_group, only: band_of, group_image_of, group_type
-  use bw_line_needless, only: resolution
   use bw_line_residual, only: residual_type
   use bw_line_search, only: line_groups
   implicit none (type, external)
@@ -25,7 +24,7 @@ module bw_line_peaks
   end type place_type
 
   type, public :: peak_type
-    !! One peak; positions in periods in the record.
+    !! A peak of the record: one line, or several that cannot be told apart. Positions are periods in the record.
     real(dp) :: position = 0
     real(dp) :: position_error = 0
     real(dp) :: growth = 0                     !! logarithm of the growth over the record
@@ -38,13 +37,13 @@ module bw_line_peaks
     logical :: at_edge = .false.               !! one with its own mirror image at 0 or the Nyquist frequency
     logical :: located = .true.                !! .false.: something is there, but the fit does not say where
     logical :: stands_out = .true.             !! .false.: what the fit leaves explains it
-    type(place_type), allocatable :: alone     !! of the strongest member, if all others are faint and no lines
+    type(place_type), allocatable :: single    !! of the strongest member, if all others are faint and no lines
   end type peak_type
 
 contains
 
   function peaks_of(lines, residual) result(peaks)
-    !! Lines as peaks, with bounds of their errors; those that cannot be told apart are one.
+    !! The peaks that the lines make, with bounds on their errors; lines that cannot be told apart are one peak.
     type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual  !! what these lines leave
     type(peak_type), allocatable :: peaks(:)
@@ -84,7 +83,7 @@ contains
   end function is_faint
 
   elemental logical function is_real(line)
-    !! A real exponential: one of the two that a mode above its critical speed moves as.
+    !! Whether the line is a real exponential, one of the two that a mode above its critical speed moves as.
     type(line_type), intent(in) :: line
     is_real = .not. line%steady .and. .not. line_position(line) > 0
   end function is_real
@@ -117,7 +116,7 @@ contains
   end function merged
 
   pure subroutine find_strongest(strong, lines, peak)
-    !! What one line of several would be alone, if all others are faint.
+    !! Find what one line of the peak would be without the others, if all others are faint.
     type(line_type), intent(in) :: strong(:)
     type(line_type), intent(in) :: lines(:)    !! of the peak, ascending
     type(peak_type), intent(inout) :: peak
@@ -125,7 +124,7 @@ contains
     here = line_position(strong) >= line_position(lines(1)) .and. line_position(strong) <= line_position(lines(size(lines)))
     if (count(here) /= 1) return
     associate (line => strong(findloc(here, .true., dim=1)))
-      peak%alone = place_type(line_position(line), line%position_error, line%ratio, line%ratio_error, line%hidden)
+      peak%single = place_type(line_position(line), line%position_error, line%ratio, line%ratio_error, line%hidden)
     end associate
   end subroutine find_strongest
 
@@ -177,19 +176,19 @@ contains
   end function close_pair
 
   elemental type(peak_type) function as_single(peak)
-    !! The peak as its strongest member alone, where that can be.
+    !! The peak as its strongest member without the others, where that can be.
     type(peak_type), intent(in) :: peak
     as_single = peak
-    if (.not. allocated(peak%alone) .or. peak%at_edge) return
+    if (.not. allocated(peak%single) .or. peak%at_edge) return
     as_single%members = 1
-    as_single%position = peak%alone%position
-    as_single%position_error = peak%alone%position_error
-    as_single%ratio = peak%alone%ratio
-    as_single%ratio_error = peak%alone%ratio_error
-    as_single%hidden = peak%alone%hidden
+    as_single%position = peak%single%position
+    as_single%position_error = peak%single%position_error
+    as_single%ratio = peak%single%ratio
+    as_single%ratio_error = peak%single%ratio_error
+    as_single%hidden = peak%single%hidden
     as_single%doubtful = .true.
-    as_single%located = peak%alone%position_error + peak%alone%hidden <= unlocated
-    deallocate (as_single%alone)
+    as_single%located = peak%single%position_error + peak%single%hidden <= unlocated
+    deallocate (as_single%single)
   end function as_single
 
   elemental type(peak_type) function with_hidden(peak, part)

@@ -3,13 +3,19 @@ module bw_line_poles
   !! poles are the lines. They come from a Loewner pencil of both histories' bins.
   !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
   use bw_kinds, only: dp
-  use bw_line, only: points
   use bw_lapack, only: zgeev, zgesvd
+  use bw_line, only: add_lines, line_type, points
+  use bw_line_residual, only: plain_bins, residual_type
   implicit none (type, external)
   private
-  public :: find_poles, pencil_of, rank_of
+  public :: ample_pencil, pole_lines
 
   real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: least_beside = 5       !! bins beside a group that help to find its poles
+  integer, parameter :: most_beside = 40
+  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins; a pole that near 0 from below is no mirror image
+  real(dp), parameter :: grows = 1.0e-3_dp     !! over the record; slower motion at 0 is a drift, which is a line's too
+  real(dp), parameter :: most_growth = 300     !! over the record
   integer, parameter :: spare = 4  !! columns behind each matrix: zgemv of OpenBLAS 0.3.21 reads past the last one
                                    !! (github.com/OpenMathLib/OpenBLAS/issues/5000)
   real(dp), parameter :: rounding = 1.0e-13_dp  !! of singular values
@@ -23,8 +29,65 @@ module bw_line_poles
 
 contains
 
+  subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
+    !! Make a pencil over so many bins that its rank, which counts the lines, is well below its size.
+    type(residual_type), intent(in) :: residual
+    type(line_type), intent(in) :: own(:)
+    integer, intent(in) :: bins(2)
+    real(dp), intent(in) :: noise
+    type(pencil_type), intent(out) :: pencil
+    integer, intent(out) :: rank
+    integer :: beside
+    beside = least_beside
+    do
+      pencil = group_pencil(residual, own, bins, beside)
+      rank = rank_of(pencil, noise)
+      if (4*rank < 3*size(pencil%singular) .or. beside > most_beside .or. 2*beside > residual%count) exit
+      beside = 2*beside
+    end do
+  end subroutine ample_pencil
+
+  function group_pencil(residual, own, bins, beside) result(pencil)
+    !! The pencil of the group's bins and of `beside` more at either end, on both sides of 0 where the group is near it.
+    type(residual_type), intent(in) :: residual
+    type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
+    integer, intent(in) :: bins(2), beside
+    type(pencil_type) :: pencil
+    complex(dp), allocatable :: image(:, :)
+    integer :: first, last
+    first = bins(1) - beside
+    last = bins(2) + beside
+    if (bins(1) == 0) first = -last
+    if (bins(2) == residual%count/2) last = residual%count - first
+    if (last - first >= residual%count) then
+      first = -((residual%count - 1)/2)
+      last = residual%count/2
+    end if
+    allocate (image(first:last, points), source=plain_bins(residual, first, last))
+    call add_lines(own, residual%count, first, image, 1.0_dp, .false.)
+    pencil = pencil_of(image, first, residual%count)
+  end function group_pencil
+
+  function pole_lines(pencil, rank, bins) result(lines)
+    !! The lines at the poles that lie among the group's bins; mirror images at negative frequency are left out. A pole at
+    !! 0 that grows is a real exponential: put there exactly, it stays, having no phase and no slope by its offset.
+    type(pencil_type), intent(in) :: pencil
+    integer, intent(in) :: rank, bins(2)
+    type(line_type), allocatable :: lines(:)
+    real(dp), allocatable :: position(:), growth(:)
+    integer :: i
+    allocate (lines(0))
+    call find_poles(pencil, rank, position, growth)
+    where (abs(position) < at_edge .and. abs(growth) > grows) position = 0
+    do i = 1, size(position)
+      if (position(i) < max(bins(1) - 1.0_dp, -at_edge) .or. position(i) > bins(2) + 1) cycle
+      if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > most_growth) cycle
+      lines = [lines, line_type(bin=nint(position(i)), offset=position(i) - nint(position(i)), growth=growth(i))]
+    end do
+  end function pole_lines
+
   function pencil_of(image, first, count) result(pencil)
-    !! The pencil of `image` on its principal vectors.
+    !! The Loewner pencil of an image, reduced to its principal vectors.
     integer, intent(in) :: first                  !! first bin, may be negative
     complex(dp), intent(in) :: image(first:, :)   !! transform without window, (bins, points)
     integer, intent(in) :: count                  !! samples in the record
@@ -41,14 +104,14 @@ contains
   end function pencil_of
 
   pure integer function rank_of(pencil, noise)
-    !! Poles that stand out of noise of this size in the bins, and out of rounding.
+    !! How many poles stand out of noise of this size in the bins, and out of rounding.
     type(pencil_type), intent(in) :: pencil
     real(dp), intent(in) :: noise
     rank_of = count(pencil%singular > max(noise*size(pencil%singular), rounding*pencil%singular(1)))
   end function rank_of
 
   subroutine find_poles(pencil, rank, position, growth)
-    !! Poles of the rational function of that degree.
+    !! Find the poles of the rational function of that degree.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank                   !! ≥ 1
     real(dp), allocatable, intent(out) :: position(:)  !! bins; none if the degree is too high
@@ -67,7 +130,7 @@ contains
   end subroutine find_poles
 
   pure subroutine loewner(image, first, count, middle, pencil, shifted)
-    !! Divided differences of F = Y/ω and of ωF between even and odd bins, both histories below each other, in the
+    !! Make the divided differences of F = Y/ω and of ωF between even and odd bins, both histories below each other, in the
     !! variable (ω − ω_middle)/(2πi ω_middle/N), which is near the bin's distance from the middle.
     integer, intent(in) :: first, count, middle
     complex(dp), intent(in) :: image(first:, :)
@@ -92,7 +155,7 @@ contains
   end subroutine loewner
 
   pure complex(dp) function local_node(away, count)
-    !! (e^(ix) − 1) N/(2πi), x = 2π away/N.
+    !! The variable of the rational function at a bin that far from the middle: (e^(ix) − 1) N/(2πi), x = 2π away/N.
     integer, intent(in) :: away, count
     real(dp) :: x
     x = pi*away/count
@@ -100,7 +163,7 @@ contains
   end function local_node
 
   elemental complex(dp) function logarithm(z)
-    !! log(1 + z); small |z| keeps its digits, 0 of 1 + z gives a large negative growth.
+    !! The logarithm of 1 + z. Small |z| keeps its digits, and 0 of 1 + z gives a large negative growth.
     complex(dp), intent(in) :: z
     complex(dp) :: rounded
     rounded = 1 + z
@@ -114,6 +177,7 @@ contains
   end function logarithm
 
   subroutine singular_vectors(matrix, singular, left, right)
+    !! Find the singular values, descending, and the singular vectors of a matrix of at least as many rows as columns.
     complex(dp), intent(in) :: matrix(:, :)
     real(dp), allocatable, intent(out) :: singular(:)
     complex(dp), allocatable, intent(out) :: left(:, :), right(:, :)  !! columns, conjugated rows; then `spare` more
@@ -134,6 +198,7 @@ contains
   end subroutine singular_vectors
 
   function eigenvalues(matrix) result(values)
+    !! The eigenvalues of a square matrix.
     complex(dp), intent(in) :: matrix(:, :)
     complex(dp) :: values(size(matrix, 1))
     complex(dp) :: a(size(matrix, 1), size(matrix, 1) + spare), none(1, 1), work(32*size(matrix, 1))

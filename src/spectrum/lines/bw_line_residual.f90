@@ -7,7 +7,7 @@ module bw_line_residual
   use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
   private
-  public :: find_residual, plain_bins, strength, visible_peaks
+  public :: find_residual, peak_lines, plain_bins, strength, visible_peaks
 
   integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
   integer, parameter :: most_peaks = 64        !! taken up at a time
@@ -27,7 +27,8 @@ module bw_line_residual
 contains
 
   subroutine find_residual(record, lines, residual, monitor)
-    !! The lines are taken out in the memory of the transforms: a long record is not held more often than it must be.
+    !! Transform what the lines leave of the record, and judge its noise. The lines are subtracted in the memory of the
+    !! transforms, so that a long record is not stored more often than it must be.
     real(dp), intent(in) :: record(0:, :)      !! (N, points)
     type(line_type), intent(in) :: lines(:)
     type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; of no use where the monitor stops
@@ -61,13 +62,14 @@ contains
   end subroutine find_residual
 
   pure subroutine copy(from, to)
+    !! Copy between arrays that do not overlap.
     real(dp), intent(in) :: from(:, :)
     real(dp), intent(inout) :: to(:, :)
     to = from
   end subroutine copy
 
   pure subroutine apply_window(samples)
-    !! sin⁶(πj/N), the same from both ends.
+    !! Multiply both histories by the window sin⁶(πj/N), which is the same from both ends to the bit.
     real(dp), intent(inout) :: samples(0:, :)  !! (N, points)
     real(dp) :: window
     integer :: j, n
@@ -81,15 +83,15 @@ contains
   end subroutine apply_window
 
   pure function strength(residual) result(value)
-    !! |windowed| of both histories together, (0:N/2).
+    !! The length of both histories' windowed transforms together in each bin, (0:N/2).
     type(residual_type), intent(in) :: residual
     real(dp) :: value(0:ubound(residual%windowed, 1))
     value = sqrt(abs(residual%windowed(:, 1))**2 + abs(residual%windowed(:, 2))**2)
   end function strength
 
   pure real(dp) function quiet_level(value)
-    !! Standard deviation of the noise in `value`, from its quietest tenth; 0 where there are too few bins to tell.
-    !! Bisection: the tenth quantile of the length of four normal numbers is 1.03 standard deviations.
+    !! The standard deviation of the noise in `value`, judged by its quietest tenth; 0 where there are too few bins to tell.
+    !! The tenth quantile, found by bisection, of the length of four normal numbers is 1.03 standard deviations.
     real(dp), intent(in) :: value(:)
     real(dp) :: low, high, middle
     integer :: i
@@ -111,7 +113,7 @@ contains
   end function quiet_level
 
   function visible_peaks(residual) result(peak)
-    !! Bins of the peaks that are neither noise nor a sidelobe of a stronger peak, the strongest first.
+    !! The bins of the peaks that are neither noise nor a sidelobe of a stronger peak, the strongest first.
     type(residual_type), intent(in) :: residual
     integer, allocatable :: peak(:)
     real(dp) :: value(0:ubound(residual%windowed, 1))
@@ -132,7 +134,7 @@ contains
   contains
 
     pure real(dp) function leakage(bin)
-      !! Sidelobes of the peaks found so far and of their mirror images.
+      !! The sidelobes that the peaks found so far and their mirror images have in this bin.
       integer, intent(in) :: bin
       leakage = sum(value(peak)*(sidelobe(real(bin - peak, dp)) + sidelobe(real(bin + peak, dp)) &
         & + sidelobe(real(residual%count - bin - peak, dp))))
@@ -141,6 +143,7 @@ contains
   end function visible_peaks
 
   pure function local_maxima(value, threshold) result(bins)
+    !! The bins above the threshold that are not lower than their neighbours.
     real(dp), intent(in) :: value(0:), threshold
     integer, allocatable :: bins(:)
     logical :: high(0:size(value) - 1)
@@ -167,5 +170,23 @@ contains
       end if
     end do
   end function plain_bins
+
+  pure function peak_lines(residual, peaks) result(lines)
+    !! A line without amplitude at each peak; its offset comes from a parabola through the logarithms of three bins.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: peaks(:)
+    type(line_type) :: lines(size(peaks))
+    real(dp) :: value(-1:1)
+    integer :: i, m
+    lines%bin = peaks
+    do i = 1, size(peaks)
+      if (peaks(i) == 0 .or. peaks(i) == ubound(residual%windowed, 1)) cycle
+      value = [(norm2(abs(residual%windowed(peaks(i) + m, :))), m=-1, 1)]
+      if (any(value <= 0)) cycle
+      value = log(value)
+      lines(i)%offset = (value(1) - value(-1))/max(2*(2*value(0) - value(1) - value(-1)), 1.0_dp)
+      lines(i)%offset = max(-0.5_dp, min(0.5_dp, lines(i)%offset))
+    end do
+  end function peak_lines
 
 end module bw_line_residual

@@ -3,8 +3,7 @@ module bw_line_search
   !! what is left of the record is searched again until nothing stands out.
   use bw_kinds, only: dp
   use bw_line, only: line_position, line_row, line_type, sidelobe
-  use bw_line_group, only: band_of, refit_group, group_type
-  use bw_line_needless, only: drop_needless
+  use bw_line_group, only: band_of, drop_needless, group_type, refit_group
   use bw_line_residual, only: find_residual, residual_type, strength, visible_peaks
   use bw_monitor, only: monitor_type, stops
   implicit none (type, external)
@@ -28,7 +27,7 @@ module bw_line_search
 contains
 
   subroutine find_lines(record, lines, residual, monitor)
-    !! Lines by ascending position, and what is left without them; both of no use where the monitor stops.
+    !! Find the lines of a record, by ascending position, and what they leave of it; both are of no use where the monitor stops.
     real(dp), intent(in) :: record(0:, :)      !! tip and midpoint, (N, points), not zero everywhere
     type(line_type), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
@@ -61,7 +60,7 @@ contains
   end subroutine find_lines
 
   pure real(dp) function residual_work(lines) result(work)
-    !! What a residual takes, in units of that without lines.
+    !! The work of finding a residual, in units of that without lines.
     integer, intent(in) :: lines
     work = 1.0_dp + lines*line_work
   end function residual_work
@@ -105,7 +104,7 @@ contains
   end subroutine drop_rounding
 
   elemental real(dp) function line_image(line, count)
-    !! The largest bin that a line alone makes: less than its amplitude where it is reached at an end of the record.
+    !! The largest bin that one line makes: less than its amplitude where it is reached at an end of the record.
     type(line_type), intent(in) :: line
     integer, intent(in) :: count               !! samples
     line_image = sqrt(abs(line%amplitude(1))**2 + abs(line%amplitude(2))**2) &
@@ -126,7 +125,7 @@ contains
   end function open_peaks
 
   pure integer function near(bin, position)
-    !! How many share bins with a group there.
+    !! How many of the positions share bins with a group at this bin.
     integer, intent(in) :: bin
     real(dp), intent(in) :: position(:)
     near = count(abs(position - bin) < 2*apart)
@@ -159,7 +158,7 @@ contains
   end subroutine fit_groups
 
   pure real(dp) function leakage(residual, group, peak)
-    !! What the other peaks may put into a bin of the group.
+    !! The leakage that peaks outside the group may put into one of its bins.
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: group
     integer, intent(in) :: peak(:)
@@ -174,7 +173,7 @@ contains
   end function leakage
 
   pure function line_groups(lines, peak) result(group)
-    !! Lines and peaks, by ascending position, parted where more than `apart` bins are free.
+    !! The groups of lines and peaks by ascending position, parted where more than `apart` bins are free.
     type(line_type), intent(in) :: lines(:)
     integer, intent(in) :: peak(:)
     type(group_type), allocatable :: group(:)
@@ -200,7 +199,7 @@ contains
   end function line_groups
 
   pure function ascending(value) result(order)
-    !! Permutation that sorts a short array.
+    !! The permutation that sorts a short array.
     real(dp), intent(in) :: value(:)
     integer :: order(size(value)), i, j
     do i = 1, size(value)

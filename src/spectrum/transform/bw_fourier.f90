@@ -1,5 +1,5 @@
 module bw_fourier
-  !! Discrete Fourier transform of real records, by FFTW.
+  !! This module makes discrete Fourier transforms of real records by FFTW.
   use, intrinsic :: iso_c_binding
   use bw_kinds, only: dp
   implicit none (type, external)
@@ -23,8 +23,8 @@ module bw_fourier
 contains
 
   subroutine prepare(self, length)
-    !! Make room and a plan for records of this length, unless they are there.
-    !! Planned with FFTW_ESTIMATE: measured plans differ from run to run, and so would the last bits.
+    !! Make room and a plan for records of this length, unless they are there. FFTW_ESTIMATE is used because measured plans
+    !! differ from run to run, and so would the last bits.
     class(real_fourier), intent(inout) :: self
     integer, intent(in) :: length                 !! N ≥ 1
     if (allocated(self%samples)) then
@@ -37,19 +37,20 @@ contains
   end subroutine prepare
 
   subroutine transform(self)
-    !! From `samples` to `spectrum`.
+    !! Transform `samples` into `spectrum`.
     class(real_fourier), intent(inout) :: self    !! prepared
     call fftw_execute_dft_r2c(self%plan, self%samples, self%spectrum)
   end subroutine transform
 
   subroutine destroy(self)
+    !! Give FFTW's plan back.
     type(real_fourier), intent(inout) :: self
     if (c_associated(self%plan)) call fftw_destroy_plan(self%plan)
     self%plan = c_null_ptr
   end subroutine destroy
 
   subroutine transform_in_place(length, spectrum)
-    !! The transform of one record that lies in its memory, and whose place it takes.
+    !! Transform one record in its memory: the spectrum overwrites the samples.
     integer, intent(in) :: length                 !! N ≥ 1
     complex(dp), intent(inout), target, contiguous :: spectrum(:)   !! (N/2 + 1); in: its first N reals are the samples
     real(c_double), pointer, contiguous :: samples(:)

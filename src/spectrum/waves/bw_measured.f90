@@ -1,14 +1,13 @@
 module bw_measured
-  !! Waves measured from two histories alone: what an experiment with two sensors would tell of the beam.
+  !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam.
   use bw_kinds, only: dp
   use bw_line, only: line_type
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
   use bw_line_residual, only: residual_type
   use bw_line_search, only: find_lines
   use bw_measured_notes, only: measured_notes
-  use bw_measuring, only: measuring_type
   use bw_missing, only: is_missing, missing
-  use bw_mode_check, only: check_peaks, is_mode, not_known, verdict_type
+  use bw_mode_check, only: check_peaks, is_mode, measuring_type, not_known, verdict_type
   use bw_mode_curve, only: mode_type, slope_of
   use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops
@@ -23,7 +22,7 @@ module bw_measured
   real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
 
   type, public :: measured_type
-    !! Peaks by ascending frequency; errors are bounds; `missing` where something does not exist.
+    !! The peaks by ascending frequency. Errors are bounds, and what does not exist is `missing`.
     integer :: peak_count = 0
     real(dp), allocatable :: angular_frequency(:), angular_frequency_error(:)  !! rad/s, (peak)
     real(dp), allocatable :: wavenumber(:), wavenumber_error(:)                !! 1/m
@@ -35,13 +34,13 @@ module bw_measured
 contains
 
   subroutine measure_waves(tip, midpoint, told, measured, monitor)
-    !! Frequencies, wave numbers, phase and group velocities of the lines in two histories.
+    !! Measure frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
     !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
-    !! peak with an error of at least 2π/duration, unless all but one are faint modes. Where the modes are known, peaks that hold none are left out and noted;
-    !! else, where lines have been numbered, those that fit no mode. Of more than `max_peaks` peaks, those of the largest
-    !! amplitude (tip and midpoint together) stay. A record of zeros, of fewer than 16 samples, or with missing samples,
-    !! has no peaks.
+    !! peak with an error of at least 2π/duration, unless all but one are faint modes. Where the modes are known, peaks that
+    !! are none of them are left out and noted; else, where lines have been numbered, those that fit no mode. Of more than
+    !! `max_peaks` peaks, those of the largest amplitude (tip and midpoint together) stay. A record of zeros, of fewer than
+    !! 16 samples, or with missing samples, has no peaks.
     real(dp), intent(in) :: tip(:)                      !! displacement at ξ = 1, (N), at the times jT/N
     real(dp), intent(in) :: midpoint(:)                 !! displacement at ξ = ½, (N)
     type(measuring_type), intent(in) :: told
@@ -71,7 +70,7 @@ contains
   end subroutine measure_waves
 
   subroutine find_peaks(tip, midpoint, peaks, monitor)
-    !! The peaks of a record that is worth a look; of no use where the monitor stops.
+    !! Find the peaks of a record, none if it is not usable; they are of no use where the monitor stops.
     real(dp), intent(in) :: tip(:), midpoint(:)
     type(peak_type), allocatable, intent(out) :: peaks(:)
     class(monitor_type), intent(inout), optional :: monitor
@@ -89,6 +88,7 @@ contains
   end subroutine find_peaks
 
   pure logical function is_usable(tip, midpoint)
+    !! Whether a record is long enough, complete and not zero everywhere.
     real(dp), intent(in) :: tip(:), midpoint(:)
     is_usable = size(tip) >= fewest_samples
     if (is_usable) is_usable = .not. (any(is_missing(tip)) .or. any(is_missing(midpoint)))
@@ -96,7 +96,7 @@ contains
   end function is_usable
 
   pure function listed_peaks(peaks, modes, verdict, told) result(listed)
-    !! Peaks that are modes, or that cannot be told; the strongest of them.
+    !! The indices of peaks that are modes or may be, up to `max_peaks` of the strongest.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(verdict_type), intent(in) :: verdict(:)
@@ -115,7 +115,7 @@ contains
   end function listed_peaks
 
   pure subroutine fill(measured, peaks, modes, all_modes, told)
-    !! From periods in the record to physical units.
+    !! Fill in the quantities of the listed peaks, turned from periods in the record to physical units.
     type(measured_type), intent(inout) :: measured
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)

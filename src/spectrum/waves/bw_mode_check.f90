@@ -1,10 +1,9 @@
 module bw_mode_check
-  !! What is known about the modes in a record, beside it, checks what was measured. It says which peaks are folded back from above
-  !! half the sampling rate, and which are no mode; it gives no value.
+  !! What is told about a record beside its samples, and how the modes that are known to be in it check what was measured: which
+  !! peaks are folded back from above half the sampling rate, and which are no mode. It gives no value.
   use bw_kinds, only: dp
-  use bw_line_needless, only: resolution
+  use bw_line, only: resolution
   use bw_line_peaks, only: as_single, peak_type, with_hidden
-  use bw_measuring, only: known_modes
   implicit none (type, external)
   private
   public :: check_peaks
@@ -17,13 +16,27 @@ module bw_mode_check
 
   integer, parameter, public :: not_known = 0, is_mode = 1, is_folded = 2, is_none = 3
 
+  type, public :: known_modes
+    !! The modes that make up a record, from the first on.
+    real(dp), allocatable :: angular_frequency(:)  !! rad/s, ascending; 0 of a mode that does not oscillate, (mode)
+    logical :: all = .true.                        !! false: there are others above these
+  end type known_modes
+
+  type, public :: measuring_type
+    real(dp) :: duration = 1                   !! of the record, T > 0, s
+    real(dp) :: length = 1                     !! of the beam, > 0, m
+    integer :: max_peaks = 20                  !! ≥ 0
+    logical :: uniform = .true.                !! Eqs 18 to 20 hold; otherwise wave numbers and velocities are missing
+    type(known_modes), allocatable :: known    !! to check what was measured; unallocated: not known
+  end type measuring_type
+
   type, public :: verdict_type
     integer :: kind = not_known       !! a number above
     integer :: number = 0           !! of the mode that a peak is, or is folded from
   end type verdict_type
 
   type :: mode_lines
-    !! Of every known mode, in periods in the record.
+    !! The lines that the known modes make; positions are periods in the record.
     real(dp), allocatable :: position(:)           !! (mode)
     real(dp), allocatable :: image(:)              !! where it is seen, folded or not, (mode)
     logical, allocatable :: taken(:)               !! a peak is this mode, (mode)
@@ -34,9 +47,9 @@ module bw_mode_check
 contains
 
   pure subroutine check_peaks(known, samples, duration, peaks, verdict)
-    !! What each peak is: a mode where its interval holds the frequency of one, the narrowest interval first, each mode once. The
-    !! errors of peaks are settled: they make room for hidden lines where other strong modes lie within the resolution, and a
-    !! close pair is one line where none is there, or the fit has no room for one.
+    !! Judge what each peak is: a mode where its interval holds the frequency of one, the narrowest interval first, each mode
+    !! once. The errors of peaks are settled: they make room for hidden lines where other strong modes lie within the
+    !! resolution, and a close pair is one line where none is there, or the fit has no room for one.
     type(known_modes), intent(in) :: known
     integer, intent(in) :: samples
     real(dp), intent(in) :: duration               !! s
@@ -82,7 +95,7 @@ contains
   end function lines_of
 
   pure type(verdict_type) function judged(peak, modes)
-    !! Of several modes the nearest; of several folded ones the first, which is the strongest.
+    !! What a peak is: of several modes that its interval holds the nearest, of several folded ones the first, the strongest.
     type(peak_type), intent(in) :: peak
     type(mode_lines), intent(in) :: modes
     real(dp) :: reach(size(modes%position))
@@ -101,7 +114,7 @@ contains
   end function judged
 
   pure real(dp) function beside(peak, own, modes) result(part)
-    !! All other strong modes within the resolution, as a part of the peak.
+    !! The strength of all other strong modes within the resolution, over that of the peak.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes
@@ -112,7 +125,7 @@ contains
   end function beside
 
   pure type(peak_type) function settled(peak, own, modes)
-    !! The peak with room for what may be hidden beside it.
+    !! The peak with errors that have room for what may be hidden beside it.
     type(peak_type), intent(in) :: peak
     type(verdict_type), intent(in) :: own
     type(mode_lines), intent(in) :: modes

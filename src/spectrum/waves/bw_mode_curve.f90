@@ -2,8 +2,7 @@ module bw_mode_curve
   !! Peaks as modes of a uniform beam, and the curve ν² = c₁ α⁴ + c₀ that they lie on, with the errors of both.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
-  use bw_mode_ratio, only: alpha_of_ratio, alpha_range
-  use bw_tip_mass, only: mass_angle
+  use bw_mode_ratio, only: alpha_of_ratio, alpha_range, mass_angle
   implicit none (type, external)
   private
   public :: as_mode, same_mass, curve_through, on_curve, chance_on_curve, chance_of_mass, slope_of
@@ -11,7 +10,7 @@ module bw_mode_curve
   real(dp), parameter :: pi = acos(-1.0_dp)
 
   type, public :: mode_type
-    !! A peak as a mode.
+    !! What a peak tells if it is a given mode: its wave number, the mass at the tip, and its squared frequency.
     integer :: number = 0                        !! 0: none
     real(dp) :: alpha = 0, alpha_error = 0
     real(dp) :: mass(2) = 0                      !! least and largest angle whose tangent is the mass ratio
@@ -19,7 +18,7 @@ module bw_mode_curve
   end type mode_type
 
   type, public :: curve_type
-    !! ν² = slope α⁴ + start through two modes.
+    !! The curve ν² = slope α⁴ + start through two modes.
     real(dp) :: slope = 0
     real(dp) :: start = 0
     real(dp) :: power(2) = 0                     !! α⁴ of both
@@ -30,7 +29,7 @@ module bw_mode_curve
 contains
 
   elemental type(mode_type) function as_mode(peak, number) result(mode)
-    !! The peak as that mode; number 0 if its ratio forbids it.
+    !! The peak as the mode of that number; the number is 0 if its ratio forbids it.
     type(peak_type), intent(in) :: peak
     integer, intent(in) :: number
     real(dp) :: rounding
@@ -53,6 +52,7 @@ contains
   end function same_mass
 
   pure subroutine curve_through(low, high, curve, possible)
+    !! Find the curve through two modes.
     type(mode_type), intent(in) :: low, high     !! of different numbers
     type(curve_type), intent(out) :: curve
     logical, intent(out) :: possible             !! c₁ > 0, and c₀ ≤ 0 within the errors
@@ -66,7 +66,7 @@ contains
   end subroutine curve_through
 
   pure real(dp) function tolerance(power, curve)
-    !! How far the curve may err at α⁴ = power.
+    !! The error of the curve's ν² at α⁴ = power.
     real(dp), intent(in) :: power
     type(curve_type), intent(in) :: curve
     real(dp) :: share
@@ -75,14 +75,14 @@ contains
   end function tolerance
 
   elemental real(dp) function curve_error(mode, slope)
-    !! Error of a mode's ν² − slope·α⁴.
+    !! The error of a mode's ν² − slope·α⁴.
     type(mode_type), intent(in) :: mode
     real(dp), intent(in) :: slope
     curve_error = mode%square_error + slope*((mode%alpha + mode%alpha_error)**4 - mode%alpha**4)
   end function curve_error
 
   pure real(dp) function both_errors(mode, curve)
-    !! How far apart a mode and the curve may be.
+    !! The error of the difference between a mode's ν² and the curve's.
     type(mode_type), intent(in) :: mode
     type(curve_type), intent(in) :: curve
     both_errors = curve_error(mode, curve%slope) + tolerance(mode%alpha**4, curve)
@@ -115,7 +115,7 @@ contains
   end function chance_of_mass
 
   pure subroutine slope_of(modes, slope, slope_error)
-    !! c₁ of the curve through numbered peaks: any two of them allow an interval of slopes, and the true one is in all. The
+    !! Find c₁ of the curve through numbered peaks: any two of them allow an interval of slopes, and the true one is in all. The
     !! narrowest gives the value, all together the bound.
     type(mode_type), intent(in) :: modes(:)
     real(dp), intent(out) :: slope, slope_error  !! 0 where fewer than two have a number, or no slope is in all intervals

@@ -1,12 +1,13 @@
 module bw_mode_numbering
-  !! Which peak is which mode. A ratio R fits many modes, each with its own α; but all modes of a uniform beam imply the
-  !! same mass at the tip (Eq. 19), and lie on one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30, whatever h and
-  !! ω). Two strong peaks taken as two modes give a mass and a curve; the peaks that agree with both number themselves.
+  !! This module finds which peak is which mode. A ratio R fits many modes, each with its own α; but all modes of a uniform
+  !! beam imply the same mass at the tip (Eq. 19), and lie on one curve ν² = c₁ α⁴ + c₀ with c₁ > 0 and c₀ ≤ 0 (Eq. 30,
+  !! whatever h and ω). Two strong peaks taken as two modes give a mass and a curve; the peaks that agree with both number
+  !! themselves.
   !!
   !! Each agreement is worth the logarithm of how unlikely it is by chance. Peaks are numbered where the best numbering is
   !! worth much, and every other that contradicts it is worth much less.
   use bw_kinds, only: dp
-  use bw_line_needless, only: resolution
+  use bw_line, only: resolution
   use bw_line_peaks, only: peak_type
   use bw_mode_curve, only: as_mode, chance_on_curve, chance_of_mass, curve_through, curve_type, mode_type, on_curve, same_mass
   use bw_mode_ratio, only: mode_near
@@ -59,6 +60,7 @@ contains
   end subroutine number_modes
 
   function candidates_of(peaks, possible) result(candidates)
+    !! The peaks that are known well enough to be numbered, and what each would be as every mode.
     type(peak_type), intent(in) :: peaks(:)
     logical, intent(in) :: possible(:)
     type(candidates_type) :: candidates
@@ -117,6 +119,7 @@ contains
   end function best_numbering
 
   pure integer function anchors_of(candidates)
+    !! How many of the strongest clear peaks are tried in pairs.
     type(candidates_type), intent(in) :: candidates
     anchors_of = min(most_anchors, size(candidates%order))
   end function anchors_of
@@ -130,8 +133,8 @@ contains
   end function agree
 
   function numbering_by(low, high, peaks, candidates) result(numbering)
-    !! What two peaks taken as two modes make of all others, the strongest first: each number is given once. Worth nothing
-    !! where more modes below the highest have no peak than have one.
+    !! The numbering that two peaks as two modes make of all others, the strongest first: each number is given once. It is worth
+    !! nothing where more modes below the highest have no peak than have one.
     type(mode_type), intent(in) :: low, high
     type(peak_type), intent(in) :: peaks(:)
     type(candidates_type), intent(in) :: candidates

@@ -1,25 +1,27 @@
 module bw_mode_ratio
-  !! The wave number that a mode's shape ratio fixes: Φ(½) − R Φ(1) = 0 (Eqs 18, 20), α = P l.
+  !! The wave number α = P l that the ratio R of a mode's shape at midpoint and tip fixes through Φ(½) − R Φ(1) = 0 (Eqs 18, 20),
+  !! and the mass at the tip that the wave number implies (Eq. 19). All modes of one beam imply the same mass.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: alpha_of_ratio, alpha_range, mode_near
+  public :: alpha_of_ratio, alpha_range, mass_angle, mode_near
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: margin = 1.0e-3_dp      !! roots lie that near the ends (k−¾)π and (k−½)π, or between
   real(dp), parameter :: first_mode(2) = [1.0e-3_dp, 1.8752_dp]
   integer, parameter :: max_steps = 100
+  real(dp), parameter :: small = 0.5_dp          !! α below which sin α cosh α − cos α sinh α is summed as a series
 
 contains
 
   pure integer function mode_near(alpha)
-    !! The mode whose range of α, for any tip mass, is the nearest.
+    !! The number of the mode whose range of α, for any tip mass, is the nearest.
     real(dp), intent(in) :: alpha
     mode_near = max(1, nint(min(alpha, 1.0e8_dp)/pi + 0.625_dp))
   end function mode_near
 
   pure subroutine alpha_of_ratio(ratio, ratio_error, mode, alpha, alpha_error, found)
-    !! The α of mode `mode` that gives the ratio, and what an error of the ratio makes of it.
+    !! Find the α of a mode that gives the ratio, and the error that an error of the ratio makes of it.
     real(dp), intent(in) :: ratio, ratio_error
     integer, intent(in) :: mode                   !! k ≥ 1
     real(dp), intent(out) :: alpha, alpha_error
@@ -34,7 +36,7 @@ contains
   end subroutine alpha_of_ratio
 
   pure function alpha_range(mode) result(range)
-    !! Ends of the range of α for tip masses from infinity to 0.
+    !! The ends of a mode's range of α for tip masses from infinity to 0.
     integer, intent(in) :: mode
     real(dp) :: range(2)
     range = first_mode
@@ -42,7 +44,7 @@ contains
   end function alpha_range
 
   pure real(dp) function root(ratio, mode, range)
-    !! Zero of Φ(½) − R Φ(1) in the range (regula falsi, Illinois); the nearer end if there is none.
+    !! The zero of Φ(½) − R Φ(1) in the range by regula falsi (Illinois), or the nearer end of the range if there is none.
     real(dp), intent(in) :: ratio, range(2)
     integer, intent(in) :: mode
     real(dp) :: a, b, fa, fb, f
@@ -69,7 +71,7 @@ contains
   end function root
 
   pure real(dp) function mismatch(alpha, ratio, mode)
-    !! Φ(½) − R Φ(1), over 1 + |R|.
+    !! The number (Φ(½) − R Φ(1))/(1 + |R|), which is 0 where the ratio is met.
     real(dp), intent(in) :: alpha, ratio
     integer, intent(in) :: mode
     if (mode == 1) then
@@ -81,17 +83,17 @@ contains
   end function mismatch
 
   pure real(dp) function shape_at(alpha, xi)
-    !! Φ(ξ) of a beam clamped at its root whose tip is free of moment, every exponential a decaying one; α > 1.
+    !! The shape Φ(ξ) of a beam clamped at its root whose tip is free of moment, with decaying exponentials only; α > 1.
     real(dp), intent(in) :: alpha, xi
-    real(dp) :: decay, rest
+    real(dp) :: decay, remainder
     decay = exp(-alpha)
-    rest = 2*(sin(alpha) - cos(alpha) - decay)/(1 + (2*sin(alpha) - decay)*decay)  ! (1 − σ) e^α
-    shape_at = cos(alpha*xi) - (1 - rest*decay)*sin(alpha*xi) - (1 - rest*decay/2)*exp(-alpha*xi) &
-      & - rest*exp(-alpha*(1 - xi))/2
+    remainder = 2*(sin(alpha) - cos(alpha) - decay)/(1 + (2*sin(alpha) - decay)*decay)  ! (1 − σ) e^α
+    shape_at = cos(alpha*xi) - (1 - remainder*decay)*sin(alpha*xi) - (1 - remainder*decay/2)*exp(-alpha*xi) &
+      & - remainder*exp(-alpha*(1 - xi))/2
   end function shape_at
 
   pure real(dp) function low_shape(alpha, xi)
-    !! The same over α², by series: for α → 0 the closed form cancels.
+    !! The same shape over α², by a series, since the closed form cancels for α → 0.
     real(dp), intent(in) :: alpha, xi
     real(dp) :: z, sigma
     z = alpha*xi
@@ -100,7 +102,7 @@ contains
   end function low_shape
 
   pure real(dp) function odd_series(power, start)
-    !! 1/m! + z⁴/(m+4)! + z⁸/(m+8)! …, m = start + 1, power = z⁴ < 13.
+    !! The sum 1/m! + z⁴/(m+4)! + z⁸/(m+8)! + …, with m = start + 1 and power = z⁴ < 13.
     real(dp), intent(in) :: power
     integer, intent(in) :: start
     real(dp) :: term
@@ -114,5 +116,36 @@ contains
       m = m + 4
     end do
   end function odd_series
+
+  pure real(dp) function mass_angle(alpha, mode)
+    !! The angle whose tangent is γ = (1 + cos α cosh α)/(α (sin α cosh α − cos α sinh α)), Eq. 19. It falls smoothly from π/2
+    !! (γ infinite) to 0 (no mass) as α rises through the mode's range, and goes on beyond both ends of it.
+    real(dp), intent(in) :: alpha                !! > 0
+    integer, intent(in) :: mode                  !! k ≥ 1
+    real(dp) :: cosine, bracket, sign_of_range
+    sign_of_range = merge(1.0_dp, -1.0_dp, mod(mode, 2) == 1)
+    cosine = 1/cosh(min(alpha, 700.0_dp)) + cos(alpha)
+    if (alpha < small) then
+      bracket = bracket_by_series(alpha)/cosh(alpha)
+    else
+      bracket = sin(alpha) - cos(alpha)*tanh(alpha)
+    end if
+    mass_angle = atan2(sign_of_range*cosine, sign_of_range*alpha*bracket)
+  end function mass_angle
+
+  pure real(dp) function bracket_by_series(alpha) result(total)
+    !! The bracket sin α cosh α − cos α sinh α = ⅔α³ − α⁷/315 + … = 4 Σ (−4)ⁿ α^(4n+3)/((4n+2)! (4n+3)).
+    real(dp), intent(in) :: alpha
+    real(dp) :: power
+    integer :: n
+    power = 2*alpha**3                           ! 4 (−4)ⁿ α^(4n+3)/(4n+2)!
+    total = power/3
+    n = 0
+    do while (abs(power) > epsilon(1.0_dp)*total)
+      n = n + 1
+      power = -4*power*alpha**4/(real(4*n - 1, dp)*(4*n)*(4*n + 1)*(4*n + 2))
+      total = total + power/(4*n + 3)
+    end do
+  end function bracket_by_series
 
 end module bw_mode_ratio

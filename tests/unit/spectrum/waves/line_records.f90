@@ -3,7 +3,7 @@ module line_records
   !! analysis makes of them.
   use bw_kinds, only: dp, qp
   use bw_measured, only: measure_waves, measured_type
-  use bw_measuring, only: measuring_type
+  use bw_mode_check, only: measuring_type
   implicit none (type, external)
   private
   public :: judge_records
