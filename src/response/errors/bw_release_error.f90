@@ -22,7 +22,7 @@ module bw_release_error
   use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
   implicit none (type, external)
   private
-  public :: release_error, release_tail, blow_reach
+  public :: amplitude_of, blow_reach, release_error, release_tail
 
   integer, parameter :: fewest = 256              !! modes of the better state
   integer, parameter :: most_more = 6000          !! at most so many more: the projection takes the square of their number
