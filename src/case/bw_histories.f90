@@ -150,6 +150,9 @@ contains
     real(dp) :: errors(size(scene%response%points))
     class(mode_set), allocatable :: free
     real(dp) :: peak, phase, unit
+    integer :: captured
+    captured = grid%samples
+    if (allocated(result%courses)) captured = last_sample(result%courses, 1, grid)
     unit = abs(result%approach_velocity)
     if (velocity) then
       peak = largest_magnitude(result%response%velocity)
@@ -160,7 +163,7 @@ contains
     associate (points => scene%response%points, step => grid%step%hi)
       phase = phase_error(scene, result%modes, grid)
       errors = swing_of_first(result%modes, 0.0_dp, result%modal_velocity(1), points, &
-                              stretch_type(step, grid%samples*step, step), velocity)
+                              stretch_type(step, captured*step, step), velocity)
       if (allocated(result%courses)) then
         call alone%find(first_numbers(1), free)
         phase = max(phase, phase_error(scene, free, grid))

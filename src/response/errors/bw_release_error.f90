@@ -99,16 +99,17 @@ contains
     error = largest(sums, points, stretch, alone%quadratic)
   end function force_left
 
-  function blow_reach(free, points, stretch, velocity) result(reach)
+  function blow_reach(free, points, stretch, velocity, quadratic) result(reach)
     !! How far a blow of 1 at its tip drives the beam alone at most, (points).
-    class(mode_set), intent(in) :: free
+    class(mode_set), intent(in) :: free           !! the modes that move
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
+    logical, intent(in) :: quadratic              !! see `largest`
     real(dp) :: reach(size(points))
     type(deviation_type) :: sums(size(points))
     call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, points, stretch, velocity, every(free), sums)
-    reach = sums%growing + sums%magnitude
+    reach = largest(sums, points, stretch, quadratic)
   end function blow_reach
 
   function release_error(q, rate, loaded, alone, count, force, released, points, stretch, velocity, monitor) result(error)
@@ -150,7 +151,7 @@ contains
     error = margin*largest(combined(deviation_type(), sums), points, stretch, alone%quadratic) &
       + blow_left(n, loaded, alone, force, released, points, stretch, velocity) &
       + force_left(many, start, start_rate, alone, points, stretch, velocity) &
-      + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
+      + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity, alone%quadratic)
   end function release_error
 
   pure subroutine add_state(modes, q, rate, points, stretch, velocity, weight, sums)
