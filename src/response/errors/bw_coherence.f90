@@ -97,13 +97,15 @@ contains
   elemental real(dp) function first_passage(sums, distance, stretch) result(motion)
     !! While waves pass for the first time after the blow, near the fraction 0/1, and come back from the root. Before they
     !! come and after they have gone they leave the largest amplitude over the distance from its wave to the point, since there
-    !! the waves end of a sudden.
+    !! the waves end of a sudden; that distance is least at the last sample.
     type(deviation_type), intent(in) :: sums
     real(dp), intent(in) :: distance             !! from the tip, d
     type(stretch_type), intent(in) :: stretch
-    real(dp) :: gone, way
-    motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest/distance
+    real(dp) :: edge, gone, way
     way = 2.0_dp*sums%alpha*stretch%end
+    edge = 1.0_dp/distance
+    if (way < distance) edge = min(1.0_dp/(distance - way), edge + passage*sqrt(sums%alpha/distance))
+    motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest*edge
     gone = 2.0_dp*sums%alpha*stretch%start - distance      ! beyond the point at the first sample
     if (gone > 0.0_dp .and. way < 2.0_dp - distance) motion = min(motion, sums%largest/gone)
     motion = min(motion, near_sum(sums, half_pi*stretch%start))
@@ -134,11 +136,9 @@ contains
   end function theta_sum
 
   elemental logical function is_offset(stretch)
-    !! The first sample is no whole number of steps from the start of the motion.
+    !! The first sample is not one step from the start of the motion.
     type(stretch_type), intent(in) :: stretch
-    real(dp) :: steps
-    steps = stretch%start/stretch%step
-    is_offset = steps < 0.5_dp .or. abs(steps - anint(steps)) > 8.0_dp*epsilon(steps)*steps
+    is_offset = abs(stretch%start/stretch%step - 1.0_dp) > 8.0_dp*epsilon(1.0_dp)
   end function is_offset
 
   elemental subroutine look_at_samples(sums, stretch, one_passage, motion)
@@ -171,11 +171,16 @@ contains
     type(stretch_type), intent(in) :: stretch
     logical, intent(inout) :: one_passage
     real(dp), intent(inout) :: motion
+    integer, parameter :: most_looked_at = 5000  ! that far more modes cost no more; their bound is then a little higher
     real(dp) :: gauss, q, samples, share
+    integer :: looked_at
     samples = max(1.0_dp, anint((stretch%end - stretch%start)/stretch%step))
     q = max(1.0_dp, aint(0.5_dp/(half_pi*stretch%end)) + 1.0_dp)
+    looked_at = 0
     do while (q <= max(1.0_dp, apart*sums%magnitude/sums%largest))
+      if (looked_at == most_looked_at) motion = max(motion, sqrt(2.0_dp/q)*sums%magnitude)
       if (sqrt(2.0_dp/q)*sums%magnitude <= motion) exit
+      looked_at = looked_at + 1
       one_passage = .false.
       gauss = merge(sqrt(2.0_dp), 1.0_dp, modulo(q, 2.0_dp) < 1.0_dp)
       share = min(1.0_dp, gauss/sqrt(q))

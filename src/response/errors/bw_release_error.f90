@@ -13,7 +13,7 @@ module bw_release_error
   use bw_course, only: move
   use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
-  use bw_modal_flow, only: slow_exponent
+  use bw_modal_flow, only: slow_exponent, turning_square
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
   use bw_reach, only: damped_reach, turns
@@ -185,15 +185,18 @@ contains
     real(dp), intent(in) :: c, q, rate
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    type(dd) :: beta, slow
+    type(dd) :: root, slow
     real(dp) :: swing
-    beta = sqrt(beta_squared)
     if (turns(beta_squared, c)) then
+      root = sqrt(turning_square(beta_squared, c))
       slow = slow_exponent(beta_squared, c)
-      swing = 1.0_dp/beta%hi
-      if (.not. velocity) swing = min(swing, stretch%end)     ! a slow mode does not come that far
-      amplitude = hypot(q, rate*swing)*exp(slow%hi*stretch%start)
-      if (velocity) amplitude = beta%hi*amplitude
+      swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not come that far
+      if (velocity) then
+        amplitude = hypot(rate, (0.5_dp*c*abs(rate) + beta_squared%hi*abs(q))*swing)
+      else
+        amplitude = hypot(q, (abs(rate) + 0.5_dp*c*abs(q))*swing)
+      end if
+      amplitude = amplitude*exp(slow%hi*stretch%start)
     else if (velocity) then
       amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &
         + abs(q*beta_squared%hi)*damped_reach(beta_squared, c, stretch, .false.)
