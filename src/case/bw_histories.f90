@@ -4,16 +4,17 @@ module bw_histories
   use bw_case_result, only: case_result, add_note, case_diverged, case_done, case_not_converged
   use bw_contact_errors, only: estimate_contact_errors
   use bw_course_histories, only: last_sample, sum_courses
+  use bw_coherence, only: stretch_type
   use bw_continuum, only: continuum_velocity
   use bw_magnitude, only: largest_magnitude
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: finish_histories, free_motion, start_histories, sum_tolerance
   use bw_record_stretch, only: kept_phase
   use bw_scene, only: scene_type
-  use bw_release_error, only: release_error
+  use bw_release_error, only: amplitude_of, release_error
   use bw_released_motion, only: released_error, stretch_after
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
@@ -64,21 +65,21 @@ contains
       call estimate_errors(scene, source, alone, grid, monitor, result)
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
-      if (by_tolerance(scene%modes) .and. grid%samples > 1) call note_missed_tolerance(scene, grid, result)
+      if (by_tolerance(scene%modes) .and. grid%samples > 1) call note_missed_tolerance(scene, alone, grid, result)
     end if
   end subroutine respond
 
-  subroutine note_missed_tolerance(scene, grid, result)
+  subroutine note_missed_tolerance(scene, alone, grid, result)
     !! The number of modes was planned for a larger motion than there is.
     type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: alone
     type(time_grid), intent(in) :: grid
     type(case_result), intent(inout) :: result
     real(dp), parameter :: slack = 1.5_dp        ! of the peak that was planned with
-    real(dp) :: error, peak, rounding
+    real(dp) :: error, peak
     error = maxval(result%response%displacement_error)
     peak = largest_magnitude(result%response%displacement)
-    rounding = result%response%sum_error + phase_error(scene, result%modes, grid)
-    if (error <= (slack*scene%modes%tolerance + rounding)*peak) return
+    if (error <= slack*scene%modes%tolerance*peak + maxval(rounding_errors(scene, alone, grid, result, .false.))) return
     result%status = case_not_converged
     call add_note(result, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
                   shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m')
@@ -101,16 +102,15 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     type(case_result), intent(inout) :: result
     type(part_monitor) :: part
-    real(dp) :: rounding, speed
+    real(dp) :: speed
     part = part_monitor(monitor, 1.0_dp, 0.0_dp)
     speed = abs(result%approach_velocity)
-    rounding = result%response%sum_error + phase_error(scene, result%modes, grid)
     result%response%displacement_error = errors(.false.)*(speed*result%units%time%hi) &
-      + rounding*largest_magnitude(result%response%displacement)
+      + rounding_errors(scene, alone, grid, result, .false.)
     if (scene%response%velocity) result%response%velocity_error = &
       with_start(errors(.true.)*speed, result%response%velocity(1, :), scene%response%points, &
                  result%approach_velocity*(1.0_dp + scene%impact%restitution)) &
-      + rounding*largest_magnitude(result%response%velocity)
+      + rounding_errors(scene, alone, grid, result, .true.)
   contains
     function errors(velocity) result(values)
       logical, intent(in) :: velocity
@@ -138,6 +138,55 @@ contains
       end associate
     end function errors
   end subroutine estimate_errors
+
+  function rounding_errors(scene, alone, grid, result, velocity) result(errors)
+    !! What the sum of the modes is off by, and the phase of the first mode, whose motion is most of the whole, m or m/s,
+    !! (points). The samples may all be near the zeros of that motion: it counts as far as it swings between them.
+    type(scene_type), intent(in) :: scene
+    class(mode_source), intent(in) :: alone
+    type(time_grid), intent(in) :: grid
+    type(case_result), intent(in) :: result
+    logical, intent(in) :: velocity
+    real(dp) :: errors(size(scene%response%points))
+    class(mode_set), allocatable :: free
+    real(dp) :: peak, phase, unit
+    integer :: captured
+    captured = grid%samples
+    if (allocated(result%courses)) captured = last_sample(result%courses, 1, grid)
+    unit = abs(result%approach_velocity)
+    if (velocity) then
+      peak = largest_magnitude(result%response%velocity)
+    else
+      peak = largest_magnitude(result%response%displacement)
+      unit = unit*result%units%time%hi
+    end if
+    associate (points => scene%response%points, step => grid%step%hi)
+      phase = phase_error(scene, result%modes, grid)
+      errors = swing_of_first(result%modes, 0.0_dp, result%modal_velocity(1), points, &
+                              stretch_type(step, captured*step, step), velocity)
+      if (allocated(result%courses)) then
+        call alone%find(first_numbers(1), free)
+        phase = max(phase, phase_error(scene, free, grid))
+        errors = max(errors, swing_of_first(free, result%courses(2)%q(1), result%courses(2)%rate(1), points, &
+                                            stretch_after(grid, result), velocity))
+      end if
+    end associate
+    errors = (result%response%sum_error + phase)*max(peak, errors*unit)
+  end function rounding_errors
+
+  function swing_of_first(modes, q, rate, points, stretch, velocity) result(swing)
+    !! How far the first mode moves each point, or how fast, in V l²/h or V, (points).
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q, rate                 !! its state at the start of the motion
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch       !! the record, in which it has decayed at the first sample
+    logical, intent(in) :: velocity
+    real(dp) :: swing(size(points)), c
+    c = 0.0_dp
+    if (allocated(modes%damping)) c = modes%damping(1)
+    swing = amplitude_of(modes%beta_squared(1), c, q, rate, stretch, velocity)*abs(reshape(modes%some_shapes(1, 1, points), &
+                                                                                           [size(points)]))
+  end function swing_of_first
 
   pure real(dp) function phase_error(scene, modes, grid) result(error)
     !! Of the first mode, whose motion is most of the whole: what the rounding of its root comes to at the end of the record,

@@ -9,7 +9,7 @@ module bw_released_motion
   use bw_double_double, only: operator(*)
   use bw_energy, only: energy_type
   use bw_later_events, only: end_capture
-  use bw_mode_choice, only: modes_for
+  use bw_mode_choice, only: first_modes, modes_for, most_released
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, part_monitor
   use bw_release, only: release_mass
@@ -82,7 +82,7 @@ contains
     call modes_for(tail_bound, fewest, source, force, points, stretch, result%released_count, tail, alone, &
                    result%courses(2)%start)
     call alone%find(first_numbers(fewest), free)
-    strength = source%gamma*maxval(blow_reach(free, points, stretch, .false.))
+    strength = source%gamma*maxval(blow_reach(free, points, stretch, .false., alone%quadratic))
     if (.not. allocated(result%tip_rest)) allocate (result%tip_rest)
     call find_tip_rest(source, force, result%released_count, result%courses(2)%start, &
                        min(tip_bound, max(least_share*tip_bound, tip_share*tail))/strength, result%tip_rest, monitor=monitor)
@@ -101,7 +101,7 @@ contains
     associate (stretch => stretch_after(grid, result))
       call alone%find(first_numbers(result%released_count), free)
       error = release_tail(result%released_count, source, alone, force, result%courses(2)%start, points, stretch, velocity) &
-        + source%gamma*result%tip_rest%uncertainty*blow_reach(free, points, stretch, velocity)
+        + source%gamma*result%tip_rest%uncertainty*blow_reach(free, points, stretch, velocity, alone%quadratic)
     end associate
   end function released_error
 
@@ -140,15 +140,39 @@ contains
     call move(loaded, result%courses(2)%start, q, rate)
   end subroutine find_state
 
-  real(dp) function peak_released(count, source, alone, force, points, grid, most, result, monitor) result(peak)
+  real(dp) function peak_released(seen, source, alone, force, points, grid, most, result, monitor) result(peak)
+    !! The largest displacement after the release that is sure, V l²/h: of so many modes that what is missing of it is less
+    !! than half of what they or those before the release show.
+    real(dp), intent(in) :: seen                !! the largest displacement before the release, V l²/h
+    class(mode_source), intent(in) :: source, alone
+    real(dp), intent(in) :: force, points(:)
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: most                 !! samples that are looked at, nearly
+    type(case_result), intent(in) :: result
+    class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
+    real(dp) :: missing
+    integer :: count
+    count = first_modes
+    do
+      peak = peak_of_few(count, source, alone, force, points, grid, most, result, monitor)
+      if (monitor%stop_requested()) return
+      missing = maxval(release_tail(count, source, alone, force, result%courses(2)%start, points, stretch_after(grid, result), &
+                                    .false.))
+      if (missing <= 0.5_dp*max(peak, seen) .or. 4*count > min(most_released, source%highest, alone%highest)) exit
+      count = 4*count
+    end do
+    peak = max(0.5_dp*peak, peak - missing)
+  end function peak_released
+
+  real(dp) function peak_of_few(count, source, alone, force, points, grid, most, result, monitor) result(peak)
     !! The largest displacement after the release as few modes show it, V l²/h: at some samples, at all where a mode grows.
     integer, intent(in) :: count                !! of the modes
     class(mode_source), intent(in) :: source, alone
     real(dp), intent(in) :: force, points(:)
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: most                 !! samples, nearly
+    integer, intent(in) :: most
     type(case_result), intent(in) :: result
-    class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor
     class(mode_set), allocatable :: loaded, free
     type(response_type) :: response
     type(part_monitor) :: part
@@ -166,6 +190,6 @@ contains
     call add_motion(free, free%overlap_of_beam(loaded, rate)/free%modal_mass, points, coarse, result%units%time%hi, part, &
                     response, displaced=free%overlap_of_beam(loaded, q)/free%modal_mass)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
-  end function peak_released
+  end function peak_of_few
 
 end module bw_released_motion

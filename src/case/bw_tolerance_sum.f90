@@ -144,12 +144,12 @@ contains
         few = 4*few                             ! what is missing is all that is seen: nothing has moved far yet
         missing = largest_tail(few)
       end do
+      peak = max(0.5_dp*peak, peak - missing)
       if (allocated(result%courses)) then
-        peak = max(peak, peak_released(first_modes, source, alone, force, points, grid, previewed, result, monitor))
+        peak = max(peak, peak_released(peak, source, alone, force, points, grid, previewed, result, monitor))
         if (monitor%stop_requested()) return
       end if
       if (peak == 0.0_dp) return
-      peak = max(0.5_dp*peak, peak - missing)
       rest%share = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
       if (.not. allocated(source%damping)) rest%tail = tail/force     ! damped modes are summed without the transform
       do

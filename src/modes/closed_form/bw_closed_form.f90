@@ -193,12 +193,14 @@ contains
   end function overlap_of_beam
 
   pure function overlap_far_below(self, from, amplitude) result(sums)
-    !! ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i: the force at the tip, and how far it bends the beam.
+    !! ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i, two terms of its series in (ᾱ_k/α_i)⁴: the force at the
+    !! tip, and how far it bends the beam.
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! of beam and mass
     real(dp), intent(in) :: amplitude(:)
-    real(dp) :: sums(self%count)
-    sums = (from%gamma*sum(from%alpha**4*from%tip*amplitude))*self%tip/self%alpha**4
+    real(dp) :: sums(self%count), force(from%count)
+    force = from%gamma*from%alpha**4*from%tip*amplitude
+    sums = (sum(force) + sum(force*from%alpha**4)/self%alpha**4)*self%tip/self%alpha**4
   end function overlap_far_below
 
   pure function closed_form_elastic(self) result(squares)

@@ -9,6 +9,8 @@ module bw_coherence
   !!
   !! The samples are ϑ_j = jϑ, j ≤ N: qϑ_j is as far from a whole number as mϑ with m = qj, which is nearest for the
   !! denominators m of the continued fraction of ϑ, and q ≥ m/N. So the worst sample of all is known after some ten divisions.
+  !! After a release the samples are ϑ₀ + jϑ instead, ϑ₀ whatever it may be: there each q has its own nearest sample, which some
+  !! twenty divisions find, and so many q count until Σ|A|/√q is less than what has been found.
   !! Of steps that are commensurable with the waves one m is very good; those that are farthest from it leave
   !! 1 to 2.8 N^(1/4) times the mean square's root.
   !!
@@ -95,13 +97,15 @@ contains
   elemental real(dp) function first_passage(sums, distance, stretch) result(motion)
     !! While waves pass for the first time after the blow, near the fraction 0/1, and come back from the root. Before they
     !! come and after they have gone they leave the largest amplitude over the distance from its wave to the point, since there
-    !! the waves end of a sudden.
+    !! the waves end of a sudden; that distance is least at the last sample.
     type(deviation_type), intent(in) :: sums
     real(dp), intent(in) :: distance             !! from the tip, d
     type(stretch_type), intent(in) :: stretch
-    real(dp) :: gone, way
-    motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest/distance
+    real(dp) :: edge, gone, way
     way = 2.0_dp*sums%alpha*stretch%end
+    edge = 1.0_dp/distance
+    if (way < distance) edge = min(1.0_dp/(distance - way), edge + passage*sqrt(sums%alpha/distance))
+    motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest*edge
     gone = 2.0_dp*sums%alpha*stretch%start - distance      ! beyond the point at the first sample
     if (gone > 0.0_dp .and. way < 2.0_dp - distance) motion = min(motion, sums%largest/gone)
     motion = min(motion, near_sum(sums, half_pi*stretch%start))
@@ -119,16 +123,37 @@ contains
     type(deviation_type), intent(in) :: sums
     real(dp), intent(in) :: first                !! while waves pass for the first time
     type(stretch_type), intent(in) :: stretch
+    logical :: one_passage
+    one_passage = 2.0_dp*sums%alpha*stretch%end < 1.0_dp     ! only short ones have crossed the beam
+    motion = 0.0_dp
+    if (half_pi*stretch%end < 0.5_dp) motion = first
+    if (is_offset(stretch)) then
+      call look_at_offset_samples(sums, stretch, one_passage, motion)
+    else
+      call look_at_samples(sums, stretch, one_passage, motion)
+    end if
+    if (.not. one_passage) motion = hypot(motion, random*sqrt(0.5_dp*sums%square))
+  end function theta_sum
+
+  elemental logical function is_offset(stretch)
+    !! The first sample is not one step from the start of the motion.
+    type(stretch_type), intent(in) :: stretch
+    is_offset = abs(stretch%start/stretch%step - 1.0_dp) > 8.0_dp*epsilon(1.0_dp)
+  end function is_offset
+
+  elemental subroutine look_at_samples(sums, stretch, one_passage, motion)
+    !! The largest of the sums near fractions p/q, of samples jϑ.
+    type(deviation_type), intent(in) :: sums
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(inout) :: one_passage        !! false where a fraction but 0/1 is near
+    real(dp), intent(inout) :: motion            !! what is known already; if it is 0, also the fractions p/1 are looked at
     real(dp), parameter :: rounding = 4.0_dp*epsilon(1.0_dp)
     type(fraction_type) :: fraction
     real(dp) :: samples, turns, gauss, share
-    logical :: one_passage
     turns = half_pi*stretch%step
     samples = max(1.0_dp, anint(stretch%end/stretch%step) - 1.0_dp)
     fraction = fraction_type(distance=abs(turns - anint(turns)))
-    motion = near_sum(sums, min(fraction%distance, half_pi*stretch%start))    ! the first may be no whole step from the start
-    if (half_pi*stretch%end < 0.5_dp) motion = first
-    one_passage = 2.0_dp*sums%alpha*stretch%end < 1.0_dp     ! only short ones have crossed the beam
+    if (motion <= 0.0_dp) motion = near_sum(sums, fraction%distance)
     do while (fraction%distance > rounding*fraction%m*max(1.0_dp, turns))
       call find_next(fraction)
       if (fraction%m > samples*max(1.0_dp, apart*sums%magnitude/sums%largest)) exit
@@ -138,8 +163,70 @@ contains
       if (share*sums%magnitude <= motion) exit
       motion = max(motion, min(share*sums%magnitude, gauss*near_sum(sums, fraction%distance)))
     end do
-    if (.not. one_passage) motion = hypot(motion, random*sqrt(0.5_dp*sums%square))
-  end function theta_sum
+  end subroutine look_at_samples
+
+  elemental subroutine look_at_offset_samples(sums, stretch, one_passage, motion)
+    !! The same of samples ϑ₀ + jϑ, from 1/q on, which is the first fraction that the samples come near but for 0/1.
+    type(deviation_type), intent(in) :: sums
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(inout) :: one_passage
+    real(dp), intent(inout) :: motion
+    integer, parameter :: most_looked_at = 5000  ! that far more modes cost no more; their bound is then a little higher
+    real(dp) :: gauss, q, samples, share
+    integer :: looked_at
+    samples = max(1.0_dp, anint((stretch%end - stretch%start)/stretch%step))
+    q = max(1.0_dp, aint(0.5_dp/(half_pi*stretch%end)) + 1.0_dp)
+    looked_at = 0
+    do while (q <= max(1.0_dp, apart*sums%magnitude/sums%largest))
+      if (looked_at == most_looked_at) motion = max(motion, sqrt(2.0_dp/q)*sums%magnitude)
+      if (sqrt(2.0_dp/q)*sums%magnitude <= motion) exit
+      looked_at = looked_at + 1
+      one_passage = .false.
+      gauss = merge(sqrt(2.0_dp), 1.0_dp, modulo(q, 2.0_dp) < 1.0_dp)
+      share = min(1.0_dp, gauss/sqrt(q))
+      if (share*sums%magnitude > motion) motion = max(motion, min(share*sums%magnitude, &
+        gauss*near_sum(sums, nearest_whole(q*(half_pi*stretch%start), q*(half_pi*stretch%step), samples))))
+      q = q + 1.0_dp
+    end do
+  end subroutine look_at_offset_samples
+
+  elemental real(dp) function nearest_whole(start, step, samples) result(distance)
+    !! The least distance of start + j·step from a whole number, 0 ≤ j < samples, or a little less.
+    real(dp), intent(in) :: start, step, samples
+    real(dp), parameter :: rounding = 2.0_dp*epsilon(1.0_dp)
+    distance = min(least_fraction(start, step, samples), least_fraction(-start, -step, samples))
+    distance = max(0.0_dp, distance - rounding*(abs(start) + abs(step)*samples))
+  end function nearest_whole
+
+  elemental real(dp) function least_fraction(start, step, samples) result(least)
+    !! The least fractional part of start + j·step, 0 ≤ j < samples. From one record to the next lower one leads the smallest
+    !! number of steps that lowers the fractional part by no more than it is: one of those that approach whole numbers best
+    !! from below.
+    real(dp), intent(in) :: start, step, samples
+    real(dp) :: down, up           ! how far the fractional part sinks in `sinking` steps, and rises in `rising`
+    real(dp) :: sinking, rising, left, times
+    least = modulo(start, 1.0_dp)
+    left = samples - 1.0_dp
+    up = modulo(step, 1.0_dp)
+    down = 1.0_dp - up
+    sinking = 1.0_dp
+    rising = 1.0_dp
+    do while (sinking <= left .and. min(up, down) > epsilon(up))
+      if (down <= least) then
+        times = min(aint(least/down), aint(left/sinking))
+        least = max(0.0_dp, least - times*down)
+        left = left - times*sinking
+      else if (down > up) then
+        times = min(max(1.0_dp, aint((down - least)/up)), aint(down/up))
+        down = down - times*up
+        sinking = sinking + times*rising
+      else
+        times = aint(up/down)
+        up = up - times*down
+        rising = rising + times*sinking
+      end if
+    end do
+  end function least_fraction
 
   elemental subroutine find_next(fraction)
     !! The next of the continued fraction.

@@ -13,7 +13,7 @@ module bw_release_error
   use bw_course, only: move
   use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
-  use bw_modal_flow, only: slow_exponent
+  use bw_modal_flow, only: slow_exponent, turning_square
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
   use bw_reach, only: damped_reach, turns
@@ -22,7 +22,7 @@ module bw_release_error
   use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
   implicit none (type, external)
   private
-  public :: release_error, release_tail, blow_reach
+  public :: amplitude_of, blow_reach, release_error, release_tail
 
   integer, parameter :: fewest = 256              !! modes of the better state
   integer, parameter :: most_more = 6000          !! at most so many more: the projection takes the square of their number
@@ -99,16 +99,17 @@ contains
     error = largest(sums, points, stretch, alone%quadratic)
   end function force_left
 
-  function blow_reach(free, points, stretch, velocity) result(reach)
+  function blow_reach(free, points, stretch, velocity, quadratic) result(reach)
     !! How far a blow of 1 at its tip drives the beam alone at most, (points).
-    class(mode_set), intent(in) :: free
+    class(mode_set), intent(in) :: free           !! the modes that move
     real(dp), intent(in) :: points(:)
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
+    logical, intent(in) :: quadratic              !! see `largest`
     real(dp) :: reach(size(points))
     type(deviation_type) :: sums(size(points))
     call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, points, stretch, velocity, every(free), sums)
-    reach = sums%growing + sums%magnitude
+    reach = largest(sums, points, stretch, quadratic)
   end function blow_reach
 
   function release_error(q, rate, loaded, alone, count, force, released, points, stretch, velocity, monitor) result(error)
@@ -150,7 +151,7 @@ contains
     error = margin*largest(combined(deviation_type(), sums), points, stretch, alone%quadratic) &
       + blow_left(n, loaded, alone, force, released, points, stretch, velocity) &
       + force_left(many, start, start_rate, alone, points, stretch, velocity) &
-      + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity)
+      + loaded%gamma*rest%uncertainty*blow_reach(free, points, stretch, velocity, alone%quadratic)
   end function release_error
 
   pure subroutine add_state(modes, q, rate, points, stretch, velocity, weight, sums)
@@ -184,15 +185,18 @@ contains
     real(dp), intent(in) :: c, q, rate
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: velocity
-    type(dd) :: beta, slow
+    type(dd) :: root, slow
     real(dp) :: swing
-    beta = sqrt(beta_squared)
     if (turns(beta_squared, c)) then
+      root = sqrt(turning_square(beta_squared, c))
       slow = slow_exponent(beta_squared, c)
-      swing = 1.0_dp/beta%hi
-      if (.not. velocity) swing = min(swing, stretch%end)     ! a slow mode does not come that far
-      amplitude = hypot(q, rate*swing)*exp(slow%hi*stretch%start)
-      if (velocity) amplitude = beta%hi*amplitude
+      swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not come that far
+      if (velocity) then
+        amplitude = hypot(rate, (0.5_dp*c*abs(rate) + beta_squared%hi*abs(q))*swing)
+      else
+        amplitude = hypot(q, (abs(rate) + 0.5_dp*c*abs(q))*swing)
+      end if
+      amplitude = amplitude*exp(slow%hi*stretch%start)
     else if (velocity) then
       amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &
         + abs(q*beta_squared%hi)*damped_reach(beta_squared, c, stretch, .false.)

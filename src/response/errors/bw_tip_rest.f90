@@ -8,8 +8,8 @@ module bw_tip_rest
   !! and a million modes for it cost little.
   !!
   !! What N modes lack is judged by ΣA = (1+e)V, the velocity at t = 0: less the terms that were summed it bounds the rest,
-  !! and with the last term also ΣA². Where phases agree (at instants that are fractions of small numbers of a period, see
-  !! bw_tail) the last octaves show it.
+  !! and with the last term also ΣA². How far their phases can agree at that one instant is that of bw_coherence.
+  use bw_coherence, only: deviation_type, largest, stretch_type
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
   use bw_energy, only: carry, energy_type, state_energy
   use bw_kinds, only: dp
@@ -25,8 +25,7 @@ module bw_tip_rest
   integer, parameter :: chunk = 256               !! modes held at a time
   integer, parameter :: most_terms = 10000000
   integer, parameter :: neighbours = 16           !! among which A is not even: waves of shear take turns with those of bending
-  real(dp), parameter :: deviations = 2.5_dp      !! empirical: of a sum of random phases, ΣA² taken at up to three times its size
-  real(dp), parameter :: agreeing = 2.0_dp        !! of the last octave: terms that fall as k⁻² in one direction, and again
+  real(dp), parameter :: pi = acos(-1.0_dp)
 
   type :: running_sum
     real(dp) :: started = 0.0_dp                  !! ΣA
@@ -38,7 +37,7 @@ module bw_tip_rest
 contains
 
   subroutine find_tip_rest(source, force, first, time, bound, rest, highest, monitor)
-    !! In octaves, until the uncertainty is within a bound; or all modes there are, or 10⁷, or as many as are told. Roots are
+    !! More and more of them, until the uncertainty is within a bound; or all modes there are, or 10⁷, or as many as are told. Roots are
     !! solved in extended precision where phases call for it, also where a scene asks for that in every root: the terms fall
     !! as k⁻².
     class(mode_source), intent(in) :: source      !! of beam and mass, γ > 0
@@ -50,37 +49,48 @@ contains
     integer, intent(in), optional :: highest      !! > n; no mode beyond it is looked at
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(running_sum) :: sum
-    real(dp) :: octave, earlier, before
-    integer :: last, most
+    integer :: last, most, next
     most = min(most_terms, source%highest)
     if (present(highest)) most = min(most, highest)
     last = min(first, most)
-    octave = 0.0_dp
-    earlier = 0.0_dp
     call add_modes(source, force, 1, last, time, .false., sum, monitor)
     do
       if (stops(monitor)) exit
-      sum%rest%uncertainty = uncertainty_of(sum, force/source%gamma, max(agreeing*octave, earlier))
+      sum%rest%uncertainty = uncertainty_of(sum, force/source%gamma, last, time, source%quadratic)
       if (last == most .or. (last > first .and. sum%rest%uncertainty <= bound)) exit
-      earlier = octave
-      before = sum%rest%velocity
-      call add_modes(source, force, last + 1, min(2*last, most), time, .true., sum, monitor)
-      last = min(2*last, most)
-      octave = abs(sum%rest%velocity - before)
+      next = next_count(last, most, sum%rest%uncertainty, bound)
+      call add_modes(source, force, last + 1, next, time, .true., sum, monitor)
+      last = next
     end do
     rest = sum%rest
     rest%count = last
     rest%energy = rest%energy + 0.5_dp*force*max(0.0_dp, force/source%gamma - sum%started)*sum%kept**2
   end subroutine find_tip_rest
 
-  pure real(dp) function uncertainty_of(sum, total, seen) result(most)
-    !! Of the velocity by the modes that are left out: ΣA² is at most the last A times ΣA.
+  pure integer function next_count(last, most, uncertainty, bound) result(next)
+    !! Twice the modes, or as many as a sum of random phases then takes.
+    integer, intent(in) :: last, most             !! modes that were summed, and all
+    real(dp), intent(in) :: uncertainty, bound    !! reached, and wanted
+    real(dp) :: times
+    times = 2.0_dp
+    if (bound > 0.0_dp) times = min(times, 1.05_dp*max(1.0_dp, uncertainty/bound)**(2.0_dp/3.0_dp))
+    next = int(min(real(most, dp), last*times + chunk))
+  end function next_count
+
+  pure real(dp) function uncertainty_of(sum, total, last, time, quadratic) result(most)
+    !! How far the velocity by the modes that are left out may go at that instant (bw_coherence). With ΣA² as of terms that
+    !! fall as k⁻²; it is at most three times as large, of those of a light mass up to twice.
     type(running_sum), intent(in) :: sum
     real(dp), intent(in) :: total                 !! ΣA of all modes
-    real(dp), intent(in) :: seen                  !! what the last octaves let expect
+    integer, intent(in) :: last                   !! mode that was summed
+    type(dd), intent(in) :: time
+    logical, intent(in) :: quadratic              !! phases are quadratic in the mode's number
+    type(deviation_type) :: sums
     real(dp) :: left
     left = max(0.0_dp, total - sum%started)
-    most = min(left*sum%kept, max(deviations*sqrt(0.5_dp*sum%last*left)*sum%kept, seen))
+    sums = deviation_type(magnitude=left*sum%kept, largest=min(sum%last, left)*sum%kept, passing=huge(1.0_dp), alpha=pi*last)
+    sums%square = sums%magnitude*sums%largest/merge(3.0_dp, 1.0_dp, quadratic)
+    most = largest(sums, 1.0_dp, stretch_type(time%hi, 2.0_dp*time%hi, time%hi), quadratic)
   end function uncertainty_of
 
   subroutine add_modes(source, force, first, last, time, beyond, sum, monitor)
