@@ -83,7 +83,6 @@ contains
                    result%courses(2)%start)
     call alone%find(first_numbers(fewest), free)
     strength = source%gamma*maxval(blow_reach(free, points, stretch, .false., alone%quadratic))
-    if (.not. allocated(result%tip_rest)) allocate (result%tip_rest)
     call find_tip_rest(source, force, result%released_count, result%courses(2)%start, &
                        min(tip_bound, max(least_share*tip_bound, tip_share*tail))/strength, result%tip_rest, monitor=monitor)
     tip = strength*result%tip_rest%uncertainty

@@ -19,6 +19,7 @@ module bw_tolerance_sum
   use bw_scene, only: scene_type
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
+  use bw_tip_rest, only: find_tip_rest
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
@@ -131,8 +132,14 @@ contains
     result%mode_count = first_modes
     result%released_count = first_modes
     reached = 0.0_dp
+    if (allocated(result%courses)) allocate (result%tip_rest)    ! of what stands still nothing is missing
     force = force_of(scene)
-    if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp .or. grid%samples == 1) return
+    if (result%approach_velocity == 0.0_dp .or. force == 0.0_dp) return
+    if (grid%samples == 1) then                  ! nothing has moved yet, but a release takes energy along
+      if (allocated(result%courses)) call find_tip_rest(source, force, first_modes, result%courses(2)%start, &
+                                                        scene%modes%tolerance, result%tip_rest, monitor=monitor)
+      return
+    end if
     associate (points => scene%response%points)
       tail = largest_tail(first_modes)
       missing = tail

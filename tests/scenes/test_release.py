@@ -38,6 +38,22 @@ def motion(position, time):
     return shapes(free, position) @ modal
 
 
+@pytest.mark.parametrize("groups", [{"impact": {"mass_ratio": 0.0}}, {"impact": {"mass_ratio": 0.2, "approach_velocity": 0.0}}])
+def test_what_stands_still_meets_any_tolerance_through_a_release(here, groups):
+    here.scene("a", captured_beam(modes=None, response={"duration": 0.02, "samples": 9}, release={"time": 0.01}, **groups))
+    result = here.run("a")
+    assert (result["displacement"] == 0.0).all() and (result["displacement_error"] == 0.0).all()
+
+
+def test_a_single_sample_by_tolerance_knows_what_the_mass_takes_along(here):
+    """The energy of beam and mass before the release is what the capture left: ½m_j V² of the continuum."""
+    one = {"duration": 0.02, "samples": 1}
+    here.scene("a", captured_beam(modes=None, response=one, release={"time": 0.01}, impact={"mass_ratio": 0.2}))
+    result = here.run("a")
+    assert result["displacement"].tolist() == [[0.0]] * len(result["displacement"])
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-5)
+
+
 def test_before_it_the_motion_is_that_of_the_capture_and_after_it_that_of_the_beam_alone(here):
     here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
     here.scene("b", released_beam())
