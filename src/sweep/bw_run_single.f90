@@ -3,10 +3,9 @@ module bw_run_single
   use bw_case_result, only: case_done, case_result
   use bw_child_process, only: child_process
   use bw_error, only: error_type
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: i1, i8
   use bw_notes, only: notes_type
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_progress, only: progress_type
   use bw_report, only: case_report
@@ -32,7 +31,7 @@ contains
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
-    type(kept_work) :: kept
+    type(case_cache) :: cache
     type(stopwatch) :: watch
     integer(i1) :: none(0)
     logical :: whole
@@ -42,7 +41,7 @@ contains
     whole = .true.
     if (.not. allocated(error)) then
       call progress%begin(scene%name, 1_i8, 0_i8)
-      call run_case(scene, layout, watch, progress, kept, result, whole)
+      call run_case(scene, layout, watch, progress, cache, result, whole)
       if (whole) call write_result(scene, layout, result, unfinished, progress, watch, outcome, whole, error)
       call progress%end()
     end if

@@ -1,13 +1,12 @@
 module bw_time_estimate
   !! How long a scene will take: a few of its cases are run for a bounded time.
-  use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
+  use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
@@ -49,7 +48,7 @@ contains
     real(dp), intent(in) :: budget                !! what the estimate may take itself, s
     class(monitor_type), intent(inout), target :: monitor    !! the estimate means nothing where it asks to stop
     real(dp) :: spent, began, elapsed, part
-    type(kept_work) :: kept
+    type(case_cache) :: cache
     type(scene_type) :: one
     integer(i8) :: cases, index
     integer :: samples
@@ -58,7 +57,7 @@ contains
     limit%user => monitor
     cases = case_count(scene)
     began = wall_seconds()
-    call sample(scene, layout, 1_i8, began + budget, one, kept, limit, part, spent)   ! a first case finds caches and plans empty
+    call sample(scene, layout, 1_i8, began + budget, one, cache, limit, part, spent)   ! a first case finds caches and plans empty
     seconds = spent/part
     if (part >= 1.0_dp .and. cases > 1) then
       samples = 0
@@ -68,8 +67,8 @@ contains
         samples = samples + 1
         index = place(samples, cases)
         ! a case shares work with the one before it
-        if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, one, kept, limit, part, spent)
-        call sample(scene, layout, index, wall_seconds() + budget, one, kept, limit, part, spent)
+        if (is_quick .and. index > 1) call sample(scene, layout, index - 1, began + 2.0_dp*budget, one, cache, limit, part, spent)
+        call sample(scene, layout, index, wall_seconds() + budget, one, cache, limit, part, spent)
         seconds = seconds + spent/part
         elapsed = wall_seconds() - began
         if (elapsed > budget) exit
@@ -95,14 +94,14 @@ contains
     place = 1 + min(cases - 1, int((position - floor(position))*real(cases, dp), i8))
   end function place
 
-  subroutine sample(scene, layout, index, deadline, one, kept, limit, part, spent)
+  subroutine sample(scene, layout, index, deadline, one, cache, limit, part, spent)
     !! Run a case, or the part of it that there is time for.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: index
     real(dp), intent(in) :: deadline              !! on the clock of `wall_seconds`
     type(scene_type), intent(inout) :: one        !! the case before this one
-    type(kept_work), intent(inout) :: kept
+    type(case_cache), intent(inout) :: cache
     type(time_limit), intent(inout) :: limit
     real(dp), intent(out) :: part                 !! of the case that was done, above 0, at most 1
     real(dp), intent(out) :: spent                !! s of the processor
@@ -115,7 +114,7 @@ contains
     whole = .true.
     call case_scene(scene, index, one, error)
     call limit%start(one, deadline)
-    if (.not. allocated(error)) call run_case(one, layout, watch, limit, kept, result, whole)
+    if (.not. allocated(error)) call run_case(one, layout, watch, limit, cache, result, whole)
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp

@@ -5,10 +5,9 @@ module bw_worker
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_journal_writer, only: journal_writer
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp, i4, i8
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_process_group, only: process_group
   use bw_progress, only: progress_type
   use bw_result_layout, only: result_layout
@@ -54,7 +53,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(group_monitor) :: monitor
     type(case_field), allocatable :: fields(:)
-    type(kept_work) :: kept
+    type(case_cache) :: cache
     type(scene_type) :: one
     integer(i8) :: first, length, i
     real(dp) :: began
@@ -68,7 +67,7 @@ contains
       began = wall_seconds()
       do i = first, min(first + length - 1, size(left, kind=i8))
         if (monitor%stop_requested()) exit
-        call run_one(scene, layout, int(left(i), i8), one, fields, monitor, journal, kept, watch, error)
+        call run_one(scene, layout, int(left(i), i8), one, fields, monitor, journal, cache, watch, error)
         if (allocated(error)) call group%stop()
         if (allocated(error)) exit
       end do
@@ -88,7 +87,7 @@ contains
     length = max(1_i8, int(min(batch_seconds/max(case_seconds, tiny(1.0_dp)), real(left, dp)/(batches_left*processes)), i8))
   end function batch_length
 
-  subroutine run_one(scene, layout, index, one, fields, monitor, journal, kept, watch, error)
+  subroutine run_one(scene, layout, index, one, fields, monitor, journal, cache, watch, error)
     !! One case into the journal, unless it is stopped on the way.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
@@ -97,7 +96,7 @@ contains
     type(case_field), intent(in) :: fields(:)
     type(group_monitor), intent(inout) :: monitor
     type(journal_writer), intent(inout) :: journal
-    type(kept_work), intent(inout) :: kept
+    type(case_cache), intent(inout) :: cache
     type(stopwatch), intent(inout) :: watch
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
@@ -105,7 +104,7 @@ contains
     logical :: whole
     whole = .false.
     call case_scene(scene, index, one, error)
-    if (.not. allocated(error)) call run_case(one, layout, watch, monitor, kept, result, whole)
+    if (.not. allocated(error)) call run_case(one, layout, watch, monitor, cache, result, whole)
     if (.not. whole) return
     call journal%prepare(case_length(fields), numbers, error)
     if (allocated(error)) return

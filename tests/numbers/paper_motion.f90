@@ -1,12 +1,11 @@
 module paper_motion
   !! The paper's beam: what it does after it caught a mass at restitution 0.
-  use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_beam_units, only: beam_units, units_of
-  use bw_capture, only: capture_mass, capture_type
   use bw_closed_form, only: closed_form_modes, closed_form_set
   use bw_double_double, only: to_dd, operator(*)
-  use bw_impact, only: strike
+  use bw_impact, only: capture_mass, capture_type, strike
+  use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
   use bw_response, only: free_motion, response_type
   use bw_time_grid, only: time_grid, time_grid_of

@@ -2,17 +2,16 @@ module bw_converged
   !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
   !! estimate, and where modes have a closed form, by a direct sum in extended precision at some samples. test_bw_converged
   !! compares it with residues summed in 45 digits.
-  use bw_kept_work, only: kept_work
-  use bw_kinds, only: dp
   use bw_case_result, only: case_done, case_not_converged, case_result
   use bw_direct_motion, only: sum_directly
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
   use bw_foreseen, only: foresight
+  use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: plan_case, run_case
+  use bw_one_case, only: case_cache, plan_case, run_case
   use bw_result_layout, only: layout_of
   use bw_scene, only: scene_type
   use bw_scene_method, only: changes_shapes
@@ -87,7 +86,7 @@ contains
     real(dp), intent(out) :: seconds            !! of the processor, which other work on the machine changes least
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
-    type(kept_work) :: kept
+    type(case_cache) :: cache
     type(stopwatch) :: watch
     integer :: count
     real(dp) :: began, ended
@@ -96,7 +95,7 @@ contains
     call plan_case(fine, monitor, count, error)
     if (allocated(error)) return
     fine%modes%extended = count <= most_extended  ! so that it does not share what the rungs may have left out
-    call run_case(fine, layout_of(fine), watch, monitor, kept, run%result, whole)
+    call run_case(fine, layout_of(fine), watch, monitor, cache, run%result, whole)
     call cpu_time(ended)
     seconds = ended - began
     if (.not. whole .or. run%result%status /= case_not_converged) return
@@ -115,7 +114,7 @@ contains
   end subroutine take_peak
 
   subroutine find_reach(scene, monitor, tolerance, error)
-    !! The finest tolerance that can be kept, down to `converged_tolerance`.
+    !! The finest tolerance that can be cache, down to `converged_tolerance`.
     !! **Errors**: `status_bad_input` where there is none.
     type(scene_type), intent(in) :: scene
     class(monitor_type), intent(inout) :: monitor

@@ -4,19 +4,18 @@ module bw_direct_motion
   !!
   !! At a release every mode of beam and mass is handed on to each of the beam alone, of far more of them than move after it:
   !! what the run takes those far above to be, one blow at the tip, is left for those beyond these alone.
-  use bw_kinds, only: dp
-  use bw_beam_units, only: units_of
+  use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_result
-  use bw_continuum, only: continuum_velocity
-  use bw_course, only: move
-  use bw_course_histories, only: last_sample
+  use bw_case_result, only: case_modes, case_result, mode_sources, release_plan
   use bw_direct_sum, only: add_directly
   use bw_double_double, only: dd, operator(*), operator(-)
+  use bw_impact, only: continuum_velocity
+  use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
-  use bw_time_grid, only: time_grid, time_grid_of
+  use bw_segment, only: move
+  use bw_time_grid, only: first_sample, time_grid, time_grid_of
   implicit none (type, external)
   private
   public :: sum_directly
@@ -35,27 +34,26 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(dd), allocatable, intent(out) :: displacement(:, :)   !! (samples, points)
     logical, intent(out) :: whole                              !! false where the monitor asked to stop
-    type(case_result), target :: result
-    class(mode_set), pointer :: free, loaded
-    class(mode_source), allocatable :: source, alone
+    type(case_modes) :: modes
+    type(mode_sources) :: sources
+    type(beam_units) :: units
     type(time_grid) :: grid
     type(dd) :: times(size(sample))
     real(dp) :: unit
     integer :: early
-    allocate (result%notes(0))
     allocate (displacement(size(sample), size(scene%response%points)), source=dd(0.0_dp, 0.0_dp))
-    result%units = units_of(scene%beam)
-    call find_modes(scene, result, free, loaded, source, alone, monitor)
+    units = units_of(scene%beam)
+    call find_modes(scene, units, monitor, modes, sources)
     whole = .not. monitor%stop_requested()
     if (.not. whole) return
-    grid = time_grid_of(scene%response%duration, scene%response%samples, result%units%time)
+    grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     times = grid%step*real(sample, dp)
     early = size(sample)
-    if (allocated(run%courses)) early = count(sample < last_sample(run%courses, 1, grid))
-    unit = scene%impact%approach_velocity*result%units%time%hi
-    call add_captured(scene, source, run%mode_count, unit, times(:early), monitor, displacement(:early, :), whole)
+    if (allocated(run%release)) early = count(sample < first_sample(run%release%time, grid) - 1)
+    unit = scene%impact%approach_velocity*units%time%hi
+    call add_captured(scene, sources%loaded, run%mode_count, unit, times(:early), monitor, displacement(:early, :), whole)
     if (.not. whole .or. early == size(sample)) return
-    call add_released(scene, source, alone, run, unit, times(early + 1:) - run%courses(2)%start, monitor, &
+    call add_released(scene, sources, run%release, unit, times(early + 1:) - run%release%time, monitor, &
                       displacement(early + 1:, :), whole)
   end subroutine sum_directly
 
@@ -78,51 +76,51 @@ contains
     end do
   end subroutine add_captured
 
-  subroutine add_released(scene, source, alone, run, unit, times, monitor, displacement, whole)
+  subroutine add_released(scene, sources, release, unit, times, monitor, displacement, whole)
     type(scene_type), intent(in) :: scene
-    class(mode_source), intent(in) :: source, alone            !! of beam and mass, of the beam alone
-    type(case_result), intent(in) :: run
+    type(mode_sources), intent(in) :: sources
+    type(release_plan), intent(in) :: release                  !! of the run
     real(dp), intent(in) :: unit
     type(dd), intent(in) :: times(:)                           !! from the release, l²/h
     class(monitor_type), intent(inout) :: monitor
     type(dd), intent(inout) :: displacement(:, :)
     logical, intent(out) :: whole
     class(mode_set), allocatable :: free, loaded
-    real(dp) :: q(run%released_count), rate(run%released_count), rest(2)
+    real(dp) :: q(release%count), rate(release%count), rest(2)
     integer :: first, last
-    call alone%find(first_numbers(run%released_count), free, endless, monitor)
+    call sources%free%find(first_numbers(release%count), free, endless, monitor)
     q = 0.0_dp
     rate = 0.0_dp
-    rest = [run%tip_rest%displacement, run%tip_rest%velocity]
-    last = max(run%released_count, min(wider*run%released_count, run%tip_rest%count))
+    rest = [release%tip%displacement, release%tip%velocity]
+    last = max(release%count, min(wider*release%count, release%tip%count))
     do first = 1, last, batch
       whole = .not. monitor%stop_requested()
       if (.not. whole) return
-      call source%find(batch_from(first, last), loaded, endless)
-      call hand_on(scene, loaded, first, run, free, q, rate, rest)
+      call sources%loaded%find(batch_from(first, last), loaded, endless)
+      call hand_on(scene, loaded, first, release, free, q, rate, rest)
     end do
-    q = (q - source%gamma*rest(1)*free%tip)/free%modal_mass
-    rate = (rate - source%gamma*rest(2)*free%tip)/free%modal_mass
+    q = (q - sources%loaded%gamma*rest(1)*free%tip)/free%modal_mass
+    rate = (rate - sources%loaded%gamma*rest(2)*free%tip)/free%modal_mass
     call add_directly(free, rate*unit, scene%response%points, times, displacement, displaced=q*unit)
   end subroutine add_released
 
-  subroutine hand_on(scene, loaded, first, run, free, q, rate, rest)
+  subroutine hand_on(scene, loaded, first, release, free, q, rate, rest)
     !! Adds what some modes of beam and mass do at the release to modes of the beam alone; what the run took them to add at
     !! the tip is taken off the rest.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: loaded, free
     integer, intent(in) :: first                               !! number of the first of `loaded`
-    type(case_result), intent(in) :: run
+    type(release_plan), intent(in) :: release
     real(dp), intent(inout) :: q(:), rate(:)                   !! times the modal masses, (modes)
     real(dp), intent(inout) :: rest(2)                         !! displacement and velocity of the tip
     real(dp), dimension(loaded%count) :: moved, moved_rate
     integer :: beyond
     moved = 0.0_dp
     moved_rate = started(scene, loaded)
-    call move(loaded, run%courses(2)%start, moved, moved_rate)
+    call move(loaded, release%time, moved, moved_rate)
     q = q + free%overlap_of_beam(loaded, moved)
     rate = rate + free%overlap_of_beam(loaded, moved_rate)
-    beyond = max(1, run%released_count - first + 2)            ! place of the first that does not move after it
+    beyond = max(1, release%count - first + 2)            ! place of the first that does not move after it
     rest(1) = rest(1) - dot_product(loaded%tip(beyond:), moved(beyond:))
     rest(2) = rest(2) - dot_product(loaded%tip(beyond:), moved_rate(beyond:))
   end subroutine hand_on

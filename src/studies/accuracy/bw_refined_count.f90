@@ -1,11 +1,11 @@
 module bw_refined_count
   !! How many roots of a run are solved in extended precision.
-  use bw_kinds, only: dp
   use bw_beam_units, only: beam_units, units_of
-  use bw_refined_root, only: is_coarse
+  use bw_case_modes, only: record_stretch
   use bw_double_double, only: dd
   use bw_frequency_equation, only: root_type
-  use bw_record_stretch, only: record_stretch
+  use bw_kinds, only: dp
+  use bw_refined_root, only: is_coarse
   use bw_root_list, only: root_values, solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
