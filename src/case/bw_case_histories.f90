@@ -1,20 +1,20 @@
 module bw_case_histories
   !! The histories of a case, from the state after each event to the next: of the modes that a scene counts, or of as many
   !! as its tolerance takes. A sample at exactly the time of an event belongs to what comes after it.
-  use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
   use bw_case_plan, only: captured_samples, force_of, out_of_reach
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
-  use bw_mode_choice, only: first_modes
+  use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
-  use bw_response, only: add_motion, finish_histories, free_motion, response_type, start_histories, sum_tolerance
+  use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
   use bw_scene, only: scene_type
   use bw_segment, only: beam_in_contact, leaves_range, loaded_beam, move, segment_type
-  use bw_streamed_modes, only: add_modes_in_parts, rest_type
+  use bw_set_sum, only: add_motion, free_motion
+  use bw_streamed_modes, only: add_modes_in_parts, remainder_type
   use bw_text, only: append, shortest, text_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   implicit none (type, external)
@@ -38,11 +38,11 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     allocate (histories%response)
     if (.not. motion%modes%resolved) then
-      call fill_histories(scene, grid, histories%response)
+      call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
     else if (by_tolerance(scene%modes) .and. motion%plan%reached > scene%modes%tolerance) then
       histories%status = case_not_converged
       call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion%sources, motion%plan)//'; the histories are fill')
-      call fill_histories(scene, grid, histories%response)
+      call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
     else if (by_tolerance(scene%modes)) then
       call sum_to_tolerance(scene, motion, grid, monitor, workspace, histories%response)
     else if (allocated(motion%later%segments)) then
@@ -56,19 +56,26 @@ contains
   contains
     subroutine sum_whole(modes)
       class(mode_set), intent(in) :: modes
-      call free_motion(modes, motion%initial%modal_velocity*scene%impact%approach_velocity, scene%response%points, grid, &
-                       motion%units%time%hi, scene%response%velocity, monitor, histories%response, workspace)
+      call free_motion(modes, motion%initial%modal_velocity*scene%impact%approach_velocity, &
+                       sampling_of(scene, motion%units, grid), monitor, histories%response, workspace)
     end subroutine sum_whole
   end subroutine sum_histories
 
-  subroutine fill_histories(scene, grid, response)
-    !! No sample is known.
+  pure type(sampling_type) function sampling_of(scene, units, grid) result(sampling)
+    !! What the scene asks for, of all samples or of some.
     type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
     type(time_grid), intent(in) :: grid
+    sampling = sampling_type(scene%response%points, grid, units%time%hi, scene%response%velocity)
+  end function sampling_of
+
+  subroutine fill_histories(sampling, response)
+    !! No sample is known.
+    type(sampling_type), intent(in) :: sampling
     type(response_type), intent(out) :: response
-    call start_histories(grid, size(scene%response%points), scene%response%velocity, response)
+    call start_histories(sampling, response)
     response%finite_samples = 0
-    call finish_histories(1.0_dp, response)
+    call fill_unknown(response)
   end subroutine fill_histories
 
   subroutine note_overflow(scene, histories)
@@ -97,7 +104,7 @@ contains
       return
     end if
     early = time_grid(captured_samples(motion%plan, grid), grid%step)
-    call start_histories(grid, size(scene%response%points), scene%response%velocity, response)
+    call start_histories(sampling_of(scene, motion%units, grid), response)
     part = part_monitor(monitor, 0.0_dp, real(early%samples, dp)/grid%samples)
     call sum_captured(scene, motion, early, part, workspace, captured)
     if (monitor%stop_requested()) return
@@ -106,7 +113,7 @@ contains
     response%mode_seconds = captured%mode_seconds
     response%transformed = captured%transformed
     call add_segment(scene, motion%units, motion%later%segments(2), motion%later%released, grid%samples, monitor, response)
-    call finish_histories(1.0_dp, response)
+    call fill_unknown(response)
   end subroutine sum_to_tolerance
 
   subroutine sum_captured(scene, motion, grid, monitor, workspace, response)
@@ -117,15 +124,14 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(out) :: response
-    type(rest_type) :: remainder
-    if (.not. scene%response%velocity) remainder = motion%plan%remainder   ! velocities of later modes are no smaller
-    call start_histories(grid, size(scene%response%points), scene%response%velocity, response)
-    associate (unit_time => motion%units%time%hi)
-      call add_modes_in_parts(motion%sources%loaded, force_of(scene)*(scene%impact%approach_velocity*unit_time), first_modes, &
-                              motion%plan%count, remainder, scene%response%points, grid, unit_time, &
-                              [sum_tolerance, sum_share*scene%modes%tolerance], monitor, response, workspace)
-      call finish_histories(unit_time, response)
-    end associate
+    type(remainder_type) :: remainder
+    remainder = motion%plan%remainder
+    if (scene%response%velocity) remainder = remainder_type(remainder%after)     ! velocities of later modes are no smaller
+    call start_histories(sampling_of(scene, motion%units, grid), response)
+    call add_modes_in_parts(motion%sources%loaded, force_of(scene)*(scene%impact%approach_velocity*motion%units%time%hi), &
+                            motion%plan%count, remainder, [sum_tolerance, sum_share*scene%modes%tolerance], monitor, response, &
+                            workspace)
+    call finish_histories(response)
   end subroutine sum_captured
 
   subroutine sum_segments(scene, motion, grid, monitor, response)
@@ -136,7 +142,7 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(out) :: response
     integer :: i, last
-    call start_histories(grid, size(scene%response%points), scene%response%velocity, response)
+    call start_histories(sampling_of(scene, motion%units, grid), response)
     response%finite_samples = samples_before(motion%later%known_until, grid)
     do i = 1, size(motion%later%segments)
       last = min(last_sample(motion%later%segments, i, grid), response%finite_samples)
@@ -149,7 +155,7 @@ contains
       end associate
       if (monitor%stop_requested()) return
     end do
-    call finish_histories(1.0_dp, response)
+    call fill_unknown(response)
     if (allocated(scene%release)) response%sum_error = sum_tolerance
   end subroutine sum_segments
 
@@ -199,11 +205,11 @@ contains
     call move(modes, grid%step*real(first - 1, dp) - segment%start, q, rate)
     share = part_monitor(monitor, real(first - 1, dp)/grid%samples, real(last - first + 1, dp)/grid%samples)
     own = time_grid(last - first + 1, grid%step)
-    call start_histories(own, size(scene%response%points), scene%response%velocity, part)
+    call start_histories(sampling_of(scene, units, own), part)
     unit = scene%impact%approach_velocity*units%time%hi
-    call add_motion(modes, rate*unit, scene%response%points, own, units%time%hi, share, part, displaced=q*unit)
+    call add_motion(modes, rate*unit, share, part, displaced=q*unit)
     response%sum_error = max(response%sum_error, part%sum_error)
-    call finish_histories(units%time%hi, part)
+    call finish_histories(part)
     call copy_samples(part, first, last, response)
   end subroutine add_segment
 

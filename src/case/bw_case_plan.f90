@@ -1,20 +1,21 @@
 module bw_case_plan
   !! How many modes of a case are summed: those that a scene counts, or as many as its tolerance takes, of the captured
   !! motion and of the motion after a release. A few modes show the peak that the tolerance is a part of.
-  use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: extend_sources
   use bw_case_result, only: case_modes, case_plan, mode_sources, release_plan
   use bw_coherence, only: stretch_type
   use bw_double_double, only: dd, to_dd, operator(*), operator(/)
+  use bw_kinds, only: dp
   use bw_mode_choice, only: first_modes, modes_for, most_modes, most_released
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_release_error, only: blow_reach
-  use bw_response, only: add_motion, response_type, start_histories, sum_tolerance
+  use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
   use bw_scene, only: scene_type
   use bw_segment, only: leaves_range, move
+  use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
   use bw_text, only: shortest, text_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
@@ -80,6 +81,7 @@ contains
     real(dp) :: peak, tail
     logical :: extended
     plan%count = first_modes
+    plan%remainder%after = first_modes
     if (allocated(plan%release)) plan%release%count = first_modes
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     if (scene%impact%approach_velocity == 0.0_dp .or. force_of(scene) == 0.0_dp .or. grid%samples == 1) return
@@ -150,9 +152,8 @@ contains
     type(time_grid) :: coarse
     coarse = coarser(grid, grows)
     part = part_monitor(monitor, share=0.0_dp)
-    call start_histories(coarse, size(scene%response%points), .false., response)
-    call add_modes_of_source(source, force_of(scene), 1, count, scene%response%points, coarse, units%time%hi, sum_tolerance, &
-                             part, response)
+    call start_histories(sampling_type(scene%response%points, coarse, units%time%hi), response)
+    call add_modes_of_source(source, force_of(scene), 1, count, sum_tolerance, part, response)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end function captured_peak
 
@@ -173,9 +174,9 @@ contains
     call sources%free%find(first_numbers(first_modes), free, grid%samples*grid%step%hi)
     coarse = coarser(time_grid(grid%samples - first_sample(time, grid) + 1, grid%step), any(free%beta_squared%hi <= 0.0_dp))
     part = part_monitor(monitor, share=0.0_dp)
-    call start_histories(coarse, size(scene%response%points), .false., response)
-    call add_motion(free, free%overlap_of_beam(loaded, rate)/free%modal_mass, scene%response%points, coarse, units%time%hi, part, &
-                    response, displaced=free%overlap_of_beam(loaded, q)/free%modal_mass)
+    call start_histories(sampling_type(scene%response%points, coarse, units%time%hi), response)
+    call add_motion(free, free%overlap_of_beam(loaded, rate)/free%modal_mass, part, response, &
+                    displaced=free%overlap_of_beam(loaded, q)/free%modal_mass)
     peak = maxval(abs(response%displacement(:response%finite_samples, :)))
   end function released_peak
 

@@ -1,18 +1,18 @@
 module bw_case_result
   !! Everything that one case yields, and what its stages hand to each other: each stage takes the values of those before it
   !! and returns its own.
-  use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd
   use bw_event, only: event_type
   use bw_impact, only: impact_type
   use bw_initial_state, only: initial_state
+  use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_mode_set, only: mode_set, mode_source
   use bw_release, only: tip_rest
   use bw_response, only: response_type
   use bw_segment, only: segment_type
-  use bw_streamed_modes, only: rest_type
+  use bw_streamed_modes, only: remainder_type
   use bw_text, only: append, string
   implicit none (type, external)
   private
@@ -48,7 +48,7 @@ module bw_case_result
     integer :: count = 0                            !! modes that move after t = 0, before a release
     type(release_plan), allocatable :: release      !! unallocated where none comes within the record
     real(dp) :: reached = 0.0_dp                    !! with a tolerance: the estimated error of the displacement over its peak
-    type(rest_type) :: remainder                    !! with a tolerance: what the modes after the first are estimated to add
+    type(remainder_type) :: remainder               !! with a tolerance: what the modes after the first are estimated to add
   end type case_plan
 
   type, public :: case_events

@@ -7,7 +7,8 @@ module paper_motion
   use bw_impact, only: capture_mass, capture_type, strike
   use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
-  use bw_response, only: free_motion, response_type
+  use bw_response, only: response_type, sampling_type
+  use bw_set_sum, only: free_motion
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
@@ -54,8 +55,8 @@ contains
     loaded = closed_form_modes(catch%modes, catch%gamma, to_dd(catch%omega)*units%time, catch%duration/units%time%hi)
     capture = capture_mass(free, strike(free, catch%gamma, 0.0_dp), loaded)
     grid = time_grid_of(catch%duration, catch%samples, units%time)
-    call free_motion(loaded, capture%modal_velocity*catch%velocity, points, grid, units%time%hi, with_velocity, monitor, &
-                     response)
+    call free_motion(loaded, capture%modal_velocity*catch%velocity, sampling_type(points, grid, units%time%hi, with_velocity), &
+                     monitor, response)
   end subroutine catch_mass
 
 end module paper_motion
