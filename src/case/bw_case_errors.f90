@@ -2,13 +2,13 @@ module bw_case_errors
   !! How far the histories of a case may be from the truth. Of a captured mass that is the motion of infinitely many modes:
   !! what the modes that are not summed add, after a release too. Of contacts it is the exact motion of the modes at hand: what
   !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
-  use bw_kinds, only: dp
+  use bw_case_histories, only: last_sample
   use bw_case_modes, only: largest_phase_error
   use bw_case_plan, only: captured_samples, force_of, stretch_after
-  use bw_case_histories, only: last_sample
   use bw_case_result, only: case_done, case_events, case_histories, case_motion, case_not_converged, history_errors
-  use bw_double_double, only: dd, operator(-), operator(*)
+  use bw_double_double, only: dd, operator(*), operator(-)
   use bw_impact, only: continuum_velocity
+  use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_mode_set, only: first_numbers, mode_set
   use bw_modes_par, only: by_tolerance

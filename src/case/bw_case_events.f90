@@ -1,15 +1,15 @@
 module bw_case_events
   !! What happens in a case: flow and jump. Between events the state of the modes moves on exactly; at an event it jumps, or
   !! goes over to other modes. All of it is known before any history is summed.
-  use bw_kinds, only: dp, qp
   use bw_beam_par, only: beam_mass
   use bw_beam_units, only: beam_units
-  use bw_case_plan, only: find_state, force_of
-  use bw_case_result, only: case_diverged, case_done, case_events, case_ill_conditioned, case_modes, case_motion
+  use bw_case_notes, only: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
+  use bw_case_plan, only: force_of
+  use bw_case_result, only: case_diverged, case_events, case_ill_conditioned, case_modes, case_motion
   use bw_double_double, only: dd, operator(*)
   use bw_event, only: event_type
-  use bw_initial_state, only: continuum_initial_state, find_initial_state, initial_state, initial_state_cache
-  use bw_missing, only: is_missing, scaled
+  use bw_initial_state, only: continuum_initial_state, continuum_state, find_initial_state, initial_state, initial_state_cache
+  use bw_kinds, only: dp, qp
   use bw_mode_set, only: first_numbers, mode_set
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -18,13 +18,10 @@ module bw_case_events
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type
   use bw_segment, only: energy_type, free_beam, loaded_beam, move_with_energy, segment_type, state_energy
-  use bw_text, only: append, shortest, text_of
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
   public :: follow_events, start_motion
-
-  real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
 
 contains
 
@@ -118,11 +115,13 @@ contains
     type(release_type), intent(out) :: release
     class(mode_set), allocatable :: loaded
     type(time_grid) :: grid
+    real(dp) :: longest                          ! the record, l²/h
     real(dp), dimension(motion%plan%release%count) :: q, rate
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    longest = grid%samples*grid%step%hi
     associate (tip => motion%plan%release%tip)
-      call find_state(motion%sources%loaded, force_of(scene), motion%plan%release%time, grid, monitor, loaded, q, rate)
-      call motion%sources%free%find(first_numbers(size(q)), released, grid%samples*grid%step%hi, monitor)
+      call continuum_state(motion%sources%loaded, force_of(scene), motion%plan%release%time, longest, monitor, loaded, q, rate)
+      call motion%sources%free%find(first_numbers(size(q)), released, longest, monitor)
       if (monitor%stop_requested()) return
       release = release_mass(loaded, q, rate, released, speed_in_plane(scene%rotation, motion%units), tip, &
                              energy_type(tip%energy, epsilon(1.0_dp)*tip%energy), monitor)
@@ -176,93 +175,5 @@ contains
       events(size(events))%end_error = 0.0_dp
     end associate
   end subroutine in_seconds
-
-  subroutine note_added_energy(scene, later)
-    !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.
-    type(scene_type), intent(in) :: scene
-    type(case_events), intent(inout) :: later    !! impact and capture
-    if (scene%impact%restitution == 0.0_dp) return
-    associate (impact => later%events(1), capture => later%events(2), approach => later%events(1)%energy_before)
-      if (approach == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
-      call append(later%notes, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
-        ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
-        shortest((capture%momentum_after - capture%momentum_before)/impact%momentum_before, 4)// &
-        ' and the energy '//shortest((capture%energy_after - capture%energy_before)/approach, 4)// &
-        ' of what the mass brought; beam and mass then hold '//shortest(capture%energy_after/approach, 4)// &
-        ' of its energy')
-    end associate
-  end subroutine note_added_energy
-
-  subroutine note_no_release(scene, later)
-    !! Why no release comes within the record.
-    type(scene_type), intent(in) :: scene
-    type(case_events), intent(inout) :: later
-    logical :: late
-    late = .false.
-    if (allocated(scene%response)) late = scene%release%time >= scene%response%duration
-    if (late) then
-      call append(later%notes, 'release: comes after the end of the record, which shows nothing of it')
-    else
-      call append(later%notes, 'release: by then the motion has grown out of the range of numbers')
-    end if
-  end subroutine note_no_release
-
-  subroutine note_release(scene, units, release, later)
-    !! Where the energy went.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(release_type), intent(in) :: release
-    type(case_events), intent(inout) :: later
-    character(:), allocatable :: text
-    real(dp) :: joules(4)
-    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
-                    units%mass*scene%impact%approach_velocity**2)
-    if (is_missing(joules(1))) then
-      call append(later%notes, 'energy of the release: too large for double precision')
-      return
-    end if
-    text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
-    if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with what the centrifugal force does)'
-    if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
-    if (.not. (is_missing(joules(4)) .or. by_tolerance(scene%modes))) then
-      text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
-    end if
-    call append(later%notes, text)
-  end subroutine note_release
-
-  subroutine note_rounding(later)
-    !! Energies that are the difference of far larger ones.
-    type(case_events), intent(inout) :: later
-    if (.not. any(is_missing([later%events%energy_before, later%events%energy_after]))) return
-    call append(later%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
-                'numbers; it is fill where fewer than three digits are left')
-  end subroutine note_rounding
-
-  subroutine note_contacts(scene, units, contacts, later)
-    !! How the search for contacts ended.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(contacts_type), intent(in) :: contacts
-    type(case_events), intent(inout) :: later
-    character(:), allocatable :: from_then_on
-    from_then_on = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
-      ' s on: the histories hold fill from there, and no later contact is given'
-    if (contacts%cut) call append(later%notes, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
-      ' contacts of max_contacts; what comes after the last is the motion without another')
-    if (contacts%lasting) call append(later%notes, &
-      'recontact: the last contact has not ended at the end of the record')
-    if (contacts%out_of_range) call append(later%notes, &
-      'recontact: the motion grows out of the range of numbers'//from_then_on)
-    if (later%ending == case_ill_conditioned) call append(later%notes, &
-      'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
-      'of the motion'//from_then_on)
-    if (contacts%amplification > noteworthy) call append(later%notes, &
-      'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
-      'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
-    if (any(is_missing(contacts%events%energy_after))) call append(later%notes, &
-      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
-    if (size(contacts%events) == 0 .and. later%ending == case_done) call append(later%notes, &
-      'recontact: the mass does not come back within the record')
-  end subroutine note_contacts
 
 end module bw_case_events

@@ -2,7 +2,8 @@ module bw_case_histories
   !! The histories of a case, from the state after each event to the next: of the modes that a scene counts, or of as many
   !! as its tolerance takes. A sample at exactly the time of an event belongs to what comes after it.
   use bw_beam_units, only: beam_units
-  use bw_case_plan, only: captured_samples, force_of, out_of_reach
+  use bw_case_notes, only: out_of_reach
+  use bw_case_plan, only: captured_samples, force_of
   use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp

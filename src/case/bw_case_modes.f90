@@ -1,7 +1,7 @@
 module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
-  use bw_kinds, only: dp
   use bw_beam_units, only: beam_units
+  use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
   use bw_case_result, only: case_modes, mode_sources
   use bw_closed_form, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
@@ -9,8 +9,8 @@ module bw_case_modes
   use bw_galerkin_source, only: galerkin_source, galerkin_source_of
   use bw_kept_modes, only: kept_modes
   use bw_kept_operators, only: kept_operators
+  use bw_kinds, only: dp
   use bw_mode_choice, only: first_modes
-  use bw_mode_notes, only: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
   use bw_mode_set, only: first_numbers, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor

@@ -6,24 +6,24 @@ module bw_case_plan
   use bw_case_result, only: case_modes, case_plan, mode_sources, release_plan
   use bw_coherence, only: stretch_type
   use bw_double_double, only: dd, to_dd, operator(*), operator(/)
+  use bw_initial_state, only: continuum_state
   use bw_kinds, only: dp
-  use bw_mode_choice, only: first_modes, modes_for, most_modes, most_released
+  use bw_mode_choice, only: first_modes, modes_for
   use bw_mode_set, only: first_numbers, mode_set, mode_source
-  use bw_modes_par, only: by_tolerance, coarsest_tolerance
+  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_release_error, only: blow_reach
   use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
   use bw_scene, only: scene_type
-  use bw_segment, only: leaves_range, move
+  use bw_segment, only: leaves_range
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
-  use bw_text, only: shortest, text_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   use bw_tip_rest, only: find_tip_rest
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
-  public :: captured_samples, find_state, force_of, out_of_reach, plan_modes, stretch_after
+  public :: captured_samples, force_of, plan_modes, stretch_after
 
   integer, parameter :: previewed = 1000       !! samples that show the peak well enough to plan with it
   integer, parameter :: most_previewed = 2**16 !! modes that are summed to see it
@@ -170,7 +170,7 @@ contains
     type(time_grid) :: coarse, grid
     real(dp) :: q(first_modes), rate(first_modes)
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
-    call find_state(sources%loaded, force_of(scene), time, grid, monitor, loaded, q, rate)
+    call continuum_state(sources%loaded, force_of(scene), time, grid%samples*grid%step%hi, monitor, loaded, q, rate)
     call sources%free%find(first_numbers(first_modes), free, grid%samples*grid%step%hi)
     coarse = coarser(time_grid(grid%samples - first_sample(time, grid) + 1, grid%step), any(free%beta_squared%hi <= 0.0_dp))
     part = part_monitor(monitor, share=0.0_dp)
@@ -238,21 +238,6 @@ contains
     errors(2) = strength*release%tip%uncertainty
   end subroutine choose_after_release
 
-  subroutine find_state(source, force, time, grid, monitor, loaded, q, rate)
-    !! The first modes of beam and mass at the release, and their state, V l²/h and V.
-    class(mode_source), intent(in) :: source        !! of beam and mass
-    real(dp), intent(in) :: force                   !! `force_of`
-    type(dd), intent(in) :: time                    !! l²/h
-    type(time_grid), intent(in) :: grid
-    class(monitor_type), intent(inout) :: monitor   !! the state means nothing where it asks to stop
-    class(mode_set), allocatable, intent(out) :: loaded
-    real(dp), intent(out) :: q(:), rate(:)          !! (modes)
-    call source%find(first_numbers(size(q)), loaded, source%stretch*(grid%samples*grid%step%hi), monitor)
-    q = 0.0_dp
-    rate = force*loaded%tip/loaded%modal_mass
-    call move(loaded, time, q, rate)
-  end subroutine find_state
-
   pure integer function captured_samples(plan, grid) result(samples)
     !! Samples before a release; all where there is none.
     type(case_plan), intent(in) :: plan
@@ -275,22 +260,5 @@ contains
     type(scene_type), intent(in) :: scene
     force_of = (1.0_dp + scene%impact%restitution)*scene%impact%mass_ratio
   end function force_of
-
-  pure function out_of_reach(scene, sources, plan) result(text)
-    !! What to tell of a tolerance that the plan does not keep.
-    type(scene_type), intent(in) :: scene
-    type(mode_sources), intent(in) :: sources
-    type(case_plan), intent(in) :: plan
-    character(:), allocatable :: text
-    associate (highest => sources%loaded%highest)
-      text = shortest(scene%modes%tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
-      if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
-    end associate
-    if (1.05_dp*plan%reached <= coarsest_tolerance) then
-      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more'
-    else
-      text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
-    end if
-  end function out_of_reach
 
 end module bw_case_plan

@@ -1,20 +1,21 @@
 module bw_one_case
   !! One case from scene to result, in one line: modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each
   !! stage takes the values of those before it and returns its own.
-  use bw_kinds, only: dp
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_errors, only: estimate_errors
   use bw_case_events, only: follow_events, start_motion
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache, find_modes
-  use bw_case_plan, only: out_of_reach, plan_modes
+  use bw_case_notes, only: out_of_reach
+  use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_error, only: error_type, fail, status_bad_input
   use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
+  use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout

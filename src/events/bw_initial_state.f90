@@ -4,15 +4,17 @@ module bw_initial_state
   !!
   !! It follows from the shapes of the modes, the mass ratio and the restitution alone: cases of a sweep in which these are the
   !! same work it out once and find it in a cache.
+  use bw_double_double, only: dd
   use bw_event, only: event_type
   use bw_impact, only: capture_mass, capture_type, continuum_capture, continuum_impact, continuum_velocity, impact_type, strike
   use bw_impact_par, only: impact_par
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_segment, only: move
   implicit none (type, external)
   private
-  public :: continuum_initial_state, find_initial_state
+  public :: continuum_initial_state, continuum_state, find_initial_state
 
   type, public :: initial_state
     !! What impact and capture leave.
@@ -78,6 +80,21 @@ contains
     allocate (state%velocity_jump(given%profile_points), source=0.0_dp)
     state%velocity_jump(given%profile_points) = state%impact%tip_velocity
   end subroutine continuum_initial_state
+
+  subroutine continuum_state(source, force, time, longest, monitor, loaded, q, rate)
+    !! The first modes of beam and mass a time after that, and their state, V l²/h and V.
+    class(mode_source), intent(in) :: source        !! of beam and mass
+    real(dp), intent(in) :: force                   !! modal velocities at t = 0 are this times Φ_k(1)/M_k
+    type(dd), intent(in) :: time                    !! l²/h
+    real(dp), intent(in) :: longest                 !! the record, for which phases are to be right, l²/h
+    class(monitor_type), intent(inout) :: monitor   !! the state means nothing where it asks to stop
+    class(mode_set), allocatable, intent(out) :: loaded
+    real(dp), intent(out) :: q(:), rate(:)          !! as many as these are long
+    call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
+    q = 0.0_dp
+    rate = force*loaded%tip/loaded%modal_mass
+    call move(loaded, time, q, rate)
+  end subroutine continuum_state
 
   subroutine find_jump(free, modal_velocity, profile_points, monitor, jump)
     !! Σφ_i(ξ)Δq̇_i along the beam, so many shapes at a time that memory is bounded.

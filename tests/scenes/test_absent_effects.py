@@ -9,7 +9,7 @@ from workplace import captured_beam
 
 SOURCE = Path(__file__).parents[2] / "src"
 
-# Modules of each effect that the paper's scene lacks. The modules of src/effects that are here in neither table fail.
+# Modules of each effect that the paper's scene lacks. The modules of src/beam that are here in neither table fail.
 ABSENT = {
     "stiffening": ["bw_stiffening"],
     "shear": ["bw_shear"],
@@ -43,7 +43,7 @@ def profile(shared):
 
 
 def modules_of(folder):
-    return {path.stem for path in (SOURCE / folder).glob("*.f90")}
+    return {path.stem for path in (SOURCE / folder).rglob("*.f90")}
 
 
 def callers_outside(profile, module):
@@ -58,8 +58,8 @@ def callers_outside(profile, module):
 
 def test_the_modules_of_effects_are_all_known_here():
     known = {module for modules in ABSENT.values() for module in modules}
-    assert modules_of("effects") <= known | set(COMMON)
-    assert known <= modules_of("effects") | modules_of("modes") | modules_of("events") | modules_of("response")
+    assert modules_of("beam") <= known | set(COMMON)
+    assert known <= modules_of("beam") | modules_of("modes") | modules_of("events") | modules_of("response")
 
 
 def test_a_run_is_seen_procedure_by_procedure(profile):

@@ -73,22 +73,19 @@ contains
     log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
   end function log_of_sum
 
-  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity, first)
-    !! Adds one mode's motion to the samples up to number `samples`.
+  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
+    !! Adds one mode's motion to some of the samples.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: q, q_dot
     real(dp), intent(in) :: shapes(:)
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: samples               !! at most those of `find_overflow`
+    integer, intent(in) :: samples(2)            !! first and last, at most the last of `find_overflow`
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
-    integer, intent(in), optional :: first       !! sample, from 1; absent: of all
     type(dd) :: rate, time, x
-    integer :: j, begin
+    integer :: j
     rate = sqrt(-beta_squared)
-    begin = 1
-    if (present(first)) begin = first
-    do j = begin, samples
+    do j = samples(1), samples(2)
       time = grid%step*real(j - 1, dp)
       x = rate*time
       displacement(j, :) = displacement(j, :) + displacement_at(x, time%hi, rate%hi, q, q_dot, shapes)

@@ -1,7 +1,7 @@
 module bw_set_sum
   !! Histories of the modes of one set, from any state: Eq. 29. It never asks which event left that state. Of many modes no more
   !! at a time than whose shapes may be in memory.
-  use bw_damped_modes, only: add_damped_modes, grows
+  use bw_damped_modes, only: add_damped_modes, damped_motion, grows
   use bw_double_double, only: dd, sqrt, operator(*), operator(-)
   use bw_growing_modes, only: add_growing_mode, find_overflow
   use bw_kinds, only: dp
@@ -172,35 +172,34 @@ contains
       last = min(first + n - 1, modes%count)
       k = numbers_between(first, last)
       part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
-      call add_damped_batch(k, modes%beta_squared(k), modes%damping(k), state_of(k, displaced), rate(k), &
-                           modes%some_shapes(first, last, response%sampling%points), part, response)
+      call add_damped_batch(first, damped_motion(modes%beta_squared(k), modes%damping(k), state_of(k, displaced), rate(k), &
+                                                 modes%some_shapes(first, last, response%sampling%points)), part, response)
       if (monitor%stop_requested()) return
     end do
   end subroutine add_damped
 
-  subroutine add_damped_batch(number, beta_squared, c, q, rate, shapes, monitor, response)
+  subroutine add_damped_batch(first, motion, monitor, response)
     !! Of those that grow, A e^(st) is the motion of an undamped mode with β² = −s².
-    integer, intent(in) :: number(:)             !! of the modes
-    type(dd), intent(in) :: beta_squared(:)
-    real(dp), intent(in) :: c(:), q(:), rate(:), shapes(:, :)
+    integer, intent(in) :: first                 !! number of the first of the modes
+    type(damped_motion), intent(in) :: motion
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     integer, allocatable :: k(:)
-    real(dp) :: longest                          ! the record
     type(dd), allocatable :: up(:)
     real(dp), allocatable :: down(:), growing(:), start(:), start_rate(:)
-    longest = response%sampling%grid%samples*response%sampling%grid%step%hi
-    start = response%displacement(1, :) + matmul(q, shapes)
-    if (allocated(response%velocity)) start_rate = response%velocity(1, :) + matmul(rate, shapes)
-    call add_damped_modes(beta_squared, c, q, rate, shapes, response%sampling%grid, monitor, response%displacement, &
-                          response%velocity)
-    k = numbers_of(grows(beta_squared, c, longest))
-    if (size(k) > 0) then
-      up = slow_exponent(beta_squared(k), c(k))
-      down = fast_exponent(beta_squared(k), c(k))
-      growing = (rate(k) - down*q(k))/(up%hi - down)
-      call add_growing_batch(number(k), -(up*up), growing, growing*up%hi, shapes(k, :), monitor, response)
-    end if
+    associate (beta_squared => motion%beta_squared, c => motion%c, q => motion%q, rate => motion%q_dot, shapes => motion%shapes, &
+               grid => response%sampling%grid)
+      start = response%displacement(1, :) + matmul(q, shapes)
+      if (allocated(response%velocity)) start_rate = response%velocity(1, :) + matmul(rate, shapes)
+      call add_damped_modes(motion, grid, monitor, response%displacement, response%velocity)
+      k = numbers_of(grows(beta_squared, c, grid%samples*grid%step%hi))
+      if (size(k) > 0) then
+        up = slow_exponent(beta_squared(k), c(k))
+        down = fast_exponent(beta_squared(k), c(k))
+        growing = (rate(k) - down*q(k))/(up%hi - down)
+        call add_growing_batch(first - 1 + k, -(up*up), growing, growing*up%hi, shapes(k, :), monitor, response)
+      end if
+    end associate
     response%displacement(1, :) = start          ! to the last digit: of a beam at rest position zero
     if (allocated(response%velocity)) response%velocity(1, :) = start_rate
   end subroutine add_damped_batch
@@ -241,7 +240,7 @@ contains
       do k = 1, size(q)
         if (monitor%stop_requested()) return
         call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), response%sampling%grid, &
-                              min(first + block - 1, response%finite_samples), response%displacement, response%velocity, first)
+                              [first, min(first + block - 1, response%finite_samples)], response%displacement, response%velocity)
       end do
     end do
   end subroutine add_growing_batch
