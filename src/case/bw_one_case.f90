@@ -1,156 +1,163 @@
 module bw_one_case
-  !! One case from scene to result: modes, events, response, spectrum.
-  use bw_kinds, only: dp
+  !! One case from scene to result, in one line: modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each
+  !! stage takes the values of those before it and returns its own.
+  use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
-  use bw_blow, only: blow_type, continuum_blow
-  use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_result, add_note, case_done
+  use bw_case_errors, only: estimate_errors
+  use bw_case_events, only: follow_events, start_motion
+  use bw_case_histories, only: sum_histories
+  use bw_case_modes, only: case_mode_cache, find_modes
+  use bw_case_notes, only: out_of_reach
+  use bw_case_plan, only: plan_modes
+  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
-  use bw_case_spectrum, only: take_spectrum
-  use bw_error, only: error_type
-  use bw_event, only: event_type
-  use bw_histories, only: respond
-  use bw_kept_blows, only: find_blow, kept_blows
-  use bw_kept_work, only: kept_work
-  use bw_later_events, only: follow_events
-  use bw_mode_check, only: known_modes
-  use bw_mode_set, only: mode_set, mode_source
-  use bw_modes_at_end, only: modes_at_end
+  use bw_case_spectrum, only: find_spectrum
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_initial_state, only: initial_state_cache
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_stopwatch, only: stopwatch, stage_modes, stage_events, stage_response, stage_spectrum
-  use bw_text, only: shortest, text_of
-  use bw_tolerance_sum, only: plan_count
+  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
+  use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: run_case, plan_case
+  public :: plan_case, run_case
+
+  type, public :: case_cache
+    !! Work that the cases of a sweep share, done once: whoever goes through the cases has it and hands it to each. It takes
+    !! a bounded amount of memory however many cases there are, and changes no bit of their results.
+    type(case_mode_cache) :: modes
+    type(initial_state_cache) :: initial
+    type(nonuniform_sum) :: sum          !! kernel, plan and grids of the last transform
+    type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
+  end type case_cache
 
 contains
 
-  subroutine run_case(scene, layout, watch, monitor, kept, result, whole)
+  subroutine run_case(scene, layout, watch, monitor, cache, result, whole)
     !! The way the data goes.
-    type(scene_type), intent(in) :: scene          !! without sweeps
+    type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
-    type(kept_work), intent(inout), target :: kept !! what other cases have found
-    type(case_result), intent(out), target :: result
-    logical, intent(out) :: whole                  !! false where the monitor asked to stop before all was done
-    class(mode_set), pointer :: free, loaded       ! modes of the beam alone, and of beam and mass
-    class(mode_source), allocatable :: source     ! of beam and mass
-    class(mode_source), allocatable :: alone      ! of the beam alone
-    type(part_monitor) :: part                    ! for a stage
-    type(known_modes), allocatable :: known       ! that move after the last event
+    type(case_cache), intent(inout), target :: cache !! what other cases have found
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    type(case_motion) :: motion
+    type(case_histories) :: histories
+    type(history_errors) :: errors
+    type(case_spectrum) :: spectrum
+    type(part_monitor) :: part                       ! for a stage
     real(dp), allocatable :: share(:)
     call watch%start()
-    allocate (result%notes(0))
-    result%units = units_of(scene%beam)
     share = case_shares(scene)
+    motion%units = units_of(scene%beam)
+    whole = .false.
+
     part = stage_part(monitor, share, modes_share)
-    call find_modes(scene, result, free, loaded, source, alone, part, kept%modes, kept%operators)
-    whole = .not. monitor%stop_requested()
-    if (.not. whole) return
-    call note_growth(result)
+    call find_modes(scene, motion%units, part, motion%modes, motion%sources, cache%modes)
+    if (monitor%stop_requested()) return
+    part = part_monitor(monitor, sum(share(:modes_share)), 0.0_dp)          ! how long a plan takes is not known
+    call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan)
+    if (monitor%stop_requested()) return
     call watch%lap(stage_modes)
-    allocate (result%events(0))
-    if (result%status == case_done) then
-      result%mode_count = result%modes%count
-      part = stage_part(monitor, share, events_share)
-      call apply_events(scene, free, loaded, part, kept%blows, result)
-      whole = .not. monitor%stop_requested()
-      part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)     ! how long later events take is not known
-      if (whole) call follow_events(scene, free, loaded, part, result)
-      whole = .not. monitor%stop_requested()
-      if (.not. whole) return
-    end if
+
+    part = stage_part(monitor, share, events_share)
+    call start_motion(scene, motion%modes, part, cache%initial, motion%initial)
+    if (monitor%stop_requested()) return
+    part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)         ! nor how long later events do
+    call follow_events(scene, motion, part, motion%later)
+    if (monitor%stop_requested()) return
     if (allocated(scene%impact)) call watch%lap(stage_events)
+
     part = stage_part(monitor, share, histories_share)
-    call respond(scene, free, loaded, source, alone, part, kept%sum, result, whole)
-    if (.not. whole) return
-    if (allocated(scene%response)) call watch%lap(stage_response)
-    if (allocated(result%response)) call watch%rebook(stage_response, stage_modes, result%response%mode_seconds)
-    part = stage_part(monitor, share, spectrum_share)
-    call modes_at_end(scene, free, loaded, source, alone, result, known)
-    call take_spectrum(scene, layout, known, kept%spectrum, part, result, whole)
-    if (.not. whole) return
-    if (allocated(scene%spectrum)) call watch%lap(stage_spectrum)
+    call sum_histories(scene, motion, part, cache%sum, histories)
+    if (monitor%stop_requested()) return
+    call estimate_errors(scene, motion, histories, part, errors)
+    if (monitor%stop_requested()) return
+    if (allocated(histories%response)) then
+      call watch%lap(stage_response)
+      call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
+    end if
+
+    if (allocated(scene%spectrum)) then
+      part = stage_part(monitor, share, spectrum_share)
+      call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_spectrum)
+    end if
+    whole = .true.
+    call compose(scene, motion, histories, errors, spectrum, result)
   end subroutine run_case
+
+  subroutine compose(scene, motion, histories, errors, spectrum, result)
+    !! The values of all stages in one; what is large is moved, not copied.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(case_histories), intent(inout) :: histories
+    type(history_errors), intent(inout) :: errors
+    type(case_spectrum), intent(inout) :: spectrum
+    type(case_result), intent(out) :: result
+    allocate (result%notes(0))
+    call add_notes(result%notes, motion%modes%notes)
+    call add_notes(result%notes, motion%later%notes)
+    call add_notes(result%notes, histories%notes)
+    call add_notes(result%notes, errors%notes)
+    call add_notes(result%notes, spectrum%notes)
+    result%units = motion%units
+    result%can_grow = motion%modes%can_grow
+    result%mode_count = motion%plan%count
+    result%status = errors%status
+    if (allocated(motion%modes%loaded)) then
+      call move_alloc(motion%modes%loaded, result%modes)
+      call move_alloc(motion%modes%free, result%before)
+    else
+      call move_alloc(motion%modes%free, result%modes)
+    end if
+    call move_alloc(motion%later%events, result%events)
+    if (size(result%events) > 0) then
+      result%impact = motion%initial%impact
+      result%approach_velocity = scene%impact%approach_velocity
+      call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
+      call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
+    end if
+    call move_alloc(motion%plan%release, result%release)
+    call move_alloc(histories%response, result%response)
+    if (allocated(result%response)) then
+      call move_alloc(errors%displacement, result%response%displacement_error)
+      call move_alloc(errors%velocity, result%response%velocity_error)
+    end if
+    call move_alloc(spectrum%amplitude, result%amplitude)
+    call move_alloc(spectrum%measured, result%measured)
+  end subroutine compose
 
   subroutine plan_case(scene, monitor, count, error, reached)
     !! How many modes a scene with a tolerance will sum.
     !! **Errors**: `status_bad_input` where the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
     class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
-    integer, intent(out) :: count
+    integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
-    type(case_result), target :: result
-    class(mode_set), pointer :: free, loaded
-    class(mode_source), allocatable :: source, alone     ! of beam and mass, of the beam alone
-    result%units = units_of(scene%beam)
-    allocate (result%notes(0))
+    type(case_motion) :: motion
+    character(:), allocatable :: place
+    integer :: line
     count = 0
-    call find_modes(scene, result, free, loaded, source, alone, monitor)
+    motion%units = units_of(scene%beam)
+    call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
     if (monitor%stop_requested()) return
-    if (result%status /= case_done) return         ! the run says so
-    result%approach_velocity = scene%impact%approach_velocity
-    call follow_events(scene, free, loaded, monitor, result)
-    call plan_count(scene, source, alone, monitor, result, error, reached)
-    count = result%mode_count
+    call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
+    count = motion%plan%count
+    if (present(reached)) reached = motion%plan%reached
+    if (monitor%stop_requested()) return
+    if (motion%plan%reached <= scene%modes%tolerance) return
+    line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
+    place = scene%file
+    if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
+    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion%sources, motion%plan))
   end subroutine plan_case
-
-  subroutine note_growth(result)
-    !! Which modes grow.
-    type(case_result), intent(inout) :: result
-    integer :: growing
-    growing = count(result%modes%beta_squared%hi < 0.0_dp)
-    if (growing == 0) return
-    call add_note(result, 'unstable: '//text_of(growing)//' of '//text_of(result%modes%count)// &
-      ' modes grow without bound, the angular velocity being above '// &
-      shortest(result%modes%critical_speed%hi*result%units%frequency, 6)//' rad/s')
-  end subroutine note_growth
-
-  subroutine apply_events(scene, free, loaded, monitor, kept, result)
-    !! The impact, and the capture if the mass stays.
-    type(scene_type), intent(in) :: scene
-    class(mode_set), intent(in), optional :: free, loaded
-    class(monitor_type), intent(inout) :: monitor  !! what is left means nothing where it asks to stop
-    type(kept_blows), intent(inout) :: kept
-    type(case_result), intent(inout) :: result
-    type(blow_type) :: blow
-    if (.not. allocated(scene%impact)) return
-    result%approach_velocity = scene%impact%approach_velocity
-    associate (gamma => scene%impact%mass_ratio, e => scene%impact%restitution, points => scene%impact%profile_points)
-      if (present(free)) then
-        call find_blow(free, loaded, gamma, e, points, monitor, kept, blow)
-        if (monitor%stop_requested()) return
-      else
-        call continuum_blow(result%modes, gamma, e, points, blow)
-      end if
-      result%impact = blow%impact
-      call move_alloc(blow%modal_velocity, result%modal_velocity)
-      call move_alloc(blow%velocity_jump, result%velocity_jump)
-      call move_alloc(blow%events, result%events)
-      if (present(loaded) .and. e > 0.0_dp) call note_added_energy(scene, result)
-    end associate
-  end subroutine apply_events
-
-  subroutine note_added_energy(scene, result)
-    !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.
-    type(scene_type), intent(in) :: scene
-    type(case_result), intent(inout) :: result
-    type(event_type) :: capture
-    real(dp) :: approach
-    capture = result%events(2)
-    approach = result%events(1)%energy_before
-    if (approach == 0.0_dp .or. result%approach_velocity == 0.0_dp) return
-    call add_note(result, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
-      ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
-      shortest((capture%momentum_after - capture%momentum_before)/result%events(1)%momentum_before, 4)// &
-      ' and the energy '//shortest((capture%energy_after - capture%energy_before)/approach, 4)// &
-      ' of what the mass brought; beam and mass then hold '//shortest(capture%energy_after/approach, 4)// &
-      ' of its energy')
-  end subroutine note_added_energy
 
 end module bw_one_case

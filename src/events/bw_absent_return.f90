@@ -1,10 +1,10 @@
 module bw_absent_return
   !! When a mass that rebounded would be back at the tip, had the scene `&recontact`: a few thousand values of the gap from
   !! the first modes in closed form, no solve and no search that proves anything.
-  use bw_kinds, only: dp
   use bw_absent_effects, only: spin_squared
   use bw_beam_units, only: beam_units, units_of
   use bw_damping, only: damping_law, law_of
+  use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_root_list, only: solve_roots
   use bw_scene, only: changes_shapes, scene_type

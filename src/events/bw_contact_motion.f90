@@ -1,7 +1,7 @@
 module bw_contact_motion
   !! A beam and a mass that moves freely beside its tip, in binary128: the beam's modes and the mass are oscillators that move
   !! without each other but at a contact. The mass runs in a guide that turns with the hub, y'' = ω²y in the plane of rotation
-  !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_course.
+  !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_segment.
   use bw_kinds, only: dp, qp
   use bw_missing, only: missing
   use bw_mode_set, only: full_numbers, mode_set

@@ -1,10 +1,10 @@
 module bw_oscillators
   !! Oscillators that move without each other, ü + cu̇ + β²u = 0, in binary128: the modes of a beam and the mass beside it, or
   !! the modes of both together; and sums over them, such as the gap between tip and mass or the force that presses them
-  !! together, whose zeros are events. Units of bw_course.
+  !! together, whose zeros are events. Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd, to_dd
-  use bw_extended_flow, only: extended_flow
   use bw_kinds, only: dp, qp
+  use bw_precise_flow, only: extended_flow
   use bw_signal, only: signal_type
   implicit none (type, external)
   private

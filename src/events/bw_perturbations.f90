@@ -8,7 +8,7 @@ module bw_perturbations
   !! last event, beside which stands its `lag`: what is zero for all of them at an event stays small.
   !!
   !! An error is `confidence` times the root mean square over the neighbours: of errors that add up at random one in ten
-  !! thousand is larger. Units of bw_course.
+  !! thousand is larger. Units of bw_segment.
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp, i8, qp
   use bw_modal_flow, only: flow
@@ -29,7 +29,7 @@ module bw_perturbations
     integer(i8), private :: seed = first_seed
   contains
     procedure :: start
-    procedure :: carry
+    procedure :: move
     procedure :: meet
     procedure, private :: extent
     procedure, private :: signs
@@ -67,7 +67,7 @@ contains
     end do
   end subroutine signs
 
-  pure subroutine carry(self, parts, from, to, error)
+  pure subroutine move(self, parts, from, to, error)
     !! Moves with the motion from one event to the next: what they differ by, what numbers that are off add, and rounding.
     class(perturbations), intent(inout) :: self
     type(oscillators), intent(in) :: parts
@@ -92,7 +92,7 @@ contains
     end do
     call self%extent(parts, to, real(time, dp), last_error)
     error = max(error, last_error)
-  end subroutine carry
+  end subroutine move
 
   pure function propagator(parts, j, time) result(matrix)
     !! Of one oscillator: from displacement and velocity to both.

@@ -1,32 +1,30 @@
 module bw_recontact
   !! A mass that rebounded strikes the tip again: contacts in order, each an impact with restitution e, until the record
   !! ends. Contacts that follow each other ever faster become one that lasts: beam and mass then move in the modes of
-  !! bw_held_modes until the force between them falls to zero.
+  !! bw_contact_modes until the force between them falls to zero.
   !!
   !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
   !! followed in binary128, together with what its errors become (bw_perturbations), and no further than something is known
   !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip.
   !!
-  !! The gap is v_tip − y ≥ 0. Units of bw_course: times in l²/h, velocities in V, displacements in V l²/h.
-  use bw_contact_list, only: contact_list
+  !! The gap is v_tip − y ≥ 0. Units of bw_segment: times in l²/h, velocities in V, displacements in V l²/h.
+  use bw_contact_modes, only: contact_set, find_contact_modes
   use bw_contact_motion, only: contact_motion, motion_of
-  use bw_course, only: course_type, growth_ends, largest_exponent
-  use bw_event, only: contact_event, event_type
-  use bw_free_flight, only: coast, fly
-  use bw_held_modes, only: held_modes, held_set
+  use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, pass_contacts, slow, stays, undecided
+  use bw_event, only: contact_event, event_list, event_type
   use bw_kinds, only: dp, qp
-  use bw_lasting_contact, only: hold, judge_rebound, leaves, slow, stays, undecided
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_next_zero, only: certain, in_doubt, never
   use bw_perturbations, only: error_from
+  use bw_segment, only: growth_ends, largest_exponent, segment_type
   implicit none (type, external)
   private
   public :: follow_contacts
 
-  type, extends(contact_list), public :: contacts_type
+  type, extends(event_list), public :: contacts_type
     !! What became of the mass.
-    type(held_set), allocatable :: held           !! unallocated where no contact lasted
+    type(contact_set), allocatable :: modes          !! unallocated where no contact lasted
     real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
     logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
     logical :: cut = .false.                      !! more contacts came than were asked for
@@ -67,11 +65,11 @@ contains
         contacts%known_until = event%time - event%time_error
         exit
       else if (verdict == stays) then
-        call hold_on(free, motion, last, event, contacts, outcome, monitor)
+        call add_contact(free, motion, last, event, contacts, outcome, monitor)
         if (outcome /= certain) exit
         opening = 3                               ! for the force between beam and mass, the second, has gone to zero
       end if
-      call fly_on(free%tip, motion, opening, last, most, contacts, outcome, monitor)
+      call add_flight(free%tip, motion, opening, last, most, contacts, outcome, monitor)
       if (outcome /= certain) exit
       event = started_event(motion)
       call motion%strike(event%impulse)
@@ -89,8 +87,8 @@ contains
     call contacts%trim_to_size()
   end subroutine follow_contacts
 
-  subroutine hold_on(free, motion, last, event, contacts, outcome, monitor)
-    !! A contact that lasts: an event and a course more, or `known_until` where the event's end is not known.
+  subroutine add_contact(free, motion, last, event, contacts, outcome, monitor)
+    !! A contact that lasts: an event and a segment more, or `known_until` where the event's end is not known.
     class(mode_set), intent(in) :: free
     type(contact_motion), intent(inout) :: motion
     real(dp), intent(in) :: last                  !! the end of the search
@@ -98,18 +96,18 @@ contains
     type(contacts_type), intent(inout) :: contacts
     integer, intent(out) :: outcome               !! certain where the contact ends before the search
     class(monitor_type), intent(inout), optional :: monitor
-    type(course_type) :: course
+    type(segment_type) :: segment
     real(qp) :: impulse
     real(dp) :: sway
     logical :: worthless
-    if (.not. allocated(contacts%held)) then
-      allocate (contacts%held)
-      call held_modes(free, motion, contacts%held, monitor)
+    if (.not. allocated(contacts%modes)) then
+      allocate (contacts%modes)
+      call find_contact_modes(free, motion, contacts%modes, monitor)
     end if
     outcome = in_doubt
     if (stops(monitor)) return
-    call hold(motion, contacts%held, real(last - motion%state%time, dp), outcome, impulse, course, sway, monitor)
-    call judge(contacts%held%tip, course, sway, contacts, worthless)
+    call follow_contact(motion, contacts%modes, real(last - motion%state%time, dp), outcome, impulse, segment, sway, monitor)
+    call judge(contacts%modes%tip, segment, sway, contacts, worthless)
     if (outcome == in_doubt .or. worthless) then
       outcome = in_doubt
       contacts%known_until = event%time - event%time_error
@@ -118,12 +116,12 @@ contains
     event%impulse = event%impulse + real(impulse, dp)
     call end_event(motion, event)
     contacts%lasting = outcome == never
-    call contacts%add_course(course)
+    call contacts%add_segment(segment)
     call contacts%add_event(event)
-  end subroutine hold_on
+  end subroutine add_contact
 
-  subroutine fly_on(tip, motion, opening, last, most, contacts, outcome, monitor)
-    !! A free flight: a course more, or `known_until` where nothing is known of it.
+  subroutine add_flight(tip, motion, opening, last, most, contacts, outcome, monitor)
+    !! A free flight: a segment more, or `known_until` where nothing is known of it.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
     type(contact_motion), intent(inout) :: motion
     integer, intent(in) :: opening                !! the first derivative of the gap that is not zero
@@ -133,27 +131,27 @@ contains
     integer, intent(out) :: outcome               !! certain where a contact ends it
     class(monitor_type), intent(inout), optional :: monitor
     type(contact_motion) :: before
-    type(course_type) :: course
+    type(segment_type) :: segment
     real(dp) :: sway
     logical :: is_last, worthless
     is_last = contacts%event_count == most
     if (is_last) before = motion
-    call fly(motion, opening, real(last - motion%state%time, dp), outcome, course, sway, monitor)
+    call follow_flight(motion, opening, real(last - motion%state%time, dp), outcome, segment, sway, monitor)
     contacts%cut = is_last .and. outcome /= never
     if (contacts%cut) then
       motion = before
-      call coast(motion, real(last - motion%state%time, dp), course, sway)
+      call pass_contacts(motion, real(last - motion%state%time, dp), segment, sway)
       outcome = never
     end if
-    call judge(tip, course, sway, contacts, worthless)
+    call judge(tip, segment, sway, contacts, worthless)
     if (worthless) then
       outcome = in_doubt
-      contacts%known_until = course%start%hi - course%start_error
+      contacts%known_until = segment%start%hi - segment%start_error
       return
     end if
     if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
-    call contacts%add_course(course)
-  end subroutine fly_on
+    call contacts%add_segment(segment)
+  end subroutine add_flight
 
   pure integer function first_opening(motion) result(order)
     !! The first derivative of the gap that is not zero after a blow.
@@ -161,17 +159,17 @@ contains
     order = merge(1, 2, motion%separation() > slow)
   end function first_opening
 
-  subroutine judge(tip, course, sway, contacts, worthless)
-    !! How much of the tip's displacement is known in a course, of the largest that there has been.
+  subroutine judge(tip, segment, sway, contacts, worthless)
+    !! How much of the tip's displacement is known in a segment, of the largest that there has been.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1), (modes)
-    type(course_type), intent(in) :: course
-    real(dp), intent(in) :: sway                  !! the largest in the course
+    type(segment_type), intent(in) :: segment
+    real(dp), intent(in) :: sway                  !! the largest in the segment
     type(contacts_type), intent(inout) :: contacts
     logical, intent(out) :: worthless             !! fewer than three digits
     real(dp), parameter :: three_digits = 1.0e-3_dp
     real(dp) :: error
     contacts%sway = max(contacts%sway, sway)
-    error = sum(abs(tip)*course%error(:, 1))
+    error = sum(abs(tip)*segment%error(:, 1))
     worthless = error > three_digits*contacts%sway
     if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%data_error
   end subroutine judge

@@ -6,12 +6,12 @@ module bw_release
   !! turns in the plane of the motion, and with tension the work against the centrifugal force along the beam. What a body
   !! has of that leaves with it, and so does its spin. What a projection on finitely many modes loses is never negative where
   !! none of those that are left out grows.
-  use bw_energy, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
+  use bw_segment, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   implicit none (type, external)
   private
   public :: release_mass
@@ -19,7 +19,7 @@ module bw_release
   real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! of integrals of two shapes, relatively
 
   type, public :: tip_rest
-    !! Of infinitely many modes at the release: what those that are not there add. Units of bw_course.
+    !! Of infinitely many modes at the release: what those that are not there add. Units of bw_segment.
     integer :: count = 0                         !! modes that were looked at
     real(dp) :: displacement = 0.0_dp            !! of the tip, by those of them that are not there
     real(dp) :: velocity = 0.0_dp
@@ -28,7 +28,7 @@ module bw_release
   end type tip_rest
 
   type, public :: release_type
-    !! The state just after the release; units of bw_course.
+    !! The state just after the release; units of bw_segment.
     real(dp), allocatable :: q(:), rate(:)       !! of the beam alone, (modes)
     real(dp) :: energy_leaving = missing         !! that the mass takes with it; missing where rounding has left no digits
     real(dp) :: kinetic_leaving = 0.0_dp         !! the same without the part of the centrifugal force

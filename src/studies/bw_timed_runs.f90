@@ -1,11 +1,10 @@
 module bw_timed_runs
   !! How long cases take, one beside the other: they are run in turn, round after round, so that what else the machine
   !! does falls on all of them alike. And how long the next of a row of runs will take, each finer than the one before.
-  use bw_kept_work, only: kept_work
-  use bw_kinds, only: dp
   use bw_case_result, only: case_result
+  use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: layout_of
   use bw_scene, only: scene_type
   use bw_stopwatch, only: repeats_type, stage_count, stopwatch
@@ -40,7 +39,7 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                 !! false where the monitor asked to stop; nothing is booked then
-    type(kept_work) :: cache
+    type(case_cache) :: cache
     type(stopwatch) :: watch
     integer :: i
     call run_case(run%scene, layout_of(run%scene), watch, monitor, cache, result, whole)

@@ -6,12 +6,11 @@ module bw_run_scene
   use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file
   use bw_existing_result, only: look_at_existing
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: i1, i4, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, progress_type
   use bw_notes, only: notes_type
-  use bw_one_case, only: plan_case, run_case
+  use bw_one_case, only: case_cache, plan_case, run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
   use bw_report, only: case_report, stage_table
@@ -126,7 +125,7 @@ contains
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
-    type(kept_work) :: cache
+    type(case_cache) :: cache
     type(stopwatch) :: watch
     integer(i1) :: none(0)
     logical :: whole

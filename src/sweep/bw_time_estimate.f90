@@ -1,13 +1,12 @@
 module bw_time_estimate
   !! How long a scene will take: samples of its cases are run for a bounded time.
-  use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
+  use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
@@ -44,7 +43,7 @@ module bw_time_estimate
     type(scene_type) :: scene
     type(result_layout) :: layout
     type(scene_type) :: one                   !! the case at hand, or the one before it
-    type(kept_work) :: cache                  !! what cases share
+    type(case_cache) :: cache                  !! what cases share
     type(time_limit) :: limit
   contains
     procedure :: sample

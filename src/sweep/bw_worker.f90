@@ -5,10 +5,9 @@ module bw_worker
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_journal_writer, only: journal_writer
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp, i4, i8
   use bw_monitor, only: monitor_type, progress_type
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_process_group, only: process_group
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -46,7 +45,7 @@ module bw_worker
     type(stopwatch) :: watch                         !! times of the stages of all its cases
     type(case_field), allocatable, private :: fields(:)  !! the numbers of a case
     type(scene_type), private :: one                 !! the case at hand, or the one before it
-    type(kept_work), private :: cache                !! what cases share
+    type(case_cache), private :: cache                !! what cases share
     type(group_monitor), private :: monitor
   contains
     procedure :: run_cases

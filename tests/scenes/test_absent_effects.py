@@ -18,9 +18,9 @@ ABSENT = {
     "body inertia": ["bw_beam_units%body_inertia"],
     "release": ["bw_release", "bw_release_error", "bw_tip_rest"],
     "recontact": [
-        *("bw_recontact", "bw_contact_list", "bw_contact_motion", "bw_free_flight", "bw_lasting_contact", "bw_held_modes"),
-        *("bw_next_zero", "bw_signal", "bw_safe_step", "bw_modal_increment", "bw_margin", "bw_motion_margin"),
-        *("bw_oscillators", "bw_extended_flow", "bw_perturbations"),
+        *("bw_recontact", "bw_contact_motion", "bw_contact_segments", "bw_contact_modes"),
+        *("bw_next_zero", "bw_signal", "bw_safe_step"),
+        *("bw_oscillators", "bw_precise_flow", "bw_perturbations"),
     ],
     "Galerkin": ["bw_galerkin", "bw_galerkin_set", "bw_galerkin_source", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
 }

@@ -10,7 +10,6 @@ module bw_release_error
   !! the release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do. Where there are
   !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_rest).
   use bw_coherence, only: combined, deviation_type, largest, stretch_type
-  use bw_course, only: move
   use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent, turning_square
@@ -18,8 +17,9 @@ module bw_release_error
   use bw_monitor, only: monitor_type, stops
   use bw_reach, only: damped_reach, turns
   use bw_release, only: tip_rest
-  use bw_tip_rest, only: find_tip_rest
+  use bw_segment, only: move
   use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
+  use bw_tip_rest, only: find_tip_rest
   implicit none (type, external)
   private
   public :: amplitude_of, blow_reach, release_error, release_tail

@@ -11,12 +11,12 @@ module bw_tip_rest
   !! and with the last term also ΣA². How far their phases can agree at that one instant is that of bw_coherence.
   use bw_coherence, only: deviation_type, largest, stretch_type
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
-  use bw_energy, only: carry, energy_type, state_energy
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
   use bw_release, only: tip_rest
+  use bw_segment, only: energy_type, move_with_energy, state_energy
   use bw_turn, only: phase_angles
   implicit none (type, external)
   private
@@ -150,7 +150,7 @@ contains
     rate = force*modes%tip/modes%modal_mass
     call take_terms(modes%tip*rate, sum)
     energy = state_energy(modes, q, rate)
-    call carry(modes, time, q, rate, energy)
+    call move_with_energy(modes, time, q, rate, energy)
     if (beyond) call take_motion(modes%tip*q, modes%tip*rate, sum)
     sum%rest%energy = sum%rest%energy + energy%value
     slow = slow_exponent(modes%beta_squared(n), modes%damping(n))

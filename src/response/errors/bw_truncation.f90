@@ -10,10 +10,10 @@ module bw_truncation
   !!
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
   use bw_coherence, only: combined, deviation_type, largest, stretch_type
-  use bw_course, only: move
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_segment, only: move
   use bw_tail, only: add_modes, add_tail
   implicit none (type, external)
   private

@@ -20,6 +20,14 @@ module bw_damped_modes
   real(dp), parameter :: dead = -60.0_dp        !! an exponential below e^(−60) of its start is nothing beside the others
   real(dp), parameter :: apart = 1.0e-4_dp      !! (2r/c)² above which two real exponentials hardly cancel
 
+  type, public :: damped_motion
+    !! Damped modes and the state that they start from.
+    type(dd), allocatable :: beta_squared(:)    !! (modes)
+    real(dp), allocatable :: c(:)               !! damping, (modes)
+    real(dp), allocatable :: q(:), q_dot(:)     !! modal displacements and velocities at t = 0, (modes)
+    real(dp), allocatable :: shapes(:, :)       !! Φ_k(ξ_p), (modes, points)
+  end type damped_motion
+
   type :: exponentials
     !! A list of a e^(st).
     real(dp), allocatable :: decay(:)           !! Re s ≤ 0
@@ -48,36 +56,34 @@ contains
     is_close = square%hi <= 0.0_dp .and. -square%hi <= max(apart*(0.5_dp*c)**2, (1.0_dp/longest)**2)
   end function is_close
 
-  subroutine add_damped_modes(beta_squared, c, q, q_dot, shapes, grid, monitor, displacement, velocity)
-    !! Adds the motion that starts from the modal state (q, q_dot), of modes that grow only the part that decays; leaves
-    !! early if the monitor asks for it.
-    type(dd), intent(in) :: beta_squared(:)         !! (modes)
-    real(dp), intent(in) :: c(:)                    !! damping, (modes)
-    real(dp), intent(in) :: q(:), q_dot(:)          !! modal displacements and velocities at t = 0, (modes)
-    real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
+  subroutine add_damped_modes(motion, grid, monitor, displacement, velocity)
+    !! Adds the motion, of modes that grow only the part that decays; leaves early if the monitor asks for it.
+    type(damped_motion), intent(in) :: motion
     type(time_grid), intent(in) :: grid
     class(monitor_type), intent(inout) :: monitor
     real(dp), intent(inout) :: displacement(:, :)   !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
     type(exponentials) :: list
-    type(dd) :: square(size(q))
-    logical :: near(size(q))
+    type(dd) :: square(size(motion%q))
+    logical :: near(size(motion%q))
     integer :: first, last, k
-    square = turning_square(beta_squared, c)
-    near = is_close(beta_squared, c, grid%samples*grid%step%hi)
-    call take_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
-    do first = 1, size(list%mode), batch
-      last = min(first + batch - 1, size(list%mode))
-      call add_exponentials(part_of(list, first, last), shapes, grid, displacement, velocity)
-      call monitor%advance(real(last, dp)/size(list%mode))
-      if (monitor%stop_requested()) return
-    end do
-    do k = 1, size(q)
-      if (near(k)) call add_close(beta_squared(k), c(k), q(k), q_dot(k), shapes(k, :), grid, displacement, velocity)
-    end do
+    associate (beta_squared => motion%beta_squared, c => motion%c, q => motion%q, q_dot => motion%q_dot)
+      square = turning_square(beta_squared, c)
+      near = is_close(beta_squared, c, grid%samples*grid%step%hi)
+      call find_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
+      do first = 1, size(list%mode), batch
+        last = min(first + batch - 1, size(list%mode))
+        call add_exponentials(part_of(list, first, last), motion%shapes, grid, displacement, velocity)
+        call monitor%advance(real(last, dp)/size(list%mode))
+        if (monitor%stop_requested()) return
+      end do
+      do k = 1, size(q)
+        if (near(k)) call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement, velocity)
+      end do
+    end associate
   end subroutine add_damped_modes
 
-  pure subroutine take_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
+  pure subroutine find_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
     !! Modes that turn first, then the slow and the fast part of those that do not.
     type(dd), intent(in) :: beta_squared(:), square(:)
     real(dp), intent(in) :: c(:), q(:), q_dot(:)
@@ -115,7 +121,7 @@ contains
       real(dp) :: exponent(size(m))
       exponent = fast_exponent(beta_squared(m), c(m))
     end function down_of
-  end subroutine take_exponentials
+  end subroutine find_exponentials
 
   elemental real(dp) function amplitude(other, own, q, q_dot)
     !! Of e^(own·t) in a motion that is made of it and e^(other·t).

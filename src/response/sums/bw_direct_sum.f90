@@ -90,7 +90,7 @@ contains
     integer :: j
     do j = 1, size(times)
       motion = 0.0_dp
-      call add_growing_mode(beta_squared, q, rate, shapes, time_grid(2, times(j)), 2, motion)
+      call add_growing_mode(beta_squared, q, rate, shapes, time_grid(2, times(j)), [2, 2], motion)
       displacement(j, :) = displacement(j, :) + motion(2, :)
     end do
   end subroutine add_growing

@@ -1,8 +1,8 @@
 module bw_growing_modes
   !! Histories of modes at or beyond their critical speed, β² ≤ 0: q C + q̇ S with C = cosh|β|t, S = sinh|β|t/|β|,
   !! and C = 1, S = t at β = 0: the same smooth functions of β² as those of the stable modes.
+  use bw_double_double, only: dd, sqrt, operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, sqrt, operator(-), operator(*)
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
@@ -13,15 +13,14 @@ module bw_growing_modes
 
 contains
 
-  pure subroutine find_overflow(beta_squared, q, q_dot, shapes, grid, limit, velocity_limit, samples, failing)
+  pure subroutine find_overflow(beta_squared, q, q_dot, shapes, grid, limits, samples, failing)
     !! How many samples of the sum of growing modes are, at every point, no larger than given limits. Each moves as
     !! Φ·½(q + q̇/|β|)e^(|β|t), and a part that decays.
     type(dd), intent(in) :: beta_squared(:)      !! β² ≤ 0, (modes)
     real(dp), intent(in) :: q(:), q_dot(:)       !! modal displacements and velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)         !! Φ(ξ_p), (modes, points)
     type(time_grid), intent(in) :: grid
-    real(dp), intent(in) :: limit                !! logarithm of the largest displacement
-    real(dp), intent(in), optional :: velocity_limit   !! the same for the velocity; absent: none is asked for
+    real(dp), intent(in) :: limits(:)            !! logarithms of the largest displacement and, if asked for, velocity
     integer, intent(out) :: samples              !! all where none is larger
     integer, intent(out) :: failing              !! the mode that is largest at the first sample beyond; 0: none
     type(dd) :: root(size(q))
@@ -61,8 +60,8 @@ contains
       real(dp), dimension(size(grows)) :: exponent, level
       exponent = rate(grows)*time(sample)
       level = start(grows) + exponent
-      excess = max(maxval(exponent) - largest_exponent, log_of_sum(level - log(rate(grows))) - limit)
-      if (present(velocity_limit)) excess = max(excess, log_of_sum(level) - velocity_limit)
+      excess = max(maxval(exponent) - largest_exponent, log_of_sum(level - log(rate(grows))) - limits(1))
+      if (size(limits) > 1) excess = max(excess, log_of_sum(level) - limits(2))
     end function excess
 
   end subroutine find_overflow
@@ -74,22 +73,19 @@ contains
     log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
   end function log_of_sum
 
-  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity, first)
-    !! Adds one mode's motion to the samples up to number `samples`.
+  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
+    !! Adds one mode's motion to some of the samples.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: q, q_dot
     real(dp), intent(in) :: shapes(:)
     type(time_grid), intent(in) :: grid
-    integer, intent(in) :: samples               !! at most those of `find_overflow`
+    integer, intent(in) :: samples(2)            !! first and last, at most the last of `find_overflow`
     real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
     real(dp), intent(inout), optional :: velocity(:, :)
-    integer, intent(in), optional :: first       !! sample, from 1; absent: of all
     type(dd) :: rate, time, x
-    integer :: j, begin
+    integer :: j
     rate = sqrt(-beta_squared)
-    begin = 1
-    if (present(first)) begin = first
-    do j = begin, samples
+    do j = samples(1), samples(2)
       time = grid%step*real(j - 1, dp)
       x = rate*time
       displacement(j, :) = displacement(j, :) + displacement_at(x, time%hi, rate%hi, q, q_dot, shapes)

@@ -11,8 +11,8 @@ module bw_modal_sum
   use bw_double_double, only: dd, dd_pi, sqrt, operator(*), operator(/)
   use bw_monitor, only: monitor_type, part_monitor
   use bw_time_grid, only: time_grid
-  use bw_turn_table, only: turn_table
   use bw_lapack, only: dgemm
+  use bw_turn, only: turn_table
   implicit none (type, external)
   private
   public :: add_stable_modes, block_length

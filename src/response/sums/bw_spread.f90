@@ -6,7 +6,7 @@ module bw_spread
   private
   public :: spread_modes, rows_of
 
-  integer, parameter :: few = 8              !! tuned: modes whose weights are made before any is put to use
+  integer, parameter :: group = 8             !! tuned: modes whose weights are made before any is put to use
 
 contains
 
@@ -19,16 +19,16 @@ contains
   pure subroutine spread_modes(kernel, first, offset, coefficients, grid)
     !! Adds every mode, times its coefficients and the kernel around its frequency, to the grids.
     type(spreading_kernel), intent(in) :: kernel
-    integer, intent(in) :: first(:)
+    integer, intent(in), contiguous :: first(:)
       !! place, from 1, of the first grid point that a mode reaches, (modes)
     real(dp), intent(in) :: offset(:)
       !! where in the spacing left of the middle of those points it lies, 0 … 1, (modes)
     real(dp), intent(in), contiguous :: coefficients(:, :)   !! (modes, grids)
     real(dp), intent(inout), contiguous :: grid(:, :)        !! (grid points, grids)
-    real(dp) :: place(few), weights(vector, few)
-    integer :: b, cell(few), k, n
-    do k = 0, size(first) - 1, few
-      n = min(few, size(first) - k)
+    real(dp) :: place(group), weights(vector, group)
+    integer :: b, cell(group), k, n
+    do k = 0, size(first) - 1, group
+      n = min(group, size(first) - k)
       cell(:n) = min(cells, int(offset(k + 1:k + n)*cells) + 1)
       place(:n) = 2.0_dp*(offset(k + 1:k + n)*cells - (cell(:n) - 1)) - 1.0_dp
       do b = 1, rows_of(kernel%width)/vector
@@ -37,7 +37,7 @@ contains
         else
           call high_weights(kernel%table(:, :, :, b), n, cell, place, weights)
         end if
-        call spread_few(n, weights, k, size(first), first, (b - 1)*vector, size(grid, 2), coefficients, size(grid, 1), grid)
+        call spread_group(n, weights, k, first, (b - 1)*vector, coefficients, grid)
       end do
     end do
   end subroutine spread_modes
@@ -49,7 +49,7 @@ contains
     real(dp), intent(in) :: t(vector, 0:low_degree, cells)           !! of the kernel
     integer, intent(in) :: n, cell(n)
     real(dp), intent(in) :: x(n)                                     !! place in the cell, −1 … 1
-    real(dp), intent(inout) :: weights(vector, few)
+    real(dp), intent(inout) :: weights(vector, group)
     integer :: c, i, k
     do k = 1, n
       c = cell(k)
@@ -65,7 +65,7 @@ contains
     real(dp), intent(in) :: t(vector, 0:high_degree, cells)
     integer, intent(in) :: n, cell(n)
     real(dp), intent(in) :: x(n)
-    real(dp), intent(inout) :: weights(vector, few)
+    real(dp), intent(inout) :: weights(vector, group)
     integer :: c, i, k
     do k = 1, n
       c = cell(k)
@@ -77,19 +77,19 @@ contains
     end do
   end subroutine high_weights
 
-  pure subroutine spread_few(n, weights, done, modes, first, beyond, grids, coefficients, points, grid)
+  pure subroutine spread_group(n, weights, done, first, beyond, coefficients, grid)
     !! One vector of the weights of the next `n` modes is put to use.
     integer, intent(in) :: n
-    real(dp), intent(in) :: weights(vector, few)
+    real(dp), intent(in) :: weights(vector, group)
     integer, intent(in) :: done                                      !! modes before them
-    integer, intent(in) :: modes, first(modes), grids, points
+    integer, intent(in), contiguous :: first(:)                      !! of all modes, as in `spread_modes`
     integer, intent(in) :: beyond                                    !! grid points before this vector
-    real(dp), intent(in) :: coefficients(modes, grids)
-    real(dp), intent(inout) :: grid(points, grids)
+    real(dp), intent(in), contiguous :: coefficients(:, :)
+    real(dp), intent(inout), contiguous :: grid(:, :)
     real(dp) :: coefficient
     integer :: i, k, low, p
     do k = 1, n
-      do p = 1, grids
+      do p = 1, size(grid, 2)
         coefficient = coefficients(done + k, p)
         low = first(done + k) + beyond - 1
         !GCC$ unroll 1
@@ -98,6 +98,6 @@ contains
         end do
       end do
     end do
-  end subroutine spread_few
+  end subroutine spread_group
 
 end module bw_spread

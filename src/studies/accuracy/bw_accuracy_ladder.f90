@@ -12,7 +12,7 @@ module bw_accuracy_ladder
   use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
     rung_measured, rung_out_of_reach, rung_too_long, rung_type
-  use bw_record_stretch, only: record_stretch
+  use bw_case_modes, only: record_stretch
   use bw_refined_root, only: is_coarse
   use bw_root_list, only: root_values, solve_roots
   use bw_rotation, only: acts_in_plane, dimensionless_speed

@@ -2,16 +2,15 @@ module bw_converged
   !! A run so fine that the errors of others can be measured against it, and how far it can be trusted: by its own
   !! estimate, and where modes have a closed form, by a direct sum in extended precision at some samples. test_bw_converged
   !! compares it with residues summed in 45 digits.
-  use bw_kept_work, only: kept_work
-  use bw_kinds, only: dp
   use bw_case_result, only: case_done, case_not_converged, case_result
   use bw_direct_motion, only: sum_directly
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
+  use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: plan_case, run_case
+  use bw_one_case, only: case_cache, plan_case, run_case
   use bw_result_layout, only: layout_of
   use bw_scene, only: changes_shapes, scene_type
   use bw_scene_variant, only: with_tolerance
@@ -88,7 +87,7 @@ contains
     real(dp), intent(out) :: seconds            !! of the processor, which other work on the machine changes least
     logical, intent(out) :: whole               !! false where the monitor asked to stop
     type(error_type), allocatable, intent(out) :: error
-    type(kept_work) :: cache
+    type(case_cache) :: cache
     type(stopwatch) :: watch
     integer :: count
     real(dp) :: began, ended

@@ -1,4 +1,4 @@
-module bw_held_modes
+module bw_contact_modes
   !! Modes of the beam with a mass that is pressed against its tip: the n modes of the beam alone under v_tip = y, mass
   !! matrix M + m_jφφᵀ, stiffness that of the beam alone.
   !!
@@ -14,9 +14,9 @@ module bw_held_modes
   use bw_oscillators, only: oscillators, weighted_sum
   implicit none (type, external)
   private
-  public :: held_modes
+  public :: find_contact_modes
 
-  type, extends(mode_set), public :: held_set
+  type, extends(mode_set), public :: contact_set
     class(mode_set), allocatable :: free       !! modes of the beam alone
     type(oscillators) :: parts                 !! these modes in binary128
     real(qp), allocatable :: mixing(:, :)      !! how much of each mode of the beam alone is in a mode, (free modes, modes)
@@ -24,19 +24,19 @@ module bw_held_modes
     real(qp), allocatable :: onto(:, :)        !! weights of a state's projection: MΦ/M̄, m_jΦ_k(1)/M̄, (free modes + 1, modes)
     type(weighted_sum) :: force                !! what presses the mass against the tip (see `force_of`)
   contains
-    procedure :: some_shapes => held_shapes
-    procedure :: overlap_with_mass => held_overlap_with_mass
-    procedure :: overlap_of_beam => held_overlap_of_beam
-    procedure :: elastic => held_elastic
-  end type held_set
+    procedure :: some_shapes => contact_shapes
+    procedure :: overlap_with_mass => contact_overlap_with_mass
+    procedure :: overlap_of_beam => contact_overlap_of_beam
+    procedure :: elastic => contact_elastic
+  end type contact_set
 
 contains
 
-  subroutine held_modes(free, motion, held, monitor)
+  subroutine find_contact_modes(free, motion, modes, monitor)
     !! All modes that the beam's own allow.
     class(mode_set), intent(in) :: free        !! of the beam alone
     type(contact_motion), intent(in) :: motion !! of that beam and the mass
-    type(held_set), intent(out) :: held
+    type(contact_set), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     real(qp), dimension(free%count) :: pole, weight, inertia, mixed
     real(qp) :: gamma, scale, mass
@@ -44,73 +44,73 @@ contains
     n = free%count
     gamma = motion%inertia(n + 1)
     inertia = motion%inertia(:n)
-    allocate (held%free, source=free)
-    held%count = n
-    held%gamma = real(gamma, dp)
-    allocate (held%mixing(n, n), held%onto(n + 1, n), held%tip_in_full(n), held%modal_mass(n), held%parts%square(n))
+    allocate (modes%free, source=free)
+    modes%count = n
+    modes%gamma = real(gamma, dp)
+    allocate (modes%mixing(n, n), modes%onto(n + 1, n), modes%tip_in_full(n), modes%modal_mass(n), modes%parts%square(n))
     pole = 1.0_qp/(motion%parts%square(:n) + motion%omega**2)
     weight = motion%gap%a(:n)**2*pole/inertia
     do k = 1, n
       if (stops(monitor)) return
-      call find_distances(pole, weight, 1.0_qp/gamma, k, mixed, held%parts%square(k))
-      held%parts%square(k) = 1.0_qp/held%parts%square(k) - motion%omega**2
+      call find_distances(pole, weight, 1.0_qp/gamma, k, mixed, modes%parts%square(k))
+      modes%parts%square(k) = 1.0_qp/modes%parts%square(k) - motion%omega**2
       mixed = motion%gap%a(:n)*pole/mixed/inertia
       scale = merge(-1.0_qp, 1.0_qp, mod(k, 2) == 0)/sqrt(sum(inertia*mixed**2))
-      held%mixing(:, k) = scale*mixed
-      held%tip_in_full(k) = -scale/gamma       ! by the secular equation: the sum itself would cancel
-      mass = 1.0_qp + gamma*held%tip_in_full(k)**2
-      held%onto(:, k) = [inertia*held%mixing(:, k), gamma*held%tip_in_full(k)]/mass
-      held%modal_mass(k) = real(mass, dp)
+      modes%mixing(:, k) = scale*mixed
+      modes%tip_in_full(k) = -scale/gamma       ! by the secular equation: the sum itself would cancel
+      mass = 1.0_qp + gamma*modes%tip_in_full(k)**2
+      modes%onto(:, k) = [inertia*modes%mixing(:, k), gamma*modes%tip_in_full(k)]/mass
+      modes%modal_mass(k) = real(mass, dp)
     end do
-    held%tip = real(held%tip_in_full, dp)
-    call find_damping(motion, held)
-    call find_errors(motion, held)
-    held%force = force_of(motion, held)
-  end subroutine held_modes
+    modes%tip = real(modes%tip_in_full, dp)
+    call find_damping(motion, modes)
+    call find_errors(motion, modes)
+    modes%force = force_of(motion, modes)
+  end subroutine find_contact_modes
 
-  pure subroutine find_damping(motion, held)
+  pure subroutine find_damping(motion, modes)
     !! The diagonal of what damps them.
     type(contact_motion), intent(in) :: motion
-    type(held_set), intent(inout) :: held
+    type(contact_set), intent(inout) :: modes
     integer :: k, n
-    n = held%count
-    held%beta_squared = to_dd(held%parts%square)
-    allocate (held%parts%c(n))
+    n = modes%count
+    modes%beta_squared = to_dd(modes%parts%square)
+    allocate (modes%parts%c(n))
     do k = 1, n
-      held%parts%c(k) = sum(motion%parts%c(:n)*held%onto(:n, k)*held%mixing(:, k))
+      modes%parts%c(k) = sum(motion%parts%c(:n)*modes%onto(:n, k)*modes%mixing(:, k))
     end do
-    if (allocated(held%free%damping)) held%damping = real(held%parts%c, dp)
-    call held%parts%ready()
+    if (allocated(modes%free%damping)) modes%damping = real(modes%parts%c, dp)
+    call modes%parts%ready()
   end subroutine find_damping
 
-  pure subroutine find_errors(motion, held)
+  pure subroutine find_errors(motion, modes)
     !! By which β² and c may be off where those of the beam alone are, and its modal masses.
     type(contact_motion), intent(in) :: motion
-    type(held_set), intent(inout) :: held
-    real(dp), dimension(held%count) :: share, stiffness
+    type(contact_set), intent(inout) :: modes
+    real(dp), dimension(modes%count) :: share, stiffness
     integer :: k, n
-    n = held%count
+    n = modes%count
     stiffness = real(motion%parts%square(:n) + motion%omega**2, dp)
-    allocate (held%parts%square_error(n), held%parts%c_error(n))
+    allocate (modes%parts%square_error(n), modes%parts%c_error(n))
     do k = 1, n
-      share = real(held%onto(:n, k)*held%mixing(:, k), dp)
-      held%parts%square_error(k) = sum(share*(motion%parts%square_error(:n) + motion%inertia_error(:n)*stiffness))
-      held%parts%c_error(k) = sum(share*(motion%parts%c_error(:n) + motion%inertia_error(:n)*real(motion%parts%c(:n), dp)))
+      share = real(modes%onto(:n, k)*modes%mixing(:, k), dp)
+      modes%parts%square_error(k) = sum(share*(motion%parts%square_error(:n) + motion%inertia_error(:n)*stiffness))
+      modes%parts%c_error(k) = sum(share*(motion%parts%c_error(:n) + motion%inertia_error(:n)*real(motion%parts%c(:n), dp)))
     end do
   end subroutine find_errors
 
-  pure type(weighted_sum) function force_of(motion, held) result(force)
+  pure type(weighted_sum) function force_of(motion, modes) result(force)
     !! What presses the mass against the tip, positive while it does: the acceleration with which the gap would close,
-    !! −φᵀ(q̈ of the beam alone) + ω²y: the force between them times 1/m_j + Σφ_i(1)²/M_i. Where they are damped, and the held
+    !! −φᵀ(q̈ of the beam alone) + ω²y: the force between them times 1/m_j + Σφ_i(1)²/M_i. Where they are damped, and the modes
     !! modes are taken as uncoupled, only this tells when the gap really opens.
     type(contact_motion), intent(in) :: motion
-    type(held_set), intent(in) :: held
+    type(contact_set), intent(in) :: modes
     integer :: k, n
-    n = held%count
+    n = modes%count
     allocate (force%a(n), force%b(n))
     do k = 1, n
-      force%b(k) = sum(motion%gap%a(:n)*motion%parts%c(:n)*held%mixing(:, k))
-      force%a(k) = sum(motion%gap%a(:n)*motion%parts%square(:n)*held%mixing(:, k)) + motion%omega**2*held%tip_in_full(k)
+      force%b(k) = sum(motion%gap%a(:n)*motion%parts%c(:n)*modes%mixing(:, k))
+      force%a(k) = sum(motion%gap%a(:n)*motion%parts%square(:n)*modes%mixing(:, k)) + motion%omega**2*modes%tip_in_full(k)
     end do
   end function force_of
 
@@ -172,38 +172,38 @@ contains
     end do
   end subroutine find_offset
 
-  pure function held_shapes(self, first, last, xi) result(values)
-    class(held_set), intent(in) :: self
+  pure function contact_shapes(self, first, last, xi) result(values)
+    class(contact_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
     values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_shapes(1, self%free%count, xi))
-  end function held_shapes
+  end function contact_shapes
 
-  function held_overlap_of_beam(self, from, amplitude, monitor) result(sums)
-    class(held_set), intent(in) :: self
+  function contact_overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     sums = matmul(self%free%overlap_of_beam(from, amplitude, monitor), real(self%mixing, dp))
-  end function held_overlap_of_beam
+  end function contact_overlap_of_beam
 
-  function held_overlap_with_mass(self, from, amplitude, monitor) result(sums)
-    class(held_set), intent(in) :: self
+  function contact_overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     sums = self%overlap_of_beam(from, amplitude, monitor) &
       + self%gamma*self%tip*dot_product(from%tip(:size(amplitude)), amplitude)
-  end function held_overlap_with_mass
+  end function contact_overlap_with_mass
 
-  pure function held_elastic(self) result(squares)
-    class(held_set), intent(in) :: self
+  pure function contact_elastic(self) result(squares)
+    class(contact_set), intent(in) :: self
     type(dd) :: squares(self%count), free(self%free%count)
     free = self%free%elastic()
     squares = to_dd(matmul(self%free%modal_mass*free%hi, real(self%mixing, dp)**2)/self%modal_mass)
-  end function held_elastic
+  end function contact_elastic
 
-end module bw_held_modes
+end module bw_contact_modes
