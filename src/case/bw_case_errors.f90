@@ -14,7 +14,8 @@ module bw_case_errors
   use bw_mode_set, only: first_numbers, mode_set
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_release_error, only: amplitude_of, blow_reach, release_error, release_tail
+  use bw_reach, only: amplitude_of
+  use bw_release_error, only: blow_reach, release_error, release_tail
   use bw_response, only: response_type
   use bw_scene, only: scene_type
   use bw_segment, only: beam_in_contact, growth_error, move, segment_type

@@ -1,12 +1,12 @@
 module bw_reach
-  !! How far modes go that start with velocity 1: bounds of their displacement or velocity over a stretch of time.
+  !! How far modes go over a stretch of time, from velocity 1 or from any state: bounds of their displacement or velocity.
   use bw_double_double, only: dd, sqrt, operator(-)
   use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
   implicit none (type, external)
   private
-  public :: undamped_reaches, damped_reach, turns
+  public :: amplitude_of, damped_reach, turns, undamped_reaches
 
   real(dp), parameter :: furthest = 600.0_dp
     !! beyond it a history is near overflow; the estimate must not overflow itself
@@ -71,5 +71,32 @@ contains
     reach = min(stretch%end, 1.0_dp/max(slow%hi - fast, 1.0_dp/stretch%end))*left
     if (velocity) reach = max(abs(slow%hi)*reach, exp(fast*stretch%start))
   end function damped_reach
+
+  elemental real(dp) function amplitude_of(beta_squared, c, q, rate, stretch, velocity) result(amplitude)
+    !! The largest displacement or velocity of a mode over the stretch, or a little more.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c, q, rate
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(dd) :: root, slow
+    real(dp) :: swing
+    if (turns(beta_squared, c)) then
+      root = sqrt(turning_square(beta_squared, c))
+      slow = slow_exponent(beta_squared, c)
+      swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not come that far
+      if (velocity) then
+        amplitude = hypot(rate, (0.5_dp*c*abs(rate) + beta_squared%hi*abs(q))*swing)
+      else
+        amplitude = hypot(q, (abs(rate) + 0.5_dp*c*abs(q))*swing)
+      end if
+      amplitude = amplitude*exp(slow%hi*stretch%start)
+    else if (velocity) then
+      amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &
+        + abs(q*beta_squared%hi)*damped_reach(beta_squared, c, stretch, .false.)
+    else
+      amplitude = (abs(rate) + c*abs(q))*damped_reach(beta_squared, c, stretch, .false.) &
+        + abs(q)*damped_reach(beta_squared, c, stretch, .true.)
+    end if
+  end function amplitude_of
 
 end module bw_reach

@@ -10,19 +10,18 @@ module bw_release_error
   !! the release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do. Where there are
   !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_rest).
   use bw_coherence, only: combined, deviation_type, largest, stretch_type
-  use bw_double_double, only: dd, sqrt
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
-  use bw_modal_flow, only: slow_exponent, turning_square
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
-  use bw_reach, only: damped_reach, turns
+  use bw_reach, only: amplitude_of, turns
   use bw_release, only: tip_rest
   use bw_segment, only: move
   use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
   use bw_tip_rest, only: find_tip_rest
   implicit none (type, external)
   private
-  public :: amplitude_of, blow_reach, release_error, release_tail
+  public :: blow_reach, release_error, release_tail
 
   integer, parameter :: fewest = 256              !! modes of the better state
   integer, parameter :: most_more = 6000          !! at most so many more: the projection takes the square of their number
@@ -178,32 +177,5 @@ contains
     real(dp) :: weight(modes%count)
     weight = 1.0_dp
   end function every
-
-  elemental real(dp) function amplitude_of(beta_squared, c, q, rate, stretch, velocity) result(amplitude)
-    !! The largest displacement or velocity of a mode over the stretch, or a little more.
-    type(dd), intent(in) :: beta_squared
-    real(dp), intent(in) :: c, q, rate
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
-    type(dd) :: root, slow
-    real(dp) :: swing
-    if (turns(beta_squared, c)) then
-      root = sqrt(turning_square(beta_squared, c))
-      slow = slow_exponent(beta_squared, c)
-      swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not come that far
-      if (velocity) then
-        amplitude = hypot(rate, (0.5_dp*c*abs(rate) + beta_squared%hi*abs(q))*swing)
-      else
-        amplitude = hypot(q, (abs(rate) + 0.5_dp*c*abs(q))*swing)
-      end if
-      amplitude = amplitude*exp(slow%hi*stretch%start)
-    else if (velocity) then
-      amplitude = abs(rate)*damped_reach(beta_squared, c, stretch, .true.) &
-        + abs(q*beta_squared%hi)*damped_reach(beta_squared, c, stretch, .false.)
-    else
-      amplitude = (abs(rate) + c*abs(q))*damped_reach(beta_squared, c, stretch, .false.) &
-        + abs(q)*damped_reach(beta_squared, c, stretch, .true.)
-    end if
-  end function amplitude_of
 
 end module bw_release_error
