@@ -131,7 +131,7 @@ contains
     logical :: whole
     call work%survey(0_i8, none, error)
     if (.not. allocated(error) .and. work%has_others()) call outcome%remark(work_taken_away)
-    call work%remove_others(error)
+    if (.not. allocated(error)) call work%remove_others(error)
     whole = .true.
     if (.not. allocated(error)) then
       call progress%begin(work%scene%name, 1_i8, 0_i8)

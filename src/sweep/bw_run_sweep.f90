@@ -37,7 +37,7 @@ contains
     character(:), allocatable :: table
     real(dp) :: began
     integer(i8) :: cases, saved, done                  ! in all; by an earlier run; now
-    if (group%leads()) call take_up(work, left, run, outcome, error)
+    if (group%leads()) call take_up(work, progress, left, run, outcome, error)
     call group%share(run)
     if (size(run) == 0) return
     call group%share(left)
@@ -68,10 +68,11 @@ contains
     end if
   end subroutine run_sweep
 
-  subroutine take_up(work, left, run, outcome, error)
+  subroutine take_up(work, progress, left, run, outcome, error)
     !! Find out what is left to do of unfinished work: the first step of the leader.
     !! **Errors**: a journal cannot be read, or work of another scene or version not be taken away.
     type(unfinished_work), intent(inout) :: work
+    class(progress_type), intent(inout) :: progress   !! may ask to stop
     integer(i4), allocatable, intent(out) :: left(:), run(:)    !! `run` is empty after an error
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
@@ -80,11 +81,11 @@ contains
     integer :: i, n
     allocate (done(work%layout%cases), source=0_i1)
     allocate (run(0))
-    call work%survey(case_length(fields_of(work%layout)), done, error)
+    call work%survey(case_length(fields_of(work%layout)), done, error, progress)
     if (.not. allocated(error) .and. work%has_others()) call outcome%remark(work_taken_away)
-    call work%remove_others(error)
-    if (work%damaged > 0) call outcome%remark(text_of(work%damaged)// &
-      ' finished cases of an earlier run were not as it had left them and are done again')
+    if (.not. allocated(error)) call work%remove_others(error)
+    if (work%damaged > 0) call outcome%remark('journals of an earlier run were '// &
+      'not as it had left them in '//text_of(work%damaged)//' places; the finished cases there are done again')
     if (allocated(error)) then
       call work%leave()
       return

@@ -16,6 +16,7 @@ module bw_time_estimate
   public :: estimated_seconds
 
   integer, parameter :: most_samples = 200
+  real(dp), parameter :: least_part = 0.02_dp       !! of a case, from which the whole can be told; else the model is asked
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
   real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
@@ -135,9 +136,9 @@ contains
     part = 1.0_dp
     if (whole) return
     associate (limit => self%limit)
-      if (limit%before > 0.0_dp .and. limit%fraction > limit%first) then   ! what comes before the histories is not a part of them
+      if (limit%before > 0.0_dp .and. limit%fraction > limit%first + least_part*(1.0_dp - limit%first)) then   ! what comes before the histories is not a part of them
         spent = (limit%before - began) + (ended - limit%before)*((1.0_dp - limit%first)/(limit%fraction - limit%first))
-      else if (limit%before <= 0.0_dp .and. limit%fraction > 0.0_dp) then
+      else if (limit%before <= 0.0_dp .and. limit%fraction > least_part) then
         part = limit%fraction
       else
         spent = max(2.0_dp*spent, case_seconds(self%one))

@@ -3,10 +3,12 @@ module bw_unfinished_work
   !! cases. Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or
   !! version whose place a run takes.
   use bw_checksum, only: word_sum, words_of_text
-  use bw_error, only: error_type
+  use bw_error, only: error_type, fail, status_stopped
+  use bw_file_lock, only: is_unique_name
   use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, files_in, remove_file
   use bw_journal_reader, only: journal_reader
   use bw_kinds, only: i1, i8
+  use bw_monitor, only: monitor_type, stops
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_not_there
@@ -36,16 +38,17 @@ module bw_unfinished_work
 
 contains
 
-  subroutine survey(self, count, done, error)
-    !! Read all journals, and find out which cases are finished.
-    !! **Errors**: one cannot be read.
+  subroutine survey(self, count, done, error, monitor)
+    !! Read all journals, and find out which cases are finished. Files that no run has named are not looked at.
+    !! **Errors**: one cannot be read; `status_stopped` where the monitor asks to stop.
     class(unfinished_work), intent(inout) :: self
     integer(i8), intent(in) :: count          !! numbers of a case
     integer(i1), intent(inout) :: done(:)     !! (cases), set to 1
     type(error_type), allocatable, intent(inout) :: error
+    class(monitor_type), intent(inout), optional :: monitor
     type(string), allocatable :: names(:)
     type(journal_reader) :: reader
-    logical :: is_others
+    logical :: is_others, is_readable
     integer :: problem, i
     self%damaged = 0
     if (allocated(self%own)) deallocate (self%own, self%others)
@@ -53,28 +56,48 @@ contains
     problem = files_in(self%path, journal_suffix, names)
     if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_read(error, self%path, problem)
     do i = 1, size(names)
+      if (.not. is_journal(names(i)%text)) cycle
       call reader%open(self%path//'/'//names(i)%text, error)
-      call self%read_journal(reader, count, done, is_others, error)
+      call self%read_journal(reader, count, done, is_others, is_readable, error, monitor)
       call reader%close()
       if (allocated(error)) return
       self%damaged = self%damaged + reader%damaged
-      if (is_others) call append(self%others, reader%path)
-      if (.not. is_others) call append(self%own, reader%path)
+      if (is_others) then
+        call append(self%others, reader%path)
+      else if (is_readable) then
+        call append(self%own, reader%path)
+      end if
     end do
   end subroutine survey
 
-  subroutine read_journal(self, reader, count, done, is_others, error)
+  pure logical function is_journal(name)
+    !! Whether a file has such a name as runs give to journals: one of their own, and the number of a process.
+    character(*), intent(in) :: name
+    integer :: last
+    last = index(name, '-', back=.true.) - 1
+    is_journal = last > 0
+    if (is_journal) is_journal = is_unique_name(name(:last))
+  end function is_journal
+
+  subroutine read_journal(self, reader, count, done, is_others, is_readable, error, monitor)
     !! Read all sound records of a journal.
     class(unfinished_work), intent(in) :: self
     type(journal_reader), intent(inout) :: reader
     integer(i8), intent(in) :: count
     integer(i1), intent(inout) :: done(:)
     logical, intent(out) :: is_others         !! it belongs to other work, and says so
+    logical, intent(out) :: is_readable       !! some of it is sound, or nothing was written yet
     type(error_type), allocatable, intent(inout) :: error
-    logical :: found
+    class(monitor_type), intent(inout), optional :: monitor
+    logical :: found, any_found
     is_others = .false.
+    any_found = .false.
     do
+      if (stops(monitor) .and. .not. allocated(error)) call fail(error, status_stopped, self%result// &
+        ': stopped while the cases of an earlier run were read; nothing is changed')
       call reader%next(found, error)
+      any_found = any_found .or. found
+      is_readable = any_found .or. reader%damaged == 0
       if (.not. found) return
       is_others = reader%work /= self%sum_of_identity()
       if (is_others) return

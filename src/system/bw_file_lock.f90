@@ -14,7 +14,7 @@ module bw_file_lock
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: draft_suffix, unique_name, is_locked_to_write
+  public :: draft_suffix, is_locked_to_write, is_unique_name, unique_name
 
   character(*), parameter :: draft_suffix = '.lock'
   integer, parameter :: attempts = 100       !! at a lock whose holder takes it away meanwhile, or its directory
@@ -43,6 +43,26 @@ contains
     call date_and_time(date, time)
     name = own_host()//'-'//text_of(bw_process())//'-'//date//'T'//time
   end function unique_name
+
+  pure logical function is_unique_name(name)
+    !! Whether a name is one that `unique_name` may have given to any process.
+    character(*), intent(in) :: name
+    character(*), parameter :: digits = '0123456789', form = '-00000000T000000.000'
+    integer :: start, i
+    start = len(name) - len(form)                      ! the letter before '-date'
+    is_unique_name = start > 2
+    if (.not. is_unique_name) return
+    do i = 1, len(form)
+      if (form(i:i) == '0') then
+        is_unique_name = is_unique_name .and. index(digits, name(start + i:start + i)) > 0
+      else
+        is_unique_name = is_unique_name .and. name(start + i:start + i) == form(i:i)
+      end if
+    end do
+    i = verify(name(:start), digits, back=.true.)      ! the '-' before the process
+    if (i < start .and. i > 1) is_unique_name = is_unique_name .and. name(i:i) == '-'
+    if (i == start .or. i <= 1) is_unique_name = .false.
+  end function is_unique_name
 
   function own_host() result(name)
     !! The name of this host.

@@ -4,7 +4,7 @@ module bw_files
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_null_char, c_ptr
   use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_kinds, only: i8
-  use bw_system_calls, only: bw_error_text, bw_flush_directory, bw_kind_of_error, bw_link, bw_list, bw_look_at, &
+  use bw_system_calls, only: bw_error_text, bw_flush_directory, bw_kind_of_error, bw_link, bw_list, bw_look_at, bw_look_at_itself, &
     bw_make_directory, bw_release, bw_remove, bw_remove_directory, bw_rename, error_not_there, is_directory
   use bw_text, only: append, string
   implicit none (type, external)
@@ -24,12 +24,20 @@ module bw_files
 
 contains
 
-  integer function look_at(path, state) result(problem)
+  integer function look_at(path, state, itself) result(problem)
     !! Find out what a path names; that nothing is there is no problem.
     character(*), intent(in) :: path
     type(path_state), intent(out) :: state
+    logical, intent(in), optional :: itself      !! a link is looked at, not what it leads to
     integer(c_int64_t) :: found(5)
-    problem = bw_look_at(path//c_null_char, found)
+    logical :: follows
+    follows = .true.
+    if (present(itself)) follows = .not. itself
+    if (follows) then
+      problem = bw_look_at(path//c_null_char, found)
+    else
+      problem = bw_look_at_itself(path//c_null_char, found)
+    end if
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
   end function look_at

@@ -68,6 +68,12 @@ module bw_system_calls
       character(c_char), intent(in) :: path(*)
       integer(c_int64_t), intent(out) :: state(5)
     end function bw_look_at
+    integer(c_int) function bw_look_at_itself(path, state) bind(c)
+      import :: c_char, c_int, c_int64_t
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+      integer(c_int64_t), intent(out) :: state(5)
+    end function bw_look_at_itself
     integer(c_int) function bw_look_at_open(descriptor, state) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)

@@ -3,10 +3,10 @@ module bw_work_directory
   !! the result its name. Whatever is written there has a name of its own, which no other process and no later run can have.
   use bw_descriptors, only: flush_path
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_file_lock, only: draft_of_lock => draft_suffix, file_lock, unique_name
+  use bw_file_lock, only: draft_of_lock => draft_suffix, file_lock, is_unique_name, unique_name
   use bw_files, only: cannot_be_written, directory_is_there, directory_of, files_in, flush_directory, link_file, look_at, &
-    path_state, remove_directory, remove_file, rename_file, same_file
-  use bw_system_calls, only: bw_kind_of_error, error_is_there, error_not_offered
+    make_directory, path_state, remove_directory, remove_file, rename_file, same_file
+  use bw_system_calls, only: bw_kind_of_error, error_is_there, error_not_offered, is_directory
   use bw_text, only: string
   implicit none (type, external)
   private
@@ -44,6 +44,15 @@ contains
     !! **Errors**: another run is at work, or the system refuses it.
     class(work_directory), intent(inout) :: self
     type(error_type), allocatable, intent(out) :: error
+    type(path_state) :: state
+    integer :: problem
+    problem = make_directory(self%path)
+    if (problem /= 0 .and. bw_kind_of_error(problem) /= error_is_there) call cannot_be_written(error, self%path, problem)
+    problem = look_at(self%path, state, itself=.true.)
+    if (problem == 0 .and. state%kind > 0 .and. state%kind /= is_directory .and. .not. allocated(error)) then
+      call fail(error, status_bad_file, self%path//': is no directory but a link or a file, which is left as it is; remove it')
+    end if
+    if (allocated(error)) return
     call self%lock%take(self%path//lock_name, error)
     if (.not. allocated(error)) call remove_all(self%path, draft_suffix)
   end subroutine begin
@@ -119,13 +128,15 @@ contains
   end subroutine clear
 
   subroutine remove_all(path, suffix)
-    !! Remove what has such a name, as far as that is possible.
+    !! Remove what has such a name as runs give, as far as that is possible; whatever else is there is not theirs.
     character(*), intent(in) :: path, suffix
     type(string), allocatable :: names(:)
     integer :: ignored, i
     ignored = files_in(path, suffix, names)
     do i = 1, size(names)
-      ignored = remove_file(path//'/'//names(i)%text)
+      associate (name => names(i)%text)
+        if (is_unique_name(name(:len(name) - len(suffix)))) ignored = remove_file(path//'/'//name)
+      end associate
     end do
   end subroutine remove_all
 

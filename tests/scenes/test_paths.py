@@ -100,6 +100,27 @@ def test_nothing_is_written_through_a_link_that_somebody_else_has_planted(inside
         assert inside.left("treasure") == []
 
 
+@pytest.mark.parametrize("sweeps", [[], [RATIOS]], ids=["single", "sweep"])
+@pytest.mark.parametrize("linked", [False, True], ids=["directory", "link"])
+def test_nothing_is_removed_that_no_run_has_made(inside, linked, sweeps):
+    """Where unfinished work would lie, there are files of somebody else, with the endings that the work has."""
+    inside.scene("a", FEW, *sweeps)
+    treasure = inside.directory / "treasure"
+    place = inside.directory / "output/a.partial"
+    place.parent.mkdir(exist_ok=True)
+    treasure.mkdir()
+    if linked:
+        place.symlink_to(treasure)
+    else:
+        place.mkdir()
+    names = ["a.nc", "b.journal", "c.lock", "d-1-20260101T000000.journal"]
+    for name in names:
+        (place / name).write_text("precious")
+    ended = inside.beamwave("run", "a.nml")
+    assert ended.returncode == (3 if linked else 0), ended.stderr
+    assert {name: (place / name).read_text() for name in names} == dict.fromkeys(names, "precious")
+
+
 @pytest.mark.parametrize("command", ["run", "accuracy", "effects"])
 @pytest.mark.parametrize("words", [["a\\b.nml"], ["a.nml", "--output=out\\put"]])
 def test_a_backslash_is_refused_before_any_work(inside, command, words):

@@ -40,7 +40,7 @@ def test_what_a_finished_run_left_of_itself_is_taken_away(here):
     partial = here.directory / "output/a.partial"
     here.run("a")
     partial.mkdir()
-    (partial / "result.nc").write_text("as far as it came")
+    (partial / "host-1-20260101T000000.000.nc").write_text("as far as it came")
     assert "nothing to do" in here.beamwave("run", "a.nml").stdout
     assert here.left() == ["a.nc"]
 
