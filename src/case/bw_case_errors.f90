@@ -5,7 +5,7 @@ module bw_case_errors
   use bw_case_histories, only: last_sample
   use bw_case_modes, only: largest_phase_error
   use bw_case_plan, only: captured_samples, force_of, stretch_after
-  use bw_case_result, only: case_done, case_events, case_histories, case_motion, case_not_converged, history_errors
+  use bw_case_result, only: case_done, case_histories, case_motion, case_not_converged, history_errors
   use bw_coherence, only: stretch_type
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_impact, only: continuum_velocity

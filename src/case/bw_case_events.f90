@@ -7,7 +7,6 @@ module bw_case_events
   use bw_case_plan, only: force_of
   use bw_case_result, only: case_diverged, case_events, case_ill_conditioned, case_modes, case_motion
   use bw_double_double, only: dd, operator(*)
-  use bw_event, only: event_type
   use bw_initial_state, only: continuum_initial_state, continuum_state, find_initial_state, initial_state, initial_state_cache
   use bw_kinds, only: dp, qp
   use bw_mode_set, only: first_numbers, mode_set

@@ -4,7 +4,7 @@ module bw_case_histories
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: out_of_reach
   use bw_case_plan, only: captured_samples, force_of
-  use bw_case_result, only: case_diverged, case_done, case_histories, case_motion, case_not_converged
+  use bw_case_result, only: case_diverged, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set

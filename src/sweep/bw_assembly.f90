@@ -10,7 +10,7 @@ module bw_assembly
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_sweep_table, only: sweep_table
-  use bw_text, only: append, string, text_of
+  use bw_text, only: string, text_of
   implicit none (type, external)
   private
 

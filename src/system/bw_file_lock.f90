@@ -50,7 +50,7 @@ contains
     character(*), parameter :: digits = '0123456789', form = '-00000000T000000.000'
     integer :: start, i
     start = len(name) - len(form)                      ! the letter before '-date'
-    is_unique_name = start > 2
+    is_unique_name = start > 1
     if (.not. is_unique_name) return
     do i = 1, len(form)
       if (form(i:i) == '0') then
@@ -60,8 +60,11 @@ contains
       end if
     end do
     i = verify(name(:start), digits, back=.true.)      ! the '-' before the process
-    if (i < start .and. i > 1) is_unique_name = is_unique_name .and. name(i:i) == '-'
-    if (i == start .or. i <= 1) is_unique_name = .false.
+    if (i < 1 .or. i == start) then
+      is_unique_name = .false.
+    else
+      is_unique_name = is_unique_name .and. name(i:i) == '-'
+    end if
   end function is_unique_name
 
   function own_host() result(name)

@@ -231,6 +231,7 @@ contains
   end subroutine add_modes
 
   pure subroutine add_amplitudes(moving, shapes, points, stretch, weight, sums)
+    !! Add how far modes that move may carry each point over a stretch of the record, one mode after the other.
     type(moving_modes), intent(in) :: moving
     real(dp), intent(in) :: shapes(:, :)          !! (modes, points)
     real(dp), intent(in) :: points(:)

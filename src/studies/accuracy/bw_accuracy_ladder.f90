@@ -7,7 +7,7 @@ module bw_accuracy_ladder
   use bw_error, only: error_type
   use bw_frequency_equation, only: root_type
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, missing
+  use bw_missing, only: is_missing
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &

@@ -4,7 +4,7 @@ module bw_effect_pairs
   !! the row's remark says.
   use bw_kinds, only: dp
   use bw_beam_units, only: beam_units, units_of
-  use bw_effect_list, only: effect_not_combined, effect_off, effect_on, effect_row
+  use bw_effect_list, only: effect_off, effect_on, effect_row
   use bw_frequency_equation, only: root_type, solve_root
   use bw_modes_par, only: by_tolerance
   use bw_scene, only: scene_type
