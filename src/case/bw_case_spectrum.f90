@@ -67,13 +67,17 @@ contains
     allocate (spectrum%measured)
     samples = size(response%displacement, 1)
     first = first_of_last(scene, motion)
-    if (first > 1) call append(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
+    if (first > samples) then
+      call append(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
+    else if (first > 1) then
+      call append(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
                                ' samples after the last event')
+    end if
     told%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
     told%length = scene%beam%length
     told%max_peaks = scene%spectrum%max_peaks
     told%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
-    if (status == case_done) call know_modes(scene, motion, told%known)
+    if (status == case_done .and. first <= samples) call know_modes(scene, motion, told%known)
     call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), told, &
                        spectrum%measured, monitor)
     if (monitor%stop_requested()) return
