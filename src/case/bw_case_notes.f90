@@ -1,12 +1,12 @@
 module bw_case_notes
   !! What a case warns of, beside its numbers: a note's words before its first colon are its kind.
-  use bw_beam_units, only: beam_units
+  use bw_beam_units, only: beam_units, in_joules
   use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan, mode_sources
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_galerkin_set, only: galerkin_set
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, scaled
+  use bw_missing, only: is_missing
   use bw_mode_choice, only: most_modes, most_released
   use bw_mode_set, only: mode_set
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
@@ -118,8 +118,8 @@ contains
     type(case_events), intent(inout) :: later
     character(:), allocatable :: text
     real(dp) :: joules(4)
-    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
-                    units%mass*scene%impact%approach_velocity**2)
+    joules = in_joules([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
+                       units, scene%impact%approach_velocity)
     if (is_missing(joules(1))) then
       call append(later%notes, 'energy of the release: too large for double precision')
       return
