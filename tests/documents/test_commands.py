@@ -3,7 +3,7 @@
 Each document starts from `~/beamwave` as `./run.sh` leaves it. Its shell blocks run in order in one shell, then its Python blocks.
 A block is run whole, or not at all: NOT_HERE names the commands whose blocks are left out, and the tests list them. Here the copy gets the
 programs of this build and the Python of this test. With BEAMWAVE_DOCUMENTS=all `./run.sh` builds in a clone, and blocks that build and
-install are run too (10 minutes, and the network).
+install are run too (20 minutes, and the network).
 """
 
 import os
@@ -44,14 +44,34 @@ def reason_to_leave_out(block):
     return None
 
 
+@pytest.fixture(scope="session")
+def clone(tmp_path_factory):
+    """A home with a clone in which `./run.sh` has built."""
+    home = tmp_path_factory.mktemp("home")
+    subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", PROJECT, home / "beamwave"], check=True)
+    run(home, "./run.sh")
+    return home
+
+
 @pytest.fixture
-def home(tmp_path, program, twin):
+def home(request):
     """A home whose folder `beamwave` is the tree as `./run.sh` leaves it."""
+    return request.getfixturevalue("emptied_clone" if ALL else "copy")
+
+
+@pytest.fixture
+def emptied_clone(clone):
+    """The clone, without what another document has left."""
+    for result in (clone / "beamwave/output").iterdir():
+        if result.name != "paper":
+            shutil.rmtree(result) if result.is_dir() else result.unlink()
+    return clone
+
+
+@pytest.fixture
+def copy(tmp_path, program, twin):
+    """A copy of the tree with programs and a Python that are there already."""
     tree = tmp_path / "beamwave"
-    if ALL:
-        subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", PROJECT, tree], check=True)
-        run(tmp_path, "bash", "-euc", "./run.sh")
-        return tmp_path
     left_out = {".git", "build", ".venv", "output"}
     shutil.copytree(PROJECT, tree, ignore=lambda folder, names: left_out & set(names) if Path(folder) == PROJECT else set())
     (tree / "build/bin").mkdir(parents=True)
@@ -66,7 +86,8 @@ def run(home, *command):
     """Run a command in the tree as a user would who has called `./run.sh`; return what it says."""
     own = {"VIRTUAL_ENV", "BEAMWAVE", "PYTHONPATH"}
     kept = {name: value for name, value in os.environ.items() if name not in own}
-    path = [folder for folder in kept["PATH"].split(os.pathsep) if folder != str(Path(sys.executable).parent) or folder == "/usr/bin"]
+    bins = {str(Path(sys.prefix) / "bin")} - {"/usr/bin", "/usr/local/bin"}  # a virtual environment that ctest was called in
+    path = [folder for folder in kept["PATH"].split(os.pathsep) if folder not in bins]
     cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))  # of fonts, which takes matplotlib seconds to make
     environment = {**kept, **MPI_ON_FEW_CORES, "HOME": str(home), "PATH": os.pathsep.join(path), "XDG_CACHE_HOME": cache}
     options = {"cwd": home / "beamwave", "env": environment, "stdin": subprocess.DEVNULL, "timeout": SECONDS}

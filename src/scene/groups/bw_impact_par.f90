@@ -33,7 +33,7 @@ module bw_impact_par
     input_name('impact', 'mass_ratio', real_input, '1', not_negative, swept=.true., excludes='mass', &
                meaning='mass over the mass of the beam'), &
     input_name('impact', 'approach_velocity', real_input, 'm s-1', any_number, '1', swept=.true., &
-               meaning='velocity of the mass before the impact, in the rotating frame'), &
+               meaning='velocity of the mass at the impact, in the rotating frame'), &
     input_name('impact', 'restitution', real_input, '1', unit_interval, '0', swept=.true., &
                meaning='coefficient of restitution'), &
     input_name('impact', 'profile_points', integer_input, '1', number_range(2.0_dp, 1e6_dp), '201', &

@@ -35,7 +35,7 @@ module bw_sweep_par
     input_name('sweep', 'count', integer_input, '1', number_range(2.0_dp, real(most_values, dp)), excludes='values', &
                meaning='how many values, both ends included'), &
     input_name('sweep', 'spacing', text_input, default="'linear'", words='linear log', excludes='values', &
-               meaning='steps of equal difference, or of equal ratio between values > 0')]
+               meaning='steps of equal difference, or equal ratio between values > 0')]
 
   character(*), parameter :: range_names(*) = [character(5) :: 'first', 'last', 'count']
 
