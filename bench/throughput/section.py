@@ -61,7 +61,7 @@ def predictions(rows: list[dict[str, Any]]) -> str:
         ratios = [row["memory_ratio"], row["size_ratio"]]
         lines.append([row["scene"], *(f"{number:g}" for number in numbers), *(f"{ratio:.2g}" for ratio in ratios)])
     return (
-        "What `beamwave check` foretells, over what the run then takes: time (on an idle core, with start-up), memory and size of the "
+        "What `beamwave check` expects, over what the run then takes: time (on an idle core, with start-up), memory and size of the "
         "file. On busy cores only the CPU seconds mean something.\n\n"
         + table(lines)
     )

@@ -40,7 +40,7 @@ module bw_modes_par
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
-               excludes='before after', meaning='largest error of the displacement over its peak; it sets the counts')]
+               excludes='before after', meaning='largest error of the displacement over its peak; sets the counts')]
 
 contains
 
