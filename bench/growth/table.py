@@ -27,7 +27,7 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rounds = max(row["runs"] for row in measured["rows"])
     words = WORDS.format(rounds=rounds, largest=LARGEST, picture=picture)
-    return "\n\n".join([words.strip(), measured_with(measured["machine"]), slopes(measured["rows"]), details(measured["rows"])])
+    return "\n\n".join([words.strip(), measured_with(measured["machine"]), slopes(measured["rows"]), "Every size:", details(measured["rows"])])
 
 
 def slopes(rows: list[dict[str, Any]]) -> str:

@@ -32,7 +32,7 @@ def section(measured: dict[str, Any], picture: str) -> str:
     rounds = max(row.get("runs", 1) for row in measured["rows"])
     words = WORDS.format(**measured["problem"], reference=measured["reference"], rounds=rounds, picture=picture)
     return "\n\n".join(
-        [words.strip(), measured_with(measured["machine"]), summary(measured["rows"]), details(measured["rows"])]
+        [words.strip(), measured_with(measured["machine"]), summary(measured["rows"]), "Every size that was run:", details(measured["rows"])]
     )
 
 

@@ -42,7 +42,7 @@ def rates(rows: list[dict[str, Any]]) -> str:
 
 def ranks(rows: list[dict[str, Any]]) -> str:
     one = rows[0]["wall"]
-    lines = [["processes", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
+    lines = [["processes", "cases", "start-up, s", "wall, s", "CPU, s", "wall over that of one process"]]
     for row in rows:
         numbers = [row["ranks"], row["cases"], row["start_wall"], row["wall"], row["cpu"], f"{row['wall'] / one:.2f}"]
         lines.append([str(number) for number in numbers])
