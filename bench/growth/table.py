@@ -27,7 +27,8 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rounds = max(row["runs"] for row in measured["rows"])
     words = WORDS.format(rounds=rounds, largest=LARGEST, picture=picture)
-    return "\n\n".join([words.strip(), measured_with(measured["machine"]), slopes(measured["rows"]), "Every size:", details(measured["rows"])])
+    about, rows = measured_with(measured["machine"]), measured["rows"]
+    return "\n\n".join([words.strip(), about, slopes(rows), "Every size:", details(rows)])
 
 
 def slopes(rows: list[dict[str, Any]]) -> str:

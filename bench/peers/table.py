@@ -31,9 +31,8 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rounds = max(row.get("runs", 1) for row in measured["rows"])
     words = WORDS.format(**measured["problem"], reference=measured["reference"], rounds=rounds, picture=picture)
-    return "\n\n".join(
-        [words.strip(), measured_with(measured["machine"]), summary(measured["rows"]), "Every size that was run:", details(measured["rows"])]
-    )
+    about, rows = measured_with(measured["machine"]), measured["rows"]
+    return "\n\n".join([words.strip(), about, summary(rows), "Every size that was run:", details(rows)])
 
 
 def summary(rows: list[dict[str, Any]]) -> str:
