@@ -147,18 +147,15 @@ contains
     type(beam_units), intent(in) :: units
     type(contacts_type), intent(in) :: contacts
     type(case_events), intent(inout) :: later
-    character(:), allocatable :: from_then_on
-    from_then_on = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
-      ' s on: the histories hold fill from there, and no later contact is given'
     if (contacts%cut) call append(later%notes, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
       ' contacts of max_contacts; what comes after the last is the motion without another')
     if (contacts%lasting) call append(later%notes, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call append(later%notes, &
-      'recontact: the motion grows out of the range of numbers'//from_then_on)
+      'recontact: the motion grows out of the range of numbers'//from_then_on())
     if (later%ending == case_ill_conditioned) call append(later%notes, &
       'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
-      'of the motion'//from_then_on)
+      'of the motion'//from_then_on())
     if (contacts%amplification > noteworthy) call append(later%notes, &
       'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
       'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
@@ -166,6 +163,13 @@ contains
       'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
     if (size(contacts%events) == 0 .and. later%ending == case_done) call append(later%notes, &
       'recontact: the mass does not come back within the record')
+  contains
+    pure function from_then_on() result(text)
+      !! From when on nothing is known.
+      character(:), allocatable :: text
+      text = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
+        ' s on: the histories hold fill from there, and no later contact is given'
+    end function from_then_on
   end subroutine note_contacts
 
   pure function out_of_reach(scene, sources, plan) result(text)
