@@ -146,8 +146,10 @@ contains
     type(dd) :: beta(size(number))
     real(dp) :: drive(size(number)), shapes(size(number), size(points))
     call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
-    moving = moving_modes(undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive), pi*number, abs(drive), &
-                          beta%hi > 0.0_dp)
+    moving%reach = undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive)
+    moving%alpha = pi*number
+    moving%tip = abs(drive)
+    moving%swings = beta%hi > 0.0_dp
     call add_amplitudes(moving, shapes, points, stretch, weight, sums)
   end subroutine add_terms
 
