@@ -158,20 +158,28 @@ contains
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    type(shape_type) :: shape(batch)
-    integer :: k, n, p
     if (size(values, 1) == self%count .and. self%known%is_of(xi)) then
       values = self%known%values
-      return
+    else
+      values = shapes_of_roots(self%root(first:last), xi)
     end if
-    do k = 1, size(values, 1), batch
-      n = min(batch, size(values, 1) - k + 1)
-      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
+  end function closed_form_shapes
+
+  pure function shapes_of_roots(root, xi) result(values)
+    !! Φ_k(ξ) of the modes that belong to roots.
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(size(root), size(xi))
+    type(shape_type) :: shape(min(batch, size(root)))
+    integer :: k, n, p
+    do k = 1, size(root), batch
+      n = min(batch, size(root) - k + 1)
+      shape(:n) = shapes_of(root(k:k + n - 1))
       do p = 1, size(xi)
         values(k:k + n - 1, p) = shape_values(shape(:n), xi(p))
       end do
     end do
-  end function closed_form_shapes
+  end function shapes_of_roots
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
