@@ -25,7 +25,7 @@ ROUNDS = 3
 RANKS = [  # with little, more and much work for each number that a case has
     Job("ranks", "frequencies and wave velocities of 20 modes", modes=20, cases=100_000),
     Job("ranks", "histories of 4096 samples at two points, 40 modes", modes=40, cases=10_000, samples=4096),
-    Job("ranks", "the same of a beam that tension stiffens", modes=40, cases=300, samples=4096, more="&stiffening /\n"),
+    Job("ranks", "the same of a beam that tension stiffens", modes=40, cases=600, samples=4096, more="&stiffening /\n"),
 ]
 TINY = Job("tiny", "one mode", modes=1, cases=0)
 CASES = [1_000, 10_000, 100_000]
