@@ -51,4 +51,4 @@ def costs(rows: list[dict[str, Any]]) -> str:
 
 def times(value: float | None, beside: float | None) -> str:
     """A ratio; a dash where one of the two is not known."""
-    return f"{value / beside:.2g}" if value and beside else "–"
+    return f"{float(f'{value / beside:.2g}'):g}" if value and beside else "–"

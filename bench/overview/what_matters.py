@@ -104,12 +104,13 @@ def sweeps(data: dict[str, Any]) -> str:
     """Cases per second beside a loop in numpy, and what a second process brings."""
     said = [f"{grouped(round(1 / row['beamwave']))} with {kind} ({row['numpy loop'] / row['beamwave']:.0f})"
             for row, kind in zip(data["rows"]["rows"], ("frequencies", "histories", "spectra"))]  # fmt: skip
-    two = data["ranks"]["rows"][-1]
-    wall = two["wall"] / data["ranks"]["rows"][0]["wall"]
+    ranks = data["ranks"]["rows"]
+    parts = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
     return (
         "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), and so many times those of a loop in numpy: "
         + ", ".join(said)
-        + f". {two['ranks']} processes take {wall:.2f} of the time of one."
+        + f". Two processes take {parts[-1]} of the time of one where a case takes milliseconds, "
+        f"{' and '.join(parts[:-1])} where it takes no longer than putting it into the result does."
     )
 
 

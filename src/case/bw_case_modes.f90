@@ -115,6 +115,7 @@ contains
       allocate (found)
       found = source_in_closed_form(gamma, omega)
       if (present(cache)) found%cache => cache%closed_form
+      if (allocated(scene%response)) found%points = scene%response%points
       call move_alloc(found, source)
     end subroutine make_source
   end subroutine find_closed_form

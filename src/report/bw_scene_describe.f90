@@ -4,7 +4,7 @@ module bw_scene_describe
   use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
                            range_text
   use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group
-  use bw_text, only: lower, text_builder
+  use bw_text, only: lower, shortened, text_builder
   implicit none (type, external)
   private
   public :: describe_text
@@ -53,7 +53,7 @@ contains
     if (index(name, '&') == 1) name = name(2:)
     if (name /= '' .and. group_row(name) == 0) then
       text = ''
-      call fail(error, status_bad_input, "'"//name//"' "//unknown_group(name))
+      call fail(error, status_bad_input, "'"//shortened(name)//"' "//unknown_group(name))
       return
     end if
     if (name == '') call put_opening(builder)

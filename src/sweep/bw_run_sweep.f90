@@ -197,7 +197,7 @@ contains
       allocate (found(work%layout%cases), source=0_i1)
       call work%survey(case_length(fields_of(work%layout)), found, unreadable)
       text = outcome%file//': '//text_of(count(found /= 0))//' of '//text_of(work%layout%cases)//' cases are saved; '
-      if (any(found /= 0)) text = text//'the same command goes on from there'
+      if (any(found /= 0)) text = text//'the same command'//in_the_way(work)//' goes on from there'
       if (all(found == 0)) text = text//'the same command begins anew'
       if (allocated(unreadable)) text = unreadable%message
       error%message = error%message//new_line('a')//text
@@ -206,6 +206,16 @@ contains
     end if
     call work%leave()
   end subroutine leave_for_later
+
+  function in_the_way(work) result(option)
+    !! The option that the command needs beside its own, as somebody else's result lies where the work's is to be.
+    type(unfinished_work), intent(in) :: work
+    character(:), allocatable :: option
+    type(path_state) :: state
+    option = ''
+    if (work%overwrite) return
+    if (look_at(work%result, state) == 0 .and. state%kind > 0) option = ' with --overwrite'
+  end function in_the_way
 
   subroutine flush_journals(work, error)
     !! Flush the journals onto the disk: what is left for later is to outlive the machine.

@@ -33,6 +33,16 @@ def test_a_wrong_command_line_is_refused_before_anything_runs(here, words):
     assert not (here.directory / "output").exists()
 
 
+@pytest.mark.parametrize(
+    "words", [["{}"], ["run", "--{}"], ["run", "--{}=a"], ["run", "a.nml", "--max-seconds", "{}"], ["describe", "{}"]]
+)
+def test_a_message_shows_no_more_than_80_letters_of_a_word(here, words):
+    ended = here.beamwave(*[word.format("x" * 100_000) for word in words])
+    assert ended.returncode == 2
+    assert "x" * 70 in ended.stderr
+    assert "x" * 81 not in ended.stderr
+
+
 @pytest.mark.parametrize("word", ["--help", "help"])
 def test_help_names_every_command_and_status(here, word):
     ended = here.beamwave(word)

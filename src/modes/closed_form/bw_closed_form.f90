@@ -5,7 +5,7 @@ module bw_closed_form
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
   use bw_missing, only: missing
-  use bw_mode_cache, only: cached_set
+  use bw_mode_cache, only: cached_set, shape_table
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
@@ -20,6 +20,7 @@ module bw_closed_form
   type, extends(mode_set), public :: closed_form_set
     type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
+    type(shape_table), private :: known            !! shapes of all modes that are known already
   contains
     procedure :: some_shapes => closed_form_shapes
     procedure :: overlap_with_mass
@@ -68,11 +69,12 @@ contains
     end do
   end subroutine find_modes
 
-  pure subroutine find_cached_modes(cached, omega, longest, modes)
+  pure subroutine find_cached_modes(cached, omega, longest, points, modes)
     !! Find the modes of a set that is in the cache.
     type(cached_set), intent(inout) :: cached
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
+    real(dp), intent(in), optional :: points(:)    !! ξ where the shapes of all modes will be asked for
     type(closed_form_set), intent(out) :: modes
     type(dd) :: alpha(size(cached%shape))
     integer :: first, last
@@ -83,6 +85,11 @@ contains
       last = min(first + batch - 1, modes%count)
       call set_range(first, last, cached%shape(first:last), alpha(first:last), omega, modes)
     end do
+    if (.not. present(points)) return
+    if (.not. cached%at_points%is_of(points)) then
+      if (cached%at_points%has_room_for(modes%count, points)) cached%at_points = shape_table(points, modes%shapes(points))
+    end if
+    modes%known = cached%at_points
   end subroutine find_cached_modes
 
   pure subroutine allocate_set(n, gamma, omega, modes)
@@ -146,21 +153,33 @@ contains
   ! What is asked of a set
 
   pure function closed_form_shapes(self, first, last, xi) result(values)
-    !! Φ_k(ξ) from the roots.
+    !! Φ_k(ξ) from the roots, unless they are known.
     class(closed_form_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    type(shape_type) :: shape(batch)
+    if (size(values, 1) == self%count .and. self%known%is_of(xi)) then
+      values = self%known%values
+    else
+      values = shapes_of_roots(self%root(first:last), xi)
+    end if
+  end function closed_form_shapes
+
+  pure function shapes_of_roots(root, xi) result(values)
+    !! Φ_k(ξ) of the modes that belong to roots.
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(size(root), size(xi))
+    type(shape_type) :: shape(min(batch, size(root)))
     integer :: k, n, p
-    do k = 1, size(values, 1), batch
-      n = min(batch, size(values, 1) - k + 1)
-      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
+    do k = 1, size(root), batch
+      n = min(batch, size(root) - k + 1)
+      shape(:n) = shapes_of(root(k:k + n - 1))
       do p = 1, size(xi)
         values(k:k + n - 1, p) = shape_values(shape(:n), xi(p))
       end do
     end do
-  end function closed_form_shapes
+  end function shapes_of_roots
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.

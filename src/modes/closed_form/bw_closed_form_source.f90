@@ -19,6 +19,7 @@ module bw_closed_form_source
     type(dd) :: mass_ratio                         !! γ to all digits
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none acts on the modes
     type(mode_cache), pointer :: cache => null()   !! what cases share; not associated: nothing is cached
+    real(dp), allocatable :: points(:)             !! ξ where shapes will be asked for; unallocated: nowhere
   contains
     procedure :: find => find_in_closed_form
     procedure :: terms => terms_in_closed_form
@@ -63,7 +64,7 @@ contains
     if (is_cached) is_cached = self%cache%has_room_for_set(number)
     if (is_cached) then
       call self%cache%find_set(size(number), self%mass_ratio, place)
-      call find_cached_modes(self%cache%sets(place), self%omega, longest, found)
+      call find_cached_modes(self%cache%sets(place), self%omega, longest, self%points, found)
     else
       call find_modes(number, self%mass_ratio, self%omega, longest, found, monitor)
     end if

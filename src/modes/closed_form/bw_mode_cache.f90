@@ -13,8 +13,17 @@ module bw_mode_cache
 
   integer, parameter :: most_sets = 128          !! cached at a time
   integer, parameter :: most_modes = 1024        !! of a set that is cached: all together take less than 20 MB
+  integer, parameter :: most_values = 16384      !! of its shapes at points: all together take less than 20 MB
   integer, parameter :: most_lists = 64          !! of far modes, cached at a time
   integer, parameter :: most_numbers = 4096      !! of one that is cached: all together take less than 4 MB
+
+  type, public :: shape_table
+    !! Shapes of some modes at some points.
+    real(dp), allocatable :: xi(:), values(:, :)     !! unallocated: of none; (points), (modes, points)
+  contains
+    procedure :: is_of
+    procedure, nopass :: has_room_for
+  end type shape_table
 
   type, public :: cached_set
     !! The first n modes of one mass ratio.
@@ -22,6 +31,7 @@ module bw_mode_cache
     type(dd) :: gamma
     type(shape_type), allocatable :: shape(:)    !! (n)
     type(dd), allocatable :: alpha(:)            !! roots as binary64 carries them, (n)
+    type(shape_table) :: at_points               !! shapes of all of them where a case has asked for them last
     type(dd), allocatable, private :: refined(:) !! the same, in extended precision where a case has asked for it
     logical, allocatable, private :: is_refined(:)
   contains
@@ -113,6 +123,24 @@ contains
     self%is_refined = self%is_refined .or. new
     where (coarse) alpha = self%refined
   end subroutine roots_for_case
+
+  ! Shapes at points
+
+  pure logical function is_of(self, xi)
+    !! Whether the shapes at these points are known.
+    class(shape_table), intent(in) :: self
+    real(dp), intent(in) :: xi(:)
+    is_of = .false.
+    if (allocated(self%xi)) is_of = size(self%xi) == size(xi)
+    if (is_of) is_of = all(self%xi == xi)
+  end function is_of
+
+  pure logical function has_room_for(modes, xi)
+    !! Whether so many modes have few enough shapes at these points to be cached.
+    integer, intent(in) :: modes
+    real(dp), intent(in) :: xi(:)
+    has_room_for = int(modes, i8)*size(xi) <= most_values
+  end function has_room_for
 
   ! Far modes
 

@@ -146,8 +146,10 @@ contains
     type(dd) :: beta(size(number))
     real(dp) :: drive(size(number)), shapes(size(number), size(points))
     call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
-    moving = moving_modes(undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive), pi*number, abs(drive), &
-                          beta%hi > 0.0_dp)
+    moving%reach = undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive)
+    moving%alpha = pi*number
+    moving%tip = abs(drive)
+    moving%swings = beta%hi > 0.0_dp
     call add_amplitudes(moving, shapes, points, stretch, weight, sums)
   end subroutine add_terms
 
@@ -238,35 +240,36 @@ contains
     type(stretch_type), intent(in) :: stretch
     real(dp), intent(in) :: weight(:)             !! (modes)
     type(deviation_type), intent(inout) :: sums(:)
+    type(deviation_type) :: sum                   ! in registers
     real(dp) :: amplitude, distance, peak
     logical :: slow
     integer :: k, p
     do p = 1, size(sums)
       distance = from_tip(points(p))
       slow = run_length*min(points(p), distance) < 1.0_dp .and. points(p) < 1.0_dp
-      associate (sum => sums(p))
-        do k = 1, size(moving%reach)
-          amplitude = moving%reach(k)*abs(shapes(k, p))
-          peak = amplitude
-          if (slow .and. weight(k) > 1.0_dp) then
-            peak = moving%reach(k)*largest_shape(points(p), moving%alpha(k), moving%tip(k))
-            amplitude = max(amplitude, mean*peak)
+      sum = sums(p)
+      do k = 1, size(moving%reach)
+        amplitude = moving%reach(k)*abs(shapes(k, p))
+        peak = amplitude
+        if (slow .and. weight(k) > 1.0_dp) then
+          peak = moving%reach(k)*largest_shape(points(p), moving%alpha(k), moving%tip(k))
+          amplitude = max(amplitude, mean*peak)
+        end if
+        if (moving%swings(k)) then
+          sum%magnitude = sum%magnitude + weight(k)*amplitude
+          sum%square = sum%square + weight(k)*amplitude**2
+          if (peak > sum%largest) then
+            sum%largest = peak
+            sum%alpha = moving%alpha(k)
           end if
-          if (moving%swings(k)) then
-            sum%magnitude = sum%magnitude + weight(k)*amplitude
-            sum%square = sum%square + weight(k)*amplitude**2
-            if (peak > sum%largest) then
-              sum%largest = peak
-              sum%alpha = moving%alpha(k)
-            end if
-            if (2.0_dp*moving%alpha(k)*stretch%end >= distance) then      ! at the group velocity
-              sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
-            end if
-          else
-            sum%growing = sum%growing + weight(k)*amplitude
+          if (2.0_dp*moving%alpha(k)*stretch%end >= distance) then      ! at the group velocity
+            sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
           end if
-        end do
-      end associate
+        else
+          sum%growing = sum%growing + weight(k)*amplitude
+        end if
+      end do
+      sums(p) = sum
     end do
   end subroutine add_amplitudes
 
