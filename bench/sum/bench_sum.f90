@@ -2,6 +2,7 @@ module bench_sum
   !! What the commands of bench/sum call, to time it in one process with its rival. Without dimensions: lengths in l, times in l²/h.
   use, intrinsic :: iso_c_binding
   use bw_closed_form_source, only: closed_form_source, source_in_closed_form
+  use bw_coherence, only: seen_from_blow
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp
   use bw_modal_sum, only: add_stable_modes
@@ -55,7 +56,8 @@ contains
     call start_histories(sampling_type(points, coarse), response)
     call add_modes_of_source(source, gamma, 1, first_modes, sum_tolerance, monitor, response)
     remainder%after = first_modes
-    remainder%tail = maxval(tail_error(first_modes, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
+    remainder%tail = maxval(tail_error(first_modes, source, 1.0_dp, &
+                                     seen_from_blow(points, grid%samples*grid%step%hi, grid%samples, .false.)))
     remainder%share = gamma*remainder%tail/maxval(abs(response%displacement))
   end function remainder_of
 

@@ -8,7 +8,7 @@ module bw_case_result
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: mode_set, mode_sources
   use bw_release, only: tip_rest
   use bw_response, only: response_type
   use bw_segment, only: segment_type
@@ -21,12 +21,6 @@ module bw_case_result
   integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3
   character(*), parameter, public :: case_words(0:3) = &
     [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned']   !! by number
-
-  type, public :: mode_sources
-    !! Where modes of any number come from.
-    class(mode_source), allocatable :: free         !! of the beam alone
-    class(mode_source), allocatable :: loaded       !! of beam and mass; unallocated: the mass is not captured
-  end type mode_sources
 
   type, public :: case_modes
     !! The sets of modes that are in memory: those that move, or the first of them where a tolerance says how many.

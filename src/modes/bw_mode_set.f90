@@ -63,6 +63,12 @@ module bw_mode_set
     procedure :: terms => terms_of_set
   end type mode_source
 
+  type, public :: mode_sources
+    !! Where modes of any number come from.
+    class(mode_source), allocatable :: free       !! of the free beam
+    class(mode_source), allocatable :: loaded     !! of beam and mass; unallocated: the mass is not captured
+  end type mode_sources
+
   abstract interface
     pure function shapes_interface(self, first, last, xi) result(values)
       !! Φ_k(ξ) of modes `first` … `last` of the set, at points of the beam.

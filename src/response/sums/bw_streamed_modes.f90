@@ -1,6 +1,7 @@
 module bw_streamed_modes
   !! Histories of more modes than are in memory at a time: batch by batch they are solved, spread onto the grids of the
   !! transform and forgotten, and the grids are turned into samples once.
+  use bw_coherence, only: seen_from_blow
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
@@ -107,7 +108,8 @@ contains
     type(remainder_type), intent(in) :: remainder
     type(response_type), intent(in) :: response
     associate (grid => response%sampling%grid)
-      share = maxval(tail_error(first, source, 1.0_dp, response%sampling%points, grid%samples*grid%step%hi, grid%samples, .false.))
+      share = maxval(tail_error(first, source, 1.0_dp, &
+                                seen_from_blow(response%sampling%points, grid%samples*grid%step%hi, grid%samples, .false.)))
     end associate
     share = max(epsilon(share), min(1.0_dp, remainder%share*(share/remainder%tail)))
   end function share_after

@@ -6,12 +6,12 @@ module bw_direct_motion
   !! what the run takes modes far above to be, one blow at the tip, is taken here of those beyond these only.
   use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_modes, case_result, mode_sources, release_plan
+  use bw_case_result, only: case_modes, case_result, release_plan
   use bw_direct_sum, only: add_directly
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_impact, only: continuum_velocity
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_numbers, mode_set
+  use bw_mode_set, only: first_numbers, mode_set, mode_sources
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_segment, only: move
