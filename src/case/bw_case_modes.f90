@@ -3,12 +3,11 @@ module bw_case_modes
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
   use bw_case_result, only: case_modes
-  use bw_closed_form_source, only: closed_form_source, source_in_closed_form
+  use bw_closed_form_source, only: source_in_closed_form
   use bw_damping, only: law_of
   use bw_double_double, only: dd
   use bw_galerkin_source, only: galerkin_cache, galerkin_source, galerkin_source_of
   use bw_kinds, only: dp
-  use bw_mode_cache, only: mode_cache
   use bw_mode_choice, only: first_modes
   use bw_mode_set, only: first_numbers, mode_source, mode_sources
   use bw_modes_par, only: by_tolerance
@@ -19,12 +18,6 @@ module bw_case_modes
   implicit none (type, external)
   private
   public :: extend_sources, find_modes, largest_phase_error, record_stretch
-
-  type, public :: case_mode_cache
-    !! Modes that cases of a sweep share.
-    type(mode_cache) :: closed_form      !! roots and shapes by mass ratio
-    type(galerkin_cache) :: galerkin     !! modes without a closed form by operator
-  end type case_mode_cache
 
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes without a closed form that a tolerance may take, without and with shear: about two seconds' work
@@ -41,8 +34,7 @@ contains
     class(monitor_type), intent(inout), target :: monitor    !! the modes mean nothing where it asks to stop
     type(case_modes), intent(out) :: modes
     type(mode_sources), intent(out) :: sources
-    type(case_mode_cache), intent(inout), target, optional :: cache
-      !! must live as long as the sources do; absent: no modes are shared
+    type(galerkin_cache), intent(inout), optional :: cache    !! absent: cases share no modes
     real(dp), allocatable :: longest               ! absent: no history is asked for
     type(part_monitor) :: first, second
     first = part_monitor(monitor, 0.0_dp, scene%modes%after/(scene%modes%after + real(scene%modes%before, dp)))
@@ -71,12 +63,12 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_modes), intent(inout) :: modes       !! no sets, but what is known of them before they are found
     type(mode_sources), intent(out) :: sources
-    type(case_mode_cache), intent(inout), target, optional :: cache
+    type(galerkin_cache), intent(inout), optional :: cache
     if (changes_shapes(scene)) then
       call find_galerkin(scene, units, monitor, modes, sources, cache)
       if (monitor%stop_requested()) return
     else
-      call find_closed_form(scene, units, modes, sources, cache)
+      call find_closed_form(scene, units, modes, sources)
     end if
     call prepare(scene, units, sources%free)
     if (.not. allocated(scene%capture)) return
@@ -92,31 +84,21 @@ contains
     if (allocated(scene%damping)) source%damping = law_of(scene%damping, units)
   end subroutine prepare
 
-  subroutine find_closed_form(scene, units, modes, sources, cache)
+  subroutine find_closed_form(scene, units, modes, sources)
     !! Rotation acts on modes in closed form in its own plane only.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(case_modes), intent(inout) :: modes
     type(mode_sources), intent(inout) :: sources
-    type(case_mode_cache), intent(inout), target, optional :: cache
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
     if (allocated(scene%rotation)) then
       modes%can_grow = acts_in_plane(scene%rotation)
       if (modes%can_grow) omega = dimensionless_speed(scene%rotation, units)
       if (.not. modes%can_grow) call note_no_effect(modes%notes)
     end if
-    call make_source(dd(), sources%free)
-    if (allocated(scene%capture)) call make_source(dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low), sources%loaded)
-  contains
-    subroutine make_source(gamma, source)
-      type(dd), intent(in) :: gamma
-      class(mode_source), allocatable, intent(out) :: source
-      type(closed_form_source), allocatable :: found
-      allocate (found)
-      found = source_in_closed_form(gamma, omega)
-      if (present(cache)) found%cache => cache%closed_form
-      call move_alloc(found, source)
-    end subroutine make_source
+    allocate (sources%free, source=source_in_closed_form(dd(), omega))
+    if (.not. allocated(scene%capture)) return
+    allocate (sources%loaded, source=source_in_closed_form(dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low), omega))
   end subroutine find_closed_form
 
   subroutine find_galerkin(scene, units, monitor, modes, sources, cache)
@@ -126,7 +108,7 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_modes), intent(inout) :: modes
     type(mode_sources), intent(inout) :: sources
-    type(case_mode_cache), intent(inout), optional :: cache
+    type(galerkin_cache), intent(inout), optional :: cache
     if (allocated(scene%rotation)) then
       if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
         call note_no_effect(modes%notes)
@@ -148,7 +130,7 @@ contains
       type(galerkin_source), allocatable :: found
       allocate (found)
       if (present(cache)) then
-        call cache%galerkin%find(operator_of(scene, units, carries_mass), count, found, monitor)
+        call cache%find(operator_of(scene, units, carries_mass), count, found, monitor)
       else
         call galerkin_source_of(operator_of(scene, units, carries_mass), count, found, monitor)
       end if

@@ -78,10 +78,9 @@ contains
     type(mode_sources), intent(inout) :: sources
     type(case_plan), intent(inout) :: plan
     type(time_grid) :: grid
-    real(dp) :: peak, tail
+    real(dp) :: peak
     logical :: extended
     plan%count = first_modes
-    plan%remainder%after = first_modes
     if (allocated(plan%release)) plan%release%count = first_modes
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     if (scene%impact%approach_velocity == 0.0_dp .or. force_of(scene) == 0.0_dp) return
@@ -90,11 +89,9 @@ contains
                          plan%release%tip, monitor=monitor)
     end if
     if (grid%samples == 1) return                   ! nothing has moved yet
-    call find_peak(scene, units, loaded, sources, monitor, plan, peak, tail)
+    call find_peak(scene, units, loaded, sources, monitor, plan, peak)
     if (monitor%stop_requested()) return
     if (peak == 0.0_dp) return
-    plan%remainder%share = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
-    if (.not. allocated(sources%loaded%damping)) plan%remainder%tail = tail/force_of(scene)   ! for the transform
     do
       call choose_within(scene%modes%tolerance*peak, scene, sources, grid, monitor, plan)
       if (plan%reached <= scene%modes%tolerance*peak) exit
@@ -104,7 +101,7 @@ contains
     plan%reached = plan%reached/peak
   end subroutine choose_counts
 
-  subroutine find_peak(scene, units, loaded, sources, monitor, plan, peak, tail)
+  subroutine find_peak(scene, units, loaded, sources, monitor, plan, peak)
     !! The largest displacement, V l²/h, at least: what few modes show of it less what the others may take off it.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -113,7 +110,6 @@ contains
     class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
     type(case_plan), intent(in) :: plan
     real(dp), intent(out) :: peak
-    real(dp), intent(out) :: tail                   !! what the modes after the first may add, V l²/h
     type(time_grid) :: captured, grid
     type(observation_type) :: seen
     real(dp) :: missing
@@ -121,8 +117,7 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     captured = time_grid(captured_samples(plan, grid), grid%step)
     seen = seen_while_captured(scene, plan, grid, .false.)
-    tail = maxval(tail_error(first_modes, sources%loaded, force_of(scene), seen))
-    missing = tail
+    missing = maxval(tail_error(first_modes, sources%loaded, force_of(scene), seen))
     count = first_modes
     do
       peak = captured_peak(scene, units, count, captured, any(loaded%beta_squared%hi <= 0.0_dp), sources%loaded, monitor)

@@ -12,7 +12,6 @@ module bw_case_result
   use bw_release, only: tip_rest
   use bw_response, only: response_type
   use bw_segment, only: segment_type
-  use bw_streamed_modes, only: remainder_type
   use bw_text, only: append, string
   implicit none (type, external)
   private
@@ -42,7 +41,6 @@ module bw_case_result
     integer :: count = 0                            !! modes that move after t = 0, before a release
     type(release_plan), allocatable :: release      !! unallocated where none comes within the record
     real(dp) :: reached = 0.0_dp                    !! with a tolerance: the estimated error of the displacement over its peak
-    type(remainder_type) :: remainder               !! with a tolerance: what the modes after the first are estimated to add
   end type case_plan
 
   type, public :: case_events

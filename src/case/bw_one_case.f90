@@ -6,13 +6,14 @@ module bw_one_case
   use bw_case_errors, only: estimate_errors
   use bw_case_events, only: follow_events, start_motion
   use bw_case_histories, only: sum_histories
-  use bw_case_modes, only: case_mode_cache, find_modes
+  use bw_case_modes, only: find_modes
   use bw_case_notes, only: out_of_reach
   use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_error, only: error_type, fail, status_bad_input
+  use bw_galerkin_source, only: galerkin_cache
   use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
@@ -29,7 +30,7 @@ module bw_one_case
   type, public :: case_cache
     !! Work that the cases of a sweep share, done once: whoever goes through the cases has it and hands it to each. It takes
     !! a bounded amount of memory however many cases there are, and changes no bit of their results.
-    type(case_mode_cache) :: modes
+    type(galerkin_cache) :: modes        !! without a closed form, by operator
     type(initial_state_cache) :: initial
     type(nonuniform_sum) :: sum          !! kernel, plan and grids of the last transform
     type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
@@ -43,7 +44,7 @@ contains
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
     class(monitor_type), intent(inout), target :: monitor
-    type(case_cache), intent(inout), target :: cache !! what other cases have found
+    type(case_cache), intent(inout) :: cache !! what other cases have found
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
     type(case_motion) :: motion

@@ -24,7 +24,7 @@ module bw_mode_set
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
-    integer :: cache_key = 0                      !! sets with the same key, not 0, have the same shapes (bw_mode_cache)
+    logical :: known_by_mass = .false.            !! shapes follow from γ and n alone: these are the first modes, in closed form
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains

@@ -5,7 +5,6 @@ module bw_closed_form
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
   use bw_missing, only: missing
-  use bw_mode_cache, only: cached_set
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
@@ -14,7 +13,7 @@ module bw_closed_form
   use bw_shape, only: shape_type, shapes_of, shape_values
   implicit none (type, external)
   private
-  public :: closed_form_modes, find_modes, find_cached_modes
+  public :: closed_form_modes, find_modes
   public :: phase_velocity, group_velocity           ! for their own tests
 
   type, extends(mode_set), public :: closed_form_set
@@ -54,7 +53,14 @@ contains
     type(shape_type) :: shape(batch)
     type(dd) :: alpha(batch)
     integer :: first, last, m
-    call allocate_set(size(number), gamma%hi, omega, modes)
+    modes%count = size(number)
+    modes%gamma = gamma%hi
+    modes%known_by_mass = maxval(number) == size(number)
+    if (present(omega)) modes%omega = omega
+    associate (n => modes%count)
+      allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
+      allocate (modes%phase_velocity(n), modes%group_velocity(n))
+    end associate
     do first = 1, size(number), batch
       last = min(first + batch - 1, size(number))
       m = last - first + 1
@@ -67,36 +73,6 @@ contains
       if (stops(monitor)) return
     end do
   end subroutine find_modes
-
-  pure subroutine find_cached_modes(cached, omega, longest, modes)
-    !! Find the modes of a set that is in the cache.
-    type(cached_set), intent(inout) :: cached
-    type(dd), intent(in), optional :: omega
-    real(dp), intent(in), optional :: longest
-    type(closed_form_set), intent(out) :: modes
-    type(dd) :: alpha(size(cached%shape))
-    integer :: first, last
-    call allocate_set(size(cached%shape), cached%gamma%hi, omega, modes)
-    modes%cache_key = cached%key
-    call cached%roots(omega, longest, alpha)
-    do first = 1, modes%count, batch
-      last = min(first + batch - 1, modes%count)
-      call set_range(first, last, cached%shape(first:last), alpha(first:last), omega, modes)
-    end do
-  end subroutine find_cached_modes
-
-  pure subroutine allocate_set(n, gamma, omega, modes)
-    !! Allocate the arrays of n modes, and set what these have in common.
-    integer, intent(in) :: n
-    real(dp), intent(in) :: gamma
-    type(dd), intent(in), optional :: omega
-    type(closed_form_set), intent(inout) :: modes
-    modes%count = n
-    modes%gamma = gamma
-    if (present(omega)) modes%omega = omega
-    allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
-    allocate (modes%phase_velocity(n), modes%group_velocity(n))
-  end subroutine allocate_set
 
   pure subroutine set_range(first, last, shape, alpha, omega, modes)
     !! Fill in the modes `first` … `last` of a set.
