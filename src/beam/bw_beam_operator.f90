@@ -11,21 +11,14 @@ module bw_beam_operator
   !! - tip: \( s^{-2}(v'-\psi) + Tv' = \gamma(\beta^2 [+\Omega^2])v \), \( \psi' = J\beta^2\psi \) in either plane.
   !!
   !! Without shear v' = ψ and r = 0.
-  use bw_beam_par, only: beam_par
-  use bw_beam_units, only: beam_units, body_inertia, slenderness
+  use bw_beam_units, only: beam_units, body_inertia, shear_numbers, shear_of, slenderness
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_rotation, only: acts_in_plane, dimensionless_speed, tension_of
   use bw_scene, only: scene_type
-  use bw_shear_par, only: shear_par
   implicit none (type, external)
   private
-  public :: axial_strain, operator_of, shear_numbers, shear_of
-
-  type, public :: shear_numbers
-    real(dp) :: compliance = 0.0_dp              !! s² = EI/(κGAl²)
-    real(dp) :: rotary = 0.0_dp                  !! r² = I/(Al²)
-  end type shear_numbers
+  public :: axial_strain, operator_of, shear_numbers
 
   type, public :: beam_operator
     !! An unallocated component is an effect that is absent. A component that is added here stands in `same_operator`, too.
@@ -42,15 +35,6 @@ module bw_beam_operator
   end type beam_operator
 
 contains
-
-  pure type(shear_numbers) function shear_of(shear, beam) result(numbers)
-    !! s² = EI/(κGAl²) = 2(1 + ν)r²/κ, the shear modulus being E/(2(1 + ν)).
-    type(shear_par), intent(in) :: shear
-    type(beam_par), intent(in) :: beam
-    numbers%rotary = slenderness(beam)**2
-    numbers%compliance = 2.0_dp*(1.0_dp + shear%poisson_ratio)/shear%shear_coefficient*numbers%rotary
-  end function shear_of
-
 
   pure type(beam_operator) function operator_of(scene, units, loaded) result(operator)
     !! The operator of the beam with the effects that a scene names; the others are unallocated.

@@ -19,7 +19,7 @@ module bw_case_plan
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_tip_rest, only: find_tip_rest
+  use bw_tip_remainder, only: find_tip_remainder
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
@@ -85,7 +85,7 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     if (scene%impact%approach_velocity == 0.0_dp .or. force_of(scene) == 0.0_dp) return
     if (allocated(plan%release) .and. .not. shows_release(plan, grid)) then     ! no sample, but it takes energy along
-      call find_tip_rest(sources%loaded, force_of(scene), first_modes, plan%release%time, scene%modes%tolerance, &
+      call find_tip_remainder(sources%loaded, force_of(scene), first_modes, plan%release%time, scene%modes%tolerance, &
                          plan%release%tip, monitor=monitor)
     end if
     if (grid%samples == 1) return                   ! nothing has moved yet
@@ -248,7 +248,7 @@ contains
     call modes_for(bounds(1), sources, force_of(scene), seen, release%count, errors(1), release%time)
     call sources%free%find(first_numbers(first_modes), free)
     strength = sources%loaded%gamma*maxval(blow_reach(free, seen, sources%free%quadratic))
-    call find_tip_rest(sources%loaded, force_of(scene), release%count, release%time, &
+    call find_tip_remainder(sources%loaded, force_of(scene), release%count, release%time, &
                        min(bounds(2), max(least_share*bounds(2), tip_share*errors(1)))/strength, release%tip, monitor=monitor)
     errors(2) = strength*release%tip%uncertainty
   end subroutine choose_after_release

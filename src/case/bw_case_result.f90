@@ -9,7 +9,7 @@ module bw_case_result
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_mode_set, only: mode_set, mode_sources
-  use bw_release, only: tip_rest
+  use bw_release, only: tip_remainder
   use bw_response, only: response_type
   use bw_segment, only: segment_type
   use bw_text, only: append, string
@@ -33,7 +33,7 @@ module bw_case_result
   type, public :: release_plan
     type(dd) :: time                                !! when the mass leaves, l²/h
     integer :: count = 0                            !! modes of the beam alone that move after it
-    type(tip_rest) :: tip                           !! what modes that are not summed add then, with a tolerance
+    type(tip_remainder) :: tip                           !! what modes that are not summed add then, with a tolerance
   end type release_plan
 
   type, public :: case_plan
@@ -89,7 +89,7 @@ module bw_case_result
     type(beam_units) :: units
     class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
     integer :: mode_count = 0                         !! how many were summed
-    class(mode_set), allocatable :: before            !! of the unloaded beam, if the mass was captured
+    class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s

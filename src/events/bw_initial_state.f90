@@ -29,7 +29,7 @@ module bw_initial_state
 
   type :: cached_state
     type(initial_state) :: state
-    integer :: counts(2) = 0                      !! of modes of the free beam, and of beam and mass
+    integer :: counts(2) = 0                      !! of modes of the beam alone, and of beam and mass
   end type cached_state
 
   type, public :: initial_state_cache

@@ -12,8 +12,7 @@ module bw_absent_effects
   !!
   !! Integrals and shifts are in the beam's own units. **Errors** of the integrals: 1e-10 relatively, for k to 10⁵; 1e-7 for
   !! mode 1 where γ > 10⁵. **Source**: Rayleigh's quotient of the shape without the effect.
-  use bw_beam_operator, only: shear_numbers, shear_of
-  use bw_beam_units, only: beam_units, units_of
+  use bw_beam_units, only: beam_units, shear_numbers, shear_of, units_of
   use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set

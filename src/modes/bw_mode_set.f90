@@ -14,7 +14,7 @@ module bw_mode_set
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
     integer :: count = 0                          !! number of modes n
-    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the free beam
+    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
@@ -65,7 +65,7 @@ module bw_mode_set
 
   type, public :: mode_sources
     !! Where modes of any number come from.
-    class(mode_source), allocatable :: free       !! of the free beam
+    class(mode_source), allocatable :: free       !! of the beam alone
     class(mode_source), allocatable :: loaded     !! of beam and mass; unallocated: the mass is not captured
   end type mode_sources
 

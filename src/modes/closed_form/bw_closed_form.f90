@@ -31,7 +31,7 @@ module bw_closed_form
 contains
 
   type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
-    !! The first `count` modes; γ = 0 is the free beam.
+    !! The first `count` modes; γ = 0 is the beam alone.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
@@ -141,7 +141,7 @@ contains
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form, of the free beam
+    class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -156,7 +156,7 @@ contains
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the free beam
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)

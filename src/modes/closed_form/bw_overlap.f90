@@ -5,7 +5,7 @@ module bw_overlap
   !! The two-shape identity of v'''' = α⁴v gives, for a loaded shape Φ̄_k and a free one φ_i,
   !! ∫Φ̄_kφ_i dξ = Φ̄_k'''(1)φ_i(1)/(ᾱ_k⁴ − α_i⁴), Φ̄_k'''(1) = −γᾱ_k⁴Φ̄_k(1); with the mass's own term γΦ̄_k(1)φ_i(1)
   !! the sum is γΦ̄_k(1)φ_i(1) α_i⁴/(α_i⁴ − ᾱ_k⁴). So Eq. 26, and the way back when the mass leaves, come down to sums
-  !! Σ_k w_k/(α_i⁴ − ᾱ_k⁴) over two sets of modes, one of the free beam and one with the mass at its tip.
+  !! Σ_k w_k/(α_i⁴ − ᾱ_k⁴) over two sets of modes, one of the beam alone and one with the mass at its tip.
   !!
   !! For i = k and a light mass the two roots agree to all digits, so their difference is solved for itself. Few modes are
   !! summed pair by pair. For many the pairs that lie apart are summed by cells (bw_far_field), in time proportional to the
@@ -196,7 +196,7 @@ contains
   end function own_gap
 
   elemental real(dp) function fourth_power_difference(free, loaded) result(difference)
-    !! α⁴ − ᾱ⁴ for a root α of the free beam (γ = 0) and a root ᾱ of the beam with a tip mass (γ ≥ 0).
+    !! α⁴ − ᾱ⁴ for a root α of the beam alone (γ = 0) and a root ᾱ of the beam with a tip mass (γ ≥ 0).
     !! Zero only for the same k and γ = 0.
     type(root_type), intent(in) :: free    !! solves Eq. 8
     type(root_type), intent(in) :: loaded  !! solves Eq. 19

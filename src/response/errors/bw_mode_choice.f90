@@ -18,7 +18,7 @@ module bw_mode_choice
   integer, parameter, public :: most_modes = 10000000
   integer, parameter, public :: most_released = 10000
     !! modes that move after a release. More would bring a tolerance down to half at best: then what 10⁷ modes lack of the
-    !! tip's velocity when the mass leaves is what is missing (bw_tip_rest)
+    !! tip's velocity when the mass leaves is what is missing (bw_tip_remainder)
   real(dp), parameter :: aim = 0.93_dp          !! of the bound, for the next try
   real(dp), parameter :: near = 0.85_dp         !! of the bound, tuned: no try follows; 6 % of the modes are one too many
   integer, parameter :: fineness = 32           !! as near as the modes that are sampled tell
@@ -34,7 +34,7 @@ contains
 
   subroutine modes_for(bound, sources, force, seen, count, reached, released)
     !! The least number of modes, nearly, whose estimated truncation error is within a bound at every point. After a
-    !! release they are those of the free beam.
+    !! release they are those of the beam alone.
     real(dp), intent(in) :: bound             !! of the displacement, in the unit of `force` times l²/h
     type(mode_sources), intent(in) :: sources
     real(dp), intent(in) :: force             !! see `tail_error`

@@ -3,22 +3,22 @@ module bw_release_error
   !!
   !! The release hands the motion of short waves on to modes of nearly the same number, which then move as far as those of
   !! beam and mass did. And the force between beam and mass ends of a sudden: what it held bent moves on in all modes of the
-  !! free beam, with displacements that fall as k⁻⁴ only. A motion that has grown leaves more in this way than the blow did.
+  !! beam alone, with displacements that fall as k⁻⁴ only. A motion that has grown leaves more in this way than the blow did.
   !!
   !! With counts of modes the mass leaves with the velocity that these give the tip; what they lack of it the beam keeps in
   !! all its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after
   !! the release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do. Where there are
-  !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_rest).
+  !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_remainder).
   use bw_coherence, only: combined, deviation_type, largest, observation_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source, mode_sources
   use bw_monitor, only: monitor_type, stops
   use bw_reach, only: amplitude_of, turns
-  use bw_release, only: tip_rest
+  use bw_release, only: tip_remainder
   use bw_segment, only: move, segment_type
   use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
-  use bw_tip_rest, only: find_tip_rest
+  use bw_tip_remainder, only: find_tip_remainder
   implicit none (type, external)
   private
   public :: blow_reach, release_error, release_tail
@@ -32,8 +32,8 @@ module bw_release_error
 contains
 
   function release_tail(count, sources, force, released, seen) result(error)
-    !! Estimates of what the modes of the free beam beyond the first `count` add after the release, (points), where
-    !! those start with all that the tip's velocity gives them (bw_tip_rest).
+    !! Estimates of what the modes of the beam alone beyond the first `count` add after the release, (points), where
+    !! those start with all that the tip's velocity gives them (bw_tip_remainder).
     integer, intent(in) :: count
     type(mode_sources), intent(in) :: sources
     real(dp), intent(in) :: force                 !! the continuum's modal velocities are force·Φ_k(1)/M_k
@@ -67,10 +67,10 @@ contains
   end function blow_left
 
   function force_left(low, q, rate, source, seen) result(error)
-    !! What the modes of the free beam beyond the first of beam and mass get from these, (points).
+    !! What the modes of the beam alone beyond the first of beam and mass get from these, (points).
     class(mode_set), intent(in) :: low            !! of beam and mass
     real(dp), intent(in) :: q(:), rate(:)         !! their state when the mass leaves
-    class(mode_source), intent(in) :: source      !! of the free beam
+    class(mode_source), intent(in) :: source      !! of the beam alone
     type(observation_type), intent(in) :: seen
     real(dp) :: error(size(seen%points))
     class(mode_set), allocatable :: free
@@ -94,7 +94,7 @@ contains
   end function force_left
 
   function blow_reach(free, seen, quadratic) result(reach)
-    !! How far a blow of 1 at its tip drives the free beam at most, (points).
+    !! How far a blow of 1 at its tip drives the beam alone at most, (points).
     class(mode_set), intent(in) :: free           !! the modes that move
     type(observation_type), intent(in) :: seen
     logical, intent(in) :: quadratic              !! see `largest`
@@ -106,7 +106,7 @@ contains
 
   function release_error(after, sources, count, force, seen, monitor) result(error)
     !! Estimates of the largest error over the samples after the release, (points).
-    type(segment_type), intent(in) :: after       !! the motion of the free beam
+    type(segment_type), intent(in) :: after       !! the motion of the beam alone
     type(mode_sources), intent(in) :: sources
     integer, intent(in) :: count                  !! of the modes with the mass that were summed
     real(dp), intent(in) :: force                 !! the continuum's modal velocities are force·Φ_k(1)/M_k
@@ -115,7 +115,7 @@ contains
     real(dp) :: error(size(seen%points))
     class(mode_set), allocatable :: many, free
     type(deviation_type) :: sums(size(seen%points))
-    type(tip_rest) :: rest
+    type(tip_remainder) :: remainder
     real(dp) :: usual
     real(dp), allocatable :: lacking(:), lacking_rate(:), start(:), start_rate(:)
     integer :: m, n
@@ -130,17 +130,17 @@ contains
     allocate (start(n), source=0.0_dp)
     start_rate = force*many%tip/many%modal_mass
     usual = sqrt(0.5_dp*sum((many%tip(count + 1:)*start_rate(count + 1:))**2))    ! were the phases random
-    call find_tip_rest(sources%loaded, force, n, after%start, tip_share*usual, rest, highest=tip_times*n, monitor=monitor)
+    call find_tip_remainder(sources%loaded, force, n, after%start, tip_share*usual, remainder, highest=tip_times*n, monitor=monitor)
     call move(many, after%start, start, start_rate)
     associate (gamma => sources%loaded%gamma)
-      lacking = (free%overlap_of_beam(many, start, monitor) - gamma*rest%displacement*free%tip)/free%modal_mass
-      lacking_rate = (free%overlap_of_beam(many, start_rate, monitor) - gamma*rest%velocity*free%tip)/free%modal_mass
+      lacking = (free%overlap_of_beam(many, start, monitor) - gamma*remainder%displacement*free%tip)/free%modal_mass
+      lacking_rate = (free%overlap_of_beam(many, start_rate, monitor) - gamma*remainder%velocity*free%tip)/free%modal_mass
       lacking(:m) = lacking(:m) - after%q
       lacking_rate(:m) = lacking_rate(:m) - after%rate
       call add_state(free, lacking, lacking_rate, seen, every(free), sums)
       error = margin*largest(combined(deviation_type(), sums), seen%points, seen%stretch, sources%free%quadratic) &
         + blow_left(n, sources, force, after%start, seen) + force_left(many, start, start_rate, sources%free, seen) &
-        + gamma*rest%uncertainty*blow_reach(free, seen, sources%free%quadratic)
+        + gamma*remainder%uncertainty*blow_reach(free, seen, sources%free%quadratic)
     end associate
   end function release_error
 
