@@ -85,6 +85,7 @@ contains
   end function judge_rebound
 
   pure real(dp) function error_of_pull(motion) result(error)
+    !! By how much the acceleration that presses the mass against the tip may be off, from the neighbours of the motion.
     type(contact_motion), intent(in) :: motion
     real(dp), dimension(size(motion%near%lag)) :: deviation
     integer :: p

@@ -94,6 +94,7 @@ contains
   end function uncertainty_of
 
   subroutine add_modes(source, force, first, last, time, beyond, sum, monitor)
+    !! Add modes `first` … `last` to the sum, a chunk at a time.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
@@ -133,6 +134,7 @@ contains
   end subroutine add_undamped
 
   subroutine add_damped(source, force, number, time, beyond, sum)
+    !! Modes that lose energy: what is left of each at that time.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: number(:)
@@ -158,6 +160,7 @@ contains
   end subroutine add_damped
 
   pure subroutine take_terms(term, sum)
+    !! Add the terms A, and remember the last of them.
     real(dp), intent(in) :: term(:)               !! A, (modes)
     type(running_sum), intent(inout) :: sum
     sum%started = sum%started + accurate_sum(term)
@@ -165,6 +168,7 @@ contains
   end subroutine take_terms
 
   pure subroutine take_motion(displacement, velocity, sum)
+    !! Add what modes that are not among the first n move at the tip.
     real(dp), intent(in) :: displacement(:), velocity(:)   !! of the tip, (modes)
     type(running_sum), intent(inout) :: sum
     sum%remainder%displacement = sum%remainder%displacement + accurate_sum(displacement)

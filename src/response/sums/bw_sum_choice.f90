@@ -90,6 +90,7 @@ contains
   end function grid_for_width
 
   pure real(dp) function product_seconds(modes, samples, histories) result(seconds)
+    !! What products take, by the model.
     integer, intent(in) :: modes, samples, histories
     real(dp) :: blocks, length, states
     length = block_length(samples)
@@ -100,6 +101,7 @@ contains
   end function product_seconds
 
   pure real(dp) function transform_seconds(modes, samples, histories, width, half) result(seconds)
+    !! What the transform takes with this kernel and grid, by the model.
     integer, intent(in) :: modes, samples, histories, width, half
     real(dp) :: points, powers, vectors
     points = 2.0_dp*half

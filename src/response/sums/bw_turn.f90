@@ -83,6 +83,7 @@ contains
   end subroutine some_turns
 
   elemental subroutine split(fraction, large, small)
+    !! Split a fraction of a turn so that whole multiples of its larger part are exact.
     type(dd), intent(in) :: fraction        !! −½ … ½
     real(dp), intent(out) :: large          !! a multiple of 2⁻³⁰
     real(dp), intent(out) :: small          !! what is left
