@@ -4,7 +4,7 @@ module bw_case_spectrum
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_case_histories, only: last_sample
   use bw_case_result, only: case_done, case_motion, case_spectrum
-  use bw_double_double, only: dd, to_dd, operator(*), operator(-)
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
   use bw_mode_check, only: known_modes, record_facts
@@ -150,12 +150,9 @@ contains
     !! √(β² − c²/4), 0 where a mode does not oscillate, (modes).
     class(mode_set), intent(in) :: modes
     real(dp) :: frequency(modes%count)
-    type(dd) :: square(modes%count), rate(modes%count)
+    type(dd) :: square(modes%count)
     square = modes%beta_squared
-    if (allocated(modes%damping)) then
-      rate = to_dd(0.5_dp*modes%damping)
-      square = square - rate*rate
-    end if
+    if (allocated(modes%damped_squared)) square = modes%damped_squared
     frequency = sqrt(max(0.0_dp, square%hi))
   end function frequencies_of
 

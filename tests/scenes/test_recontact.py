@@ -285,6 +285,14 @@ def test_a_sweep_holds_cases_with_different_numbers_of_contacts(here):
         assert results.is_fill(result["event_time"][case, count:]).all()
 
 
+def test_of_a_beam_so_thin_that_its_time_is_long_all_contacts_are_known(here):
+    """l²/h above a second: what is never lost is told by no time in seconds."""
+    beam, response = {"diameter": 1e-5}, {"duration": 100.0, "samples": 1}
+    here.scene("a", {**struck_beam(0.5, recontact={"max_contacts": 3}, beam=beam, rotation=None), "response": response})
+    result = here.run("a")
+    assert (result["event_kind"] == 4).sum() > 0 and "ill-conditioned" not in result.attributes["notes"]
+
+
 def test_no_mass_and_no_velocity_make_no_contact(here):
     for name, impact in [("a", {"mass_ratio": 0.0}), ("b", {"mass_ratio": 0.2, "approach_velocity": 0.0})]:
         here.scene(name, {**struck_beam(0.0, recontact={}), "impact": impact})
