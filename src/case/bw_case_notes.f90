@@ -1,14 +1,14 @@
 module bw_case_notes
   !! What a case warns of, beside its numbers: a note's words before its first colon are its kind.
   use bw_beam_units, only: beam_units, in_joules
-  use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan, mode_sources
+  use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_galerkin_set, only: galerkin_set
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_choice, only: most_modes, most_released
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: mode_set, mode_sources
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type

@@ -7,7 +7,7 @@ module bw_case_spectrum
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
-  use bw_mode_check, only: known_modes, measuring_type
+  use bw_mode_check, only: known_modes, record_facts
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -62,7 +62,7 @@ contains
     integer, intent(in) :: status
     class(monitor_type), intent(inout) :: monitor
     type(case_spectrum), intent(inout) :: spectrum
-    type(measuring_type) :: told
+    type(record_facts) :: facts
     integer :: first, i, samples
     allocate (spectrum%measured)
     samples = size(response%displacement, 1)
@@ -73,12 +73,12 @@ contains
       call append(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
                                ' samples after the last event')
     end if
-    told%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
-    told%length = scene%beam%length
-    told%max_peaks = scene%spectrum%max_peaks
-    told%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
-    if (status == case_done .and. first <= samples) call know_modes(scene, motion, told%known)
-    call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), told, &
+    facts%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
+    facts%length = scene%beam%length
+    facts%max_peaks = scene%spectrum%max_peaks
+    facts%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
+    if (status == case_done .and. first <= samples) call know_modes(scene, motion, facts%known)
+    call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), facts, &
                        spectrum%measured, monitor)
     if (monitor%stop_requested()) return
     do i = 1, size(spectrum%measured%notes)

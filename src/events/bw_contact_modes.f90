@@ -175,6 +175,7 @@ contains
   end subroutine find_offset
 
   pure function contact_shapes(self, first, last, xi) result(values)
+    !! Φ_k(ξ): the shapes of the beam alone, mixed.
     class(contact_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -183,6 +184,7 @@ contains
   end function contact_shapes
 
   function contact_overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    !! What these modes see of a motion with the beam's own weight: what those of the beam alone see, mixed.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -192,6 +194,7 @@ contains
   end function contact_overlap_of_beam
 
   function contact_overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    !! The same with the weight of the mass at the tip.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -202,6 +205,7 @@ contains
   end function contact_overlap_with_mass
 
   pure function contact_elastic(self) result(squares)
+    !! K_kk/M_kk: elastic energy is that of the beam alone.
     class(contact_set), intent(in) :: self
     type(dd) :: squares(self%count), free(self%free%count)
     free = self%free%elastic()

@@ -33,7 +33,7 @@ module bw_closed_form
 contains
 
   type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
-    !! The first `count` modes; γ = 0 is the free beam.
+    !! The first `count` modes; γ = 0 is the beam alone.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
@@ -56,6 +56,7 @@ contains
     type(dd) :: alpha(batch)
     integer :: first, last, m
     call allocate_set(size(number), gamma%hi, omega, modes)
+    modes%known_by_mass = maxval(number) == size(number)
     do first = 1, size(number), batch
       last = min(first + batch - 1, size(number))
       m = last - first + 1
@@ -79,7 +80,7 @@ contains
     type(dd) :: alpha(size(cached%shape))
     integer :: first, last
     call allocate_set(size(cached%shape), cached%gamma%hi, omega, modes)
-    modes%cache_key = cached%key
+    modes%known_by_mass = .true.
     call cached%roots(omega, longest, alpha)
     do first = 1, modes%count, batch
       last = min(first + batch - 1, modes%count)
@@ -184,7 +185,7 @@ contains
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form, of the free beam
+    class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -199,7 +200,7 @@ contains
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the free beam
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)

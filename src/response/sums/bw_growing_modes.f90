@@ -50,6 +50,7 @@ contains
   contains
 
     pure real(dp) function time(sample)
+      !! When a sample is, in the grid's unit.
       integer, intent(in) :: sample              ! from 1
       time = grid%step%hi*(sample - 1)
     end function time

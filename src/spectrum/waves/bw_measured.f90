@@ -5,16 +5,15 @@ module bw_measured
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
   use bw_line_residual, only: residual_type
   use bw_line_search, only: find_lines
-  use bw_measured_notes, only: measured_notes
   use bw_missing, only: is_missing, missing
-  use bw_mode_check, only: check_peaks, is_mode, measuring_type, not_known, verdict_type
+  use bw_mode_check, only: check_peaks, is_folded, is_mode, is_none, record_facts, not_known, verdict_type
   use bw_mode_curve, only: mode_type, slope_of
   use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops
-  use bw_text, only: string
+  use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
-  public :: measure_waves
+  public :: measure_waves, measured_notes
 
   integer, parameter :: fewest_samples = 16
   real(dp), parameter :: chance = 1.0e-4_dp, chance_if_checked = 1.0e-2_dp  !! that peaks are numbered as they are by chance
@@ -31,9 +30,12 @@ module bw_measured
     type(string), allocatable :: notes(:)                                      !! what a reader must know
   end type measured_type
 
+  integer, parameter :: most_listed = 10           !! frequencies in a note
+  real(dp), parameter :: worth_a_note = 1.0e-6_dp  !! growth over the record
+
 contains
 
-  subroutine measure_waves(tip, midpoint, told, measured, monitor)
+  subroutine measure_waves(tip, midpoint, facts, measured, monitor)
     !! Measure frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
     !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
@@ -43,7 +45,7 @@ contains
     !! 16 samples, or with missing samples, has no peaks.
     real(dp), intent(in) :: tip(:)                      !! displacement at ξ = 1, (N), at the times jT/N
     real(dp), intent(in) :: midpoint(:)                 !! displacement at ξ = ½, (N)
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     type(measured_type), intent(out) :: measured        !! of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     type(peak_type), allocatable :: peaks(:)
@@ -56,17 +58,17 @@ contains
     faint = count(.not. peaks%stands_out)
     peaks = pack(peaks, peaks%stands_out)
     allocate (modes(size(peaks)), verdict(size(peaks)))
-    if (allocated(told%known)) then
-      call check_peaks(told%known, size(tip), told%duration, peaks, verdict)
+    if (allocated(facts%known)) then
+      call check_peaks(facts%known, size(tip), facts%duration, peaks, verdict)
     else
       peaks = with_hidden(peaks, merge(peaks%hidden, 0.0_dp, peaks%doubtful))
     end if
-    if (told%uniform) call number_modes(peaks, verdict%kind == is_mode .or. verdict%kind == not_known, &
-      & merge(chance_if_checked, chance, allocated(told%known)), modes)
+    if (facts%uniform) call number_modes(peaks, verdict%kind == is_mode .or. verdict%kind == not_known, &
+      & merge(chance_if_checked, chance, allocated(facts%known)), modes)
     where (modes%number /= verdict%number .and. verdict%kind /= not_known) modes%number = 0
-    allocate (listed, source=listed_peaks(peaks, modes, verdict, told))
-    call fill(measured, peaks(listed), modes(listed), modes, told)
-    measured%notes = measured_notes(peaks, modes, verdict, listed, faint, told, size(tip))
+    allocate (listed, source=listed_peaks(peaks, modes, verdict, facts))
+    call fill(measured, peaks(listed), modes(listed), modes, facts)
+    measured%notes = measured_notes(peaks, modes, verdict, listed, faint, facts, size(tip))
   end subroutine measure_waves
 
   subroutine find_peaks(tip, midpoint, peaks, monitor)
@@ -95,40 +97,40 @@ contains
     if (is_usable) is_usable = any(abs(tip) > 0) .or. any(abs(midpoint) > 0)
   end function is_usable
 
-  pure function listed_peaks(peaks, modes, verdict, told) result(listed)
+  pure function listed_peaks(peaks, modes, verdict, facts) result(listed)
     !! The indices of peaks that are modes or may be, up to `max_peaks` of the strongest.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(verdict_type), intent(in) :: verdict(:)
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     integer, allocatable :: listed(:)
     logical :: qualified(size(peaks))
     integer :: i
-    if (allocated(told%known)) then
+    if (allocated(facts%known)) then
       qualified = verdict%kind == is_mode .or. verdict%kind == not_known
     else
       qualified = all(modes%number == 0) .or. modes%number > 0 .or. peaks%members > 1 .or. peaks%at_edge
     end if
     qualified = qualified .and. peaks%located
     allocate (listed, source=pack([(i, i=1, size(peaks))], qualified .and. &
-      & [(count(qualified .and. peaks%strength > peaks(i)%strength) < told%max_peaks, i=1, size(peaks))]))
+      & [(count(qualified .and. peaks%strength > peaks(i)%strength) < facts%max_peaks, i=1, size(peaks))]))
   end function listed_peaks
 
-  pure subroutine fill(measured, peaks, modes, all_modes, told)
+  pure subroutine fill(measured, peaks, modes, all_modes, facts)
     !! Fill in the quantities of the listed peaks, turned from periods in the record to physical units.
     type(measured_type), intent(inout) :: measured
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(mode_type), intent(in) :: all_modes(:)    !! those of peaks that are not listed too
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     real(dp), dimension(size(peaks)) :: undamped, relative
     logical :: is_wave(size(peaks))
     real(dp) :: none(size(peaks)), slope, slope_error
     none = missing
     is_wave = modes%number > 0
     measured%peak_count = size(peaks)
-    measured%angular_frequency = two_pi*peaks%position/told%duration
-    measured%angular_frequency_error = two_pi*peaks%position_error/told%duration
+    measured%angular_frequency = two_pi*peaks%position/facts%duration
+    measured%angular_frequency_error = two_pi*peaks%position_error/facts%duration
     allocate (measured%wavenumber, measured%wavenumber_error, measured%phase_velocity, measured%phase_velocity_error, &
       & measured%group_velocity, measured%group_velocity_error, source=none)
     undamped = 1
@@ -136,19 +138,109 @@ contains
     where (is_wave)
       undamped = sqrt(modes%square)
       relative = modes%square_error/(2*modes%square) + modes%alpha_error/modes%alpha + 8*epsilon(1.0_dp)
-      measured%wavenumber = modes%alpha/told%length
-      measured%wavenumber_error = modes%alpha_error/told%length
-      measured%phase_velocity = two_pi*undamped/told%duration*told%length/modes%alpha
+      measured%wavenumber = modes%alpha/facts%length
+      measured%wavenumber_error = modes%alpha_error/facts%length
+      measured%phase_velocity = two_pi*undamped/facts%duration*facts%length/modes%alpha
       measured%phase_velocity_error = measured%phase_velocity*relative
     end where
-    if (.not. allocated(told%known) .and. count(all_modes%number > 0) < fewest_lines) return
+    if (.not. allocated(facts%known) .and. count(all_modes%number > 0) < fewest_lines) return
     call slope_of(all_modes, slope, slope_error)
     if (.not. slope > 0) return
     where (is_wave)
-      measured%group_velocity = two_pi/told%duration*told%length*2*slope*modes%alpha**3/undamped
+      measured%group_velocity = two_pi/facts%duration*facts%length*2*slope*modes%alpha**3/undamped
       measured%group_velocity_error = measured%group_velocity* &
         & (slope_error/slope + 2*modes%alpha_error/modes%alpha + relative)
     end where
   end subroutine fill
+
+
+  pure function measured_notes(peaks, modes, verdict, listed, faint, facts, samples) result(notes)
+    !! The notes on a measurement, one for each kind of thing found.
+    type(peak_type), intent(in) :: peaks(:)
+    type(mode_type), intent(in) :: modes(:)
+    type(verdict_type), intent(in) :: verdict(:)
+    integer, intent(in) :: listed(:)           !! peaks in the result
+    integer, intent(in) :: faint               !! groups left out because the residual or rounding explains them
+    type(record_facts), intent(in) :: facts
+    integer, intent(in) :: samples
+    type(string), allocatable :: notes(:)
+    logical, dimension(size(peaks)) :: folded, stray, shown
+    allocate (notes(0))
+    folded = verdict%kind == is_folded .and. peaks%located
+    if (any(folded)) call append(notes, 'folded back from above half the sampling rate ('// &
+      & shortest(samples/(2*facts%duration), 6)//' Hz) and left out: modes '//ranges(pack(verdict%number, folded)))
+    stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(modes%number > 0) .and. modes%number == 0 &
+      & .and. peaks%members == 1 .and. .not. peaks%at_edge)
+    stray = stray .and. peaks%located
+    shown = peaks%located .and. .not. (folded .or. stray)
+    if (facts%uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call append(notes, &
+      & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing')
+    if (any(shown .and. verdict%kind == not_known) .and. all(modes%number == 0)) call append(notes, &
+      & 'nothing tells which lines are folded back from above half the sampling rate')
+    if (.not. all(peaks%located)) call append(notes, 'lines that could not be told apart, left out: '// &
+      & frequencies(.not. peaks%located))
+    if (faint > 0) call append(notes, 'groups of lines that do not stand out of what the fit leaves, left out: '// &
+      & text_of(faint))
+    if (any(stray)) call append(notes, 'lines that fit no mode, left out: '//frequencies(stray))
+    if (any(shown .and. peaks%members > 1)) call append(notes, &
+      & 'lines closer than 1/duration, each group taken as one: '//frequencies(shown .and. peaks%members > 1))
+    if (any(shown .and. peaks%at_edge)) call append(notes, &
+      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '//frequencies(shown .and. peaks%at_edge))
+    if (any(shown .and. abs(peaks%growth) > worth_a_note)) call append(notes, &
+      & 'lines that grow or decay: '//frequencies(shown .and. abs(peaks%growth) > worth_a_note))
+    if (size(listed) < count(shown)) call append(notes, &
+      & 'only the '//text_of(size(listed))//' strongest peaks are listed')
+
+  contains
+
+    pure function frequencies(chosen) result(words)
+      !! The frequencies of the chosen peaks as `12.5, 80 Hz`, with `and 7 more` after the first ten.
+      logical, intent(in) :: chosen(:)
+      character(:), allocatable :: words
+      type(string), allocatable :: frequency(:)
+      integer :: j
+      allocate (frequency(0))
+      do j = 1, size(chosen)
+        if (chosen(j) .and. size(frequency) < most_listed) then
+          call append(frequency, shortest(peaks(j)%position/facts%duration, 6))
+        end if
+      end do
+      words = list(frequency)//' Hz'
+      if (count(chosen) > size(frequency)) words = words//' and '//text_of(count(chosen) - size(frequency))//' more'
+    end function frequencies
+
+  end function measured_notes
+
+  pure function ranges(numbers) result(words)
+    !! The positive numbers in ascending order, as `22 to 25, 40`.
+    integer, intent(in) :: numbers(:)
+    character(:), allocatable :: words
+    integer :: first, last
+    words = ''
+    last = 0
+    do
+      first = minval(numbers, mask=numbers > last)
+      if (first == huge(first)) exit
+      last = first
+      do while (any(numbers == last + 1))
+        last = last + 1
+      end do
+      if (len(words) > 0) words = words//', '
+      words = words//text_of(first)
+      if (last > first) words = words//' to '//text_of(last)
+    end do
+  end function ranges
+
+  pure function list(items) result(words)
+    !! The items, separated by commas.
+    type(string), intent(in) :: items(:)
+    character(:), allocatable :: words
+    integer :: i
+    words = ''
+    do i = 1, size(items)
+      if (i > 1) words = words//', '
+      words = words//items(i)%text
+    end do
+  end function list
 
 end module bw_measured

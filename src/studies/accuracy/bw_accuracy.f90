@@ -6,7 +6,7 @@ module bw_accuracy
   use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
   use bw_missing, only: is_missing
-  use bw_model_error, only: model_errors
+  use bw_absent_effects, only: model_errors
   use bw_monitor, only: part_monitor, progress_type
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
