@@ -10,6 +10,7 @@ module bw_case_errors
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_impact, only: continuum_velocity
   use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
   use bw_mode_set, only: first_numbers, mode_set
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
@@ -65,7 +66,7 @@ contains
     real(dp), parameter :: slack = 1.5_dp        ! of the peak that was planned with
     real(dp) :: error, peak
     error = maxval(errors%displacement)
-    peak = maxval(abs(response%displacement))
+    peak = largest_magnitude(response%displacement)
     if (error <= slack*scene%modes%tolerance*peak + maxval(rounding_errors(scene, motion, response, .false.))) return
     errors%status = case_not_converged
     call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
@@ -148,9 +149,9 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
     unit = abs(scene%impact%approach_velocity)
     if (velocity) then
-      peak = maxval(abs(response%velocity))
+      peak = largest_magnitude(response%velocity)
     else
-      peak = maxval(abs(response%displacement))
+      peak = largest_magnitude(response%displacement)
       unit = unit*motion%units%time%hi
     end if
     associate (points => scene%response%points, step => grid%step%hi, loaded => motion%modes%loaded, &
@@ -233,9 +234,9 @@ contains
       rounding = rounding + growth_error(motion%later%in_contact, grid%samples*grid%step%hi)
     end if
     errors%displacement = largest(:, 1)*(speed*motion%units%time%hi) &
-      + rounding*max(0.0_dp, maxval(abs(response%displacement(:n, :))))
+      + rounding*largest_magnitude(response%displacement(:n, :))
     if (allocated(response%velocity)) then
-      errors%velocity = largest(:, 2)*speed + rounding*max(0.0_dp, maxval(abs(response%velocity(:n, :))))
+      errors%velocity = largest(:, 2)*speed + rounding*largest_magnitude(response%velocity(:n, :))
     end if
   end subroutine estimate_contacts
 

@@ -3,6 +3,7 @@ module bw_amplitude_spectrum
   !! transform asks for.
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
   implicit none (type, external)
   private
   public :: amplitude_spectrum, frequency_axis, window_samples
@@ -33,7 +34,7 @@ contains
     integer :: last, power
     last = size(samples)/2
     call plan%prepare(size(samples), window)
-    power = exponent(maxval(abs(samples)))  ! of two: samples near overflow pass
+    power = exponent(largest_magnitude(samples))  ! of two: samples near overflow pass
     down = power_of_two(-power)
     up = power_of_two(power)
     plan%fourier%samples(:) = plan%weight*((samples*down(1))*down(2))
