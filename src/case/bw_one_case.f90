@@ -7,11 +7,13 @@ module bw_one_case
   use bw_case_events, only: follow_events, start_motion
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache, find_modes
+  use bw_case_moments, only: find_moments
   use bw_case_notes, only: out_of_reach
   use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
+  use bw_case_validity, only: note_history_errors, note_validity
   use bw_error, only: error_type, fail, status_bad_input
   use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
@@ -79,8 +81,15 @@ contains
     call estimate_errors(scene, motion, histories, part, errors)
     if (monitor%stop_requested()) return
     if (allocated(histories%response)) then
+      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sum, histories, errors)
+      if (monitor%stop_requested()) return
       call watch%lap(stage_response)
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
+    end if
+
+    if (motion%modes%resolved) call note_validity(scene, motion, histories%response, errors%notes)
+    if (allocated(histories%response)) then
+      call note_history_errors(scene%response%points, histories%response, errors, errors%notes)
     end if
 
     if (allocated(scene%spectrum)) then
@@ -129,6 +138,7 @@ contains
     if (allocated(result%response)) then
       call move_alloc(errors%displacement, result%response%displacement_error)
       call move_alloc(errors%velocity, result%response%velocity_error)
+      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
     end if
     call move_alloc(spectrum%amplitude, result%amplitude)
     call move_alloc(spectrum%measured, result%measured)

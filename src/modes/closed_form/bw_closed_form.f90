@@ -11,7 +11,7 @@ module bw_closed_form
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: batch, root_values, solve_roots
-  use bw_shape, only: shape_type, shapes_of, shape_values
+  use bw_shape, only: curvature_values, shape_type, shapes_of, shape_values
   implicit none (type, external)
   private
   public :: closed_form_modes, find_modes, find_cached_modes
@@ -22,6 +22,7 @@ module bw_closed_form
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
   contains
     procedure :: some_shapes => closed_form_shapes
+    procedure :: some_curvatures => closed_form_curvatures
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: overlap_far_below
@@ -161,6 +162,23 @@ contains
       end do
     end do
   end function closed_form_shapes
+
+  pure function closed_form_curvatures(self, first, last, xi) result(values)
+    !! Φ_k''(ξ) from the roots.
+    class(closed_form_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    type(shape_type) :: shape(batch)
+    integer :: k, n, p
+    do k = 1, size(values, 1), batch
+      n = min(batch, size(values, 1) - k + 1)
+      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
+      do p = 1, size(xi)
+        values(k:k + n - 1, p) = curvature_values(shape(:n), xi(p))*shape(:n)%alpha**2
+      end do
+    end do
+  end function closed_form_curvatures
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
