@@ -76,7 +76,7 @@ contains
     peak = largest_magnitude(response%displacement(:response%finite_samples, :))
     if (peak <= largest_deflection*scene%beam%length) return
     call append(notes, 'large deflection: up to '//shortest(peak, 3)//' m, '//shortest(peak/scene%beam%length, 3)// &
-                ' of the length; linear theory holds up to about 0.1 of it')
+                ' times the length; linear theory holds up to about a tenth of it')
   end subroutine note_deflection
 
   subroutine note_amplitudes(scene, units, modes, rate, notes)

@@ -23,7 +23,7 @@ module bw_one_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: text_of
+  use bw_text, only: string, text_of
   implicit none (type, external)
   private
   public :: plan_case, run_case
@@ -52,6 +52,7 @@ contains
     type(case_histories) :: histories
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
+    type(string), allocatable :: validity(:)
     type(part_monitor) :: part                       ! for a stage
     real(dp), allocatable :: share(:)
     call watch%start()
@@ -87,10 +88,11 @@ contains
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
     end if
 
-    if (motion%modes%resolved) call note_validity(scene, motion, histories%response, errors%notes)
+    if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
-      call note_history_errors(scene%response%points, histories%response, errors, errors%notes)
+      call note_history_errors(scene%response%points, histories%response, errors, validity)
     end if
+    call add_notes(motion%modes%notes, validity)
 
     if (allocated(scene%spectrum)) then
       part = stage_part(monitor, share, spectrum_share)

@@ -1,21 +1,27 @@
 module bw_time_estimate
-  !! How long a scene will take: samples of its cases are run for a bounded time.
+  !! How long a scene will take, and what it will warn of: samples of its cases are run for a bounded time.
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
   use bw_kinds, only: dp, i8
+  use bw_missing, only: missing
+  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
+  use bw_note, only: kind_of
+  use bw_notes, only: notes_type
   use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_stopwatch, only: stopwatch, wall_seconds
+  use bw_text, only: append, string
   implicit none (type, external)
   private
-  public :: estimated_seconds
+  public :: estimated_seconds, forecast_type
 
   integer, parameter :: most_samples = 200
+  integer, parameter :: few_modes = 20, few_samples = 1000      !! of a case that is foretold
   real(dp), parameter :: least_part = 0.02_dp       !! of a case, from which the whole can be told; else the model is asked
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
   real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
@@ -24,6 +30,14 @@ module bw_time_estimate
   real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
   real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into its journal and the result; measured
   real(dp), parameter :: number_seconds = 1.0e-8_dp        !! of each of its numbers: written twice, read once; measured
+
+  type :: forecast_type
+    !! What cases that were run for their time had to say.
+    type(notes_type) :: notes
+    integer(i8), allocatable :: cases(:)      !! their numbers
+  contains
+    procedure :: add
+  end type forecast_type
 
   type, extends(monitor_type) :: time_limit
     !! Stops when the time is up, or its user asks to, and remembers how much of the case was done.
@@ -46,22 +60,25 @@ module bw_time_estimate
     type(scene_type) :: one                   !! the case at hand, or the one before it
     type(case_cache) :: cache                  !! what cases share
     type(time_limit) :: limit
+    type(forecast_type) :: forecast
   contains
     procedure :: sample
   end type case_timer
 
 contains
 
-  real(dp) function estimated_seconds(scene, layout, budget, monitor) result(seconds)
+  real(dp) function estimated_seconds(scene, layout, budget, monitor, forecast) result(seconds)
     !! Wall time of all cases by one process on a core of its own, s: the processor time of some of them, which other work
     !! on the machine changes least.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                !! what the estimate may take itself, s
     class(monitor_type), intent(inout), target :: monitor    !! the estimate means nothing where it asks to stop
+    type(forecast_type), intent(out) :: forecast
     type(case_timer) :: timer
     real(dp) :: spent, began, part
     logical :: whole
+    allocate (timer%forecast%cases(0))
     timer%scene = scene
     timer%layout = layout
     timer%limit%user => monitor
@@ -70,6 +87,8 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
+    if (.not. whole) call foretell(timer)
+    forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds
 
@@ -86,6 +105,7 @@ contains
     cases = case_count(timer%scene)
     samples = 0
     seconds = 0.0_dp
+    if (is_quick) call timer%sample(cases, began + 2.0_dp*budget, part, spent)       ! what is extreme is often the last
     do while (samples < min(cases, int(most_samples, i8)))
       samples = samples + 1
       index = place(samples, cases)
@@ -134,6 +154,7 @@ contains
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
+    if (whole .and. .not. allocated(error)) call self%forecast%add(index, result%notes)
     if (whole) return
     associate (limit => self%limit)
       if (limit%before > 0.0_dp .and. limit%fraction > limit%first + least_part*(1.0_dp - limit%first)) then   ! what comes before the histories is not a part of them
@@ -145,6 +166,65 @@ contains
       end if
     end associate
   end subroutine sample
+
+  subroutine add(self, index, notes)
+    !! Keep the notes of a case, once.
+    class(forecast_type), intent(inout) :: self
+    integer(i8), intent(in) :: index              !! of the case
+    type(string), intent(in) :: notes(:)
+    if (any(self%cases == index)) return
+    self%cases = [self%cases, index]
+    call self%notes%add(index, notes)
+  end subroutine add
+
+  subroutine foretell(timer)
+    !! The notes of a case that takes longer than there is time, from few of its modes and samples: from samples of its whole record,
+    !! and from its first ones, which are as close to each other as those of the case.
+    type(case_timer), intent(inout) :: timer
+    type(case_result) :: over_all, close_by
+    type(string), allocatable :: notes(:)
+    type(stopwatch) :: watch
+    real(dp) :: part
+    logical :: whole
+    integer :: i
+    allocate (notes(0))
+    associate (user => timer%limit%user)
+      call run_case(few_of(timer%one, 1.0_dp), timer%layout, watch, user, timer%cache, over_all, whole)
+      if (.not. whole) return
+      do i = 1, size(over_all%notes)
+        associate (kind => kind_of(over_all%notes(i)%text))
+          if (kind /= 'aliasing' .and. index(kind, 'error of') /= 1) call append(notes, over_all%notes(i)%text)
+        end associate
+      end do
+      if (allocated(timer%one%response)) then
+        part = real(few_samples, dp)/timer%one%response%samples
+        call run_case(few_of(timer%one, part), timer%layout, watch, user, timer%cache, close_by, whole)
+        if (.not. whole) return
+        do i = 1, size(close_by%notes)
+          if (kind_of(close_by%notes(i)%text) == 'aliasing') call append(notes, close_by%notes(i)%text)
+        end do
+      end if
+    end associate
+    call timer%forecast%add(1_i8, notes)
+  end subroutine foretell
+
+  pure function few_of(scene, part) result(few)
+    !! A scene of few modes and samples, without later contacts and spectrum.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: part                  !! of the record
+    type(scene_type) :: few
+    few = scene
+    few%modes%tolerance = missing
+    few%modes%before = few_modes
+    few%modes%after = few_modes
+    if (scene%modes%before > 0) few%modes%before = min(few_modes, scene%modes%before)
+    if (.not. by_tolerance(scene%modes)) few%modes%after = min(few_modes, scene%modes%after)
+    if (allocated(few%recontact)) deallocate (few%recontact)
+    if (allocated(few%spectrum)) deallocate (few%spectrum)
+    if (.not. allocated(few%response)) return
+    if (part < 1.0_dp) few%response%duration = part*scene%response%duration
+    few%response%samples = min(few_samples, scene%response%samples)
+  end function few_of
 
   subroutine start(self, scene, deadline)
     !! Call this before a case.
