@@ -118,7 +118,7 @@ contains
   end subroutine note_strain_at_root
 
   subroutine note_aliasing(scene, modes, amplitude, highest, notes)
-    !! The samples are close enough for the modes that make the displacement.
+    !! The samples are close enough for every mode whose line stands out of the spectrum of the displacement.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: modes           !! none of which grows
     real(dp), intent(in) :: amplitude(:)           !! of the first modes
@@ -134,13 +134,13 @@ contains
     part = 0.0_dp
     do p = 1, size(moved, 2)
       moved(:, p) = moved(:, p)*amplitude
-      if (any(moved(:, p) > 0.0_dp)) part = max(part, sum(moved(:, p), mask=above)/sum(moved(:, p)))
+      if (any(moved(:, p) > 0.0_dp)) part = max(part, maxval(moved(:, p), mask=above)/maxval(moved(:, p)))
     end do
     if (part <= unnoticed) return
     k = findloc(above, .true., dim=1)
-    call append(notes, 'aliasing: modes from '//text_of(k)//' on, '//shortest(100.0_dp*part, 2)//' % of the displacement, '// &
-                'swing faster than half the sampling rate, '// &
-                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz: the samples show them at lower '// &
+    call append(notes, 'aliasing: modes from '//text_of(k)//' on, with up to '//shortest(100.0_dp*part, 2)//' % of the largest '// &
+                'amplitude, swing faster than half the sampling rate, '// &
+                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz: samples show them at lower '// &
                 'frequencies, folded back')
   end subroutine note_aliasing
 
@@ -166,6 +166,7 @@ contains
       integer :: p
       peak = [(largest_magnitude(histories(:, p)), p=1, size(error))]
       part = 0.0_dp
+      if (maxval(peak) == 0.0_dp) return             ! nothing has moved yet
       where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, tiny(peak))
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return

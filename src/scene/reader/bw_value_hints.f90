@@ -85,6 +85,7 @@ contains
     word = trim(adjustl(written(last + 1:)))
     call parse_real(written(:last), number, problem)
     if (problem /= '' .or. word == '' .or. scan(word, ' ,=') > 0) return
+    if (lower(word(1:1)) < 'a' .or. lower(word(1:1)) > 'z') return
     hint = '; a value stands without its unit'
     if (unit /= '' .and. unit /= '1') hint = hint//', in '//trim(unit)
     do i = 1, size(units)
