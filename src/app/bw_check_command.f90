@@ -42,6 +42,7 @@ contains
     do i = 1, count
       layout = layout_of(scenes(i))
       notes = ''
+      time_line = ''
       call plan_tolerance(scenes(i), progress, count_line, error)
       if (.not. allocated(error)) call try_scene(scenes(i), layout, check_seconds/count, progress, time_line, notes)
       if (progress%stop_requested()) then

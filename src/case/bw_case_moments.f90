@@ -60,12 +60,16 @@ contains
     if (allocated(plain%recontact)) then
       call estimate_contacts(plain, bent, response, found)
       error = found%displacement
-    else
-      part = part_monitor(monitor, 1.0_dp, 0.0_dp)
-      call bend(motion, .true., swinging)
-      error = missing_motion(plain, swinging, .true., part)*(abs(plain%impact%approach_velocity)*motion%units%time%hi) &
-        + rounding_errors(plain, bent, response, .false.)
+      return
     end if
+    part = part_monitor(monitor, 1.0_dp, 0.0_dp)
+    if (allocated(plain%damping)) then                    ! damping ends the sums over amplitudes
+      error = missing_motion(plain, bent, .false., part)
+    else
+      call bend(motion, .true., swinging)
+      error = missing_motion(plain, swinging, .true., part)
+    end if
+    error = error*(abs(plain%impact%approach_velocity)*motion%units%time%hi) + rounding_errors(plain, bent, response, .false.)
   end subroutine find_errors
 
   subroutine bend(motion, scaled, bent)

@@ -39,7 +39,7 @@ contains
     integer :: p
     if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
     if (layout%middle == 0 .or. layout%tip == 0) then
-      call remark(spectrum%notes, 'measured waves: they need histories at xi = 0.5 and xi = 1, so they are left out')
+      call remark(spectrum%notes, 'measured waves: they need the points 0.5 and 1.0, so they are left out')
     else
       ! before there are spectra, for it needs more memory than they do
       call find_waves(scene, layout, motion, response, status, monitor, spectrum)

@@ -131,11 +131,11 @@ contains
     above = modes%beta_squared(:size(amplitude))%hi > highest**2
     if (.not. any(above)) return
     moved = abs(modes%some_shapes(1, size(amplitude), scene%response%points))
-    part = 0.0_dp
     do p = 1, size(moved, 2)
       moved(:, p) = moved(:, p)*amplitude
-      if (any(moved(:, p) > 0.0_dp)) part = max(part, maxval(moved(:, p), mask=above)/maxval(moved(:, p)))
     end do
+    if (maxval(moved) == 0.0_dp) return
+    part = maxval(moved, mask=spread(above, 2, size(moved, 2)))/maxval(moved)
     if (part <= unnoticed) return
     k = findloc(above, .true., dim=1)
     call append(notes, 'aliasing: modes from '//text_of(k)//' on, with up to '//shortest(100.0_dp*part, 2)//' % of the largest '// &

@@ -59,6 +59,7 @@ contains
     shown(maxloc(peak, dim=1)) = .true.
     if (present(error)) shown(maxloc(part, dim=1)) = .true.
     head = '  '//name//', '//unit
+    row = ''
     do p = 1, size(points)
       if (.not. shown(p)) cycle
       row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 4), 8)//right(fixed(peak(p)), 16)
