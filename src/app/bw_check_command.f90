@@ -15,7 +15,7 @@ module bw_check_command
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
   use bw_text, only: shortest, text_of
-  use bw_time_estimate, only: estimated_seconds, forecast_type
+  use bw_time_estimate, only: estimated_seconds, few_modes, few_samples, forecast_type
   implicit none (type, external)
   private
   public :: check_command
@@ -73,7 +73,7 @@ contains
     logical, intent(in) :: brief
     character(:), allocatable :: text
     if (brief) then
-      text = scene%file//': good, takes '//adjustl(time_line(index(time_line, 'about'):len(time_line) - 1))
+      text = scene%file//': good, takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
       if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
     else
       text = scene_heading(scene)//scene_summary(scene, layout)//count_line//cost_summary(scene, layout)//time_line
@@ -95,8 +95,15 @@ contains
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')
     notes = forecast%notes%lines(merge(size(forecast%cases), 0, layout%cases > 0))
-    if (layout%cases > size(forecast%cases) .and. notes /= '') time_line = time_line//'  tried      '// &
-      text_of(size(forecast%cases))//' of '//text_of(layout%cases)//' cases, of which the notes are'//new_line('a')
+    if (notes == '') return
+    if (forecast%from_few) then
+      time_line = time_line//'  tried      '//text_of(few_modes)//' modes and '//text_of(few_samples)//' samples'
+    else if (layout%cases > size(forecast%cases)) then
+      time_line = time_line//'  tried      '//text_of(size(forecast%cases))//' of '//text_of(layout%cases)//' cases'
+    else
+      return
+    end if
+    time_line = time_line//', of which these notes are'//new_line('a')
   end subroutine try_scene
 
   pure function expected_text(seconds) result(text)

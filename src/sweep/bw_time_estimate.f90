@@ -21,7 +21,7 @@ module bw_time_estimate
   public :: estimated_seconds, forecast_type
 
   integer, parameter :: most_samples = 200
-  integer, parameter :: few_modes = 20, few_samples = 1000      !! of a case that is foretold
+  integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is foretold
   real(dp), parameter :: least_part = 0.02_dp       !! of a case, from which the whole can be told; else the model is asked
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
   real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
@@ -35,6 +35,7 @@ module bw_time_estimate
     !! What cases that were run for their time had to say.
     type(notes_type) :: notes
     integer(i8), allocatable :: cases(:)      !! their numbers
+    logical :: from_few = .false.             !! there was only time for few modes and samples of one case
   contains
     procedure :: add
   end type forecast_type
@@ -181,32 +182,50 @@ contains
     !! The notes of a case that takes longer than there is time, from few of its modes and samples: from samples of its whole record,
     !! and from its first ones, which are as close to each other as those of the case.
     type(case_timer), intent(inout) :: timer
-    type(case_result) :: over_all, close_by
+    type(case_result) :: result
     type(string), allocatable :: notes(:)
-    type(stopwatch) :: watch
-    real(dp) :: part
+    type(scene_type) :: few
     logical :: whole
-    integer :: i
     allocate (notes(0))
-    associate (user => timer%limit%user)
-      call run_case(few_of(timer%one, 1.0_dp), timer%layout, watch, user, timer%cache, over_all, whole)
+    few = few_of(timer%one, 1.0_dp)
+    call run_few(timer, few, result, whole)
+    if (.not. whole) return
+    call take_notes(result%notes, .false., notes)
+    if (allocated(timer%one%response)) then
+      few = few_of(timer%one, real(few_samples, dp)/timer%one%response%samples)
+      call run_few(timer, few, result, whole)
       if (.not. whole) return
-      do i = 1, size(over_all%notes)
-        associate (kind => kind_of(over_all%notes(i)%text))
-          if (kind /= 'aliasing' .and. index(kind, 'error of') /= 1) call append(notes, over_all%notes(i)%text)
-        end associate
-      end do
-      if (allocated(timer%one%response)) then
-        part = real(few_samples, dp)/timer%one%response%samples
-        call run_case(few_of(timer%one, part), timer%layout, watch, user, timer%cache, close_by, whole)
-        if (.not. whole) return
-        do i = 1, size(close_by%notes)
-          if (kind_of(close_by%notes(i)%text) == 'aliasing') call append(notes, close_by%notes(i)%text)
-        end do
-      end if
-    end associate
+      call take_notes(result%notes, .true., notes)
+    end if
     call timer%forecast%add(1_i8, notes)
+    timer%forecast%from_few = .true.
   end subroutine foretell
+
+  subroutine run_few(timer, few, result, whole)
+    !! Run the short case to its end, if the user lets it.
+    type(case_timer), intent(inout) :: timer
+    type(scene_type), intent(in) :: few
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole
+    type(stopwatch) :: watch
+    type(case_cache) :: cache
+    call run_case(few, timer%layout, watch, timer%limit%user, cache, result, whole)
+  end subroutine run_few
+
+  pure subroutine take_notes(found, aliasing, notes)
+    !! Of samples that are close to each other the note on aliasing, of the others all but that; none on errors, which few modes
+    !! would raise.
+    type(string), intent(in) :: found(:)
+    logical, intent(in) :: aliasing
+    type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: kind
+    integer :: i
+    do i = 1, size(found)
+      kind = kind_of(found(i)%text)
+      if (index(kind, 'error of') == 1) cycle
+      if ((kind == 'aliasing') .eqv. aliasing) call append(notes, found(i)%text)
+    end do
+  end subroutine take_notes
 
   pure function few_of(scene, part) result(few)
     !! A scene of few modes and samples, without later contacts and spectrum.
