@@ -33,14 +33,16 @@ contains
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in), optional :: response      !! absent: no history is asked for
     type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: peak
     call note_beam(scene, notes)
     if (.not. present(response)) return
     if (response%finite_samples == 0) return                   ! another note says why
-    call note_deflection(scene, response, notes)
+    peak = largest_magnitude(response%displacement(:response%finite_samples, :))
+    call note_deflection(scene, peak, notes)
     if (allocated(motion%modes%loaded)) then
-      call note_amplitudes(scene, motion%units, motion%modes%loaded, motion%initial%modal_velocity, notes)
+      call note_amplitudes(scene, motion, motion%modes%loaded, peak, notes)
     else
-      call note_amplitudes(scene, motion%units, motion%modes%free, motion%initial%modal_velocity, notes)
+      call note_amplitudes(scene, motion, motion%modes%free, peak, notes)
     end if
   end subroutine note_validity
 
@@ -67,36 +69,43 @@ contains
     if (.not. beam%round) words = '4 sqrt(I/A), the diameter of a circle,'
   end function thickness_words
 
-  subroutine note_deflection(scene, response, notes)
+  pure subroutine note_deflection(scene, peak, notes)
     !! The deflection at the points is small beside the length.
     type(scene_type), intent(in) :: scene
-    type(response_type), intent(in) :: response
+    real(dp), intent(in) :: peak                   !! m
     type(string), allocatable, intent(inout) :: notes(:)
-    real(dp) :: peak
-    peak = largest_magnitude(response%displacement(:response%finite_samples, :))
     if (peak <= largest_deflection*scene%beam%length) return
     call append(notes, 'large deflection: up to '//shortest(peak, 3)//' m, '//shortest(peak/scene%beam%length, 3)// &
                 ' times the length; linear theory holds up to about a tenth of it')
   end subroutine note_deflection
 
-  subroutine note_amplitudes(scene, units, modes, rate, notes)
+  subroutine note_amplitudes(scene, motion, modes, peak, notes)
     !! What the amplitudes of the first modes say of the strain at the root and of the time between samples.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
+    type(case_motion), intent(in) :: motion
     class(mode_set), intent(in) :: modes           !! that the impact leaves in motion
-    real(dp), intent(in) :: rate(:)                !! their velocities, V, (modes)
+    real(dp), intent(in) :: peak                   !! of the displacement at all points, m
     type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), parameter :: largest_shape = 2.0_dp
     type(time_grid) :: grid
     real(dp), dimension(min(looked_at, modes%count)) :: amplitude, c
+    logical :: above(size(amplitude))              ! half the sampling rate
+    real(dp) :: fast                               ! the largest amplitude of these
     integer :: n
     n = size(amplitude)
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping(:n)
-    grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
-    associate (step => grid%step%hi, square => modes%beta_squared(:n))
-      amplitude = amplitude_of(square, c, 0.0_dp, rate(:n), stretch_type(0.0_dp, grid%samples*step, step), .false.)
-      call note_strain_at_root(scene, units, modes, amplitude, notes)
-      if (all(square%hi >= 0.0_dp)) call note_aliasing(scene, modes, amplitude, acos(-1.0_dp)/step, notes)
+    associate (units => motion%units, rate => motion%initial%modal_velocity(:n), square => modes%beta_squared(:n))
+      grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
+      associate (step => grid%step%hi, unit => abs(scene%impact%approach_velocity)*units%time%hi)
+        amplitude = amplitude_of(square, c, 0.0_dp, rate, stretch_type(0.0_dp, grid%samples*step, step), .false.)
+        call note_strain_at_root(scene, units, modes, amplitude, notes)
+        above = square%hi > (acos(-1.0_dp)/step)**2
+        fast = maxval(merge(amplitude, 0.0_dp, above))
+        if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
+          call note_aliasing(scene, modes, amplitude, above, notes)
+        end if
+      end associate
     end associate
   end subroutine note_amplitudes
 
@@ -117,19 +126,16 @@ contains
                 ' %; linear theory holds up to about 0.5 %')
   end subroutine note_strain_at_root
 
-  subroutine note_aliasing(scene, modes, amplitude, highest, notes)
+  subroutine note_aliasing(scene, modes, amplitude, above, notes)
     !! The samples are close enough for every mode whose line stands out of the spectrum of the displacement.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: modes           !! none of which grows
     real(dp), intent(in) :: amplitude(:)           !! of the first modes
-    real(dp), intent(in) :: highest                !! angular frequency: half the sampling rate
+    logical, intent(in) :: above(:)                !! they are above half the sampling rate
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: moved(size(amplitude), size(scene%response%points)), part
-    logical :: above(size(amplitude))
     integer :: p, k
     if (scene%response%samples == 1) return
-    above = modes%beta_squared(:size(amplitude))%hi > highest**2
-    if (.not. any(above)) return
     moved = abs(modes%some_shapes(1, size(amplitude), scene%response%points))
     do p = 1, size(moved, 2)
       moved(:, p) = moved(:, p)*amplitude

@@ -5,6 +5,7 @@ module bw_sweep_table
   use bw_case_result, only: case_done
   use bw_columns, only: fixed, right
   use bw_kinds, only: dp, i8
+  use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing, scaled
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
@@ -65,7 +66,7 @@ contains
     !! Take account of a case.
     class(sweep_table), intent(inout) :: self
     integer(i8), intent(in) :: index          !! its number
-    real(dp), intent(in) :: numbers(:)        !! (case_length)
+    real(dp), intent(in), contiguous :: numbers(:)    !! (case_length)
     type(case_row) :: row
     integer :: r
     row = case_row(index, nint(numbers(self%mode_count%first)), nint(numbers(self%status%first)), &
@@ -86,7 +87,9 @@ contains
 
   pure real(dp) function largest_of(history) result(largest)
     !! The largest displacement that is known; missing where none is.
-    real(dp), intent(in) :: history(:)
+    real(dp), intent(in), contiguous :: history(:)
+    largest = largest_magnitude(history)
+    if (largest < missing) return
     largest = missing
     if (any(.not. is_missing(history))) largest = maxval(abs(history), mask=.not. is_missing(history))
   end function largest_of

@@ -164,21 +164,29 @@ contains
   end function closed_form_shapes
 
   pure function closed_form_curvatures(self, first, last, xi) result(values)
-    !! Φ_k''(ξ) from the roots.
+    !! Φ_k''(ξ) from the roots; at the clamped end −2α² whatever the mass.
     class(closed_form_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
+    values = spread(-2.0_dp*self%alpha(first:last)**2, 2, size(xi))
+    if (any(xi /= 0.0_dp)) call find_curvatures(self%root(first:last), xi, values)
+  end function closed_form_curvatures
+
+  pure subroutine find_curvatures(root, xi, values)
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(out) :: values(:, :)
     type(shape_type) :: shape(batch)
     integer :: k, n, p
-    do k = 1, size(values, 1), batch
-      n = min(batch, size(values, 1) - k + 1)
-      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
+    do k = 1, size(root), batch
+      n = min(batch, size(root) - k + 1)
+      shape(:n) = shapes_of(root(k:k + n - 1))
       do p = 1, size(xi)
         values(k:k + n - 1, p) = curvature_values(shape(:n), xi(p))*shape(:n)%alpha**2
       end do
     end do
-  end function closed_form_curvatures
+  end subroutine find_curvatures
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
