@@ -3,6 +3,7 @@ module bw_check_command
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
+  use bw_forecast, only: few_modes, few_samples, forecast_type
   use bw_kinds, only: dp
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -15,7 +16,7 @@ module bw_check_command
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
   use bw_text, only: shortest, text_of
-  use bw_time_estimate, only: estimated_seconds, few_modes, few_samples, forecast_type
+  use bw_time_estimate, only: estimated_seconds
   implicit none (type, external)
   private
   public :: check_command

@@ -176,18 +176,18 @@ contains
       where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, tiny(peak))
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
-      call append(notes, 'error of the '//quantity//': it may be off by '//part_words(part(p))//' of its largest value at xi = '// &
+      call append(notes, 'error of the '//quantity//': it may be off by '//part_words(part(p))//' at xi = '// &
                   shortest(points(p), 6)//', and by more than 1 % at '//text_of(count(part > 0.0_dp))//' of '// &
                   text_of(size(part))//' points')
     end subroutine note_error
   end subroutine note_history_errors
 
   pure function part_words(part) result(words)
-    !! A large part in per cent.
+    !! A part of a history's peak.
     real(dp), intent(in) :: part
     character(:), allocatable :: words
-    words = shortest(100.0_dp*part, 2)//' %'
-    if (part > 1.0_dp) words = 'more than all'
+    words = shortest(100.0_dp*part, 2)//' % of its largest value'
+    if (part > 1.0_dp) words = 'more than its largest value'
   end function part_words
 
 end module bw_case_validity

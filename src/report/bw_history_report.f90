@@ -34,8 +34,10 @@ contains
         response%bending_moment, response%bending_moment_error, lines)
       if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
         'where a history is largest, and where its error is the largest part of it.')
-      if (allocated(response%displacement_error)) return
-      call lines%append_line('  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
+      if (allocated(scene%recontact)) call lines%append_line( &
+        '  The error is that of the exact motion of these modes: a rebound belongs to their number.')
+      if (.not. allocated(response%displacement_error)) call lines%append_line( &
+        '  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
     end associate
   end subroutine report_histories
 

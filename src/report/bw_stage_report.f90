@@ -10,6 +10,7 @@ module bw_stage_report
 
   real(dp), parameter :: short = 1.0_dp           !! s, of a run whose stages are told in one line
   real(dp), parameter :: told = 0.01_dp           !! of such a run, that a stage must take to be told
+  real(dp), parameter :: least = 5.0e-4_dp        !! s, which are told as 1 ms
 
 contains
 
@@ -37,7 +38,7 @@ contains
     text = '  time       '//seconds_text(elapsed)
     comma = ':'
     do i = 1, stage_count
-      if (watch%seconds(i) < told*elapsed) cycle
+      if (watch%seconds(i) < max(told*elapsed, least)) cycle
       text = text//comma//' '//trim(stage_words(i))//' '//seconds_text(watch%seconds(i))
       comma = ','
     end do

@@ -4,24 +4,19 @@ module bw_time_estimate
   use bw_case_result, only: case_result
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
+  use bw_forecast, only: forecast_type
   use bw_kinds, only: dp, i8
-  use bw_missing, only: missing
-  use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
-  use bw_note, only: kind_of
-  use bw_notes, only: notes_type
   use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_stopwatch, only: stopwatch, wall_seconds
-  use bw_text, only: append, string
   implicit none (type, external)
   private
-  public :: estimated_seconds, forecast_type
+  public :: estimated_seconds
 
   integer, parameter :: most_samples = 200
-  integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is foretold
   real(dp), parameter :: least_part = 0.02_dp       !! of a case, from which the whole can be told; else the model is asked
   real(dp), parameter :: quick = 0.02_dp                   !! of the time there is: a case before which another one may be run
   real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
@@ -30,15 +25,6 @@ module bw_time_estimate
   real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
   real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into its journal and the result; measured
   real(dp), parameter :: number_seconds = 1.0e-8_dp        !! of each of its numbers: written twice, read once; measured
-
-  type :: forecast_type
-    !! What cases that were run for their time had to say.
-    type(notes_type) :: notes
-    integer(i8), allocatable :: cases(:)      !! their numbers
-    logical :: from_few = .false.             !! there was only time for few modes and samples of one case
-  contains
-    procedure :: add
-  end type forecast_type
 
   type, extends(monitor_type) :: time_limit
     !! Stops when the time is up, or its user asks to, and remembers how much of the case was done.
@@ -88,7 +74,7 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
-    if (.not. whole) call foretell(timer)
+    if (.not. whole) call timer%forecast%foretell(timer%one, timer%layout, monitor)
     forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds
@@ -167,83 +153,6 @@ contains
       end if
     end associate
   end subroutine sample
-
-  subroutine add(self, index, notes)
-    !! Keep the notes of a case, once.
-    class(forecast_type), intent(inout) :: self
-    integer(i8), intent(in) :: index              !! of the case
-    type(string), intent(in) :: notes(:)
-    if (any(self%cases == index)) return
-    self%cases = [self%cases, index]
-    call self%notes%add(index, notes)
-  end subroutine add
-
-  subroutine foretell(timer)
-    !! The notes of a case that takes longer than there is time, from few of its modes and samples: from samples of its whole record,
-    !! and from its first ones, which are as close to each other as those of the case.
-    type(case_timer), intent(inout) :: timer
-    type(case_result) :: result
-    type(string), allocatable :: notes(:)
-    type(scene_type) :: few
-    logical :: whole
-    allocate (notes(0))
-    few = few_of(timer%one, 1.0_dp)
-    call run_few(timer, few, result, whole)
-    if (.not. whole) return
-    call take_notes(result%notes, .false., notes)
-    if (allocated(timer%one%response)) then
-      few = few_of(timer%one, real(few_samples, dp)/timer%one%response%samples)
-      call run_few(timer, few, result, whole)
-      if (.not. whole) return
-      call take_notes(result%notes, .true., notes)
-    end if
-    call timer%forecast%add(1_i8, notes)
-    timer%forecast%from_few = .true.
-  end subroutine foretell
-
-  subroutine run_few(timer, few, result, whole)
-    !! Run the short case to its end, if the user lets it.
-    type(case_timer), intent(inout) :: timer
-    type(scene_type), intent(in) :: few
-    type(case_result), intent(out) :: result
-    logical, intent(out) :: whole
-    type(stopwatch) :: watch
-    type(case_cache) :: cache
-    call run_case(few, timer%layout, watch, timer%limit%user, cache, result, whole)
-  end subroutine run_few
-
-  pure subroutine take_notes(found, aliasing, notes)
-    !! Of samples that are close to each other the note on aliasing, of the others all but that; none on errors, which few modes
-    !! would raise.
-    type(string), intent(in) :: found(:)
-    logical, intent(in) :: aliasing
-    type(string), allocatable, intent(inout) :: notes(:)
-    character(:), allocatable :: kind
-    integer :: i
-    do i = 1, size(found)
-      kind = kind_of(found(i)%text)
-      if (index(kind, 'error of') == 1) cycle
-      if ((kind == 'aliasing') .eqv. aliasing) call append(notes, found(i)%text)
-    end do
-  end subroutine take_notes
-
-  pure function few_of(scene, part) result(few)
-    !! A scene of few modes and samples, without later contacts and spectrum.
-    type(scene_type), intent(in) :: scene
-    real(dp), intent(in) :: part                  !! of the record
-    type(scene_type) :: few
-    few = scene
-    few%modes%tolerance = missing
-    few%modes%before = few_modes
-    few%modes%after = few_modes
-    if (scene%modes%before > 0) few%modes%before = min(few_modes, scene%modes%before)
-    if (.not. by_tolerance(scene%modes)) few%modes%after = min(few_modes, scene%modes%after)
-    if (allocated(few%recontact)) deallocate (few%recontact)
-    if (allocated(few%spectrum)) deallocate (few%spectrum)
-    if (.not. allocated(few%response)) return
-    if (part < 1.0_dp) few%response%duration = part*scene%response%duration
-    few%response%samples = min(few_samples, scene%response%samples)
-  end function few_of
 
   subroutine start(self, scene, deadline)
     !! Call this before a case.
