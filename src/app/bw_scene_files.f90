@@ -13,13 +13,14 @@ module bw_scene_files
 
 contains
 
-  subroutine read_and_list(words, aloud, scenes, count, status)
+  subroutine read_and_list(words, aloud, scenes, count, status, bad)
     !! Read all scenes and print what is wrong with the bad ones; none is good where the system lets nothing be run.
     type(string), intent(in) :: words(:)           !! paths, as the user wrote them
     logical, intent(in) :: aloud                   !! print it
     type(scene_type), allocatable, intent(out) :: scenes(:)
     integer, intent(out) :: count                  !! how many of `scenes` are good
     integer, intent(out) :: status                 !! the highest of the errors'
+    integer, intent(out), optional :: bad          !! how many scenes and paths are not
     type(string), allocatable :: messages(:)
     type(error_type), allocatable :: error
     integer :: i
@@ -33,6 +34,7 @@ contains
     do i = 1, size(messages)
       if (aloud) call print_warning(messages(i)%text)
     end do
+    if (present(bad)) bad = size(messages)
   end subroutine read_and_list
 
   subroutine read_scenes(words, scenes, count, messages, status)

@@ -25,6 +25,7 @@ module bw_case_errors
   implicit none (type, external)
   private
   public :: estimate_errors
+  public :: estimate_contacts, missing_motion, rounding_errors     ! of bending moments too
 
   type :: shapes_at_points
     !! Φ_k at the points of the histories, (modes, points).

@@ -74,6 +74,7 @@ module bw_case_result
     !! Estimates of the largest error of the histories; unallocated where there is none.
     real(dp), allocatable :: displacement(:)        !! m, (points)
     real(dp), allocatable :: velocity(:)            !! m/s, (points)
+    real(dp), allocatable :: bending_moment(:)      !! N m, (points)
     integer :: status = case_done                   !! of the case, these errors considered
     type(string), allocatable :: notes(:)
   end type history_errors
@@ -101,13 +102,13 @@ module bw_case_result
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI
     integer :: status = case_done
-    type(string), allocatable :: notes(:)             !! what the report warns of
+    type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)
   end type case_result
 
 contains
 
   pure subroutine add_notes(notes, more)
-    !! The warnings of a stage, after those of the stages before it.
+    !! The notes of a stage, after those of the stages before it.
     type(string), allocatable, intent(inout) :: notes(:)
     type(string), intent(in), optional :: more(:)    !! absent: the stage has none
     integer :: i

@@ -11,6 +11,7 @@ module bw_case_spectrum
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
+  use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
   use bw_scene, only: changes_shapes, scene_type
@@ -38,7 +39,7 @@ contains
     integer :: p
     if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
     if (layout%middle == 0 .or. layout%tip == 0) then
-      call append(spectrum%notes, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
+      call remark(spectrum%notes, 'measured waves: they need the points 0.5 and 1.0, so they are left out')
     else
       ! before there are spectra, for it needs more memory than they do
       call find_waves(scene, layout, motion, response, status, monitor, spectrum)
@@ -68,9 +69,9 @@ contains
     samples = size(response%displacement, 1)
     first = first_of_last(scene, motion)
     if (first > samples) then
-      call append(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
+      call remark(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
     else if (first > 1) then
-      call append(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
+      call remark(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
                                ' samples after the last event')
     end if
     facts%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)

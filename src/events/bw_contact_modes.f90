@@ -25,6 +25,7 @@ module bw_contact_modes
     type(weighted_sum) :: force                !! what presses the mass against the tip (see `force_of`)
   contains
     procedure :: some_shapes => contact_shapes
+    procedure :: some_curvatures => contact_curvatures
     procedure :: overlap_with_mass => contact_overlap_with_mass
     procedure :: overlap_of_beam => contact_overlap_of_beam
     procedure :: elastic => contact_elastic
@@ -182,6 +183,14 @@ contains
     real(dp) :: values(last - first + 1, size(xi))
     values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_shapes(1, self%free%count, xi))
   end function contact_shapes
+
+  pure function contact_curvatures(self, first, last, xi) result(values)
+    class(contact_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_curvatures(1, self%free%count, xi))
+  end function contact_curvatures
 
   function contact_overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! What these modes see of a motion with the beam's own weight: what those of the beam alone see, mixed.

@@ -29,6 +29,7 @@ module bw_mode_set
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
     procedure(shapes_interface), deferred :: some_shapes
+    procedure(shapes_interface), deferred :: some_curvatures      !! the same of Φ_k''(ξ); with shear ψ_k'(ξ), which bends
     procedure :: shapes => all_shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone

@@ -179,13 +179,14 @@ contains
     end associate
   end subroutine put_variable
 
-  subroutine finish(self, notes, seconds, error)
-    !! The notes and stage times, then close.
+  subroutine finish(self, notes, report, seconds, error)
+    !! The notes, what is printed of the numbers, and stage times, then close.
     class(result_file), intent(inout) :: self
-    character(*), intent(in) :: notes
+    character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)        !! (stages)
     type(error_type), allocatable, intent(inout) :: error
     call self%put_text('notes', notes, error)
+    call self%put_text('report', report, error)
     if (.not. allocated(error)) call self%check(nf90_put_var(self%id, self%seconds, seconds), error)
     call self%close(error)
   end subroutine finish

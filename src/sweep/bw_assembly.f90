@@ -44,7 +44,7 @@ contains
     associate (status => field_of(fields_of(layout), 'case_status'))
       self%at_status = status%first
     end associate
-    self%table = sweep_table(scene, layout)
+    self%table = sweep_table(layout)
     allocate (self%done(layout%cases), source=0_i1)
   end subroutine begin
 
@@ -83,14 +83,14 @@ contains
     if (nint(numbers(self%at_status)) /= case_done) self%not_trusted = self%not_trusted + 1
     self%done(index) = 1_i1
     call self%notes%add(index, notes)
-    if (self%table%shows(index)) call self%table%add(index, numbers)
+    call self%table%add(index, numbers)
   end subroutine take_case
 
-  subroutine finish(self, notes, seconds, error)
-    !! Put the notes and the times of the stages, and close the file.
+  subroutine finish(self, notes, report, seconds, error)
+    !! Put the notes, the table of cases and the times of the stages, and close the file.
     !! **Errors**: cases are missing, or the file cannot be written.
     class(assembly_type), intent(inout) :: self
-    character(*), intent(in) :: notes
+    character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)                   !! (stages)
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
@@ -102,7 +102,7 @@ contains
       call fail(error, status_bad_file, text_of(count(self%done == 0))//' finished cases cannot be found in their journals '// &
                 'any more; the same command does them again')
     else
-      call self%file%finish(notes, seconds, error)
+      call self%file%finish(notes, report, seconds, error)
     end if
   end subroutine finish
 

@@ -1,7 +1,8 @@
 module bw_notes
   !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
-  !! number of others that have it too. The kind is what stands before the first colon. The cases may come in any order.
+  !! number of others that have it too. Warnings come before remarks. The cases may come in any order.
   use bw_kinds, only: i8
+  use bw_note, only: is_remark, kind_of, remark_mark, unmarked
   use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
   private
@@ -47,37 +48,44 @@ contains
     end do
   end subroutine add
 
-  pure function kind_of(text) result(kind)
-    !! The kind of a note: what stands before its first colon.
-    character(*), intent(in) :: text
-    character(:), allocatable :: kind
-    kind = text(:index(text//':', ':') - 1)
-  end function kind_of
-
   pure function lines(self, cases) result(text)
-    !! The notes, one line for each kind, in the order of their first cases, with the ends of lines.
+    !! The notes, one line for each kind, warnings before remarks, in the order of their first cases, with the ends of lines.
     class(notes_type), intent(in) :: self
     integer, intent(in) :: cases           !! of the sweep; 0 where there is none
     character(:), allocatable :: text
-    type(text_builder) :: built
-    logical, allocatable :: left(:)
+    logical, allocatable :: remarks(:)
     integer :: k
     text = ''
     if (.not. allocated(self%kinds)) return
-    allocate (left(size(self%kinds)), source=.true.)
+    remarks = [(is_remark(self%texts(k)%text), k=1, size(self%kinds))]
+    text = chosen_lines(self, cases, .not. remarks)//chosen_lines(self, cases, remarks)
+  end function lines
+
+  pure function chosen_lines(self, cases, chosen) result(text)
+    !! Those of some kinds.
+    class(notes_type), intent(in) :: self
+    integer, intent(in) :: cases           !! of the sweep; 0 where there is none
+    logical, intent(in) :: chosen(:)       !! (kinds)
+    character(:), allocatable :: text
+    type(text_builder) :: built
+    logical :: left(size(chosen))
+    integer :: k
+    left = chosen
     do while (any(left))
       k = earliest(self%kinds, left)
       left(k) = .false.
+      if (is_remark(self%texts(k)%text)) call built%append(remark_mark)
       if (cases > 0) then
         call built%append('case '//text_of(self%kinds(k)%first))
-        if (self%kinds(k)%cases > 1) call built%append(' (and '//text_of(self%kinds(k)%cases - 1)//' others of '// &
+        if (self%kinds(k)%cases == 2) call built%append(' (and one other of '//text_of(cases)//')')
+        if (self%kinds(k)%cases > 2) call built%append(' (and '//text_of(self%kinds(k)%cases - 1)//' others of '// &
                                                        text_of(cases)//')')
         call built%append(': ')
       end if
-      call built%append_line(self%texts(k)%text)
+      call built%append_line(unmarked(self%texts(k)%text))
     end do
     text = built%text()
-  end function lines
+  end function chosen_lines
 
   pure integer function earliest(kinds, left) result(k)
     !! The place of the kind that comes first among those that are left.

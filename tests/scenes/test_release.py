@@ -240,11 +240,11 @@ def test_estimates_hold_against_many_more_modes(here):
 def test_the_report_says_when_events_come_where_not_all_are_at_the_start(here):
     here.scene("a", released_beam())
     lines = here.beamwave("run", "a.nml").stdout.splitlines()
-    head = next(i for i, line in enumerate(lines) if re.match(r"  event +time +energy before", line))
+    head = next(i for i, line in enumerate(lines) if re.match(r"  event +time +impulse +energy before", line))
     times = {line.split()[0]: float(line.split()[1]) for line in lines[head + 2 : head + 5]}
     assert times == {"impact": 0.0, "capture": 0.0, "release": LEAVES}
     here.scene("b", captured_beam(modes=COUNTS, response=RESPONSE))
-    assert re.search(r"^  event +energy before", here.beamwave("run", "b.nml").stdout, re.MULTILINE)
+    assert re.search(r"^  event +impulse +energy before", here.beamwave("run", "b.nml").stdout, re.MULTILINE)
 
 
 def by_tolerance(tolerance, **groups):

@@ -11,7 +11,7 @@ module bw_closed_form
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: batch, root_values, solve_roots
-  use bw_shape, only: shape_type, shapes_of, shape_values
+  use bw_shape, only: curvature_values, shape_type, shapes_of, shape_values
   implicit none (type, external)
   private
   public :: closed_form_modes, find_modes, find_cached_modes
@@ -23,6 +23,7 @@ module bw_closed_form
     type(shape_table), private :: known            !! shapes of all modes that are known already
   contains
     procedure :: some_shapes => closed_form_shapes
+    procedure :: some_curvatures => closed_form_curvatures
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: overlap_far_below
@@ -181,6 +182,31 @@ contains
       end do
     end do
   end function shapes_of_roots
+
+  pure function closed_form_curvatures(self, first, last, xi) result(values)
+    !! Φ_k''(ξ) from the roots; at the clamped end −2α² whatever the mass.
+    class(closed_form_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    values = spread(-2.0_dp*self%alpha(first:last)**2, 2, size(xi))
+    if (any(xi /= 0.0_dp)) call find_curvatures(self%root(first:last), xi, values)
+  end function closed_form_curvatures
+
+  pure subroutine find_curvatures(root, xi, values)
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(out) :: values(:, :)
+    type(shape_type) :: shape(batch)
+    integer :: k, n, p
+    do k = 1, size(root), batch
+      n = min(batch, size(root) - k + 1)
+      shape(:n) = shapes_of(root(k:k + n - 1))
+      do p = 1, size(xi)
+        values(k:k + n - 1, p) = curvature_values(shape(:n), xi(p))*shape(:n)%alpha**2
+      end do
+    end do
+  end subroutine find_curvatures
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.

@@ -241,7 +241,7 @@ contains
         amplitude = moving%reach(k)*abs(shapes(k, p))
         peak = amplitude
         if (slow .and. weight(k) > 1.0_dp) then
-          peak = moving%reach(k)*largest_shape(seen%points(p), moving%alpha(k), moving%tip(k))
+          peak = max(amplitude, moving%reach(k)*largest_shape(seen%points(p), moving%alpha(k), moving%tip(k)))
           amplitude = max(amplitude, mean*peak)
         end if
         if (moving%swings(k)) then

@@ -8,6 +8,7 @@ module bw_accuracy
   use bw_missing, only: is_missing
   use bw_absent_effects, only: model_errors
   use bw_monitor, only: part_monitor, progress_type
+  use bw_note, only: kind_of
   use bw_outcome, only: outcome_type
   use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
@@ -187,6 +188,7 @@ contains
                                          result%response%displacement(:result%response%finite_samples, :))
       end associate
       do i = 1, size(converged%result%notes)
+        if (index(kind_of(converged%result%notes(i)%text), 'error of') == 1) cycle       ! errors are what is measured
         call append(state%notes, converged%result%notes(i)%text)
       end do
       if (any(list%rungs%status == rung_measured .and. list%rungs%estimate < list%rungs%error .and. &

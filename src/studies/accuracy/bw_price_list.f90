@@ -103,7 +103,8 @@ contains
 
   pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
     !! d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means that a
-    !! tenth of the error takes 10^0.05 times as long. Missing for fewer than two errors.
+    !! tenth of the error takes 10^0.05 times as long. Missing where the errors differ by less than a factor of ten: what they
+    !! say of a tenth would be guessed.
     type(rung_type), intent(in) :: rungs(:)
     integer, intent(in) :: ladder
     real(dp), intent(in) :: converged_error
@@ -115,7 +116,7 @@ contains
     slope = missing
     if (size(x) < 2) return
     x = x - sum(x)/size(x)
-    if (maxval(abs(x)) < 0.01_dp) return       ! one error, but for rounding
+    if (maxval(x) - minval(x) < log(10.0_dp)) return
     slope = sum(x*y)/sum(x**2)
   end function work_slope
 

@@ -137,13 +137,31 @@ contains
     call price_digits(list%rungs, seconds, growth)
     call lines%append_line('')
     slope = work_slope(list%rungs, by_tolerances, list%converged_error)
-    if (.not. is_missing(slope)) call lines%append_line('  By tolerance a tenth of the error takes '// &
-      percent(10.0_dp**(-slope) - 1.0_dp)//' more time (seconds ~ error^'//shortest(slope, 2)//'), a step down '// &
-      percent(maxval(growth, mask=.not. is_missing(growth)))//' at most')
-    slope = work_slope(list%rungs, by_counts, list%converged_error)
-    if (.not. is_missing(slope)) call lines%append_line('  By counts a tenth of the error takes '// &
-      percent(10.0_dp**(-slope) - 1.0_dp)//' more time (seconds ~ error^'//shortest(slope, 2)//')')
+    call lines%append(slope_words('By tolerance', slope))
+    if (.not. is_missing(slope)) call lines%append(', and at the steepest step '// &
+      times_words(1.0_dp + maxval(growth, mask=.not. is_missing(growth))))
+    call lines%append_line('')
+    call lines%append_line(slope_words('By counts', work_slope(list%rungs, by_counts, list%converged_error)))
   end subroutine report_slopes
+
+  pure function slope_words(ladder, slope) result(words)
+    !! What a tenth of the error takes on a ladder, by its slope.
+    character(*), intent(in) :: ladder
+    real(dp), intent(in) :: slope                 !! missing: it is not known
+    character(:), allocatable :: words
+    if (is_missing(slope)) then
+      words = '  '//ladder//' the errors differ too little to say what a tenth of them takes'
+    else
+      words = '  '//ladder//' a tenth of the error takes '//times_words(10.0_dp**(-slope))//' as long (seconds ~ error^'// &
+        shortest(slope, 2)//')'
+    end if
+  end function slope_words
+
+  pure function times_words(factor) result(words)
+    real(dp), intent(in) :: factor
+    character(:), allocatable :: words
+    words = shortest(factor, 2)//' times'
+  end function times_words
 
   pure function next_text(seconds, growth) result(text)
     !! The columns on what the next digit costs; empty where that is not known.
