@@ -7,6 +7,7 @@ module bw_case_validity
   use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
+  use bw_missing, only: scaled
   use bw_mode_set, only: mode_set
   use bw_reach, only: amplitude_of
   use bw_response, only: response_type
@@ -75,8 +76,8 @@ contains
     real(dp), intent(in) :: peak                   !! m
     type(string), allocatable, intent(inout) :: notes(:)
     if (peak <= largest_deflection*scene%beam%length) return
-    call append(notes, 'large deflection: up to '//shortest(peak, 3)//' m, '//shortest(peak/scene%beam%length, 3)// &
-                ' times the length; linear theory holds up to about a tenth of it')
+    call append(notes, 'large deflection: up to '//shortest(peak, 3)//' m of a beam of '//shortest(scene%beam%length, 6)// &
+                ' m; linear theory holds up to about a tenth of the length')
   end subroutine note_deflection
 
   subroutine note_amplitudes(scene, motion, modes, peak, notes)
@@ -100,7 +101,7 @@ contains
       associate (step => grid%step%hi, unit => abs(scene%impact%approach_velocity)*units%time%hi)
         amplitude = amplitude_of(square, c, 0.0_dp, rate, stretch_type(0.0_dp, grid%samples*step, step), .false.)
         call note_strain_at_root(scene, units, modes, amplitude, notes)
-        above = square%hi > (acos(-1.0_dp)/step)**2
+        above = sqrt(max(0.0_dp, square%hi))*step > acos(-1.0_dp)
         fast = maxval(merge(amplitude, 0.0_dp, above))
         if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
           call note_aliasing(scene, modes, amplitude, above, notes)
@@ -120,7 +121,8 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: curvature(size(amplitude), 1), strain
     curvature = modes%some_curvatures(1, size(amplitude), [0.0_dp])
-    strain = 2.0_dp*slenderness(scene%beam)*sum(abs(curvature(:, 1))*amplitude)*abs(scene%impact%approach_velocity)/units%velocity
+    strain = 2.0_dp*slenderness(scene%beam)*sum(abs(curvature(:, 1))*amplitude)
+    strain = scaled(scaled(strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)     ! what grows may overflow
     if (strain <= largest_strain) return
     call append(notes, 'large strain: bending strains the root by about '//shortest(100.0_dp*strain, 2)// &
                 ' %; linear theory holds up to about 0.5 %')
@@ -168,12 +170,13 @@ contains
       character(*), intent(in) :: quantity
       real(dp), intent(in) :: histories(:, :), error(:)
       real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: at the root nothing moves
+      real(dp), parameter :: most = 1.0e6_dp       ! that nothing overflows
       real(dp) :: part(size(error)), peak(size(error))
       integer :: p
       peak = [(largest_magnitude(histories(:, p)), p=1, size(error))]
       part = 0.0_dp
       if (maxval(peak) == 0.0_dp) return             ! nothing has moved yet
-      where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, tiny(peak))
+      where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
       call append(notes, 'error of the '//quantity//': it may be off by '//part_words(part(p))//' at xi = '// &

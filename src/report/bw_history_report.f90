@@ -56,7 +56,7 @@ contains
     peak = [(maxval(abs(histories(:response%finite_samples, p)), mask=.not. is_missing(histories(:response%finite_samples, p))), &
              p=1, size(points))]
     part = 0.0_dp
-    if (present(error)) where (peak > 0.0_dp .and. .not. is_missing(error)) part = error/peak
+    if (present(error)) where (peak > 0.0_dp .and. .not. is_missing(error)) part = error/max(peak, 1.0e-6_dp*error)
     shown = size(points) <= shown_points
     shown(maxloc(peak, dim=1)) = .true.
     if (present(error)) shown(maxloc(part, dim=1)) = .true.
