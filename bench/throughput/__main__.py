@@ -19,6 +19,7 @@ import numpy as np
 from common.command import PROJECT
 from common.document import put_section
 from common.machine import describe
+from overview import put_overview
 
 from . import sweeps
 from .jobs import JOBS, Job
@@ -118,6 +119,7 @@ def main() -> None:
         return
     DATA.write_text(json.dumps(measured, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     put_section(PROJECT / "docs/numbers.md", FIRST, section(measured))
+    put_overview()
     print(section(measured))
 
 

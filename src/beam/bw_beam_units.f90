@@ -6,9 +6,10 @@ module bw_beam_units
   use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
+  use bw_missing, only: scaled
   implicit none (type, external)
   private
-  public :: body_inertia, slenderness, units_of
+  public :: body_inertia, in_joules, in_newton_seconds, slenderness, units_of
 
   type, public :: beam_units
     real(dp) :: length = 1.0_dp     !! l, m
@@ -63,5 +64,21 @@ contains
     type(beam_units), intent(in) :: units
     inertia = rotary_inertia/units%mass/units%length/units%length
   end function body_inertia
+
+  elemental real(dp) function in_newton_seconds(momentum, units, speed) result(value)
+    !! A momentum or an impulse, N s, from one in m_i V; missing where it is too large.
+    real(dp), intent(in) :: momentum
+    type(beam_units), intent(in) :: units
+    real(dp), intent(in) :: speed               !! V, m/s
+    value = scaled(scaled(momentum, speed), units%mass)
+  end function in_newton_seconds
+
+  elemental real(dp) function in_joules(energy, units, speed) result(value)
+    !! An energy, J, from one in m_i V²; missing where it is too large.
+    real(dp), intent(in) :: energy
+    type(beam_units), intent(in) :: units
+    real(dp), intent(in) :: speed               !! V, m/s
+    value = scaled(in_newton_seconds(energy, units, speed), speed)
+  end function in_joules
 
 end module bw_beam_units

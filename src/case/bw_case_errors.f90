@@ -4,7 +4,7 @@ module bw_case_errors
   !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
   use bw_case_histories, only: last_sample
   use bw_case_modes, only: largest_phase_error
-  use bw_case_plan, only: captured_samples, force_of, stretch_after
+  use bw_case_plan, only: captured_samples, force_of, shows_release, stretch_after
   use bw_case_result, only: case_done, case_histories, case_motion, case_not_converged, history_errors
   use bw_coherence, only: stretch_type
   use bw_double_double, only: dd, operator(*), operator(-)
@@ -112,7 +112,7 @@ contains
                                   motion%sources%loaded, force, points, longest, samples, velocity)
       end if
     end associate
-    if (allocated(motion%plan%release)) values = max(values, missing_after_release(scene, motion, grid, velocity, monitor))
+    if (shows_release(motion%plan, grid)) values = max(values, missing_after_release(scene, motion, grid, velocity, monitor))
   end function missing_motion
 
   function missing_after_release(scene, motion, grid, velocity, monitor) result(values)
@@ -161,7 +161,7 @@ contains
       phase = phase_error(scene, loaded, grid)
       errors = swing_of_first(loaded, 0.0_dp, motion%initial%modal_velocity(1), points, &
                               stretch_type(step, captured*step, step), velocity)
-      if (allocated(motion%plan%release)) then
+      if (shows_release(motion%plan, grid)) then
         call motion%sources%free%find(first_numbers(1), free)
         phase = max(phase, phase_error(scene, free, grid))
         associate (after => motion%later%segments(2))

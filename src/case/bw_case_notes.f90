@@ -1,13 +1,13 @@
 module bw_case_notes
   !! What there is to say of a case beside its numbers: warnings, and remarks, which give an account of what was done.
-  use bw_beam_units, only: beam_units
+  use bw_beam_units, only: beam_units, in_joules
   use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan, mode_sources
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_galerkin_set, only: galerkin_set
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, scaled
+  use bw_missing, only: is_missing
   use bw_mode_choice, only: most_modes, most_released
   use bw_mode_set, only: mode_set
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
@@ -129,8 +129,8 @@ contains
     type(case_events), intent(inout) :: later
     character(:), allocatable :: text
     real(dp) :: joules(4)
-    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
-                    units%mass*scene%impact%approach_velocity**2)
+    joules = in_joules([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
+                       units, scene%impact%approach_velocity)
     if (is_missing(joules(1))) then
       call append(later%notes, 'energy of the release: too large for double precision')
       return
@@ -158,18 +158,15 @@ contains
     type(beam_units), intent(in) :: units
     type(contacts_type), intent(in) :: contacts
     type(case_events), intent(inout) :: later
-    character(:), allocatable :: from_then_on
-    from_then_on = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
-      ' s on: the histories hold fill from there, and no later contact is given'
     if (contacts%cut) call append(later%notes, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
       ' contacts of max_contacts; what comes after the last is the motion without another')
     if (contacts%lasting) call remark(later%notes, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call append(later%notes, &
-      'recontact: the motion grows out of the range of numbers'//from_then_on)
+      'recontact: the motion grows out of the range of numbers'//from_then_on())
     if (later%ending == case_ill_conditioned) call append(later%notes, &
       'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
-      'of the motion'//from_then_on)
+      'of the motion'//from_then_on())
     if (contacts%amplification > noteworthy) call append(later%notes, &
       'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
       'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
@@ -177,6 +174,13 @@ contains
       'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
     if (size(contacts%events) == 0 .and. later%ending == case_done) call remark(later%notes, &
       'recontact: the mass does not come back within the record')
+  contains
+    pure function from_then_on() result(text)
+      !! From when on nothing is known.
+      character(:), allocatable :: text
+      text = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
+        ' s on: the histories hold fill from there, and no later contact is given'
+    end function from_then_on
   end subroutine note_contacts
 
   pure function out_of_reach(scene, sources, plan) result(text)

@@ -23,7 +23,7 @@ module bw_case_plan
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
-  public :: captured_samples, force_of, plan_modes, stretch_after
+  public :: captured_samples, force_of, plan_modes, shows_release, stretch_after
 
   integer, parameter :: previewed = 1000       !! samples that show the peak well enough to plan with it
   integer, parameter :: most_previewed = 2**16 !! modes that are summed to see it
@@ -85,11 +85,11 @@ contains
     if (allocated(plan%release)) plan%release%count = first_modes
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     if (scene%impact%approach_velocity == 0.0_dp .or. force_of(scene) == 0.0_dp) return
-    if (grid%samples == 1) then                     ! nothing has moved yet, but a release takes energy along
-      if (allocated(plan%release)) call find_tip_rest(sources%loaded, force_of(scene), first_modes, plan%release%time, &
-                                                      scene%modes%tolerance, plan%release%tip, monitor=monitor)
-      return
+    if (allocated(plan%release) .and. .not. shows_release(plan, grid)) then     ! no sample, but it takes energy along
+      call find_tip_rest(sources%loaded, force_of(scene), first_modes, plan%release%time, scene%modes%tolerance, &
+                         plan%release%tip, monitor=monitor)
     end if
+    if (grid%samples == 1) return                   ! nothing has moved yet
     call find_peak(scene, units, loaded, sources, monitor, plan, peak, tail)
     if (monitor%stop_requested()) return
     if (peak == 0.0_dp) return
@@ -130,7 +130,7 @@ contains
       missing = largest_tail(count)
     end do
     peak = max(0.5_dp*peak, peak - missing)
-    if (allocated(plan%release)) peak = max(peak, released_peak(peak, scene, units, sources, plan%release%time, monitor))
+    if (shows_release(plan, grid)) peak = max(peak, released_peak(peak, scene, units, sources, plan%release%time, monitor))
   contains
     real(dp) function largest_tail(count)
       integer, intent(in) :: count
@@ -233,7 +233,7 @@ contains
       call modes_for(bound, first_modes, sources%loaded, force_of(scene), scene%response%points, &
                      stretch_type(step, captured*step, step), plan%count, plan%reached)
     end associate
-    if (.not. allocated(plan%release)) return
+    if (.not. shows_release(plan, grid)) return
     call choose_released(tail_share*bound)
     if (sum(errors) > bound) call choose_released(max(least_share*bound, bound - errors(2)))   ! what the tip leaves of it
     plan%reached = max(plan%reached, sum(errors))
@@ -274,6 +274,13 @@ contains
     samples = grid%samples
     if (allocated(plan%release)) samples = first_sample(plan%release%time, grid) - 1
   end function captured_samples
+
+  pure logical function shows_release(plan, grid)
+    !! Whether a sample of the record comes after a release.
+    type(case_plan), intent(in) :: plan
+    type(time_grid), intent(in) :: grid             !! of the whole record
+    shows_release = captured_samples(plan, grid) < grid%samples
+  end function shows_release
 
   pure type(stretch_type) function stretch_after(time, grid) result(stretch)
     !! The record after a release, times from there.

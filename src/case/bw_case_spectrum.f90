@@ -4,7 +4,7 @@ module bw_case_spectrum
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_case_histories, only: last_sample
   use bw_case_result, only: case_done, case_motion, case_spectrum
-  use bw_double_double, only: dd, to_dd, operator(*), operator(-)
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
   use bw_mode_check, only: known_modes, measuring_type
@@ -68,13 +68,17 @@ contains
     allocate (spectrum%measured)
     samples = size(response%displacement, 1)
     first = first_of_last(scene, motion)
-    if (first > 1) call remark(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
+    if (first > samples) then
+      call remark(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
+    else if (first > 1) then
+      call remark(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
                                ' samples after the last event')
+    end if
     told%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
     told%length = scene%beam%length
     told%max_peaks = scene%spectrum%max_peaks
     told%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
-    if (status == case_done) call know_modes(scene, motion, told%known)
+    if (status == case_done .and. first <= samples) call know_modes(scene, motion, told%known)
     call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), told, &
                        spectrum%measured, monitor)
     if (monitor%stop_requested()) return
@@ -147,12 +151,9 @@ contains
     !! √(β² − c²/4), 0 where a mode does not oscillate, (modes).
     class(mode_set), intent(in) :: modes
     real(dp) :: frequency(modes%count)
-    type(dd) :: square(modes%count), rate(modes%count)
+    type(dd) :: square(modes%count)
     square = modes%beta_squared
-    if (allocated(modes%damping)) then
-      rate = to_dd(0.5_dp*modes%damping)
-      square = square - rate*rate
-    end if
+    if (allocated(modes%damped_squared)) square = modes%damped_squared
     frequency = sqrt(max(0.0_dp, square%hi))
   end function frequencies_of
 

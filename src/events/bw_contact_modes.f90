@@ -80,8 +80,10 @@ contains
     do k = 1, n
       modes%parts%c(k) = sum(motion%parts%c(:n)*modes%onto(:n, k)*modes%mixing(:, k))
     end do
-    if (allocated(modes%free%damping)) modes%damping = real(modes%parts%c, dp)
     call modes%parts%ready()
+    if (.not. allocated(modes%free%damping)) return
+    modes%damping = real(modes%parts%c, dp)
+    modes%damped_squared = to_dd(modes%parts%square - 0.25_qp*modes%parts%c**2)
   end subroutine find_damping
 
   pure subroutine find_errors(motion, modes)

@@ -3,7 +3,7 @@ module bw_contact_motion
   !! without each other but at a contact. The mass runs in a guide that turns with the hub, y'' = ω²y in the plane of rotation
   !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_segment.
   use bw_kinds, only: dp, qp
-  use bw_missing, only: missing
+  use bw_missing, only: missing, rounded
   use bw_mode_set, only: full_numbers, mode_set
   use bw_oscillators, only: moving_state, oscillators, weighted_sum
   use bw_perturbations, only: perturbations
@@ -112,13 +112,13 @@ contains
     real(qp), dimension(self%modes + 1) :: moving, bent
     real(qp), parameter :: worth = 1.0e-28_qp      ! three digits and more above rounding
     if (all(self%parts%c <= 0.0_qp)) then
-      energy = real(0.5_qp*self%inertia(self%modes + 1) - self%lost, dp)
+      energy = rounded(0.5_qp*self%inertia(self%modes + 1) - self%lost)
       return
     end if
     moving = self%inertia*self%state%v**2
     bent = self%inertia*self%parts%square*self%state%u**2
     energy = missing
-    if (abs(sum(moving + bent)) > worth*sum(moving + abs(bent))) energy = real(0.5_qp*sum(moving + bent), dp)
+    if (abs(sum(moving + bent)) > worth*sum(moving + abs(bent))) energy = rounded(0.5_qp*sum(moving + bent))
   end function energy
 
   pure real(qp) function momentum(self)

@@ -97,8 +97,18 @@ contains
     end if
     rate = u_dot + 0.5_dp*c*u
     change = u*less + rate*sine
-    if (c > 0.0_dp) change = change - 2.0_dp*exp(-0.25_dp*c*time)*sinh(0.25_dp*c*time)*(u + change)
+    if (c > 0.0_dp) change = change + decay_less_one(0.5_dp*c*time)*(u + change)
   end function increment
+
+  elemental real(dp) function decay_less_one(x) result(less)
+    !! e⁻ˣ − 1 without cancellation, for x ≥ 0 of any size.
+    real(dp), intent(in) :: x
+    if (x < 1.0_dp) then
+      less = -2.0_dp*exp(-0.5_dp*x)*sinh(0.5_dp*x)
+    else
+      less = exp(-x) - 1.0_dp
+    end if
+  end function decay_less_one
 
   elemental real(dp) function reduced(phase) result(angle)
     !! A phase less whole turns.

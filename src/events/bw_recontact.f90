@@ -13,6 +13,7 @@ module bw_recontact
   use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, pass_contacts, slow, stays, undecided
   use bw_event, only: contact_event, event_list, event_type
   use bw_kinds, only: dp, qp
+  use bw_missing, only: rounded
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_next_zero, only: certain, in_doubt, never
@@ -113,7 +114,7 @@ contains
       contacts%known_until = event%time - event%time_error
       return
     end if
-    event%impulse = event%impulse + real(impulse, dp)
+    event%impulse = rounded(event%impulse + impulse)
     call end_event(motion, event)
     contacts%lasting = outcome == never
     call contacts%add_segment(segment)
@@ -181,7 +182,7 @@ contains
     event%time = real(motion%state%time, dp)
     event%time_error = error_from(motion%near%lag)
     event%energy_before = motion%energy()
-    event%momentum_before = real(motion%momentum(), dp)
+    event%momentum_before = rounded(motion%momentum())
   end function started_event
 
   subroutine end_event(motion, event)
@@ -191,7 +192,7 @@ contains
     event%end_time = real(motion%state%time, dp)
     event%end_error = error_from(motion%near%lag)
     event%energy_after = motion%energy()
-    event%momentum_after = real(motion%momentum(), dp)
+    event%momentum_after = rounded(motion%momentum())
   end subroutine end_event
 
 end module bw_recontact

@@ -151,6 +151,22 @@ def test_a_mass_beyond_all_weights_moves_on_as_if_nothing_were_there(here, mass_
     assert (result["displacement_error"] < 1e-12 * np.abs(result["displacement"]).max(axis=1)).all()
 
 
+@pytest.mark.parametrize(("e", "damping"), [(0.0, 0.5), (0.7, 1 - 1e-8), (0.7, 1.0)])
+def test_a_mass_beyond_all_weights_flies_out_through_thirty_orders(here, e, damping):
+    """Damping holds the beam, the mass drives it: 1e30 m on, energies and momenta are out of the range of numbers, and fill."""
+    omega, impact = 150.0, {"mass_ratio": 1e300, "restitution": e}
+    scene = {**struck_beam(e, recontact={}), "impact": impact, "rotation": {"angular_velocity": omega}}
+    response = {"duration": 0.5, "samples": 400, "points": [0.5, 1.0], "velocity": True}
+    here.scene("a", {**scene, "response": response, "damping": {"ratio": damping}, "modes": {"before": 4}})
+    result = here.run("a")
+    start, end = contacts(result)
+    held = np.any([(result["time"] >= a) & (result["time"] < b) for a, b in zip(start, end)], axis=0)
+    assert held.sum() > 300 and end[-1] == 0.5
+    expected = np.sinh(omega * result["time"][held]) / omega
+    np.testing.assert_allclose(result["displacement"][1, held], expected, rtol=1e-12)
+    assert results.is_fill(result["momentum_after"][(result["event_kind"] > 0).sum() - 1])
+
+
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_of_two_masses_beyond_all_weights_the_heavier_makes_no_difference(here, e):
     """Within what is known of both; 1e307 beam masses are all but out of the range of numbers."""
@@ -267,6 +283,14 @@ def test_a_sweep_holds_cases_with_different_numbers_of_contacts(here):
     for case, count in enumerate(counts):
         assert not results.is_fill(result["event_time"][case, :count]).any()
         assert results.is_fill(result["event_time"][case, count:]).all()
+
+
+def test_of_a_beam_so_thin_that_its_time_is_long_all_contacts_are_known(here):
+    """l²/h above a second: what is never lost is told by no time in seconds."""
+    beam, response = {"diameter": 1e-5}, {"duration": 100.0, "samples": 1}
+    here.scene("a", {**struck_beam(0.5, recontact={"max_contacts": 3}, beam=beam, rotation=None), "response": response})
+    result = here.run("a")
+    assert (result["event_kind"] == 4).sum() > 0 and "ill-conditioned" not in result.attributes["notes"]
 
 
 def test_no_mass_and_no_velocity_make_no_contact(here):

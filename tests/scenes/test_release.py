@@ -171,6 +171,31 @@ def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
     assert "after the end of the record" in late.attributes["notes"]
 
 
+@pytest.mark.parametrize("modes", [None, {"tolerance": 1e-4}, COUNTS])
+def test_a_release_after_the_last_sample_is_an_event_that_no_sample_shows(here, modes):
+    """All histories, spectra and errors are those of the capture; only the waves have no samples left."""
+    response = {"duration": 0.02, "samples": 40, "points": [0.5, 1.0], "velocity": True}
+    scene = captured_beam(modes=None, response=response, spectrum={}) | ({"modes": modes} if modes else {})
+    here.scene("a", scene)
+    here.scene("b", {**scene, "release": {"time": 0.0199999}})
+    kept, late = here.run("a"), here.run("b")
+    for name in ["displacement", "velocity", "displacement_error", "velocity_error", "amplitude"]:
+        np.testing.assert_allclose(late[name], kept[name], rtol=1e-4, atol=1e-9 * np.abs(kept[name]).max())
+    np.testing.assert_array_equal(late["event_kind"], [1, 2, 3])
+    np.testing.assert_allclose(late["energy_before"][2], late["energy_after"][1], rtol=1e-3)
+    assert late["peak_count"] == 0 and "no sample comes after the last event" in late.attributes["notes"]
+
+
+@pytest.mark.parametrize(("mass_ratio", "speed"), [(0.0, 1e184), (0.2, 1e-200)])
+def test_of_no_mass_and_of_next_to_no_speed_all_energies_are_zero(here, mass_ratio, speed):
+    """Also where the square of the speed is beyond the range of numbers."""
+    here.scene("a", released_beam(impact={"mass_ratio": mass_ratio, "approach_velocity": speed}))
+    result = here.run("a")
+    for name in ["energy_before", "energy_after"]:
+        assert (result[name][:3] == 0.0).all()
+    assert np.isfinite(result["momentum_after"]).all() and np.isfinite(result["displacement"]).all()
+
+
 def test_displacement_and_velocity_go_on_where_they_were(here):
     """Just before and just after, to what 300 modes and 1e-9 s leave."""
     jumps = {}

@@ -94,11 +94,12 @@ contains
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)
-    !! λ_k, from the strains, or from β² less what rotation adds where that is sharper: exactly β² where nothing turns.
+    !! λ_k ≥ 0, from the strains, or from β² less what rotation adds where that is the smaller part and nothing cancels:
+    !! exactly β² where nothing turns.
     class(galerkin_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = to_dd(sum(self%strain**2, dim=1))
-    where (abs(self%rotation) <= abs(self%beta_squared%hi)) squares = self%beta_squared + to_dd(-self%rotation)
+    where (abs(self%rotation) <= squares%hi) squares = self%beta_squared + to_dd(-self%rotation)
   end function galerkin_elastic
 
   real(dp) function coupling(self, law) result(ratio)

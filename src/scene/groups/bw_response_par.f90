@@ -24,13 +24,13 @@ module bw_response_par
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
-               meaning='time from the impact to the end'), &
+               meaning='length of the histories, from the impact on'), &
     input_name('response', 'samples', integer_input, '1', number_range(1.0_dp, 1e9_dp), required=.true., &
                meaning='samples of each history'), &
     input_name('response', 'points', reals_input, '1', unit_interval, '0.5, 1.0', most=1000, &
-               meaning='places xi = x/l, 0 at the root and 1 at the tip'), &
-    input_name('response', 'velocity', logical_input, default='.false.', meaning='velocities too'), &
-    input_name('response', 'bending_moment', logical_input, default='.false.', meaning='bending moments too')]
+               meaning='places of the histories: x/l, 0 at the root, 1 at the tip'), &
+    input_name('response', 'velocity', logical_input, default='.false.', meaning='histories of the velocity too'), &
+    input_name('response', 'bending_moment', logical_input, default='.false.', meaning='histories of the bending moment too')]
 
 contains
 

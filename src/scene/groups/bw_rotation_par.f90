@@ -18,7 +18,7 @@ module bw_rotation_par
 
   type(input_name), parameter, public :: rotation_names(*) = [ &
     input_name('rotation', 'angular_velocity', real_input, 'rad s-1', any_number, required=.true., swept=.true., &
-               meaning='constant angular velocity of the root'), &
+               meaning='angular velocity of the hub, which is constant'), &
     input_name('rotation', 'plane', text_input, default="'in'", words='in out', &
                meaning='the beam bends in the plane of rotation, or out of it')]
 
