@@ -179,11 +179,18 @@ contains
       where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
-      call append(notes, 'error of the '//quantity//': it may be off by '//part_words(part(p))//' at xi = '// &
-                  shortest(points(p), 6)//', and by more than 1 % at '//text_of(count(part > 0.0_dp))//' of '// &
-                  text_of(size(part))//' points')
+      call append(notes, 'error of the '//quantity//': at xi = '//shortest(points(p), 6)//' it may be off by '// &
+                  part_words(part(p))//others(count(part > 0.0_dp) - 1))
     end subroutine note_error
   end subroutine note_history_errors
+
+  pure function others(count) result(words)
+    !! How many more points there are of which that is said.
+    integer, intent(in) :: count
+    character(:), allocatable :: words
+    words = ''
+    if (count > 0) words = ', and at '//text_of(count)//' more of the points by more than 1 %'
+  end function others
 
   pure function part_words(part) result(words)
     !! A part of a history's peak.

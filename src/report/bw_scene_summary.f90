@@ -75,7 +75,10 @@ contains
     associate (response => scene%response)
       text = text_of(response%samples)//' samples over '//shortest(response%duration, 6)//' s at '// &
         text_of(size(response%points))//' points, displacement'
-      if (response%velocity) text = text//' and velocity'
+      if (response%velocity .and. response%bending_moment) text = text//','
+      if (response%velocity .and. .not. response%bending_moment) text = text//' and'
+      if (response%velocity) text = text//' velocity'
+      if (response%bending_moment) text = text//' and bending moment'
     end associate
     if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
   end function response_text
