@@ -96,15 +96,14 @@ contains
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')
     notes = forecast%notes%lines(merge(size(forecast%cases), 0, layout%cases > 0))
-    if (notes == '') return
     if (forecast%from_few) then
-      time_line = time_line//'  tried      '//text_of(few_modes)//' modes and '//text_of(few_samples)//' samples'
+      time_line = time_line//'  tried      '//text_of(few_modes)//' modes and '//text_of(few_samples)// &
+        ' samples; only a run tells the errors of histories'//new_line('a')
     else if (layout%cases > size(forecast%cases)) then
       time_line = time_line//'  tried      '//text_of(size(forecast%cases))//' of '//text_of(layout%cases)//' cases'
-    else
-      return
+      if (notes /= '') time_line = time_line//', of which these notes are'
+      time_line = time_line//new_line('a')
     end if
-    time_line = time_line//', of which these notes are'//new_line('a')
   end subroutine try_scene
 
   pure function expected_text(seconds) result(text)

@@ -1,7 +1,7 @@
 module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
   use bw_beam_units, only: beam_units
-  use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
+  use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_unresolved
   use bw_case_result, only: case_modes
   use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
@@ -132,7 +132,6 @@ contains
       if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
         call note_no_effect(modes%notes)
       end if
-      call note_strain(scene, units, modes%notes)
     end if
     if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), sources%loaded)
     if (monitor%stop_requested()) return

@@ -15,11 +15,10 @@ module bw_case_notes
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
-  use bw_beam_operator, only: axial_strain
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
-  public :: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
+  public :: note_coupling, note_growth, note_no_effect, note_unresolved
   public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
   public :: out_of_reach
 
@@ -72,17 +71,6 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
   end subroutine note_no_effect
-
-  subroutine note_strain(scene, units, notes)
-    !! Where rotation strains the beam beyond what linear theory holds for.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(string), allocatable, intent(inout) :: notes(:)
-    real(dp), parameter :: most = 0.1_dp
-    if (axial_strain(scene, units) <= most) return
-    call append(notes, 'outside linear theory: omega l/h sqrt(I/A) is '// &
-      shortest(axial_strain(scene, units), 3)//', above 0.1: rotation strains the beam by more than half a per cent')
-  end subroutine note_strain
 
   subroutine note_unresolved(notes)
     !! The modes of one of the beams, or of both, are not to be trusted.
@@ -194,7 +182,7 @@ contains
       if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
     end associate
     if (1.05_dp*plan%reached <= coarsest_tolerance) then
-      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more'
+      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more, or before and after, which count modes'
     else
       text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
     end if

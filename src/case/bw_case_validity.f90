@@ -1,6 +1,7 @@
 module bw_case_validity
   !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
   !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
+  use bw_beam_operator, only: axial_strain
   use bw_beam_par, only: beam_par
   use bw_beam_units, only: beam_units, slenderness
   use bw_case_result, only: case_motion, history_errors
@@ -36,6 +37,7 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: peak
     call note_beam(scene, notes)
+    call note_rotation(axial_strain(scene, motion%units), notes)
     if (.not. present(response)) return
     if (response%finite_samples == 0) return                   ! another note says why
     peak = largest_magnitude(response%displacement(:response%finite_samples, :))
@@ -61,6 +63,17 @@ contains
     call append(notes, 'thick beam: '//thickness_words(scene%beam)//' is '//shortest(thickness, 3)//' of the length, more than '// &
                 'the 0.1 of a slender beam; its waves need &shear')
   end subroutine note_beam
+
+  pure subroutine note_rotation(measure, notes)
+    !! The strain that the centrifugal force brings into the beam alone is small, with or without its tension in the equations.
+    real(dp), intent(in) :: measure                !! `axial_strain`
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: strain
+    strain = 0.5_dp*measure**2
+    if (strain <= largest_strain) return
+    call append(notes, 'outside linear theory: the centrifugal force strains the root by about '//shortest(100.0_dp*strain, 2)// &
+                ' %, more than 0.5 %. Is angular_velocity in rad/s, not in rpm?')
+  end subroutine note_rotation
 
   pure function thickness_words(beam) result(words)
     !! What is compared with the length.

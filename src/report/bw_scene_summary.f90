@@ -74,7 +74,7 @@ contains
     character(:), allocatable :: text
     associate (response => scene%response)
       text = text_of(response%samples)//' samples over '//shortest(response%duration, 6)//' s at '// &
-        text_of(size(response%points))//' points, displacement'
+        places_text(response%points)//', displacement'
       if (response%velocity .and. response%bending_moment) text = text//','
       if (response%velocity .and. .not. response%bending_moment) text = text//' and'
       if (response%velocity) text = text//' velocity'
@@ -82,6 +82,22 @@ contains
     end associate
     if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
   end function response_text
+
+  pure function places_text(points) result(text)
+    !! Where the histories are: each place, of many how many there are.
+    real(dp), intent(in) :: points(:)              !! ξ
+    character(:), allocatable :: text
+    integer, parameter :: most = 4
+    integer :: p
+    if (size(points) > most) then
+      text = text_of(size(points))//' points'
+      return
+    end if
+    text = 'xi = '//shortest(points(1), 6)
+    do p = 2, size(points)
+      text = text//', '//shortest(points(p), 6)
+    end do
+  end function places_text
 
   function sweep_text(scene) result(text)
     !! How many cases there are, and what they are the product of.

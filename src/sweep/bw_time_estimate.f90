@@ -74,7 +74,7 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
-    if (.not. whole) call timer%forecast%foretell(timer%one, timer%layout, monitor)
+    if (size(timer%forecast%cases) == 0) call timer%forecast%foretell(timer%one, timer%layout, monitor)
     forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds

@@ -51,7 +51,7 @@ contains
   end function galerkin_shapes
 
   pure function galerkin_curvatures(self, first, last, xi) result(values)
-    !! Φ_k''(ξ), with shear ψ_k'(ξ): the first of the strains that the modes are known by.
+    !! Φ_k''(ξ), with shear ψ_k'(ξ): the first of the strains that the modes are known by. Exactly 0 at a tip that no body turns.
     class(galerkin_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -61,6 +61,7 @@ contains
     values = matmul(transpose(self%strain(:n, first:last)), basis_values(n, xi))
     do p = 1, size(xi)
       values(:, p) = sqrt(self%modal_mass(first:last))*values(:, p)
+      if (xi(p) == 1.0_dp .and. self%body%inertia == 0.0_dp) values(:, p) = 0.0_dp
     end do
   end function galerkin_curvatures
 
