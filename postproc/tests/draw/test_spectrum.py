@@ -49,7 +49,11 @@ def test_a_peak_without_a_wavenumber_is_left_out(full_result):
 def test_exact_agreement_has_a_place_on_the_logarithmic_axis(full_result):
     with open_result(full_result) as ds:
         exact = ds.assign(measured_wavenumber=("peak", ds["wavenumber"].values[:10]))
-        assert (measured(exact, "wavenumber").axes[1].lines[1].get_ydata() > 0.0).all()
+        fig = measured(exact, "wavenumber")
+        assert (fig.axes[1].lines[1].get_ydata() == 1e-17).all()
+        assert any("at 10⁻¹⁷ stands for zero" in text.get_text() for text in fig.texts)
+        other = measured(ds.assign(measured_wavenumber=1.001 * exact["measured_wavenumber"]), "wavenumber")
+        assert not any("stands for zero" in text.get_text() for text in other.texts)
 
 
 def test_a_record_of_two_samples_has_no_spectrum_to_draw(tmp_path):
