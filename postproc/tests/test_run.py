@@ -112,7 +112,8 @@ def test_the_program_built_in_the_checkout_is_found(tmp_path, monkeypatch, way):
         directory.mkdir(parents=True)
     (package / "__init__.py").touch()
     program = stand_in(checkout / "build" / "bin", "exit 5")
-    monkeypatch.setattr("beamwave_postproc.run.__file__", str((package if way == "package" else installed) / "run.py"))
+    module = (package if way == "package" else installed) / "run.py"
+    monkeypatch.setitem(find_program.__globals__, "__file__", str(module))
     monkeypatch.setattr("sys.prefix", str((checkout if way == "environment" else elsewhere) / ".venv"))
     monkeypatch.chdir(checkout / "input" / "paper" if way == "directory" else elsewhere)
     monkeypatch.setenv("PATH", str(tmp_path))
