@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from .parts.labels import axis_label
+from .parts.moving import folding_note
 from .parts.pairs import Pair, common_points, head_of_both, names_of, pairs_of
 from .parts.points import FEW, point_label
 from .parts.select import chosen, spread
@@ -154,7 +155,10 @@ def spectra(first: xr.Dataset, second: xr.Dataset) -> Figure:
     logarithmic(
         sheet.axes[0], "x", float(first["frequency"][1]), float(max(ds["frequency"][-1] for ds in (first, second)))
     )
-    return sheet.finish_with(head_of_both(first, second, [note, rf"at $\xi$ = {xi:.4g}"]))
+    sides = zip(names_of(first, second), (first, second), zip(*(pair[1:] for pair in pairs)))
+    said = [(name[0], folding_note([case.assign_attrs(ds.attrs) for case in cases])) for name, ds, cases in sides]
+    folding = [f"{letter}: {words}" for letter, words in said if words]
+    return sheet.finish_with(head_of_both(first, second, [note, rf"at $\xi$ = {xi:.4g}", *folding]))
 
 
 def _overlay(first: xr.Dataset, second: xr.Dataset, pairs: list[Pair], name: str, along: str) -> Sheet:

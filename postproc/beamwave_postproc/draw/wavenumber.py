@@ -13,7 +13,7 @@ from ..parts.growth import grows
 from ..parts.labels import axis_label
 from ..parts.level import decibels, draw_level, highest_in_rows
 from ..parts.line import beam_line, places_of_line, whole_line
-from ..parts.moving import is_released, last_modes
+from ..parts.moving import folding_note, is_released, last_modes
 from ..parts.passage import length_of
 from ..parts.relation import relation_of
 from ..parts.select import Chosen, chosen, one_case
@@ -56,7 +56,7 @@ def wavenumber_spectrum(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = Non
     _draw_relation(axes, case, frequency, factor)
     axes.set(xlim=(-limits[0], limits[0]), ylim=(0.0, factor * limits[1]), ylabel=f"Frequency ({prefix}Hz)")
     axes.set_xlabel(f"{axis_label(ds['wavenumber'])}: to the root | to the tip")
-    return sheet.finish(ds, [note])
+    return sheet.finish(ds, [note, folding_note([case])])
 
 
 def transform(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

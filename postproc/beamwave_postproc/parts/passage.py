@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from .moving import last_modes, sampled_frequencies
+from .moving import half_the_sampling_rate, last_modes, sampled_frequencies
 from .relation import relation_of
 
 PASSAGES = 1.5  # of the waves of mode 2 along the beam, that the first part of a record is long
@@ -58,11 +58,6 @@ def highest_frequency(case: xr.Dataset) -> float:
     all_there = "mode_count" in case and int(case["mode_count"]) <= case["angular_frequency"].size
     there = all_there and last_modes(case) is not None and frequencies.size > 0
     return min(nyquist, float(frequencies[-1])) if there else nyquist
-
-
-def half_the_sampling_rate(case: xr.Dataset) -> float:
-    """In Hz: a line above it is folded back below."""
-    return 0.5 / float(case["time"][1] - case["time"][0])
 
 
 def _is_resolved(case: xr.Dataset, end: float) -> bool:
