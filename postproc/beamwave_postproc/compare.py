@@ -101,13 +101,18 @@ def histories(first: xr.Dataset, second: xr.Dataset, name: str = "displacement")
     for axes, xi in zip(sheet.axes[1::2] if alike else [], shown):
         _draw_difference(axes, pairs, name, xi, ticks)
     sheet.axes[-1].set_xlabel(axis_label(first["time"], clock))
-    sheet.axes[-1].set_xlim(0.0, ticks * max(float(ds["time"][-1]) for ds in (first, second)) or 1.0)
+    sheet.axes[-1].set_xlim(0.0, ticks * max(_end(ds["time"].values) for ds in (first, second)) or 1.0)
     notes = [
         note,
         f"{len(shown)} of {len(points)} points" if len(shown) < len(points) else "",
         "" if alike else "the times differ",
     ]
     return sheet.finish_with(head_of_both(first, second, notes))
+
+
+def _end(time: np.ndarray) -> float:
+    """End of a record, one sample after the last: a round number, and a tick there, where its length is one."""
+    return float(time[-1] + (time[-1] - time[-2] if time.size > 1 else 0.0))
 
 
 def _draw_histories(axes: Axes, pairs: list[Pair], names: tuple[str, str], name: str, xi: float, ticks: float) -> None:

@@ -93,14 +93,13 @@ def _draw(axes: Axes, case: xr.Dataset, until: float, window: float, arriving: b
     prefix, factor = si_prefix(np.array([top]), "Hz")
     extent = (ticks * moments[0], ticks * moments[-1], 0.0, factor * frequency[-1])
     depth, words = (RANGE_OF_ARRIVALS, " of each frequency") if arriving else (RANGE, "")
-    draw_level(axes, level, extent, depth, f"dB over the highest{words}")
-    axes.set(xlim=(0.0, ticks * until), ylim=(0.0, factor * top))
+    draw_level(axes, level, extent, depth, f"dB, 0 = the highest{words}")
+    axes.set(xlim=(0.0, ticks * moments[-1]), ylim=(0.0, factor * top))
     axes.set(xlabel=axis_label(case["time"], clock), ylabel=f"Frequency ({prefix}Hz)")
     if arriving:
-        _draw_arrivals(axes, case, ticks, factor)
+        _draw_arrivals(axes, case, ticks, factor, 1.0 / window)
     else:
-        folded = factor * folded_frequencies(case)
-        axes.plot(np.full(folded.size, ticks * until), folded, clip_on=False, **FOLDED)
+        _mark_folded(axes, factor * folded_frequencies(case), ticks * moments[-1])
     rows = mark_events(axes, [case], ticks, words=True)
     axes.set_title(f"window of {with_unit(window, 's', 2)}", pad=6.0 + ROW * rows)
 
@@ -126,10 +125,20 @@ def levels(
     return decibels(amplitude, over), frequency, moments[shown]
 
 
-def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float) -> None:
-    """Times and frequencies of the waves of the shortest ways: lines where they obey Eq. 2, else marks of modes."""
+def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float, lowest: float) -> None:
+    """Times and frequencies of the waves of the shortest ways: lines where they obey Eq. 2, else marks of modes.
+
+    Below the `lowest` (Hz), of which a window holds not one wave, the picture shows no arrival, and none is drawn.
+    """
     frequency, ways, smooth = way_times(case, float(case["point_position"][0]), WAYS)
+    shown = frequency >= lowest
     for number, times in enumerate(ways):
         label = "arrivals at the group velocity: straight, then by reflections" if number == 0 else None
         style = {"linestyle": "-"} if smooth else {"linestyle": "", "marker": "o", "markersize": 3}
-        axes.plot(ticks * times, factor * frequency, linewidth=1.2, label=label, **ON_IMAGE, **style)
+        axes.plot(ticks * times[shown], factor * frequency[shown], linewidth=1.2, label=label, **ON_IMAGE, **style)
+
+
+def _mark_folded(axes: Axes, places: np.ndarray, end: float) -> None:
+    """Marks at the right `end` of the axes; an empty line beyond its axes would spoil the layout."""
+    if places.size:
+        axes.plot(np.full(places.size, end), places, clip_on=False, **FOLDED)

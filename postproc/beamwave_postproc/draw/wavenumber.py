@@ -52,7 +52,7 @@ def wavenumber_spectrum(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = Non
     frequency, amplitude = highest_in_rows(frequency, amplitude)
     extent = (wave[0], wave[-1], 0.0, factor * frequency[-1])
     level = decibels(amplitude, amplitude.max(keepdims=True))
-    draw_level(axes, level, extent, RANGE, "Amplitude of the velocity, dB over the highest")
+    draw_level(axes, level, extent, RANGE, "Amplitude of the velocity (dB, 0 = the highest)")
     _draw_relation(axes, case, frequency, factor)
     axes.set(xlim=(-limits[0], limits[0]), ylim=(0.0, factor * limits[1]), ylabel=f"Frequency ({prefix}Hz)")
     axes.set_xlabel(f"{axis_label(ds['wavenumber'])}: to the root | to the tip")
