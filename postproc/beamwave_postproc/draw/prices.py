@@ -42,7 +42,8 @@ def _average(rungs: xr.Dataset) -> str:
     if error.size < 2 or not error[-1] < error[0]:
         return ""
     growth = (seconds[-1] / seconds[0]) ** (1.0 / np.log10(error[0] / error[-1])) - 1.0
-    return f"a digit takes on average {100.0 * growth:+.0f}% of time from an error of {error[0]:.1e} to {error[-1]:.1e}"
+    words = f"{100.0 * abs(growth):.0f}% {'more' if growth >= 0.0 else 'less'} time"
+    return f"each digit takes on average {words}, from an error of {error[0]:.1e} to {error[-1]:.1e}"
 
 
 def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:

@@ -80,10 +80,11 @@ def transform(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _limits(case: xr.Dataset, wave: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
     """Largest wave number and frequency shown: those of the modes, as far as points and samples resolve them."""
     p, beta = case["wavenumber"].values, case["angular_frequency"].values / (2.0 * np.pi)
-    resolved = np.isfinite(p) & np.isfinite(beta) & (beta < frequency[-1]) & (p < wave.max())
+    widest = float(min(wave[-1], -wave[0]))  # to either side
+    resolved = np.isfinite(p) & np.isfinite(beta) & (beta < frequency[-1]) & (p < widest)
     if not resolved.any():
-        return float(wave.max()), float(frequency[-1])
-    return min(ROOM * p[resolved].max(), float(wave.max())), min(ROOM * beta[resolved].max(), float(frequency[-1]))
+        return widest, float(frequency[-1])
+    return min(ROOM * p[resolved].max(), widest), min(ROOM * beta[resolved].max(), float(frequency[-1]))
 
 
 def _draw_relation(axes: Axes, case: xr.Dataset, frequency: np.ndarray, factor: float) -> None:

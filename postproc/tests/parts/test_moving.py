@@ -71,7 +71,10 @@ def test_images_of_a_released_beam_have_the_modes_of_both_parts(tmp_path):
     points = [round(0.05 * i, 2) for i in range(1, 21)]
     settings = synthetic.scene(response={"duration": 0.05, "samples": 4096, "points": points})
     with open_result(synthetic.write(tmp_path / "whole.nc", settings)) as ds:
-        labels = {line.get_label(): line for line in wavenumber_spectrum(with_release(ds, 0.01)).axes[0].lines}
+        axes = wavenumber_spectrum(with_release(ds, 0.01)).axes[0]
+        labels = {line.get_label(): line for line in axes.lines}
+        left, right = axes.images[0].get_extent()[:2]
+        assert left <= axes.get_xlim()[0] and axes.get_xlim()[1] <= right
         np.testing.assert_array_equal(labels["modes with the mass"].get_xdata(), ds["wavenumber"])
         np.testing.assert_array_equal(labels["modes after the release"].get_xdata(), ds["wavenumber_before"])
         assert spectrogram(with_release(ds, 0.01)).axes
