@@ -50,7 +50,7 @@ def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, 
     pairs = [_pairs(curve.data, name) for curve in curves]
     missing = [curve for curve in curves if last_modes(curve.data) is None]
     if len(missing) == len(curves):
-        raise NothingToDraw("the waves were measured after the release, and the result lacks the modes of the beam alone")
+        raise NothingToDraw("waves were measured after the release, and the result lacks the modes of the beam alone")
     if not any(pair.mode.size for pair in pairs):
         raise NothingToDraw(f"no peak has a {found} that belongs to a mode")
     sheet = sheet_for(ax, columns=2, width=9.6)
@@ -87,7 +87,7 @@ def _about_release(curves: list[Curve], missing: list[Curve]) -> str:
 
 
 def _pairs(case: xr.Dataset, name: str) -> Pairs:
-    """Match each peak that has a measured `name` with the mode nearest in angular frequency, of those that move then."""
+    """Match each peak that has a measured `name` with the mode nearest in frequency, of those that move then."""
     empty = Pairs(*(np.empty(0),) * 4)
     last = last_modes(case)
     if last is None or name not in last:

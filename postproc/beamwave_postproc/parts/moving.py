@@ -71,7 +71,7 @@ def folding_note(cases: list[xr.Dataset], marks: str = "") -> str:
 
 
 def _is_folding(case: xr.Dataset) -> bool:
-    """Whether a mode of the record lies above half the sampling rate: one in the file, or one that its notes tell of."""
+    """Whether a mode lies above half the sampling rate: one in the file, or one that its notes tell of."""
     half, frequencies = half_the_sampling_rate(case), sampled_frequencies(case)
     if not np.isfinite(half) or not frequencies.size:
         return False

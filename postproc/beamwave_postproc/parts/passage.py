@@ -86,8 +86,8 @@ def way_times(case: xr.Dataset, xi: float, ways: int) -> tuple[np.ndarray, list[
 def group_velocities(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, bool]:
     """Angular frequencies (rad/s), ascending, their group velocities (m/s), and whether they are a smooth relation's.
 
-    Of the dispersion relation where the modes obey it, up to the highest that samples can hold, else of the modes. It is
-    the beam's, whatever is at its tip: of modes, those with the mass tell it up to a release and after it.
+    Of the dispersion relation where the modes obey it, up to the highest that samples can hold, else of the modes. The
+    relation is the beam's, whatever is at its tip: modes with the mass tell it up to a release and after it.
     """
     relation = relation_of(case)
     if relation is not None:
