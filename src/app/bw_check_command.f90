@@ -38,8 +38,7 @@ contains
     integer :: i, count
     logical :: seen                                ! the report has shown the warnings to the same eyes
     progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
-    call read_and_list(command%words, .true., scenes, count, status, tally%wrong)
-    tally%scenes = count + tally%wrong
+    call read_and_list(command%words, .true., scenes, count, status, tally)
     do i = 1, count
       layout = layout_of(scenes(i))
       notes = ''

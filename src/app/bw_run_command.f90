@@ -38,8 +38,7 @@ contains
     deadline = huge(1.0_dp)
     if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
     progress = terminal_progress_to(deadline, command%quiet .or. .not. command%group%leads())
-    call read_and_list(command%words, command%group%leads(), scenes, count, status, tally%wrong)
-    tally%scenes = count + tally%wrong
+    call read_and_list(command%words, command%group%leads(), scenes, count, status, tally)
     call agree_on_scenes(command%group, count, error)
     if (allocated(error)) then
       if (command%group%leads()) call print_error(error)

@@ -11,7 +11,7 @@ module bw_case_notes
   use bw_mode_choice, only: most_modes, most_released
   use bw_mode_set, only: mode_set, mode_sources
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
-  use bw_note, only: remark
+  use bw_note, only: is_remark, kind_of, remark
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
@@ -20,7 +20,7 @@ module bw_case_notes
   private
   public :: note_coupling, note_growth, note_no_effect, note_unresolved
   public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
-  public :: out_of_reach
+  public :: out_of_reach, why_untrusted
 
   real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    !! turns a minute in 1 rad/s
   real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
@@ -170,6 +170,23 @@ contains
         ' s on: the histories hold fill from there, and no later contact is given'
     end function from_then_on
   end subroutine note_contacts
+
+  pure function why_untrusted(notes) result(reason)
+    !! The first of a case's notes on why it is not done, which every such case has.
+    type(string), intent(in) :: notes(:)
+    character(:), allocatable :: reason
+    character(*), parameter :: kinds(*) = &
+      [character(15) :: 'not converged', 'tolerance', 'overflow', 'ill-conditioned', 'recontact']
+    integer :: i, k
+    do k = 1, size(kinds)
+      do i = 1, size(notes)
+        if (is_remark(notes(i)%text) .or. kind_of(notes(i)%text) /= kinds(k)) cycle
+        reason = notes(i)%text
+        return
+      end do
+    end do
+    reason = 'some of its numbers are left out'
+  end function why_untrusted
 
   pure function out_of_reach(scene, sources, plan) result(text)
     !! What to tell of a tolerance that the plan does not keep.

@@ -4,6 +4,7 @@ module bw_study_frame
   use bw_error, only: error_type, status_stopped
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: i8
+  use bw_note, only: remark
   use bw_outcome, only: outcome_type
   use bw_report, only: notes_report
   use bw_result_layout, only: layout_of
@@ -11,7 +12,7 @@ module bw_study_frame
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_summary, only: scene_heading, scene_summary
   use bw_study_file, only: create_study, study_file, study_values
-  use bw_text, only: append, string, text_of
+  use bw_text, only: string, text_of
   use bw_work_directory, only: work_directory
   implicit none (type, external)
   private
@@ -65,7 +66,7 @@ contains
     integer :: i
     allocate (lines(0))
     if (present(notes)) lines = notes
-    if (size(scene%sweeps) > 0) call append(lines, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
+    if (size(scene%sweeps) > 0) call remark(lines, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
     outcome%notes = ''
     do i = 1, size(lines)
       outcome%notes = outcome%notes//lines(i)%text//nl

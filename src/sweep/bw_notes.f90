@@ -1,6 +1,6 @@
 module bw_notes
   !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
-  !! number of others that have it too. Warnings come before remarks. The cases may come in any order.
+  !! number of others that have it too and what differs in the last of them. Warnings come before remarks. The cases may come in any order.
   use bw_kinds, only: i8
   use bw_note, only: is_remark, kind_of, remark_mark, unmarked
   use bw_text, only: append, string, text_builder, text_of
@@ -11,6 +11,7 @@ module bw_notes
     !! One kind of note.
     integer(i8) :: first = 0                      !! the first case that has it
     integer :: place = 0                          !! where it stands among the notes of that case
+    integer(i8) :: last = 0                       !! the last case that has it
     integer(i8) :: cases = 0                      !! how many have it
   end type kind_type
 
@@ -18,6 +19,7 @@ module bw_notes
     private
     type(kind_type), allocatable :: kinds(:)
     type(string), allocatable :: texts(:)         !! of the first case of each kind
+    type(string), allocatable :: last_texts(:)    !! of the last one
   contains
     procedure :: add
     procedure :: lines
@@ -37,12 +39,16 @@ contains
         if (kind_of(self%texts(k)%text) == kind_of(notes(n)%text)) exit
       end do
       if (k > size(self%kinds)) then
-        self%kinds = [self%kinds, kind_type(index, n, 0)]
+        self%kinds = [self%kinds, kind_type(index, n, index, 0)]
         call append(self%texts, notes(n)%text)
+        call append(self%last_texts, notes(n)%text)
       else if (index < self%kinds(k)%first) then
         self%kinds(k)%first = index
         self%kinds(k)%place = n
         self%texts(k)%text = notes(n)%text
+      else if (index > self%kinds(k)%last) then
+        self%kinds(k)%last = index
+        self%last_texts(k)%text = notes(n)%text
       end if
       self%kinds(k)%cases = self%kinds(k)%cases + 1
     end do
@@ -82,10 +88,38 @@ contains
                                                        text_of(cases)//')')
         call built%append(': ')
       end if
-      call built%append_line(unmarked(self%texts(k)%text))
+      call built%append(unmarked(self%texts(k)%text))
+      if (cases > 0 .and. self%last_texts(k)%text /= self%texts(k)%text) then
+        call built%append('; in case '//text_of(self%kinds(k)%last)//', the last: '// &
+                          what_differs(self%last_texts(k)%text, self%texts(k)%text))
+      end if
+      call built%append_line('')
     end do
     text = built%text()
   end function chosen_lines
+
+  pure function what_differs(text, first) result(rest)
+    !! A note of the same kind as the first one, without the kind and without the clauses at its end that the first one has said.
+    character(*), intent(in) :: text, first       !! not the same
+    character(:), allocatable :: rest
+    integer :: cut, at
+    cut = len(text)
+    do
+      at = index(text(:cut), '; ', back=.true.)
+      if (at == 0) exit
+      if (.not. ends_with(first, text(at:))) exit
+      cut = at - 1
+    end do
+    rest = unmarked(text(:cut))
+    rest = rest(len(kind_of(rest)) + 1:)
+    if (index(rest, ': ') == 1) rest = rest(3:)
+  end function what_differs
+
+  pure logical function ends_with(text, ending)
+    character(*), intent(in) :: text, ending
+    ends_with = len(text) >= len(ending)
+    if (ends_with) ends_with = text(len(text) - len(ending) + 1:) == ending
+  end function ends_with
 
   pure integer function earliest(kinds, left) result(k)
     !! The place of the kind that comes first among those that are left.

@@ -117,6 +117,37 @@ def test_a_directory_stands_for_its_scenes(here):
     assert here.left("results") == ["a.nc", "b.nc"]
 
 
+def test_a_file_that_is_named_twice_is_run_once(here):
+    here.scene("a", captured_beam())
+    for name in ["set/b", "other/b"]:
+        here.scene(name, captured_beam())
+    (here.directory / "link.nml").symlink_to("a.nml")
+    ended = here.beamwave("run", "a.nml", "./a.nml", "set", "set/b.nml", "set/../a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "2 scenes: 2 done" in ended.stdout
+    assert here.left() == ["a.nc", "b.nc"]
+    absent = here.beamwave("run", "absent.nml", "absent.nml")
+    assert absent.returncode == 3
+    assert len(absent.stderr.splitlines()) == 1
+    linked = here.beamwave("run", "a.nml", "link.nml", "--overwrite")  # another name of the file has a result of its own
+    assert (linked.returncode, linked.stderr) == (0, "")
+    assert here.left() == ["a.nc", "b.nc", "link.nc"]
+
+
+def test_two_files_of_one_name_keep_no_other_error_from_view(here):
+    for name in ["one/a", "two/a", "b"]:
+        here.scene(name, captured_beam())
+    here.scene("bad", captured_beam(beam={"length": -1.0}))
+    ended = here.beamwave("run", "one/a.nml", "b.nml", "bad.nml", "absent.nml", "two/a.nml", "one/a.nml")
+    assert ended.returncode == 3
+    errors = ended.stderr.splitlines()
+    assert len(errors) == 3
+    assert "beam%length" in errors[0] and errors[1].startswith("absent.nml: ")
+    assert errors[2].startswith("two/a.nml: has the same name as one/a.nml")
+    assert "5 scenes: 0 done, 3 wrong, 2 not begun" in ended.stdout
+    assert not (here.directory / "output").exists()
+
+
 def test_a_second_run_has_nothing_to_do(here):
     here.scene("a", captured_beam())
     first = here.run("a")

@@ -96,13 +96,16 @@ def _draw_shares(axes: Axes, rungs: xr.Dataset) -> None:
 
 
 def _draw_digits(axes: Axes, rungs: xr.Dataset) -> None:
-    """Bars of the seconds of the next digit, with the growth in per cent on each."""
+    """Bars of the seconds of the next digit, with the growth in per cent on each; none where it is within the noise."""
+    noise = rungs["digit_noise"].fillna(0.0).values if "digit_noise" in rungs else 0.0
     seconds = rungs["digit_seconds"].values
+    known = seconds > noise
+    seconds = np.where(known, seconds, np.nan)
     prefix, factor = si_prefix(seconds, "s")
     places = np.arange(seconds.size)
     bars = axes.bar(places, np.nan_to_num(factor * seconds), width=0.85, color=COLOURS[1])
     growth = rungs["digit_growth"].values
-    labels = [f"{100 * part:+.0f}%" if np.isfinite(part) else "" for part in growth]
+    labels = [f"{100 * part:+.0f}%" if above else "" for part, above in zip(growth, known)]
     axes.bar_label(bars, labels, fontsize="x-small", padding=1)
     axes.margins(y=0.15)
     axes.axhline(0.0, color=GREY, linewidth=0.6)

@@ -64,6 +64,15 @@ def test_stage_shares_fill_the_bars_and_digits_carry_their_growth(study):
     assert "+20%" in [text.get_text() for text in digits.texts]
 
 
+def test_a_price_within_the_noise_has_no_bar(study):
+    noisy = study.assign(digit_noise=("rung", [3e-4, *5 * [np.nan]]))
+    below = study.assign(digit_seconds=("rung", [-2e-4, *5 * [np.nan]]))
+    for measured in (noisy, below):
+        digits = work_precision(measured).axes[2]
+        assert "+20%" not in [text.get_text() for text in digits.texts]
+        assert all(bar.get_height() == 0.0 for bar in digits.patches)
+
+
 def test_without_an_error_there_is_nothing_to_draw(study, full_result):
     with pytest.raises(NothingToDraw):
         work_precision(study.assign(true_error=("rung", np.zeros(6))))
