@@ -3,9 +3,9 @@ module bw_sweep_par
   use bw_input_name, only: any_number, input_group, input_name, integer_input, number_range, real_input, reals_input, &
                            text_input
   use bw_input_values, only: group_values
-  use bw_kinds, only: dp, i8, qp
+  use bw_kinds, only: dp, qp
   use bw_scene_messages, only: message_list
-  use bw_text, only: lower, text_of
+  use bw_text, only: lower
   implicit none (type, external)
   private
   public :: build_sweep, check_sweep, sweep_lines
@@ -42,11 +42,10 @@ module bw_sweep_par
 contains
 
   pure subroutine check_sweep(sweep, messages)
-    !! Values are needed: listed, no two the same, or by their ends and number.
+    !! Values are needed: listed, or by their ends and number.
     type(group_values), intent(in) :: sweep
     type(message_list), intent(inout) :: messages
     integer :: i
-    if (sweep%given('values')) call check_repeated(sweep, messages)
     if (sweep%given('values')) return
     do i = 1, size(range_names)
       if (.not. sweep%given(range_names(i))) then
@@ -64,58 +63,6 @@ contains
       end if
     end do
   end subroutine check_sweep
-
-  pure subroutine check_repeated(sweep, messages)
-    !! A value that is listed twice would be the same case twice; a decimal comma makes such lists.
-    type(group_values), intent(in) :: sweep
-    type(message_list), intent(inout) :: messages
-    real(dp), allocatable :: sorted(:)
-    integer :: i, first, second
-    associate (listed => sweep%values(sweep%at('values')))
-      if (.not. listed%known) return
-      sorted = listed%numbers
-      call sort(sorted)
-      do i = 2, size(sorted)
-        if (.not. is_same(sorted(i - 1), sorted(i))) cycle
-        first = findloc(is_same(listed%numbers, sorted(i)), .true., dim=1)
-        second = first + findloc(is_same(listed%numbers(first + 1:), sorted(i)), .true., dim=1)
-        call messages%add(listed%lines(second), 'sweep%values', text_of(sorted(i))// &
-                          ' is there twice; accepted: each value once, with a decimal point (0.5, not 0,5)')
-        return
-      end do
-    end associate
-  end subroutine check_repeated
-
-  pure recursive subroutine sort(values)
-    !! In increasing order, by merging sorted halves.
-    real(dp), intent(inout) :: values(:)
-    real(dp), allocatable :: half(:)
-    integer :: i, j, k
-    if (size(values) < 2) return
-    call sort(values(:size(values)/2))
-    call sort(values(size(values)/2 + 1:))
-    half = values(:size(values)/2)
-    j = size(half) + 1
-    i = 1
-    do k = 1, size(values)
-      if (i > size(half)) exit
-      if (j <= size(values)) then
-        if (values(j) < half(i)) then
-          values(k) = values(j)
-          j = j + 1
-          cycle
-        end if
-      end if
-      values(k) = half(i)
-      i = i + 1
-    end do
-  end subroutine sort
-
-  elemental logical function is_same(one, other)
-    !! The same to the bit.
-    real(dp), intent(in) :: one, other
-    is_same = transfer(one, 0_i8) == transfer(other, 0_i8)
-  end function is_same
 
   pure subroutine build_sweep(values, sweep)
     !! From checked values: those that are listed, or between two ends.
