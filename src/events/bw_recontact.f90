@@ -193,7 +193,8 @@ contains
     contacts%sway = max(contacts%sway, sway)
     error = sum(abs(tip)*segment%error(:, 1))
     worthless = error > three_digits*contacts%sway
-    if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%data_error
+    if (worthless .or. contacts%sway == 0.0_dp) return                 ! below the range of numbers nothing is amplified
+    contacts%amplification = error/contacts%sway/contacts%data_error
   end subroutine judge
 
   type(event_type) function started_event(motion) result(event)

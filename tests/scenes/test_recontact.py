@@ -293,6 +293,18 @@ def test_of_a_beam_so_thin_that_its_time_is_long_all_contacts_are_known(here):
     assert (result["event_kind"] == 4).sum() > 0 and "ill-conditioned" not in result.attributes["notes"]
 
 
+def test_next_to_no_mass_makes_next_to_no_motion(here):
+    """A blow of 1e-67 V, on a thin beam that grows by it: nothing of it is known, or all of it."""
+    scene = struck_beam(0.0, recontact={"max_contacts": 3}, beam={"diameter": 1e-3}, rotation={"angular_velocity": 1005.329})
+    response = {"duration": 0.02, "samples": 2, "points": [0.5, 1.0], "velocity": True}
+    impact = {"mass_ratio": 1.4093e-66, "approach_velocity": -0.03}
+    here.scene("a", {**scene, "impact": impact, "response": response, "modes": {"before": 1}})
+    assert here.beamwave("run", "a.nml").returncode in (0, 4)
+    result = here.result("a")
+    known = ~results.is_fill(result["displacement"])
+    assert (np.abs(result["displacement"][known]) < 1e-60).all()
+
+
 def test_no_mass_and_no_velocity_make_no_contact(here):
     for name, impact in [("a", {"mass_ratio": 0.0}), ("b", {"mass_ratio": 0.2, "approach_velocity": 0.0})]:
         here.scene(name, {**struck_beam(0.0, recontact={}), "impact": impact})
