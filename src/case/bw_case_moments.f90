@@ -65,7 +65,7 @@ contains
     part = part_monitor(monitor, 1.0_dp, 0.0_dp)
     call bend(motion, .true., swinging)
     error = missing_motion(plain, swinging, .true., part)
-    if (allocated(plain%damping)) then                    ! it is seen to the signs of a few modes, which are those of a displacement
+    if (allocated(plain%damping)) then                    ! few modes are left then, whose signs count: those of the moment itself
       error = max(error, missing_motion(plain, bent, .false., part))
     end if
     error = error*(abs(plain%impact%approach_velocity)*motion%units%time%hi) + rounding_errors(plain, bent, response, .false.)
@@ -74,7 +74,7 @@ contains
   subroutine bend(motion, scaled, bent)
     !! A motion whose modes are seen through their curvature.
     type(case_motion), intent(in) :: motion
-    logical, intent(in) :: scaled                         !! over α²
+    logical, intent(in) :: scaled                         !! over √λ, see bw_curvature_set
     type(case_motion), intent(out) :: bent
     bent%units = motion%units
     bent%plan = motion%plan

@@ -2,8 +2,9 @@ module bw_curvature_set
   !! Modes seen through their curvature: sets and sources that are others, but for their shapes, which are Φ_k''(ξ). Whatever
   !! sums the motion of modes, or estimates what a sum lacks, then gives curvatures, and with EI bending moments.
   !!
-  !! Over α² they are as large as the shapes. A mode's β is nearly α², so that a curvature so scaled swings as far as a velocity:
-  !! h v'' and v_t are the two parts of one wave function, and what modes that are not summed add to one they add to the other.
+  !! Over √λ, λ being what bending and shear alone would make of β² (α⁴ in closed form), they are as large as the shapes. A mode's
+  !! β is nearly √λ, so that a curvature so scaled has the amplitude of a velocity: h v'' and v_t are the two parts of one wave
+  !! function, and what modes that are not summed add to one they add to the other.
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: full_numbers, mode_set, mode_source
@@ -14,7 +15,7 @@ module bw_curvature_set
 
   type, extends(mode_set), public :: curvature_set
     class(mode_set), allocatable :: seen           !! the modes themselves
-    logical :: scaled = .false.                    !! Φ''/α² instead of Φ''
+    real(dp), allocatable :: scale(:)              !! √λ, over which Φ'' is taken; unallocated: Φ'' itself, (n)
   contains
     procedure :: some_shapes => curvatures
     procedure :: some_curvatures => curvatures
@@ -41,10 +42,14 @@ contains
     logical, intent(in) :: scaled
     class(mode_set), allocatable, intent(out) :: bent
     type(curvature_set), allocatable :: found
+    type(dd), allocatable :: stiffness(:)
     if (.not. present(modes)) return
     allocate (found)
     allocate (found%seen, source=modes)
-    found%scaled = scaled
+    if (scaled) then
+      stiffness = modes%elastic()
+      found%scale = sqrt(stiffness%hi)
+    end if
     found%count = modes%count
     found%gamma = modes%gamma
     if (allocated(modes%alpha)) found%alpha = modes%alpha        ! not of a beam with a mass pressed against it
@@ -96,9 +101,9 @@ contains
     real(dp) :: values(last - first + 1, size(xi))
     integer :: p
     values = self%seen%some_curvatures(first, last, xi)
-    if (.not. self%scaled) return
+    if (.not. allocated(self%scale)) return
     do p = 1, size(xi)
-      values(:, p) = values(:, p)/self%alpha(first:last)**2
+      values(:, p) = values(:, p)/self%scale(first:last)
     end do
   end function curvatures
 

@@ -35,7 +35,7 @@ contains
       if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
         'where a history is largest, and where its error is the largest part of it.')
       if (allocated(scene%recontact)) call lines%append_line( &
-        '  The error is that of the exact motion of these modes: a rebound belongs to their number.')
+        '  The error is the distance from the exact motion of these modes, on whose number a rebound depends.')
       if (.not. allocated(response%displacement_error)) call lines%append_line( &
         '  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
     end associate

@@ -97,7 +97,7 @@ contains
     call lines%append_line('  Just after the impact: impulse '//shortest(state(1), 6)//' N s, mass '// &
                            shortest(state(2), 6)//' m/s, tip '//shortest(state(3), 6)//' m/s')
     if (result%impact%impulse == 0.0_dp .and. result%impact%gamma > 0.0_dp) call lines%append_line( &
-      '  These are of infinitely many modes, of which the very tip alone jumps, and that takes no impulse.')
+      '  With infinitely many modes only the very tip jumps, and that takes no impulse.')
     call report_events(result, lines)
   end subroutine report_impact
 

@@ -1,6 +1,7 @@
 module bw_notes
   !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
-  !! number of others that have it too and what differs in the last of them. Warnings come before remarks. The cases may come in any order.
+  !! number of others that have it too and what differs in the last of them. Warnings come before remarks. The cases may come
+  !! in any order.
   use bw_kinds, only: i8
   use bw_note, only: is_remark, kind_of, remark_mark, unmarked
   use bw_text, only: append, string, text_builder, text_of

@@ -232,7 +232,7 @@ contains
     type(input_name), intent(in) :: row
     character(:), allocatable :: hint
     hint = ''
-    if (index(row%meaning, 'x/l') > 0) hint = '; places are xi = x/l, from 0 at the root to 1 at the tip, and not in metres'
+    if (row%name == 'points') hint = '; places are xi = x/l, from 0 at the root to 1 at the tip, and not in metres'
   end function place_hint
 
   pure subroutine read_reals(row, text, items, value, messages)
