@@ -92,7 +92,8 @@ contains
   end subroutine set_root
 
   pure subroutine set_joint(load, before, after, right, panel, row_size)
-    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached: rows 3 … 6.
+    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached: rows 3 … 6. The body
+    !! moves with the piece after: beside a load that is large the forces of the piece before keep their digits.
     type(joint_loads), intent(in) :: load
     type(piece_ends), intent(in) :: before, after
     real(dp), intent(in) :: right(4)
@@ -103,8 +104,8 @@ contains
       panel%row(1:4, q + 2) = before%outer(q, :)
       panel%row(5:8, q + 2) = -inner_row(after, q)
     end do
-    panel%row(1:4, 5) = panel%row(1:4, 5) + load%turning*before%outer(2, :)
-    panel%row(1:4, 6) = panel%row(1:4, 6) + load%deflection*before%outer(1, :)
+    panel%row(5:8, 5) = panel%row(5:8, 5) + load%turning*inner_row(after, 2)
+    panel%row(5:8, 6) = panel%row(5:8, 6) + load%deflection*inner_row(after, 1)
     do q = 1, 4
       call divide_row(panel%row(:, q + 2), row_size(q))
       panel%right(q + 2) = right(q)/row_size(q)
@@ -152,7 +153,10 @@ contains
     end do
     factor = row(c, 2)/row(c, 1)
     row(:, 2) = row(:, 2) - factor*row(:, 1)
+    row(c, 2) = 0.0_dp
     right(2) = right(2) - factor*right(1)
+    i = mod(c, 4) + 1
+    if (maxval(abs(row(:, 2))) < least_pivot) row(i, 2) = least_pivot     ! all inside moves alone: any condition serves
     call divide_row(row(:, 2), row_size)
     right(2) = right(2)/row_size
   end subroutine part

@@ -1,13 +1,21 @@
 module bw_mode_cluster
-  !! Modes whose frequencies agree to about all digits: several inverse iterations span their motions, and the quadratic
-  !! forms of bw_mode_probe on that span (Rayleigh and Ritz) separate them.
-  use bw_double_double, only: dd
+  !! Modes whose frequencies agree to about all digits of binary64: several inverse iterations in double-double span their
+  !! motions, and the quadratic forms of bw_mode_probe on that span (Rayleigh and Ritz) separate them.
+  use bw_double_double, only: dd, operator(+)
+  use bw_extended_mode, only: extended_motion
   use bw_kinds, only: dp
-  use bw_joint_elimination, only: solve
-  use bw_mode_probe, only: mode_probe, piece_system, probe_at, start_anew, weigh
+  use bw_mode_probe, only: driven, improve_drive, left_vector, mode_probe, piece_system, set_frequency, start_anew, weigh
   implicit none (type, external)
   private
-  public :: separate
+  public :: separate, take
+
+  integer, parameter :: rounds = 3               !! each divides by 100 what others show that are 100 times as far off
+
+  type, public :: mode_cluster
+    integer :: first = 0, last = -1              !! numbers of the modes
+    type(dd), allocatable :: lambda(:)           !! λ, ascending
+    real(dp), allocatable :: motion(:, :, :)     !! amplitudes, (4, pieces, modes)
+  end type mode_cluster
 
   interface
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
@@ -23,52 +31,90 @@ module bw_mode_cluster
 
 contains
 
-  subroutine separate(system, lambda, modes, which, probe, correction)
-    !! The motion of one of several modes next to a frequency, orthogonal to the others', and by how much its λ differs.
+  subroutine separate(system, lambda, first, last, probe, cluster)
+    !! Modes next to a frequency, orthogonal to each other.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda
-    integer, intent(in) :: modes                   !! how many there are
-    integer, intent(in) :: which                   !! 1 … modes, in the order of their frequencies
+    integer, intent(in) :: first, last             !! their numbers
     type(mode_probe), intent(inout) :: probe
-    real(dp), intent(out) :: correction
-    real(dp) :: motion(4, size(probe%ends), modes)
-    real(dp) :: left(4, 0:size(probe%ends), modes), lack(4, 0:size(probe%ends), modes)
-    real(dp) :: gram(modes, modes), form(modes, modes), square(modes), work(8*modes)
-    integer :: i, j, info
-    do i = 1, modes
-      call start_anew(system, i, probe)
-      call probe_at(system, lambda, probe)
-      call solve(probe%factors, probe%amplitude)
-      call weigh(system, probe, left(:, :, i))
-      motion(:, :, i) = probe%amplitude/sqrt(probe%mass)
-      left(:, :, i) = left(:, :, i)/sqrt(probe%mass)
-      lack(:, :, i) = probe%drive*probe%unit/sqrt(probe%mass)
+    type(mode_cluster), intent(out) :: cluster
+    real(dp) :: drive(3, 2, 0:size(probe%ends), last - first + 1)
+    integer :: i, round
+    cluster%first = first
+    cluster%last = last
+    allocate (cluster%lambda(last - first + 1), cluster%motion(4, size(probe%ends), last - first + 1))
+    do i = 1, last - first + 1
+      call start_anew(i, probe)
+      drive(:, :, :, i) = probe%drive
     end do
-    do j = 1, modes
-      do i = 1, modes
-        form(i, j) = 0.5_dp*(sum(left(:, :, i)*lack(:, :, j)) + sum(left(:, :, j)*lack(:, :, i)))
-        gram(i, j) = product_of(motion(:, :, i), motion(:, :, j))
+    do round = 1, rounds
+      call find_span(system, lambda, drive, probe, cluster)
+      do i = first, last
+        call take(cluster, i, system, probe)
+        drive(:, :, :, i - first + 1) = probe%drive
       end do
     end do
-    call dsygv(1, 'V', 'U', modes, form, modes, gram, modes, square, work, size(work), info)
-    correction = square(which)
-    probe%amplitude = 0.0_dp
-    do i = 1, modes
-      probe%amplitude = probe%amplitude + form(i, which)*motion(:, :, i)
-    end do
-    call weigh(system, probe, left(:, :, 1))
-  contains
-    real(dp) function product_of(one, other)
-      !! ⟨u, w⟩ from the masses of u + w and u − w.
-      real(dp), intent(in) :: one(:, :), other(:, :)
-      real(dp) :: ignored(4, 0:size(probe%ends))
-      probe%amplitude = one + other
-      call weigh(system, probe, ignored)
-      product_of = 0.25_dp*probe%mass
-      probe%amplitude = one - other
-      call weigh(system, probe, ignored)
-      product_of = product_of - 0.25_dp*probe%mass
-    end function product_of
   end subroutine separate
+
+  subroutine find_span(system, lambda, drive, probe, cluster)
+    !! What so many drives give, mixed into modes.
+    type(piece_system), intent(in) :: system
+    type(dd), intent(in) :: lambda
+    real(dp), intent(in) :: drive(:, :, 0:, :)
+    type(mode_probe), intent(inout) :: probe
+    type(mode_cluster), intent(inout) :: cluster
+    real(dp) :: motion(4, size(probe%ends), size(drive, 4))
+    real(dp), dimension(4, 0:size(probe%ends), size(drive, 4)) :: left, lack
+    real(dp), dimension(size(drive, 4), size(drive, 4)) :: gram, form
+    real(dp) :: correction(size(drive, 4)), work(8*size(drive, 4))
+    integer :: i, j, n, info
+    n = size(drive, 4)
+    do i = 1, n
+      probe%drive = drive(:, :, :, i)
+      call extended_motion(system, lambda, probe)
+      motion(:, :, i) = probe%amplitude/sqrt(probe%mass)
+      left(:, :, i) = left_vector(system%beam, probe)/sqrt(probe%mass)
+      lack(:, :, i) = driven(system%beam, probe)/sqrt(probe%mass)
+    end do
+    do j = 1, n
+      do i = 1, n
+        form(i, j) = 0.5_dp*(sum(left(:, :, i)*lack(:, :, j)) + sum(left(:, :, j)*lack(:, :, i)))
+        gram(i, j) = mass_product(system, probe, motion(:, :, i), motion(:, :, j))
+      end do
+    end do
+    call dsygv(1, 'V', 'U', n, form, n, gram, n, correction, work, size(work), info)
+    do j = 1, n
+      cluster%lambda(j) = lambda + correction(j)
+      cluster%motion(:, :, j) = 0.0_dp
+      do i = 1, n
+        cluster%motion(:, :, j) = cluster%motion(:, :, j) + form(i, j)*motion(:, :, i)
+      end do
+    end do
+  end subroutine find_span
+
+  real(dp) function mass_product(system, probe, one, other) result(product)
+    !! ⟨u, w⟩ from the masses of u + w and u − w.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    real(dp), intent(in) :: one(:, :), other(:, :)   !! amplitudes
+    probe%amplitude = one + other
+    call weigh(system, probe)
+    product = 0.25_dp*probe%mass
+    probe%amplitude = one - other
+    call weigh(system, probe)
+    product = product - 0.25_dp*probe%mass
+  end function mass_product
+
+  pure subroutine take(cluster, k, system, probe)
+    !! Put a probe where mode k is.
+    type(mode_cluster), intent(in) :: cluster
+    integer, intent(in) :: k
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    call set_frequency(system, cluster%lambda(k - cluster%first + 1), probe)
+    probe%amplitude = cluster%motion(:, :, k - cluster%first + 1)
+    call weigh(system, probe)
+    call improve_drive(probe)
+  end subroutine take
 
 end module bw_mode_cluster

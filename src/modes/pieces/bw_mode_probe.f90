@@ -2,9 +2,12 @@ module bw_mode_probe
   !! A beam of pieces at one frequency: how many modes lie below, where the next mode is, and what it looks like.
   !!
   !! Inverse iteration gives motions u that fail the conditions at the joints by a little, e. With the exact mode φ, at
-  !! β² + δ, Green's identity reads δ⟨φ, u⟩ = Σ (φ_v e_N + φ_ψe_M − φ_Ne_v − φ_Me_ψ), ⟨·,·⟩ weighted by all mass and
-  !! inertia. Put u for φ: the error of δ is of the second order. The factors of e, scaled as the rows are, are the
-  !! left null vector of the conditions and the best right side of the next iteration.
+  !! β² + δ, Green's identity reads δ⟨φ, u⟩ = Σ (φ_v e_N + φ_ψe_M − φ_Ne_v − φ_Me_ψ), forces those of the piece before the
+  !! joint, ⟨·,·⟩ weighted by all mass and inertia. Put u for φ: the error of δ is of the second order.
+  !!
+  !! What excites a mode best is what it weighs: forces in the proportion of its deflections, and jumps between piece and
+  !! body in the proportion of its forces, on either side of each body. A jump outside of a body is e_v with
+  !! e_N = −(load)e_v: the body stays at rest, however heavy it is.
   use bw_double_double, only: dd, operator(-), operator(*)
   use bw_joint_elimination, only: eliminate, elimination, joint_loads, solve
   use bw_kinds, only: dp
@@ -15,7 +18,8 @@ module bw_mode_probe
   use bw_piece_waves, only: frequency_at, numbers_of, piece_frequency, piece_numbers
   implicit none (type, external)
   private
-  public :: system_of, probe_for, start_anew, probe_at, count_below, improve, weigh, mask_ends, end_states, joint_motion
+  public :: system_of, probe_for, start_anew, set_frequency, probe_at, count_below, improve, improve_drive, weigh, driven, &
+    correction_for, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -29,8 +33,12 @@ module bw_mode_probe
     type(joint_loads), allocatable :: loads(:)     !! (0:n)
     type(elimination) :: factors
     real(dp), allocatable :: unit(:, :)            !! sizes of v, ψ, M and N at the joints, whatever is attached, (4, 0:n)
-    real(dp), allocatable :: drive(:, :)           !! right side of the inverse iteration in these units, (4, 0:n)
+    real(dp), allocatable :: drive(:, :, :)
+      !! what drives the inverse iteration, in these units: jump before, force, jump after; of v and N, of ψ and M, (3, 2, 0:n)
     real(dp), allocatable :: amplitude(:, :)       !! of the motions of each piece, (4, n)
+    real(dp), allocatable :: motion(:, :)          !! of each joint: v and ψ, (2, 0:n)
+    real(dp), allocatable :: before(:, :)          !! N and M before each joint, (2, 0:n)
+    real(dp), allocatable :: after(:, :)           !! N and M after each joint, (2, 0:n)
     real(dp) :: mass = 0.0_dp                      !! modal mass of these
   end type mode_probe
 
@@ -47,37 +55,35 @@ contains
     type(piece_system), intent(in) :: system
     integer :: n
     n = size(system%piece)
-    allocate (probe%ends(n), probe%loads(0:n), probe%unit(4, 0:n), probe%drive(4, 0:n), probe%amplitude(4, n))
+    allocate (probe%ends(n), probe%loads(0:n), probe%unit(4, 0:n), probe%drive(3, 2, 0:n), probe%amplitude(4, n))
+    allocate (probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
     allocate (probe%factors%inside(4, 2, n), probe%factors%upper(8, 4, n), probe%factors%right(4, n))
     allocate (probe%factors%row_size(4, 0:n))
-    call start_anew(system, 1, probe)
+    call start_anew(1, probe)
   end function probe_for
 
-  pure subroutine start_anew(system, number, probe)
-    !! A right side that no mode escapes, one of many.
-    type(piece_system), intent(in) :: system
+  pure subroutine start_anew(number, probe)
+    !! A drive that no mode escapes, one of many.
     integer, intent(in) :: number
     type(mode_probe), intent(inout) :: probe
     integer :: i
     probe%drive = reshape([(sin(real(1 + 7*number*i*i, dp)), i=1, size(probe%drive))], shape(probe%drive))
-    call mask_ends(system%beam, probe%drive)
   end subroutine start_anew
-
-  pure subroutine mask_ends(beam, values)
-    !! The root and the tip have two conditions each.
-    type(piece_beam), intent(in) :: beam
-    real(dp), intent(inout) :: values(:, 0:)
-    values(merge(4, 1, beam%root%holds_deflection), 0) = 0.0_dp
-    values(merge(3, 2, beam%root%holds_turning), 0) = 0.0_dp
-    values(1:2, ubound(values, 2)) = 0.0_dp
-  end subroutine mask_ends
 
   pure subroutine probe_at(system, lambda, probe)
     !! Set up and eliminate the conditions at a frequency.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda                 !! > 0, unless all pieces are short
     type(mode_probe), intent(inout) :: probe
-    real(dp) :: right(4, 0:size(system%piece))
+    call set_frequency(system, lambda, probe)
+    call eliminate(system%beam%root, probe%loads, probe%ends, driven(system%beam, probe), probe%factors)
+  end subroutine probe_at
+
+  pure subroutine set_frequency(system, lambda, probe)
+    !! What pieces and bodies do at a frequency.
+    type(piece_system), intent(in) :: system
+    type(dd), intent(in) :: lambda
+    type(mode_probe), intent(inout) :: probe
     integer :: i, q
     probe%frequency = frequency_at(system%beam, lambda)
     do i = 1, size(system%piece)
@@ -87,12 +93,36 @@ contains
       do q = 1, 4
         probe%unit(q, i) = max(abs(probe%ends(max(i, 1))%outer(q, 1)), abs(probe%ends(max(i, 1))%outer(q, 2)), &
                                abs(probe%ends(max(i, 1))%outer(q, 3)), abs(probe%ends(max(i, 1))%outer(q, 4)))
-        right(q, i) = probe%unit(q, i)*probe%drive(q, i)
       end do
     end do
     call find_loads(system%beam, probe%frequency, probe%loads)
-    call eliminate(system%beam%root, probe%loads, probe%ends, right, probe%factors)
-  end subroutine probe_at
+  end subroutine set_frequency
+
+  pure function driven(beam, probe) result(lack)
+    !! By how much v, ψ, M and N fail at each joint for a drive, (4, 0:n).
+    type(piece_beam), intent(in) :: beam
+    type(mode_probe), intent(in) :: probe
+    real(dp) :: lack(4, 0:size(probe%ends))
+    integer :: i
+    do i = 0, size(probe%ends)
+      associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
+        lack(1, i) = unit(1)*(d(1, 1) + d(3, 1))
+        lack(2, i) = unit(2)*(d(1, 2) + d(3, 2))
+        lack(3, i) = unit(3)*d(2, 2) - load%turning*unit(2)*d(3, 2)
+        lack(4, i) = unit(4)*d(2, 1) - load%deflection*unit(1)*d(3, 1)
+      end associate
+    end do
+    call mask_ends(beam, lack)
+  end function driven
+
+  pure subroutine mask_ends(beam, values)
+    !! The root and the tip have two conditions each.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(inout) :: values(:, 0:)
+    values(merge(4, 1, beam%root%holds_deflection), 0) = 0.0_dp
+    values(merge(3, 2, beam%root%holds_turning), 0) = 0.0_dp
+    values(1:2, ubound(values, 2)) = 0.0_dp
+  end subroutine mask_ends
 
   pure subroutine find_loads(beam, frequency, loads)
     type(piece_beam), intent(in) :: beam
@@ -132,28 +162,56 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
-    real(dp) :: left(4, 0:size(probe%ends)), largest
-    integer :: i, q
     call solve(probe%factors, probe%amplitude)
-    call weigh(system, probe, left)
-    correction = 0.0_dp
-    largest = 0.0_dp
-    do i = 0, size(probe%ends)
-      do q = 1, 4
-        correction = correction + left(q, i)*probe%unit(q, i)*probe%drive(q, i)
-        probe%drive(q, i) = left(q, i)/probe%unit(5 - q, i)
-        largest = max(largest, abs(probe%drive(q, i)))
-      end do
-    end do
-    correction = correction/probe%mass
-    probe%drive = probe%drive*(1.0_dp/largest)
+    call weigh(system, probe)
+    correction = correction_for(system%beam, probe, driven(system%beam, probe))
+    call improve_drive(probe)
   end subroutine improve
 
-  pure subroutine weigh(system, probe, left)
-    !! The modal mass, and the factors of what the conditions lack.
+  pure subroutine improve_drive(probe)
+    !! In proportion to what the motion weighs.
+    type(mode_probe), intent(inout) :: probe
+    real(dp) :: largest
+    integer :: i, j, n
+    n = size(probe%ends)
+    largest = 0.0_dp
+    do i = 0, n
+      do j = 1, 2
+        probe%drive(1, j, i) = -probe%before(j, i)/probe%unit(5 - j, i)
+        probe%drive(2, j, i) = probe%motion(j, i)/probe%unit(j, i)
+        probe%drive(3, j, i) = merge(-probe%after(j, i), probe%before(j, i), i < n)/probe%unit(5 - j, i)
+        largest = max(largest, abs(probe%drive(1, j, i)), abs(probe%drive(2, j, i)), abs(probe%drive(3, j, i)))
+      end do
+    end do
+    probe%drive = probe%drive*(1.0_dp/largest)
+  end subroutine improve_drive
+
+  pure real(dp) function correction_for(beam, probe, lack) result(correction)
+    !! δ of a motion that fails the conditions.
+    type(piece_beam), intent(in) :: beam
+    type(mode_probe), intent(in) :: probe
+    real(dp), intent(in) :: lack(:, 0:)            !! e of v, ψ, M and N at each joint, (4, 0:n)
+    real(dp) :: left(4, 0:size(probe%ends))
+    left = left_vector(beam, probe)
+    correction = sum(left*lack)/probe%mass
+  end function correction_for
+
+  pure function left_vector(beam, probe) result(left)
+    !! The factors of what the conditions lack, (4, 0:n).
+    type(piece_beam), intent(in) :: beam
+    type(mode_probe), intent(in) :: probe
+    real(dp) :: left(4, 0:size(probe%ends))
+    left(1:2, :) = -probe%before
+    left(1:2, 0) = -probe%after(:, 0)
+    left(3, :) = probe%motion(2, :)
+    left(4, :) = probe%motion(1, :)
+    call mask_ends(beam, left)
+  end function left_vector
+
+  pure subroutine weigh(system, probe)
+    !! The modal mass of a motion, and what it does at the joints.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
-    real(dp), intent(out) :: left(4, 0:size(probe%ends))
     real(dp) :: before(4), after(4), next(4), squares(2)
     integer :: i, n
     n = size(probe%ends)
@@ -162,18 +220,19 @@ contains
     do i = 0, n
       after = 0.0_dp
       if (i < n) call end_states(probe%ends(i + 1), probe%amplitude(:, i + 1), after, next)
-      if (i == 0) before = after
-      if (i > 0) before(1:2) = joint_motion(probe%loads(i), probe%unit(:, i), before, after)
-      left(:, i) = [-after(4), -after(3), before(2), before(1)]
+      if (i == 0) before(1:2) = after(1:2)
+      probe%before(:, i) = before([4, 3])
+      probe%after(:, i) = after([4, 3])
+      probe%motion(:, i) = joint_motion(probe%loads(i), probe%unit(:, i), before, after)
       if (i > 0) then
-        probe%mass = probe%mass + system%beam%joint(i)%mass%hi*before(1)**2 + system%beam%joint(i)%inertia%hi*before(2)**2
+        probe%mass = probe%mass + system%beam%joint(i)%mass%hi*probe%motion(1, i)**2 &
+          + system%beam%joint(i)%inertia%hi*probe%motion(2, i)**2
       end if
       if (i == n) exit
       before = next
       squares = mean_squares(system%piece(i + 1), probe%frequency, probe%ends(i + 1), probe%amplitude(:, i + 1))
       probe%mass = probe%mass + system%piece(i + 1)%mass%hi*squares(1) + system%piece(i + 1)%rotary%hi*squares(2)
     end do
-    call mask_ends(system%beam, left)
   end subroutine weigh
 
   pure function joint_motion(load, unit, before, after) result(motion)
@@ -181,7 +240,7 @@ contains
     !! that the jumps of force and moment take.
     type(joint_loads), intent(in) :: load
     real(dp), intent(in) :: unit(4)                !! sizes of v, ψ, M and N
-    real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; after the tip 0
+    real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; no forces beyond root and tip
     real(dp) :: motion(2)
     motion = before(1:2)
     if (abs(load%deflection)*unit(1) > unit(4)) motion(1) = (after(4) - before(4))/load%deflection

@@ -6,14 +6,14 @@ module bw_mode_search
   !! none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
-  use bw_mode_cluster, only: separate
+  use bw_mode_cluster, only: mode_cluster, separate, take
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
   use bw_piece_dispersion, only: half_waves
   use bw_piece_waves, only: frequency_at, parts_at_rest
   implicit none (type, external)
   private
-  public :: search_in, find_mode, stands_alone
+  public :: search_in, find_mode, inside, is_double, is_resting, stands_alone, take_apart
 
   integer, parameter :: cuts = 2                   !! other ways to cut the pieces: in two, in three
   integer, parameter :: most_steps = 400
@@ -21,11 +21,13 @@ module bw_mode_search
   real(dp), parameter :: regular_enough = 1.0e-3_dp
     !! distance from clamped modes of the pieces, 0 … 1, from which a count is trusted
   real(dp), parameter :: near = 1.0e-6_dp          !! of the distance of two modes: from here the count is asked which it is
-  real(dp), parameter :: settled = 1.0e-13_dp      !! likewise: from here a step is rounding
-  real(dp), parameter :: nearly_settled = 1.0e-10_dp   !! likewise, where rounding is worse
-  integer, parameter :: most_polish = 8
+  real(dp), parameter :: settled = 1.0e-14_dp      !! likewise: from here a step is rounding
+  integer, parameter :: most_polish = 20
   real(dp), parameter :: isolated = 0.25_dp        !! likewise: modes that are closer show in each other's motions by rounding
-  real(dp), parameter :: closest = 1.0e-12_dp      !! likewise: modes that are closer are taken apart together
+  real(dp), parameter :: sure = 1.0e-12_dp         !! likewise: from here counts are not rounded
+  real(dp), parameter :: closest = 4.0e-12_dp      !! likewise: modes that are closer are taken apart together
+
+  real(dp), parameter :: same = 1.0e-26_dp         !! part of λ: modes that nothing here tells apart
 
   type :: separator
     type(dd) :: lambda
@@ -43,6 +45,8 @@ module bw_mode_search
     integer :: highs = 0
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
+    type(mode_cluster) :: cluster                  !! the last modes that were taken apart together
+    logical :: rough = .false.                     !! rounding took digits from the last mode that was found
     integer :: evaluations = 0
   end type mode_search
 
@@ -88,14 +92,14 @@ contains
     type(dd) :: x, target
     real(dp) :: correction, slope, step, last
     integer :: i, n
-    if (k > search%growing .and. k <= search%growing + search%resting) then
-      lambda = dd()
-      call separate(search%system, lambda, search%resting, k - search%growing, search%probe, correction)
+    if (is_resting(search, k)) call take_resting(search)
+    if (is_together(search, k)) then
+      call take_together(search, k, lambda)
       found = .true.
       return
     end if
     call open_bracket(search, k)
-    call start_anew(search%system, 1, search%probe)
+    call start_anew(1, search%probe)
     x = first_guess(search, k)
     last = huge(last)
     found = .false.
@@ -108,23 +112,25 @@ contains
       target = x + correction
       if (step < near .and. inside(search, target)) then
         if (.not. alone(search, k)) call certify(search, k, target, 4.0_dp*abs(correction), slope)
-        if (alone(search, k) .and. inside(search, target)) then
+        if (alone(search, k) .and. inside(search, target) .and. .not. is_cluster(search, slope)) then
           call polish(search, k, x, correction, lambda, found)
+          if (found) call confirm(search, k, lambda, found)
           if (found) return
         end if
         call look(search, k, middle(search))
         target = middle(search)
-        if (is_cluster(search, slope)) then
-          call take_apart(search, k, lambda)
-          found = .true.
-          return
-        end if
       else
         call count_at(search, k, search%probe, n)
         target = next_guess(search, k, n, x, correction, step < 0.5_dp*last)
       end if
       last = step
       x = target
+      found = is_cluster(search, slope)
+      if (found) then
+        lambda = middle(search)
+        call take_apart(search, k, lambda)
+        return
+      end if
     end do
   end subroutine find_mode
 
@@ -144,46 +150,143 @@ contains
     type(dd), intent(out) :: lambda
     logical, intent(out) :: found
     real(dp) :: correction, slope, last
-    integer :: i
+    integer :: i, stalled
     slope = mode_density(k, start)
     correction = first
     lambda = start + correction
+    stalled = 0
     do i = 1, most_polish
-      if (abs(correction)*slope < settled) exit
+      if (abs(correction)*slope < settled .or. stalled == 2) exit
       last = abs(correction)
       call probe_at(search%system, lambda, search%probe)
       call improve(search%system, search%probe, correction)
       search%evaluations = search%evaluations + 1
       lambda = lambda + correction
-      if (abs(correction) > 0.25_dp*last) exit
+      if (abs(correction) > 0.5_dp*last .and. is_small(search, lambda, correction)) stalled = stalled + 1      ! by rounding
     end do
-    found = abs(correction)*slope < nearly_settled .and. inside(search, lambda)
+    search%rough = abs(correction)*slope > settled
+    found = inside(search, lambda) .and. (abs(correction)*slope < settled .or. is_small(search, lambda, correction))
   end subroutine polish
 
+  pure subroutine confirm(search, k, lambda, found)
+    !! Where an end of the bracket is next to the mode, its count may have been rounded: count again a little further off.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: lambda
+    logical, intent(out) :: found
+    real(dp) :: margin
+    type(dd) :: gap
+    margin = sure/mode_density(k, lambda)
+    gap = lambda - search%low%lambda
+    if (gap%hi < margin) call look(search, k, lambda + (-margin))
+    gap = search%high(search%highs)%lambda - lambda
+    if (gap%hi < margin) call look(search, k, lambda + margin)
+    found = alone(search, k) .and. inside(search, lambda)
+  end subroutine confirm
+
+  pure logical function is_small(search, lambda, correction)
+    !! Beside the distance to any other mode, which is outside of the bracket.
+    type(mode_search), intent(in) :: search
+    type(dd), intent(in) :: lambda
+    real(dp), intent(in) :: correction
+    real(dp), parameter :: small = 1.0e-4_dp
+    type(dd) :: below, above
+    below = lambda - search%low%lambda
+    above = search%high(search%highs)%lambda - lambda
+    is_small = abs(correction) < small*min(below%hi, above%hi)
+  end function is_small
+
   pure logical function is_cluster(search, slope)
-    !! The bracket holds several modes and has no width.
+    !! The bracket holds modes and has no width.
     type(mode_search), intent(in) :: search
     real(dp), intent(in) :: slope                  !! modes to a unit of λ
     type(dd) :: width
     is_cluster = .false.
     if (search%highs == 0) return
     width = search%high(search%highs)%lambda - search%low%lambda
-    is_cluster = search%high(search%highs)%below > search%low%below + 1 .and. width%hi*slope < closest
+    is_cluster = width%hi*slope < closest
   end function is_cluster
 
   subroutine take_apart(search, k, lambda)
-    !! Mode k of those in a bracket without width.
+    !! Mode k and all that are next to it.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(inout) :: lambda              !! about where they are; of mode k
+    call gather(search, k, lambda, closest/mode_density(k, lambda))
+    call separate(search%system, lambda, search%low%below + 1, search%high(search%highs)%below, search%probe, search%cluster)
+    call take_together(search, k, lambda)
+  end subroutine take_apart
+
+  subroutine gather(search, k, center, least)
+    !! Widen the bracket until no mode outside of it is near beside its width.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: center
+    real(dp), intent(in) :: least                  !! half of the width to begin with
+    integer, parameter :: most = 4
+    real(dp), parameter :: far = 100.0_dp
+    real(dp) :: width
+    logical :: apart, apart_too
+    integer :: i
+    width = least
+    do i = 1, most
+      call look(search, k, center + (-width))
+      call look(search, k, center + width)
+      call count_apart(search, center + (-far*width), search%low%below, apart)
+      call count_apart(search, center + far*width, search%high(search%highs)%below, apart_too)
+      if (apart .and. apart_too) exit
+      width = far*width
+    end do
+  end subroutine gather
+
+  pure logical function is_together(search, k)
+    !! Mode k was taken apart with others.
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: k
+    is_together = k >= search%cluster%first .and. k <= search%cluster%last
+  end function is_together
+
+  pure logical function is_double(search, k)
+    !! Mode k was taken apart from one that has the same frequency to the last digit.
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: k
+    type(dd) :: gap
+    integer :: i
+    is_double = .false.
+    if (.not. is_together(search, k)) return
+    do i = search%cluster%first, search%cluster%last
+      if (i == k) cycle
+      gap = search%cluster%lambda(i - search%cluster%first + 1) - search%cluster%lambda(k - search%cluster%first + 1)
+      is_double = is_double .or. abs(gap%hi) <= same*abs(search%cluster%lambda(1)%hi)
+    end do
+  end function is_double
+
+  pure logical function is_resting(search, k)
+    !! λ = 0 for mode k.
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: k
+    is_resting = k > search%growing .and. k <= search%growing + search%resting
+  end function is_resting
+
+  subroutine take_resting(search)
+    !! The modes of λ = 0.
+    type(mode_search), intent(inout) :: search
+    associate (first => search%growing + 1, last => search%growing + search%resting)
+      if (search%cluster%first == first .and. search%cluster%last == last) return
+      call separate(search%system, dd(), first, last, search%probe, search%cluster)
+      search%cluster%lambda = dd()
+    end associate
+  end subroutine take_resting
+
+  pure subroutine take_together(search, k, lambda)
+    !! Mode k of those that were taken apart together.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(out) :: lambda
-    type(dd) :: center
-    real(dp) :: correction
-    center = middle(search)
-    associate (low => search%low%below, high => search%high(search%highs)%below)
-      call separate(search%system, center, high - low, k - low, search%probe, correction)
-    end associate
-    lambda = center + correction
-  end subroutine take_apart
+    call take(search%cluster, k, search%system, search%probe)
+    lambda = search%probe%frequency%lambda
+    search%rough = .true.
+  end subroutine take_together
 
   pure subroutine open_bracket(search, k)
     !! Forget what does not hold mode k.
@@ -251,6 +354,8 @@ contains
     type(dd) :: gap
     margin = isolated/mode_density(k, lambda)
     gap = lambda - search%low%lambda
+    apart = .not. search%rough
+    if (.not. apart) return
     apart = search%low%below == k - 1 .and. gap%hi > margin
     if (.not. apart) call count_apart(search, lambda + (-margin), k - 1, apart)
     if (.not. apart) return
@@ -275,6 +380,12 @@ contains
   pure subroutine push(search, high)
     type(mode_search), intent(inout) :: search
     type(separator), intent(in) :: high
+    type(dd) :: gap
+    do while (search%highs > 0)
+      gap = search%high(search%highs)%lambda - high%lambda
+      if (gap%hi > 0.0_dp) exit
+      search%highs = search%highs - 1
+    end do
     if (search%highs == depth) then
       search%high(:depth - 1) = search%high(2:)
       search%highs = depth - 1

@@ -1,23 +1,26 @@
 module bw_piece_source
   !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
-    use bw_kinds, only: dp
-  use bw_mode_probe, only: end_states, joint_motion, mode_probe
-  use bw_mode_search, only: find_mode, mode_search, search_in, stands_alone
+    use bw_extended_mode, only: refine
+  use bw_kinds, only: dp
+  use bw_mode_probe, only: mode_probe
+  use bw_mode_search, only: find_mode, inside, is_double, is_resting, mode_search, search_in, stands_alone, &
+    take_apart
   use bw_mode_set, only: mode_set, mode_source
   use bw_piece_beam, only: has_heavy_bodies, piece_beam
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
   use bw_piece_set, only: piece_set
   use bw_piece_waves, only: frequency_at, piece_frequency
-  use bw_refined_mode, only: refine
-  implicit none (type, external)
+    implicit none (type, external)
   private
   public :: source_of_pieces, set_of_pieces
 
   integer, parameter :: highest_mode = 10000000
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
+
+  real(dp), parameter :: nearly_rigid = 0.3_dp       !! wave number below which the forces of soft springs have lost digits
 
   type, extends(mode_source), public :: piece_source
     type(piece_beam) :: beam
@@ -68,10 +71,21 @@ contains
       end if
       alone = .not. (heavy .or. number(j) <= search%growing .or. is_coarse(search, lambda, longest))
       if (alone) call stands_alone(search, number(j), lambda, alone)
-      if (.not. alone) call refine(search%system, search%probe, lambda)
+      if (.not. (alone .or. is_resting(search, number(j)))) call refine_in(search, number(j), lambda)
       call set_mode(search%probe, number(j), lambda, j, set)
     end do
   end subroutine set_of_pieces
+
+  subroutine refine_in(search, k, lambda)
+    !! Mode k in double-double. Where another was so near that the motion was rather its own, all of them are taken apart.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(inout) :: lambda
+    if (.not. is_double(search, k)) call refine(search%system, search%probe, lambda)
+    if (inside(search, lambda)) return
+    call take_apart(search, k, lambda)
+    if (.not. is_double(search, k)) call refine(search%system, search%probe, lambda)
+  end subroutine refine_in
 
   pure subroutine size_set(search, n, set)
     type(mode_search), intent(in) :: search
@@ -95,10 +109,9 @@ contains
     type(piece_frequency) :: frequency
     real(dp) :: alpha, phase, group
     frequency = frequency_at(search%system%beam, lambda)
-    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi)
-    if (.not. present(longest)) return
     call mean_waves(search%system%piece, frequency, alpha, phase, group)
-    is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
+    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi) .or. alpha < nearly_rigid
+    if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
   end function is_coarse
 
   pure subroutine set_mode(probe, number, lambda, j, set)
@@ -119,7 +132,8 @@ contains
         beam_part = beam_part + squares(1)
         turning_part = turning_part + system%piece(i)%rotary%hi*squares(2)
       end do
-      call joint_motions(probe, modes%deflection(:, j), modes%turning(:, j))
+      modes%deflection(:, j) = probe%motion(1, 1:n)
+      modes%turning(:, j) = probe%motion(2, 1:n)
       scale = 1.0_dp/sqrt(beam_part)
       if (mod(number, 2) == 0 .neqv. modes%deflection(n, j) > 0.0_dp) scale = -scale
       modes%amplitude(:, :, j) = scale*probe%amplitude
@@ -140,22 +154,5 @@ contains
       end associate
     end associate
   end subroutine set_mode
-
-  pure subroutine joint_motions(probe, deflection, turning)
-    type(mode_probe), intent(in) :: probe
-    real(dp), intent(out) :: deflection(:), turning(:)
-    real(dp) :: before(4), after(4), next(4), motion(2)
-    integer :: i
-    call end_states(probe%ends(1), probe%amplitude(:, 1), after, before)
-    do i = 1, size(deflection)
-      after = 0.0_dp
-      next = 0.0_dp
-      if (i < size(deflection)) call end_states(probe%ends(i + 1), probe%amplitude(:, i + 1), after, next)
-      motion = joint_motion(probe%loads(i), probe%unit(:, i), before, after)
-      deflection(i) = motion(1)
-      turning(i) = motion(2)
-      before = next
-    end do
-  end subroutine joint_motions
 
 end module bw_piece_source

@@ -24,6 +24,8 @@ module bw_piece_waves
     type(dd) :: rho                      !! ρ
     type(dd) :: beta_squared             !! β²
     type(dd) :: fourth_root              !! λ^¼, of λ > 0
+    real(dp) :: body_force = 0.0_dp      !! that the heaviest body takes for a deflection of 1
+    real(dp) :: body_moment = 0.0_dp     !! that the body of the largest inertia takes for a turning of 1
   end type piece_frequency
 
   type, public :: piece_numbers
@@ -87,6 +89,8 @@ contains
       frequency%rho = lambda + beam%spin_squared
     end if
     if (lambda%hi > 0.0_dp) frequency%fourth_root = sqrt(sqrt(lambda))
+    frequency%body_force = maxval(beam%joint%mass%hi)*abs(lambda%hi)
+    frequency%body_moment = maxval(beam%joint%inertia%hi)*abs(frequency%beta_squared%hi)
   end function frequency_at
 
   pure logical function is_short(piece, frequency)
