@@ -22,14 +22,16 @@ mpi_compiles() {
 }
 
 lock
+leave_nothing
+[ -z "$scratch" ] || export TMPDIR=$scratch
 left_out=
 mpi_compiles || apt_install libopenmpi-dev openmpi-bin || say 'no MPI: its tests will be skipped'
 without_sanitizers=
-set_up_python beamwave_postproc,pytest,f90nml '[test]' || left_out='no Python: the tests that need it were left out'
+set_up_python beamwave_postproc,pytest,f90nml,mpmath '[test]' || left_out='no Python: the tests that need it were left out'
 for preset in "${presets[@]}"; do
   set_up "$preset"
 done
-if can_sanitize; then set_up sanitize --target fuzz_scene_reader; else without_sanitizers=yes; fi
+if can_sanitize; then set_up sanitize --target fuzz; else without_sanitizers=yes; fi
 
 export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-3}  # kills, limits and job queues are waited for: room for one more
 cd "$root"
@@ -38,12 +40,12 @@ for preset in "${presets[@]}"; do
   say "testing the preset $preset"
   hard_cases=build/${preset#default}/tests/numbers/hard_cases.md  # what the test `numbers` measures
   rm -f "$hard_cases"
-  ctest --preset "$preset" --no-tests=error "$@" 9>&- || failed+=("$preset")
+  in_group ctest --preset "$preset" --no-tests=error "$@" || failed+=("$preset")
   [ ! -f "$hard_cases" ] || cat "$hard_cases"
 done
 if [ -z "$without_sanitizers" ]; then
   say 'testing the preset sanitize: the fuzz of the scene reader'
-  ctest --preset sanitize -L '^fuzz$' "$@" 9>&- || failed+=(sanitize)
+  in_group ctest --preset sanitize -L '^fuzz$' "$@" || failed+=(sanitize)
 fi
 [ -z "$without_sanitizers" ] || say 'the compiler has no sanitizers: the fuzz with them was left out'
 [ -z "$left_out" ] || say "$left_out"

@@ -3,7 +3,7 @@
 #
 #   sbatch --ntasks=16 jobs/mpi.sh SCENE.nml [--output DIR]
 #
-# mpirun takes cores and nodes from the job. The result has the same bits for any number of ranks.
+# mpirun takes cores and nodes from the job. The result has the same bits for any number of ranks on processors of one kind.
 #SBATCH --job-name=beamwave
 #SBATCH --ntasks=4
 #SBATCH --time=01:00:00

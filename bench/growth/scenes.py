@@ -39,7 +39,7 @@ AXES = (
     Axis(
         "modes before and after",
         "2 points, 4096 samples",
-        (100, 300, 1000, 3000, 10_000, 30_000),
+        (100, 1000, 10_000, 100_000, 1_000_000, 3_000_000, 10_000_000),
         (10, 100),
         "&modes before = {n}, after = {n} /\n&response duration = 1, samples = 4096 /\n",
     ),

@@ -1,15 +1,15 @@
 module bench_sum
   !! What the commands of bench/sum call, to time it in one process with its rival. Without dimensions: lengths in l, times in l²/h.
   use, intrinsic :: iso_c_binding
-  use bw_kinds, only: dp
-  use bw_closed_form, only: closed_form_source, source_in_closed_form
+  use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_double_double, only: dd, to_dd, operator(*)
+  use bw_kinds, only: dp
   use bw_modal_sum, only: add_stable_modes
   use bw_mode_choice, only: first_modes
   use bw_monitor, only: silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
-  use bw_response, only: response_type, start_histories, sum_tolerance
-  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source, rest_type
+  use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
+  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source, remainder_type
   use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_time_grid, only: time_grid, time_grid_of
   use bw_truncation, only: tail_error
@@ -34,14 +34,13 @@ contains
     type(time_grid) :: grid
     type(silent_monitor) :: monitor
     grid = time_grid_of(duration, samples, to_dd(1.0_dp))
-    call start_histories(grid, 2, .false., response)
+    call start_histories(sampling_type(points, grid), response)
     source = source_in_closed_form(gamma)
-    call add_modes_in_parts(source, gamma, first_modes, n, rest_of(source, gamma, grid), points, grid, 1.0_dp, &
-                            [tolerance, tolerance], monitor, response, sum)
+    call add_modes_in_parts(source, gamma, n, remainder_of(source, gamma, grid), [tolerance, tolerance], monitor, response, sum)
     displacement = response%displacement
   end subroutine whole_job
 
-  type(rest_type) function rest_of(source, gamma, grid) result(rest)
+  type(remainder_type) function remainder_of(source, gamma, grid) result(remainder)
     !! An estimate of what the modes after the first few add, over the peak of these at some of the samples.
     type(closed_form_source), intent(in) :: source
     real(dp), intent(in) :: gamma
@@ -53,11 +52,12 @@ contains
     integer :: stride
     stride = (grid%samples - 1)/previewed + 1
     coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
-    call start_histories(coarse, size(points), .false., response)
-    call add_modes_of_source(source, gamma, 1, first_modes, points, coarse, 1.0_dp, sum_tolerance, monitor, response)
-    rest%tail = maxval(tail_error(first_modes, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
-    rest%share = gamma*rest%tail/maxval(abs(response%displacement))
-  end function rest_of
+    call start_histories(sampling_type(points, coarse), response)
+    call add_modes_of_source(source, gamma, 1, first_modes, sum_tolerance, monitor, response)
+    remainder%after = first_modes
+    remainder%tail = maxval(tail_error(first_modes, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
+    remainder%share = gamma*remainder%tail/maxval(abs(response%displacement))
+  end function remainder_of
 
   subroutine terms(n, gamma, duration, beta, rate, shapes) bind(c, name='bench_terms')
     !! The modes alone.

@@ -1,4 +1,4 @@
-"""The constants of the cost model in src/response/bw_sum_choice.f90, measured, and how well the model chooses.
+"""The constants of the cost model in src/response/sums/bw_sum_choice.f90, measured, and how well the model chooses.
 
     PYTHONPATH=bench OMP_NUM_THREADS=1 python -m sum.constants [--beamwave PROGRAM] [--check]
 

@@ -1,37 +1,63 @@
-"""Pictures of what a beamwave result holds: functions from xarray datasets to matplotlib figures."""
+"""Pictures of what a beamwave result holds, and the program itself, from Python."""
 
-from .effect_table import changes
-from .film import save_film
-from .history import displacement, velocity
-from .jump import velocity_jump
+from .compare import compare
+from .draw.campbell import campbell
+from .draw.effect_table import changes
+from .draw.history import bending_moment, displacement, velocity
+from .draw.impulses import impulses
+from .draw.jump import velocity_jump
+from .draw.lines import lines
+from .draw.measured import measured
+from .draw.mode_shapes import mode_shapes
+from .draw.prices import work_precision
+from .draw.space_time import space_time
+from .draw.spectrogram import spectrogram
+from .draw.spectrum import spectrum
+from .draw.sweep_map import sweep_map
+from .draw.wavenumber import wavenumber_spectrum
+from .draw.waves import dispersion, group_velocity, phase_velocity
+from .film.frames import save_film
+from .film.motion import motion
 from .kinds import KINDS, pictures
-from .measured import measured
-from .motion import motion
-from .prices import work_precision
+from .page.html import page_of
 from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
-from .spectrum import spectrum
-from .sweep_map import sweep_map
-from .waves import dispersion, group_velocity, phase_velocity
+from .run import RunFailed, Untrusted, run
+from .stress import strain, stress
 
 __all__ = [
     "KINDS",
     "NotAResult",
     "NothingToDraw",
+    "RunFailed",
+    "Untrusted",
+    "bending_moment",
+    "campbell",
     "changes",
+    "compare",
     "dispersion",
     "displacement",
     "group_velocity",
+    "impulses",
+    "lines",
     "measured",
+    "mode_shapes",
     "motion",
     "open_result",
+    "page_of",
     "phase_velocity",
     "pictures",
+    "run",
     "save_film",
+    "space_time",
+    "spectrogram",
     "spectrum",
+    "strain",
+    "stress",
     "sweep_map",
     "swept_inputs",
     "to_grid",
     "velocity",
     "velocity_jump",
+    "wavenumber_spectrum",
     "work_precision",
 ]

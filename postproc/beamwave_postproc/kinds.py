@@ -2,24 +2,49 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Callable
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from . import effect_table, history, jump, measured, prices, spectrum, sweep_map, waves
+from .draw import (
+    campbell,
+    effect_table,
+    history,
+    impulses,
+    jump,
+    lines,
+    measured,
+    mode_shapes,
+    prices,
+    space_time,
+    spectrogram,
+    spectrum,
+    sweep_map,
+    wavenumber,
+    waves,
+)
 from .result import NothingToDraw
 
 KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "dispersion": waves.dispersion,
     "phase_velocity": waves.phase_velocity,
     "group_velocity": waves.group_velocity,
+    "campbell": campbell.campbell,
+    "sweep_map": sweep_map.sweep_map,
+    "mode_shapes": mode_shapes.mode_shapes,
     "velocity_jump": jump.velocity_jump,
+    "impulses": impulses.impulses,
     "displacement": history.displacement,
     "velocity": history.velocity,
+    "bending_moment": history.bending_moment,
+    "space_time": space_time.space_time,
+    "wavenumber_spectrum": wavenumber.wavenumber_spectrum,
+    "spectrogram": spectrogram.spectrogram,
     "spectrum": spectrum.spectrum,
-    **{f"measured_{name}": measured.measured_picture(name) for name in measured.QUANTITIES},
-    "sweep_map": sweep_map.sweep_map,
+    **{f"measured_{name}": partial(measured.measured, name=name) for name in measured.QUANTITIES},
+    "lines": lines.lines,
     "changes": effect_table.changes,
     "work_precision": prices.work_precision,
 }

@@ -15,10 +15,10 @@ from typing import Callable
 import xarray as xr
 from matplotlib.figure import Figure
 
+from .draw.history import displacement
+from .draw.jump import velocity_jump
+from .draw.waves import dispersion, group_velocity, phase_velocity
 from .files import EXIT_DONE, EXIT_FILE, draw_file
-from .history import displacement
-from .jump import velocity_jump
-from .waves import dispersion, group_velocity, phase_velocity
 
 MIDPOINT = 0.5
 
@@ -27,8 +27,8 @@ FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
     "fig3": velocity_jump,
     "fig4": phase_velocity,
     "fig5": group_velocity,
-    "fig6": partial(displacement, position=MIDPOINT),
-    "fig7": partial(displacement, position=MIDPOINT),
+    "fig6": partial(displacement, points=MIDPOINT),
+    "fig7": partial(displacement, points=MIDPOINT),
 }
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
+from .draw.measured import QUANTITIES
 from .files import EXIT_DONE, EXIT_FILE, read_file, save
-from .measured import QUANTITIES
 from .result import require
 
 MEASURED = [f"measured_{name}{part}" for name in QUANTITIES for part in ("", "_error")]
@@ -40,7 +40,6 @@ def _write(source: Path) -> bool:
     def write(ds: xr.Dataset) -> None:
         path = source.with_name(f"{source.stem}_peaks.csv")
         save(path, peaks(ds).to_csv)
-        print(path)
 
     return read_file(source, write)
 

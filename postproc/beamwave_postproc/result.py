@@ -8,6 +8,10 @@ import numpy as np
 import xarray as xr
 
 FORMAT_VERSION = 1
+DIMENSIONS = {
+    *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
+    *("rung", "effect", "unknown", "unknown_too"),
+}
 
 
 class NotAResult(ValueError):
@@ -46,10 +50,14 @@ def _why_not_a_result(ds: xr.Dataset) -> str:
 
 
 def require(ds: xr.Dataset, *names: str) -> None:
-    """Raise `NothingToDraw` unless `ds` has every variable in `names`."""
+    """Raise `NothingToDraw` unless `ds` has every variable in `names`, along dimensions of a result."""
     absent = [name for name in names if name not in ds]
     if absent:
         raise NothingToDraw(f"the result holds no {', '.join(absent)}")
+    for name in names:
+        strange = [str(dim) for dim in ds[name].dims if dim not in DIMENSIONS]
+        if strange:
+            raise NothingToDraw(f"{name} has a dimension {strange[0]}: choose one of it first, with isel or sel")
 
 
 def require_numbers(values: np.ndarray, name: str) -> None:

@@ -7,7 +7,9 @@ from typing import Any, Callable, Literal, TypeVar
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 # The colours of Okabe and Ito, dark to light, told apart by the colour-blind too.
@@ -25,18 +27,24 @@ DASHES: tuple[Any, ...] = (
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 MAX_CURVES = len(COLOURS)
 GREY = "0.45"
+# Of lines on an image, seen on its dark and its light parts, and in the legend beside it.
+ON_IMAGE: dict[str, Any] = {"color": COLOURS[5], "path_effects": [withStroke(linewidth=2.4, foreground="black")]}
 FEW_DECADES = 1e3  # a ratio of limits below this is labelled between the decades too
 PLAIN = (1e-3, 1e4)  # numbers that are written out, without powers of ten
 
 RC: dict[Any, Any] = {
+    "axes.axisbelow": True,
     "axes.grid": True,
+    "axes.linewidth": 0.8,
     "axes.spines.right": False,
     "axes.spines.top": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 9.5,
     "font.size": 10.0,
     "grid.color": "0.9",
     "grid.linewidth": 0.6,
     "legend.framealpha": 0.9,
-    "legend.handlelength": 3.6,
+    "legend.handlelength": 3.4,
     "lines.linewidth": 1.3,
     "lines.markersize": 5.0,
 }
@@ -53,13 +61,6 @@ def styled(draw: Draws) -> Draws:
             return draw(*args, **kwargs)
 
     return wrapper  # type: ignore[return-value]
-
-
-def new_figure(rows: int = 1, columns: int = 1, *, width: float = 6.4, row_height: float = 4.2) -> Figure:
-    """Return an empty figure with `rows` × `columns` axes, apart from pyplot: no display is needed."""
-    fig = Figure(figsize=(width, row_height * rows), layout="constrained")
-    fig.subplots(rows, columns, sharex=rows > 1 and columns == 1)
-    return fig
 
 
 def curve_style(index: int) -> dict[str, Any]:
@@ -89,8 +90,18 @@ def markers_to_end(index: int, samples: int) -> list[int]:
 def logarithmic(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
     """Make one axis logarithmic from `low` to `high`: labelled by decades, and between where they are few."""
     axes.set(**{f"{which}scale": "log", f"{which}lim": (low, high)})
-    axis = axes.xaxis if which == "x" else axes.yaxis
+    label_decades(axes.xaxis if which == "x" else axes.yaxis, low, high)
+
+
+def label_decades(axis: Axis, low: float, high: float) -> None:
+    """Label a logarithmic axis from `low` to `high` by decades, and in plain numbers between where they are few."""
     if high < FEW_DECADES * low and low > PLAIN[0] and high < PLAIN[1]:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axis.set_minor_formatter(NullFormatter())
+
+
+def say_zero(axes: Axes) -> None:
+    """Put 0 alone on the y axis of what is nothing but 0: any other number would be invented."""
+    axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
+    axes.annotate("zero", (0.5, 0.5), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points", ha="center")

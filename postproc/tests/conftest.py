@@ -12,11 +12,11 @@ PAPER_SWEEPS = {
     "fig4": ({}, {"rotation_angular_velocity": [0.0, 50.0, 100.0]}),
     "fig5": ({}, {"rotation_angular_velocity": [0.0, 50.0, 100.0]}),
     "fig6": (
-        {"response": {"duration": 0.2, "samples": 2000, "points": [0.5]}},
+        {"response": {"duration": 0.2, "samples": 2000, "points": [0.5, 1.0]}},
         {"rotation_angular_velocity": [0.0, 50.0, 100.0]},
     ),
     "fig7": (
-        {"response": {"duration": 0.2, "samples": 2000, "points": [0.5]}, "rotation": {"angular_velocity": 50.0}},
+        {"response": {"duration": 0.2, "samples": 2000, "points": [0.5, 1.0]}, "rotation": {"angular_velocity": 50.0}},
         {"impact_mass_ratio": [0.1, 0.2, 0.5, 1.0]},
     ),
 }

@@ -5,7 +5,7 @@ Lengths in units of the beam's; modal masses in units of the beam's mass; integr
 
 import numpy as np
 
-GAUSS = 400  # points: exact to rounding for products of shapes up to about mode 60
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(400)  # exact to rounding for products of shapes up to about mode 60
 
 
 def roots(count, gamma):
@@ -27,12 +27,21 @@ def roots(count, gamma):
 
 def shapes(alpha, xi):
     """Mode shapes (Eqs 7, 9), (mode, xi), in the form that does not overflow."""
+    return _parts(alpha, xi, 1)
+
+
+def curvatures(alpha, xi):
+    """Second derivatives of the mode shapes by ξ, (mode, xi)."""
+    return alpha[:, None] ** 2 * _parts(alpha, xi, -1)
+
+
+def _parts(alpha, xi, sign):
+    """The trigonometric part times `sign`, and the exponential part, which differentiating twice leaves as it is."""
     a, x = alpha[:, None], np.asarray(xi)[None, :]
     grown = 2 * (np.sin(a) - np.cos(a) - np.exp(-a)) / (1 + 2 * np.sin(a) * np.exp(-a) - np.exp(-2 * a))
     sigma = 1 - grown * np.exp(-a)
-    return (
-        np.cos(a * x) - sigma * np.sin(a * x) - 0.5 * (1 + sigma) * np.exp(-a * x) - 0.5 * grown * np.exp(-a * (1 - x))
-    )
+    waves = np.cos(a * x) - sigma * np.sin(a * x)
+    return sign * waves - 0.5 * (1 + sigma) * np.exp(-a * x) - 0.5 * grown * np.exp(-a * (1 - x))
 
 
 def bending_constant(beam):
@@ -65,8 +74,7 @@ def impact(count, gamma, restitution, speed):
 
 def capture(after, before_velocity, gamma):
     """Modal velocities and masses (in units of the beam's mass) after the mass is caught: Eq. 23 by quadrature."""
-    node, weight = np.polynomial.legendre.leggauss(GAUSS)
-    xi, weight = np.append(0.5 * (node + 1), 1.0), np.append(0.5 * weight, gamma)
+    xi, weight = np.append(0.5 * (NODES + 1), 1.0), np.append(0.5 * WEIGHTS, gamma)
     shape = shapes(after, xi)
     start = before_velocity @ shapes(roots(before_velocity.size, 0.0), xi)
     mass = (weight * shape**2).sum(axis=1)
@@ -74,10 +82,10 @@ def capture(after, before_velocity, gamma):
 
 
 def histories(alpha, beta2, velocity, points, time):
-    """Displacement and velocity (point, time) of modes that start with modal velocities (Eq. 29)."""
+    """Displacement, velocity and curvature by ξ (point, time) of modes that start with modal velocities (Eq. 29)."""
     rate = np.sqrt(np.abs(beta2))[:, None]
     angle = rate * time
     moving = np.where(beta2[:, None] > 0, np.sin(angle), np.sinh(np.minimum(angle, 700.0))) / rate
     speed = np.where(beta2[:, None] > 0, np.cos(angle), np.cosh(np.minimum(angle, 700.0)))
     weights = (shapes(alpha, points) * velocity[:, None]).T
-    return weights @ moving, weights @ speed
+    return weights @ moving, weights @ speed, (curvatures(alpha, points) * velocity[:, None]).T @ moving

@@ -12,6 +12,7 @@ PAPER = {
     "beam": PAPER_BEAM,
     "rotation": {"angular_velocity": 0.0},
     "impact": {"mass_ratio": 0.2, "approach_velocity": 1.0, "restitution": 0.0, "profile_points": 201},
+    "capture": {"rotary_inertia": 0.0},
     "modes": {"before": 20, "after": 20},
 }
 UNITS = {
@@ -31,6 +32,10 @@ UNITS = {
     "modal_velocity": "m s-1",
     "modal_mass": "kg",
     "displacement": "m",
+    "bending_moment": "N m",
+    "event_end": "s",
+    "event_impulse": "N s",
+    "critical_angular_velocity": "rad s-1",
     "velocity": "m s-1",
     "amplitude": "m",
     "time": "s",
@@ -42,6 +47,8 @@ UNITS = {
 def scene(**groups):
     """Return the paper's scene with `groups` (dicts) merged in; a group given as None is left out."""
     merged = {name: dict(values) for name, values in PAPER.items()}
+    if groups.get("impact", {}) is None:
+        groups["capture"] = None
     for name, values in groups.items():
         if values is None:
             merged.pop(name, None)
@@ -96,12 +103,17 @@ def _solve(case, axes):
     start, mass = model.capture(found["alpha"][1], jump, gamma)
     for name, values in model.modes(before, 0.0, omega, case["beam"]).items():
         found[f"{name}_before"] = (("mode_before",), values)
+    found["modal_velocity_before"] = (("mode_before",), jump)
     found["modal_velocity"] = (("mode",), start)
     beam = case["beam"]
     beam_mass = beam["density"] * np.pi / 4 * beam["diameter"] ** 2 * beam["length"]
     found["modal_mass"] = (("mode",), mass * beam_mass)
     found["velocity_jump"] = (("profile",), jump @ model.shapes(model.roots(before, 0.0), axes["profile"]))
-    found["event_time"] = (("event",), np.array([0.0, 0.0]))
+    found["mode_shape"] = (("mode", "profile"), model.shapes(found["alpha"][1], axes["profile"]))
+    elastic = model.bending_constant(beam) * (found["alpha"][1] / beam["length"]) ** 2
+    found["critical_angular_velocity"] = ((), elastic[0])
+    for name, values in (("time", [0.0, 0.0]), ("end", [0.0, 0.0]), ("impulse", [jump[0], 0.0])):
+        found[f"event_{name}"] = (("event",), np.array(values))
     found["event_kind"] = (("event",), np.array([1, 2]))
     if "time" in axes:
         found.update(_respond(case, axes, found["alpha"][1], start))
@@ -114,10 +126,14 @@ def _respond(case, axes, alpha, start):
     """Histories at the points."""
     h, omega = model.bending_constant(case["beam"]), case["rotation"]["angular_velocity"]
     beta2 = (h * (alpha / case["beam"]["length"]) ** 2) ** 2 - omega**2
-    displacement, velocity = model.histories(alpha, beta2, start, axes["point"], axes["time"])
+    displacement, velocity, curvature = model.histories(alpha, beta2, start, axes["point"], axes["time"])
     found = {"displacement": (("point", "time"), displacement)}
     if case["response"].get("velocity"):
         found["velocity"] = (("point", "time"), velocity)
+    if case["response"].get("bending_moment"):
+        beam = case["beam"]
+        stiffness = beam["youngs_modulus"] * np.pi / 64 * beam["diameter"] ** 4
+        found["bending_moment"] = (("point", "time"), stiffness / beam["length"] ** 2 * curvature)
     return found
 
 
@@ -148,7 +164,7 @@ def _write_attributes(file, settings, title):
     file.title = title
     file.source = "beamwave 0.1.0 (synthetic)"
     file.method = "closed form"
-    file.effects = " ".join(settings)
+    file.effects = " ".join(name for name in settings if name not in ("beam", "modes", "response", "spectrum"))
     file.scene = "".join(
         f"&{group}\n"
         + "".join(
@@ -214,6 +230,6 @@ def _variable(file, name, kind, dims, fill=None):
     variable.units = UNITS.get(plain, "1")
     variable.long_name = name.replace("_", " ")
     if name == "event_kind":
-        variable.flag_values = np.array([1, 2, 3, 4], dtype="i4")
-        variable.flag_meanings = "impact capture release contact"
+        variable.flag_values = np.array([0, 1, 2, 3, 4], dtype="i4")
+        variable.flag_meanings = "none impact capture release contact"
     return variable

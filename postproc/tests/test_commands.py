@@ -11,12 +11,34 @@ import synthetic
 from beamwave_postproc import KINDS, cli, open_result, paper
 
 PACKAGE = Path(__file__).parents[1]
+# Pictures of other files: sweeps, studies, records, bounces, and histories along the whole beam.
+ELSEWHERE = {
+    "campbell",
+    "sweep_map",
+    "impulses",
+    "bending_moment",
+    "space_time",
+    "wavenumber_spectrum",
+    "lines",
+    "changes",
+    "work_precision",
+}
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 @pytest.fixture
 def modes_only(tmp_path):
     return synthetic.write(tmp_path / "modes.nc", synthetic.scene(impact=None))
+
+
+@pytest.fixture
+def unpainted(monkeypatch):
+    """Pictures are made and laid out, and their files hold the first bytes of a PNG only."""
+
+    def write(fig, path, **options):
+        Path(path).write_bytes(PNG)
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", write)
 
 
 @pytest.fixture
@@ -41,7 +63,7 @@ def test_the_curves_of_each_figure_are_told_apart_without_colour(paper_results):
         assert len({handle.get_marker() for handle in handles}) == len(labels), name
 
 
-def test_a_missing_figure_is_said_and_the_others_are_drawn(tmp_path, paper_results, capsys):
+def test_a_missing_figure_is_said_and_the_others_are_drawn(tmp_path, paper_results, capsys, unpainted):
     (tmp_path / "fig2.nc").symlink_to(paper_results / "fig2.nc")
     assert paper.main([str(tmp_path)]) == 3
     assert (tmp_path / "fig2.png").exists()
@@ -55,13 +77,13 @@ def test_a_file_is_drawn_beside_itself(modes_only, capsys):
     assert len(capsys.readouterr().out.splitlines()) == 3
 
 
-def test_a_full_result_gives_every_picture_but_the_map(full_result, tmp_path):
+def test_a_full_result_gives_every_picture_of_one_case(full_result, tmp_path, unpainted):
     assert cli.main([str(full_result), "--output", str(tmp_path / "new/pictures")]) == 0
     written = {path.name for path in (tmp_path / "new/pictures").glob("*.png")}
-    assert written == {f"struck_{kind}.png" for kind in KINDS if kind not in ("sweep_map", "work_precision", "changes")}
+    assert written == {f"struck_{kind}.png" for kind in KINDS if kind not in ELSEWHERE}
 
 
-def test_bad_files_are_named_and_good_ones_drawn(modes_only, text_file, tmp_path, capsys):
+def test_bad_files_are_named_and_good_ones_drawn(modes_only, text_file, tmp_path, capsys, unpainted):
     with netCDF4.Dataset(tmp_path / "other.nc", "w") as file:
         file.source = "another program"
     with netCDF4.Dataset(tmp_path / "later.nc", "w") as file:
@@ -80,7 +102,7 @@ def test_bad_files_are_named_and_good_ones_drawn(modes_only, text_file, tmp_path
     assert (tmp_path / "modes_dispersion.png").exists()
 
 
-def test_two_files_of_one_name_into_one_directory_are_refused(modes_only, tmp_path, capsys):
+def test_two_files_of_one_name_into_one_directory_are_refused(modes_only, tmp_path, capsys, unpainted):
     (tmp_path / "second").mkdir()
     twin = tmp_path / "second" / modes_only.name
     twin.symlink_to(modes_only)
@@ -116,3 +138,30 @@ def test_no_display_is_asked_for(modes_only):
     script = f"from beamwave_postproc.cli import main; main([{str(modes_only)!r}]); import sys; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], cwd=PACKAGE, capture_output=True, text=True, check=True)
     assert "matplotlib.pyplot" not in done.stdout.split()
+
+
+def test_a_directory_stands_for_the_results_in_it(tmp_path, unpainted, capsys):
+    (tmp_path / "results/old.partial").mkdir(parents=True)
+    (tmp_path / "empty").mkdir()
+    settings = synthetic.scene(impact=None, modes={"after": 2})
+    for name in ("b", "a"):
+        synthetic.write(tmp_path / f"results/{name}.nc", settings)
+    assert cli.main([str(tmp_path / "results"), "--output", str(tmp_path / "out")]) == 0
+    assert {path.name.split("_")[0] for path in (tmp_path / "out").iterdir()} == {"a", "b"}
+    capsys.readouterr()
+    assert cli.main([str(tmp_path / "empty"), str(tmp_path / "results")]) == 3
+    assert capsys.readouterr().err == f"{tmp_path / 'empty'}: a directory without a result (*.nc)\n"
+    assert (tmp_path / "results/a_dispersion.png").exists()
+
+
+def test_two_results_are_laid_over_each_other(tmp_path, unpainted, capsys):
+    settings = synthetic.scene(impact=None, modes={"after": 2})
+    first, second = (synthetic.write(tmp_path / f"{name}.nc", settings) for name in ("a", "b"))
+    assert cli.main(["--compare", str(first), str(second)]) == 0
+    assert [path.name for path in tmp_path.glob("*.png")] == ["a_and_b_frequencies.png"]
+    capsys.readouterr()
+    for words in ([str(first)], [str(first), str(second), str(first)], [str(first), str(second), "--animate"]):
+        assert cli.main(["--compare", *words]) == 2
+        assert "--compare" in capsys.readouterr().err
+    assert cli.main(["--compare", str(first), str(tmp_path / "absent.nc")]) == 3
+    assert "absent.nc: no such file" in capsys.readouterr().err

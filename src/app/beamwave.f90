@@ -1,8 +1,8 @@
 program beamwave
   !! Bending waves in a rotating beam struck at its tip.
-  use bw_alone, only: alone
   use bw_main, only: main
+  use bw_process_group, only: process_group
   implicit none (type, external)
-  type(alone) :: crew
-  call main(crew)
+  type(process_group) :: group
+  call main(group)
 end program beamwave

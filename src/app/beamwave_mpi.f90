@@ -1,8 +1,8 @@
 program beamwave_mpi
-  !! The twin of `beamwave` for mpirun: the same, but that it hands out the cases of sweeps among processes.
+  !! The twin of `beamwave` for mpirun: the same, but that processes share the cases of sweeps.
   use bw_main, only: main
-  use bw_mpi_crew, only: mpi_crew
+  use bw_mpi_processes, only: mpi_processes
   implicit none (type, external)
-  type(mpi_crew) :: crew
-  call main(crew)
+  type(mpi_processes) :: group
+  call main(group)
 end program beamwave_mpi

@@ -1,8 +1,9 @@
 module bw_console
   !! What the program prints: reports to standard output, warnings and errors to standard error. Every text goes out at
   !! once: what waits in a buffer is lost when a process is killed.
+  use bw_descriptors, only: standard_error, standard_output, write_text
   use bw_error, only: error_type
-  use bw_posix, only: standard_error, standard_output, write_text
+  use bw_system_calls, only: bw_kind_of_error, error_nobody_reads
   implicit none (type, external)
   private
   public :: print_report, print_warning, print_error
@@ -12,29 +13,30 @@ module bw_console
 contains
 
   subroutine print_report(text)
-    !! Lines. A failure sets `report_lost`.
+    !! Print lines to standard output. A failure sets `report_lost`; that the reader has closed a pipe, as `head` does, is
+    !! none.
     character(*), intent(in) :: text
-    logical :: written
+    integer :: problem
     if (text == '') return
-    written = write_text(standard_output, whole_lines(text))
-    if (.not. written) report_lost = .true.
+    problem = write_text(standard_output, whole_lines(text))
+    if (problem /= 0 .and. bw_kind_of_error(problem) /= error_nobody_reads) report_lost = .true.
   end subroutine print_report
 
   subroutine print_warning(text)
-    !! Lines. Nowhere is left to tell of a failure.
+    !! Print lines to standard error. Nowhere is left to tell of a failure.
     character(*), intent(in) :: text
-    logical :: ignored
+    integer :: ignored
     ignored = write_text(standard_error, whole_lines(text))
   end subroutine print_warning
 
   subroutine print_error(error)
-    !! On standard error, in whole lines.
+    !! Print the message of an error to standard error.
     type(error_type), intent(in) :: error
     call print_warning(error%message)
   end subroutine print_error
 
   pure function whole_lines(text) result(lines)
-    !! With an end to the last line.
+    !! The text with an end to its last line.
     character(*), intent(in) :: text
     character(:), allocatable :: lines
     lines = text

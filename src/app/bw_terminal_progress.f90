@@ -1,10 +1,10 @@
 module bw_terminal_progress
   !! Progress on standard error: a bar on a terminal once a run takes longer than a second, lines in a log; and when to
   !! stop: after a signal, or when the time that was given is up.
+  use bw_descriptors, only: is_terminal, standard_error, write_text
   use bw_kinds, only: dp, i8
-  use bw_posix, only: is_terminal, standard_error, write_text
+  use bw_monitor, only: progress_type
   use bw_process, only: stop_signal
-  use bw_progress, only: progress_type
   use bw_stopwatch, only: wall_seconds
   use bw_text, only: shortest, text_of
   implicit none (type, external)
@@ -14,12 +14,12 @@ module bw_terminal_progress
   real(dp), parameter :: quiet_seconds = 1.0_dp       !! shorter runs show nothing
   real(dp), parameter :: terminal_interval = 0.1_dp   !! s between two pictures of the bar
   real(dp), parameter :: log_interval = 5.0_dp        !! s between two lines of a log
-  real(dp), parameter :: least_part = 0.01_dp        !! of a single case that has to be done before one can tell what is left
+  real(dp), parameter :: least_part = 0.01_dp         !! of a single case that has to be done before one can tell what is left
   integer, parameter :: bar_width = 30
 
   type, extends(progress_type), public :: terminal_progress
     private
-    character(:), allocatable :: name
+    character(:), allocatable :: name                 !! of the scene; nothing is shown where there is none
     integer(i8) :: cases = 1, done = 0, taken_over = 0
     real(dp) :: started = 0.0_dp, shown = 0.0_dp
     real(dp) :: deadline = huge(1.0_dp)               !! on the clock of `wall_seconds`
@@ -37,7 +37,7 @@ module bw_terminal_progress
 contains
 
   type(terminal_progress) function terminal_progress_to(deadline, quiet) result(progress)
-    !! Progress that asks to stop at a deadline.
+    !! A progress that asks to stop at a deadline.
     real(dp), intent(in) :: deadline                  !! when to stop, on the clock of `wall_seconds`
     logical, intent(in) :: quiet
     progress%deadline = deadline
@@ -46,6 +46,7 @@ contains
   end function terminal_progress_to
 
   subroutine begin(self, name, cases, finished)
+    !! A scene begins: from here on its progress is shown.
     class(terminal_progress), intent(inout) :: self
     character(*), intent(in) :: name
     integer(i8), intent(in) :: cases, finished
@@ -58,6 +59,7 @@ contains
   end subroutine begin
 
   subroutine cases_done(self, count)
+    !! Count cases that are finished.
     class(terminal_progress), intent(inout) :: self
     integer(i8), intent(in) :: count
     self%done = self%done + count
@@ -65,10 +67,11 @@ contains
   end subroutine cases_done
 
   subroutine advance(self, fraction)
+    !! Show the progress, unless that was done a moment ago.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction
     real(dp) :: now, interval
-    if (self%quiet) return
+    if (self%quiet .or. .not. allocated(self%name)) return
     now = wall_seconds()
     if (now - self%started < quiet_seconds) return
     interval = merge(terminal_interval, log_interval, self%on_terminal)
@@ -78,12 +81,13 @@ contains
   end subroutine advance
 
   subroutine show(self, fraction, now)
+    !! Draw the bar, or write a line of the log: the part that is done, cases a second, the time that is left.
     class(terminal_progress), intent(inout) :: self
     real(dp), intent(in) :: fraction, now
     real(dp) :: part, new_part
     character(:), allocatable :: line
     integer :: filled
-    logical :: ignored
+    integer :: ignored
     part = (real(self%done, dp) + fraction)/real(self%cases, dp)
     new_part = (real(self%done - self%taken_over, dp) + fraction)/real(self%cases, dp)
     line = self%name//'  '//text_of(nint(100.0_dp*part))//' %'
@@ -103,7 +107,7 @@ contains
   end subroutine show
 
   pure function duration_text(seconds) result(text)
-    !! As coarse as an estimate is.
+    !! Seconds in words, as coarse as an estimate is.
     real(dp), intent(in) :: seconds
     character(:), allocatable :: text
     if (seconds < 1.0_dp) then
@@ -118,15 +122,17 @@ contains
   end function duration_text
 
   subroutine end_scene(self)
-    !! Take the bar off the screen.
+    !! Take the bar off the screen; until the next scene begins nothing is shown.
     class(terminal_progress), intent(inout) :: self
-    logical :: ignored
+    integer :: ignored
+    if (allocated(self%name)) deallocate (self%name)
     if (.not. self%bar_stands) return
     ignored = write_text(standard_error, achar(13)//achar(27)//'[K')
     self%bar_stands = .false.
   end subroutine end_scene
 
   logical function stop_requested(self)
+    !! A signal came, or the time is up.
     class(terminal_progress), intent(inout) :: self
     stop_requested = stop_signal() /= 0
     if (.not. stop_requested .and. self%deadline < huge(1.0_dp)) stop_requested = wall_seconds() >= self%deadline

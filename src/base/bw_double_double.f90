@@ -45,38 +45,38 @@ module bw_double_double
 
 contains
 
-  elemental subroutine two_sum(a, b, sum, rest)
-    !! sum + rest = a + b exactly (Knuth).
+  elemental subroutine two_sum(a, b, sum, error)
+    !! sum + error = a + b exactly (Knuth).
     real(dp), intent(in) :: a, b
-    real(dp), intent(out) :: sum, rest
+    real(dp), intent(out) :: sum, error
     real(dp) :: t
     sum = a + b
     t = sum - a
-    rest = (a - (sum - t)) + (b - t)
+    error = (a - (sum - t)) + (b - t)
   end subroutine two_sum
 
-  elemental subroutine two_product(a, b, product, rest)
-    !! product + rest = a·b exactly, unless a part of it under- or overflows (Dekker, Veltkamp).
+  elemental subroutine two_product(a, b, product, error)
+    !! product + error = a·b exactly, unless a part of it under- or overflows (Dekker, Veltkamp).
     real(dp), intent(in) :: a, b
-    real(dp), intent(out) :: product, rest
+    real(dp), intent(out) :: product, error
     real(dp) :: a_hi, a_lo, b_hi, b_lo
     product = a*b
     call split(a, a_hi, a_lo)
     call split(b, b_hi, b_lo)
-    rest = ((a_hi*b_hi - product) + a_hi*b_lo + a_lo*b_hi) + a_lo*b_lo
+    error = ((a_hi*b_hi - product) + a_hi*b_lo + a_lo*b_hi) + a_lo*b_lo
   end subroutine two_product
 
   pure real(dp) function accurate_sum(values) result(total)
     !! The sum of many numbers, rounded about once however many there are (Neumaier's compensated sum).
     real(dp), intent(in) :: values(:)
-    real(dp) :: next, rest, lost
+    real(dp) :: next, error, lost
     integer :: i
     total = 0.0_dp
     lost = 0.0_dp
     do i = 1, size(values)
-      call two_sum(total, values(i), next, rest)
+      call two_sum(total, values(i), next, error)
       total = next
-      lost = lost + rest
+      lost = lost + error
     end do
     total = total + lost
   end function accurate_sum
@@ -162,10 +162,10 @@ contains
     !! b ≠ 0.
     type(dd), intent(in) :: a, b
     real(dp) :: q
-    type(dd) :: rest
+    type(dd) :: remainder
     q = a%hi/b%hi
-    rest = subtract_dd(a, multiply_real(b, q))
-    c = normal(q, (rest%hi + rest%lo)/b%hi)
+    remainder = subtract_dd(a, multiply_real(b, q))
+    c = normal(q, (remainder%hi + remainder%lo)/b%hi)
   end function divide_dd
 
   elemental type(dd) function sqrt_dd(a) result(c)
@@ -173,35 +173,36 @@ contains
     type(dd), intent(in) :: a
     real(dp), parameter :: least = 1.0e-162_dp      ! below the root of any number but 0
     real(dp) :: root
-    type(dd) :: rest
+    type(dd) :: remainder
     root = sqrt(max(0.0_dp, a%hi))
-    rest = subtract_dd(a, multiply_real(dd(root, 0.0_dp), root))
-    c = normal(root, merge(0.5_dp, 0.0_dp, root > 0.0_dp)*((rest%hi + rest%lo)/max(root, least)))   ! no branch: in registers
+    remainder = subtract_dd(a, multiply_real(dd(root, 0.0_dp), root))
+    ! no branch, so that it stays in vector registers
+    c = normal(root, merge(0.5_dp, 0.0_dp, root > 0.0_dp)*((remainder%hi + remainder%lo)/max(root, least)))
   end function sqrt_dd
 
   ! Lists: the same operations, chosen over the elemental ones for arrays of rank one. Called from another file an
   ! elemental procedure is a call for every element; here the loop is compiled with what it calls, in vector registers.
 
-  pure subroutine two_products(a, b, product, rest)
+  pure subroutine two_products(a, b, product, error)
     !! `two_product` of a list and a number.
     real(dp), intent(in) :: a(:), b
-    real(dp), intent(out) :: product(:), rest(:)
+    real(dp), intent(out) :: product(:), error(:)
     integer :: i
     do i = 1, size(a)
-      call two_product(a(i), b, product(i), rest(i))
+      call two_product(a(i), b, product(i), error(i))
     end do
   end subroutine two_products
 
   pure subroutine add_exactly(terms, sums, lost)
-    !! One term more to each of many sums; what rounding took off them is kept beside them (as in `accurate_sum`).
+    !! One term more to each of many sums; what rounding took off them stands beside them (as in `accurate_sum`).
     real(dp), intent(in) :: terms(:)
     real(dp), intent(inout) :: sums(:), lost(:)
-    real(dp) :: next, rest
+    real(dp) :: next, error
     integer :: i
     do i = 1, size(terms)
-      call two_sum(sums(i), terms(i), next, rest)
+      call two_sum(sums(i), terms(i), next, error)
       sums(i) = next
-      lost(i) = lost(i) + rest
+      lost(i) = lost(i) + error
     end do
   end subroutine add_exactly
 

@@ -2,9 +2,10 @@ module bw_error
   !! Errors as values: a procedure that can fail fills `error` and returns; only `app/` prints and stops.
   implicit none (type, external)
   private
-  public :: fail, fail_to_write
+  public :: fail
 
   character(*), parameter, public :: why_not_written = 'is the disk full, a quota used up, the directory gone or read-only?'
+    !! what to ask where the system refuses to write a file: it does not say why in words
 
   integer, parameter, public :: status_done = 0        !! all is well
   integer, parameter, public :: status_bad_input = 2   !! the command line or a scene is wrong
@@ -28,12 +29,5 @@ contains
     character(*), intent(in) :: message
     error = error_type(status, message)
   end subroutine fail
-
-  pure subroutine fail_to_write(error, path)
-    !! The system refuses to write a file; it does not say why in words.
-    type(error_type), allocatable, intent(out) :: error
-    character(*), intent(in) :: path
-    call fail(error, status_bad_file, path//': cannot be written: '//why_not_written)
-  end subroutine fail_to_write
 
 end module bw_error

@@ -2,7 +2,7 @@ module bw_extended_sine
   !! Sines of binary64 angles as double-double numbers, many at a time in vector registers.
   !!
   !! Power series of an eighth of the angle, then sin 2y = 2 sin y (1 − v), 1 − cos 2y = 2 sin² y thrice, where v = 1 − cos y
-  !! is kept in the cosine's place: near 0 it has the digits that 1 − v would lose.
+  !! stands in the cosine's place: near 0 it has the digits that 1 − v would lose.
   !!
   !! **Errors**: 1e-31, absolute.
   use bw_double_double, only: dd, operator(*), operator(+), operator(-)

@@ -15,7 +15,7 @@ module bw_magnitude
 contains
 
   pure real(dp) function largest_of_list(values) result(largest)
-    !! 0 of an empty list.
+    !! The largest magnitude in a list; 0 of an empty one.
     real(dp), intent(in), contiguous :: values(:)   !! no NaN
     real(dp) :: lane(lanes)
     integer :: i, whole
@@ -28,6 +28,7 @@ contains
   end function largest_of_list
 
   pure real(dp) function largest_of_table(values) result(largest)
+    !! The same of a table.
     real(dp), intent(in), contiguous :: values(:, :)
     integer :: j
     largest = 0.0_dp

@@ -1,10 +1,10 @@
 module bw_missing
   !! The number that stands for 'does not exist' in arrays of results, and as `_FillValue` in files.
   !! A plain finite number, so that it passes floating-point traps.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  public :: is_missing
+  public :: is_missing, rounded, scaled
 
   real(dp), parameter, public :: missing = 9.9692099683868690e+36_dp  !! NetCDF's own fill value for doubles
 
@@ -15,5 +15,20 @@ contains
     real(dp), intent(in) :: value
     is_missing = value == missing
   end function is_missing
+
+  elemental real(dp) function scaled(value, unit)
+    !! In another unit; what does not exist stays missing, and what is larger than any number does not exist.
+    real(dp), intent(in) :: value, unit
+    scaled = missing
+    if (is_missing(value)) return
+    if (abs(value) <= huge(value)/max(1.0_dp, abs(unit))) scaled = value*unit
+  end function scaled
+
+  elemental real(dp) function rounded(value)
+    !! A number of binary128 in binary64; what is larger than any of these does not exist.
+    real(qp), intent(in) :: value
+    rounded = missing
+    if (abs(value) <= huge(rounded)) rounded = real(value, dp)
+  end function rounded
 
 end module bw_missing

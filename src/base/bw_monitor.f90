@@ -1,6 +1,6 @@
 module bw_monitor
   !! How long work tells of its progress and learns that it should stop, without knowing who listens.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
   public :: stops
@@ -28,6 +28,40 @@ module bw_monitor
     end function stop_interface
   end interface
 
+  type, abstract, extends(monitor_type), public :: progress_type
+    !! A monitor that also follows a scene from case to case.
+  contains
+    procedure(begin_interface), deferred :: begin
+    procedure(cases_interface), deferred :: cases_done
+    procedure(end_interface), deferred :: end
+  end type progress_type
+
+  abstract interface
+    subroutine begin_interface(self, name, cases, finished)
+      !! Called before the first case of a scene.
+      import :: progress_type, i8
+      implicit none (type, external)
+      class(progress_type), intent(inout) :: self
+      character(*), intent(in) :: name          !! of the scene
+      integer(i8), intent(in) :: cases          !! how many it has
+      integer(i8), intent(in) :: finished       !! how many an earlier run had finished
+    end subroutine begin_interface
+
+    subroutine cases_interface(self, count)
+      import :: progress_type, i8
+      implicit none (type, external)
+      class(progress_type), intent(inout) :: self
+      integer(i8), intent(in) :: count          !! cases that have been finished since the last call
+    end subroutine cases_interface
+
+    subroutine end_interface(self)
+      !! Called when no more is to come of the scene.
+      import :: progress_type
+      implicit none (type, external)
+      class(progress_type), intent(inout) :: self
+    end subroutine end_interface
+  end interface
+
   type, extends(monitor_type), public :: silent_monitor
     !! Listens to nothing and never stops.
   contains
@@ -48,24 +82,27 @@ module bw_monitor
 contains
 
   logical function stops(monitor)
-    !! What the monitor says, where there is one.
+    !! The monitor asks to stop; an absent one never does.
     class(monitor_type), intent(inout), optional :: monitor
     stops = .false.
     if (present(monitor)) stops = monitor%stop_requested()
   end function stops
 
   recursive subroutine advance_whole(self, fraction)    ! the whole may be a part itself
+    !! The finished fraction of the part, as a fraction of the whole.
     class(part_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     call self%whole%advance(self%start + self%share*fraction)
   end subroutine advance_whole
 
   recursive logical function ask_whole(self)
+    !! What the whole's monitor says.
     class(part_monitor), intent(inout) :: self
     ask_whole = self%whole%stop_requested()
   end function ask_whole
 
   subroutine ignore(self, fraction)
+    !! Nobody listens.
     class(silent_monitor), intent(inout) :: self
     real(dp), intent(in) :: fraction
     associate (unused => self, unused_too => fraction)
@@ -73,6 +110,7 @@ contains
   end subroutine ignore
 
   logical function never(self)
+    !! Never asks to stop.
     class(silent_monitor), intent(inout) :: self
     associate (unused => self)
     end associate

@@ -1,10 +1,11 @@
 module bw_stopwatch
-  !! Wall and processor time of the stages of a run. To read processor time is a call of the system, as long as a stage of
-  !! a small case: stages shorter than `cpu_step` share it in proportion to their wall times.
+  !! What time work takes, and on what machine: wall and processor time of the stages of a run, the median of work that is
+  !! done again and again, the processor without which seconds mean nothing.
   use bw_kinds, only: dp, i8
+  use bw_missing, only: missing
   implicit none (type, external)
   private
-  public :: wall_seconds
+  public :: processor_name, wall_seconds
 
   integer, parameter, public :: stage_modes = 1, stage_events = 2, stage_response = 3, stage_spectrum = 4, stage_write = 5
   integer, parameter, public :: stage_count = 5
@@ -14,7 +15,8 @@ module bw_stopwatch
   real(dp), parameter :: cpu_step = 1.0e-3_dp     !! s between two readings of processor time at least; tuned
 
   type, public :: stopwatch
-    !! By stage, summed over cases.
+    !! Wall and processor time by stage, summed over cases. To read processor time is a call of the system, as long as a
+    !! stage of a small case: stages shorter than `cpu_step` share it in proportion to their wall times.
     real(dp) :: seconds(stage_count) = 0.0_dp     !! wall time, s
     real(dp) :: cpu(stage_count) = 0.0_dp         !! processor time, s
     real(dp) :: calls(stage_count) = 0.0_dp
@@ -26,10 +28,23 @@ module bw_stopwatch
     procedure :: start
     procedure :: lap
     procedure :: rebook
+    procedure :: add_cpu
     procedure :: totals
     procedure :: set_totals
     procedure, private :: share_cpu
   end type stopwatch
+
+  type, public :: repeats_type
+    !! Seconds of work that is done again and again: the median, and the quarter below and above it. On a busy machine
+    !! single times are late by any amount; half of them are not.
+    integer :: count = 0
+    real(dp), allocatable :: seconds(:)           !! ascending, (count)
+  contains
+    procedure :: add
+    procedure :: total
+    procedure :: quantile
+    procedure :: median
+  end type repeats_type
 
 contains
 
@@ -41,6 +56,7 @@ contains
   end function wall_seconds
 
   subroutine start(self)
+    !! Time from here on belongs to the stage that the next `lap` names.
     class(stopwatch), intent(inout) :: self
     real(dp) :: now
     now = wall_seconds()
@@ -94,6 +110,14 @@ contains
     self%cpu(to) = self%cpu(to) + cpu
   end subroutine rebook
 
+  pure subroutine add_cpu(self, stage, seconds)
+    !! Processor time of another process, which worked for this one.
+    class(stopwatch), intent(inout) :: self
+    integer, intent(in) :: stage
+    real(dp), intent(in) :: seconds
+    self%cpu(stage) = self%cpu(stage) + seconds
+  end subroutine add_cpu
+
   function totals(self) result(values)
     !! All that was booked, as numbers that can be summed over processes.
     class(stopwatch), intent(inout) :: self
@@ -110,5 +134,61 @@ contains
     self%cpu = values(stage_count + 1:2*stage_count)
     self%calls = values(2*stage_count + 1:)
   end subroutine set_totals
+
+  pure subroutine add(self, seconds)
+    !! One more time, in its place among the others.
+    class(repeats_type), intent(inout) :: self
+    real(dp), intent(in) :: seconds
+    integer :: below
+    if (.not. allocated(self%seconds)) allocate (self%seconds(0))
+    below = count(self%seconds < seconds)
+    self%seconds = [self%seconds(:below), seconds, self%seconds(below + 1:)]
+    self%count = self%count + 1
+  end subroutine add
+
+  pure real(dp) function total(self)
+    !! Seconds of all of them.
+    class(repeats_type), intent(in) :: self
+    total = 0.0_dp
+    if (self%count > 0) total = sum(self%seconds)
+  end function total
+
+  pure real(dp) function median(self)
+    !! The time that half of them stay below.
+    class(repeats_type), intent(in) :: self
+    median = self%quantile(0.5_dp)
+  end function median
+
+  pure real(dp) function quantile(self, fraction)
+    !! The time that this fraction of all times stays below, between neighbours by the straight line; missing where there is none.
+    class(repeats_type), intent(in) :: self
+    real(dp), intent(in) :: fraction         !! 0 … 1
+    real(dp) :: place
+    integer :: below
+    quantile = missing
+    if (self%count == 0) return
+    place = 1.0_dp + fraction*(self%count - 1)
+    below = min(int(place), self%count)
+    quantile = self%seconds(below)
+    if (below < self%count) quantile = quantile + (place - below)*(self%seconds(below + 1) - self%seconds(below))
+  end function quantile
+
+  function processor_name() result(name)
+    !! The processor's model as Linux tells it; 'unknown' where it does not.
+    character(:), allocatable :: name
+    character(200) :: line
+    integer :: unit, stat
+    name = 'unknown'
+    open (newunit=unit, file='/proc/cpuinfo', status='old', action='read', iostat=stat)
+    if (stat /= 0) return
+    do
+      read (unit, '(a)', iostat=stat) line
+      if (stat /= 0) exit
+      if (index(line, 'model name') /= 1) cycle
+      name = trim(adjustl(line(index(line, ':') + 1:)))
+      exit
+    end do
+    close (unit)
+  end function processor_name
 
 end module bw_stopwatch

@@ -1,15 +1,26 @@
 module bw_text
-  !! Numbers and words as text.
+  !! Numbers and words as text, and texts put together and taken apart.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: text_of, append, joined, lower, shortest, string
+  public :: append, joined, lines_of, lower, percent, shortest, string, text_of
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
     character(:), allocatable :: text
   end type string
+
+  type, public :: text_builder
+    !! A text that grows piece by piece in time proportional to its length.
+    private
+    character(:), allocatable :: buffer
+    integer :: used = 0
+  contains
+    procedure :: append => append_piece
+    procedure :: append_line
+    procedure :: text => text_built
+  end type text_builder
 
   interface text_of
     !! A number as the shortest text that reads back to the same bits.
@@ -19,12 +30,14 @@ module bw_text
 contains
 
   pure function text_of_integer(value) result(text)
+    !! A whole number with digits and sign, without blanks.
     integer, intent(in) :: value
     character(:), allocatable :: text
     text = text_of_long(int(value, i8))
   end function text_of_integer
 
   pure function text_of_long(value) result(text)
+    !! The same of a long one.
     integer(i8), intent(in) :: value
     character(:), allocatable :: text
     character(24) :: buffer
@@ -129,6 +142,14 @@ contains
     end if
   end function plain
 
+  pure function percent(change) result(text)
+    !! A relative change in per cent without its unit, with two digits and a sign: `+2.5`, `-0.13`.
+    real(dp), intent(in) :: change
+    character(:), allocatable :: text
+    text = shortest(100.0_dp*change, 2)
+    if (change > 0.0_dp) text = '+'//text
+  end function percent
+
   pure subroutine append(list, text)
     !! One more text at the end of a list. (gfortran 12 corrupts the heap on `[list, string(text)]`.)
     type(string), allocatable, intent(inout) :: list(:)    !! unallocated is empty
@@ -145,17 +166,34 @@ contains
     call move_alloc(longer, list)
   end subroutine append
 
-  pure function joined(words) result(text)
+  pure function joined(words, before) result(text)
     !! Words with one space between them.
     character(*), intent(in) :: words(:)
+    character(*), intent(in), optional :: before      !! stands before each of them; absent: nothing
     character(:), allocatable :: text
     integer :: i
     text = ''
     do i = 1, size(words)
       if (i > 1) text = text//' '
+      if (present(before)) text = text//before
       text = text//trim(words(i))
     end do
   end function joined
+
+  pure function lines_of(text) result(lines)
+    !! The lines of a text, without their ends; the last may lack its end. An empty text has none.
+    character(*), intent(in) :: text
+    type(string), allocatable :: lines(:)
+    integer :: first, last
+    allocate (lines(0))
+    first = 1
+    do while (first <= len(text))
+      last = index(text(first:), new_line('a'))
+      last = merge(len(text), first + last - 2, last == 0)
+      call append(lines, text(first:last))
+      first = last + 2
+    end do
+  end function lines_of
 
   pure function lower(text) result(lowered)
     !! ASCII letters in lower case.
@@ -167,5 +205,36 @@ contains
       if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lowered(i:i) = achar(iachar(text(i:i)) + 32)
     end do
   end function lower
+
+  pure subroutine append_piece(self, piece)
+    !! A piece at the end of the text.
+    class(text_builder), intent(inout) :: self
+    character(*), intent(in) :: piece
+    character(:), allocatable :: wider
+    if (.not. allocated(self%buffer)) allocate (character(1024) :: self%buffer)
+    if (self%used + len(piece) > len(self%buffer)) then
+      allocate (character(2*(self%used + len(piece))) :: wider)
+      wider(:self%used) = self%buffer(:self%used)
+      call move_alloc(wider, self%buffer)
+    end if
+    self%buffer(self%used + 1:self%used + len(piece)) = piece
+    self%used = self%used + len(piece)
+  end subroutine append_piece
+
+  pure subroutine append_line(self, piece)
+    !! A piece and the end of its line.
+    class(text_builder), intent(inout) :: self
+    character(*), intent(in) :: piece
+    call self%append(piece)
+    call self%append(new_line('a'))
+  end subroutine append_line
+
+  pure function text_built(self) result(text)
+    !! All that was appended.
+    class(text_builder), intent(in) :: self
+    character(:), allocatable :: text
+    text = ''
+    if (allocated(self%buffer)) text = self%buffer(:self%used)
+  end function text_built
 
 end module bw_text

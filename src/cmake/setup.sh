@@ -47,6 +47,35 @@ lock() {
 
 unlock() { exec 9>&-; }
 
+# --- what is left behind ----------------------------------------------------------------------------
+
+scratch=  # a directory that lives no longer than the script
+
+# leave_nothing: whatever ends this script, also kill -9, what it has made and started in `scratch` and `in_group` ends with it.
+# Another process sees to that, which waits for the end of file descriptor 8. Where there is no setsid nothing is seen to.
+leave_nothing() {
+  { setsid --version && mktemp --version; } > /dev/null 2>&1 || return 0
+  scratch=$(mktemp -d)
+  exec 8> >(exec setsid bash "$root/src/cmake/clean_up.sh" "$scratch" > /dev/null 2>&1 8>&- 9>&-)
+}
+
+# removed_at_end FILE …: to be removed when the script ends, if not before
+removed_at_end() { [ -z "$scratch" ] || printf '%s\n' "$@" >> "$scratch/files"; }
+
+# in_group COMMAND …: runs a command that ends with this script, as does all that it starts
+in_group() {
+  if [ -z "$scratch" ]; then
+    "$@" 9>&-
+    return
+  fi
+  local status=0
+  setsid "$@" 8>&- 9>&- < /dev/null &
+  echo $! > "$scratch/group"
+  wait $! || status=$?
+  rm -f "$scratch/group"
+  return "$status"
+}
+
 # --- what is missing -------------------------------------------------------------------------------
 
 # need WHAT PACKAGE PROBE …: remembers WHAT and the PACKAGE that brings it unless PROBE succeeds
@@ -64,6 +93,12 @@ compiler_compiles() {
   # FC may carry flags of its own, as CMake allows
   # shellcheck disable=SC2086
   logged compiler ${FC:-gfortran} "$setup/probe.f90" -o "$setup/probe" && logged compiler "$setup/probe"
+}
+
+c_compiles() {
+  echo 'int main(void) { return 0; }' > "$setup/probe.c"
+  # shellcheck disable=SC2086
+  logged compiler-c ${CC:-cc} "$setup/probe.c" -o "$setup/probe" && logged compiler-c "$setup/probe"
 }
 
 cmake_runs() {
@@ -84,6 +119,7 @@ cmake_found() { ! grep -q "^ *$1 (" "$setup/configure.log"; }
 # what CMake needs before it can look for libraries
 find_tools() {
   need "a Fortran compiler (${FC:-gfortran})" gfortran compiler_compiles
+  need "a C compiler (${CC:-cc})" gcc c_compiles
   need 'CMake 3.21 or newer' cmake cmake_runs
   need 'make' make build_tool_runs
 }
@@ -156,7 +192,8 @@ configured() {
 # set_up PRESET [ARGUMENT …]: configures and builds this preset; arguments go to `cmake --build`
 set_up() {
   configured "$1"
-  (cd "$root" && cmake --build --preset "$@") >&2 || die "the preset $1 did not build"
+  # not in a subshell, which would outlive a killed script and hold its file descriptors
+  in_group bash -c 'cd -- "$1" && shift && exec cmake --build --preset "$@"' build "$root" "$@" >&2 || die "the preset $1 did not build"
 }
 
 # --- Python ----------------------------------------------------------------------------------------

@@ -1,17 +1,23 @@
 module bw_impact
-  !! The blow: a mass strikes the tip of a beam at rest (Eqs 11 and 12, reference [8] of the paper).
+  !! What a mass does that strikes the tip of a beam at rest: the blow (Eqs 11 and 12, reference [8] of the paper), the capture
+  !! where it stays (Eqs 22–26), and the limit of both for infinitely many modes.
   !!
   !! The hub's speed is prescribed, so only the modal velocities jump. With H the impulse on the tip,
   !! M_iΔq̇_i = φ_i(1)H, m_j(v_j⁺ − V) = −H and v_tip⁺ − v_j⁺ = eV:
   !! H = (1+e)V/(1/m_j + Σφ_i(1)²/M_i). **Limit**: the sum grows with the number of modes, so H belongs to its
   !! truncation. Without dimensions: masses in m_i, velocities in V; the mass then comes with velocity 1.
-  use bw_kinds, only: dp
+  !!
+  !! Of infinitely many modes before the capture the beam is at rest and only the mass moves: the impulse of the impact goes to
+  !! 0 and the jump gathers at the tip, so the modes of beam and mass start with q̄̇_k(0) = (1+e)γΦ̄_k(1)/M̄_k. This is what
+  !! tolerance-driven runs approximate, and what the error of a truncation is measured against.
   use bw_double_double, only: accurate_sum
-  use bw_event, only: event_type, impact_event
+  use bw_event, only: capture_event, event_type, impact_event
+  use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
-  public :: strike
+  public :: strike, capture_mass, continuum_velocity, continuum_impact, continuum_capture
 
   type, public :: impact_type
     !! The state just after the impact.
@@ -23,6 +29,12 @@ module bw_impact
     real(dp), allocatable :: modal_velocity(:) !! Δq̇_i, (modes)
     type(event_type) :: event
   end type impact_type
+
+  type, public :: capture_type
+    !! The state just after the capture.
+    real(dp), allocatable :: modal_velocity(:)   !! q̄̇_k(0) in V, (modes after)
+    type(event_type) :: event
+  end type capture_type
 
 contains
 
@@ -42,10 +54,10 @@ contains
     impact%mass_velocity = (heavy*mobility - restitution*light)/total
     impact%tip_velocity = (1.0_dp + restitution)*heavy*mobility/total
     impact%modal_velocity = modes%tip*impact%impulse/modes%modal_mass
-    impact%event = balance(modes, impact)
+    impact%event = impact_balance(modes, impact)
   end function strike
 
-  pure type(event_type) function balance(modes, impact) result(event)
+  pure type(event_type) function impact_balance(modes, impact) result(event)
     !! Kinetic energy and the first mode's generalised momentum, M_1Δq̇_1/φ_1(1) + m_jv_j, before and after.
     class(mode_set), intent(in) :: modes
     type(impact_type), intent(in) :: impact
@@ -57,6 +69,67 @@ contains
     event%momentum_before = impact%gamma
     event%momentum_after = modes%modal_mass(1)*impact%modal_velocity(1)/modes%tip(1) &
       + impact%gamma*impact%mass_velocity
-  end function balance
+  end function impact_balance
+
+  type(capture_type) function capture_mass(before, impact, after, monitor) result(capture)
+    !! Eq. 26. With restitution e > 0 Eqs 22–26 give the mass the tip's velocity: the capture then adds the
+    !! momentum m_j e V, and energy.
+    class(mode_set), intent(in) :: before  !! modes of the beam alone
+    type(impact_type), intent(in) :: impact      !! the state just after the impact
+    class(mode_set), intent(in) :: after   !! modes of beam and mass
+    class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
+    real(dp), allocatable :: momentum(:)
+    allocate (momentum, source=after%overlap_with_mass(before, impact%modal_velocity, monitor))
+    capture%modal_velocity = momentum/after%modal_mass
+    capture%event = capture_balance(before, impact, after, capture%modal_velocity)
+  end function capture_mass
+
+  type(event_type) function capture_balance(before, impact, after, velocity) result(event)
+    !! Kinetic energy, and the generalised momentum of the first mode after, ∫Φ̄_1v dξ + γΦ̄_1(1)v_j over Φ̄_1(1).
+    class(mode_set), intent(in) :: before, after
+    type(impact_type), intent(in) :: impact
+    real(dp), intent(in) :: velocity(:)
+    real(dp) :: seen(before%count)             ! what the modes before see of the first mode after
+    seen = before%overlap_of_beam(after, [1.0_dp])
+    event%kind = capture_event
+    event%energy_before = impact%event%energy_after
+    event%energy_after = 0.5_dp*accurate_sum(after%modal_mass*velocity**2)
+    event%momentum_before = accurate_sum(seen*impact%modal_velocity)/after%tip(1) + impact%gamma*impact%mass_velocity
+    event%momentum_after = after%modal_mass(1)*velocity(1)/after%tip(1)
+  end function capture_balance
+
+  pure function continuum_velocity(modes, gamma, restitution) result(velocity)
+    !! q̄̇_k(0), (modes).
+    class(mode_set), intent(in) :: modes       !! of beam and mass
+    real(dp), intent(in) :: gamma              !! mass ratio
+    real(dp), intent(in) :: restitution        !! e
+    real(dp) :: velocity(modes%count)
+    velocity = (1.0_dp + restitution)*gamma*modes%tip/modes%modal_mass
+  end function continuum_velocity
+
+  pure type(impact_type) function continuum_impact(gamma, restitution) result(impact)
+    !! The state just after the impact: all of the beam at rest but its tip.
+    real(dp), intent(in) :: gamma, restitution
+    impact%gamma = gamma
+    impact%restitution = restitution
+    impact%impulse = 0.0_dp
+    impact%mass_velocity = 1.0_dp
+    impact%tip_velocity = 1.0_dp + restitution
+    impact%event%kind = impact_event
+    impact%event%energy_before = 0.5_dp*gamma
+    impact%event%energy_after = 0.5_dp*gamma
+    impact%event%momentum_before = gamma
+    impact%event%momentum_after = gamma
+  end function continuum_impact
+
+  pure type(event_type) function continuum_capture(gamma, restitution) result(event)
+    !! The capture gives the mass the tip's velocity: all modes together hold its momentum and energy.
+    real(dp), intent(in) :: gamma, restitution
+    event%kind = capture_event
+    event%energy_before = 0.5_dp*gamma
+    event%energy_after = 0.5_dp*gamma*(1.0_dp + restitution)**2
+    event%momentum_before = gamma
+    event%momentum_after = gamma*(1.0_dp + restitution)
+  end function continuum_capture
 
 end module bw_impact

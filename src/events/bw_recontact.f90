@@ -1,111 +1,198 @@
 module bw_recontact
   !! A mass that rebounded strikes the tip again: contacts in order, each an impact with restitution e, until the record
   !! ends. Contacts that follow each other ever faster become one that lasts: beam and mass then move in the modes of
-  !! bw_held_modes until the force between them falls to zero.
+  !! bw_contact_modes until the force between them falls to zero.
   !!
-  !! The gap is v_tip − y ≥ 0. Units of bw_course: times in l²/h, velocities in V, displacements in V l²/h.
-  use bw_body_state, only: body_state, energy_of, momentum_of
-  use bw_course, only: append_course, course_type, free_modes
-  use bw_double_double, only: accurate_sum, dd
-  use bw_event, only: contact_event, event_type
-  use bw_free_flight, only: fly
-  use bw_held_modes, only: held_set
-  use bw_kinds, only: dp
-  use bw_lasting_contact, only: hold, stays
+  !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
+  !! followed in binary128, together with what its errors become (bw_perturbations), and no further than something is known
+  !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip.
+  !!
+  !! The gap is v_tip − y ≥ 0. Units of bw_segment: times in l²/h, velocities in V, displacements in V l²/h.
+  use bw_contact_modes, only: contact_set, find_contact_modes
+  use bw_contact_motion, only: contact_motion, motion_of
+  use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, pass_contacts, slow, stays, undecided
+  use bw_event, only: contact_event, event_list, event_type
+  use bw_kinds, only: dp, qp
+  use bw_missing, only: rounded
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, stops
+  use bw_next_zero, only: certain, in_doubt, never
+  use bw_perturbations, only: error_from
+  use bw_segment, only: growth_ends, largest_exponent, segment_type
   implicit none (type, external)
   private
   public :: follow_contacts
 
-  type, public :: contacts_type
+  type, extends(event_list), public :: contacts_type
     !! What became of the mass.
-    type(event_type), allocatable :: events(:)
-    type(course_type), allocatable :: courses(:)
-    type(held_set), allocatable :: held           !! unallocated where no contact lasted
-    logical :: out_of_range = .false.             !! the motion grew so much that the search ended
+    type(contact_set), allocatable :: modes          !! unallocated where no contact lasted
+    real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
+    logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
     logical :: cut = .false.                      !! more contacts came than were asked for
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
+    real(dp) :: amplification = 1.0_dp            !! by the contacts, of a relative change of what the motion follows from
+    real(dp), private :: sway = 0.0_dp            !! the largest the tip's displacement may have been
+    real(dp), private :: data_error = 1.0_dp      !! what the error of the motion would be if nothing amplified it
   end type contacts_type
 
 contains
 
-  subroutine follow_contacts(free, gamma, restitution, omega, start_rate, mass_rate, longest, most, contacts)
-    !! From the state just after the impact.
-    class(mode_set), intent(in) :: free           !! modes of the beam alone
-    real(dp), intent(in) :: gamma, restitution    !! γ > 0, e
-    real(dp), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
-    real(dp), intent(in) :: start_rate(:)         !! modal velocities, (modes)
-    real(dp), intent(in) :: mass_rate             !! velocity of the mass
+  subroutine follow_contacts(free, mass_ratio, restitution, omega, longest, most, contacts, monitor)
+    !! From the impact on, with the mass arriving at a beam at rest.
+    class(mode_set), intent(in) :: free           !! modes of the beam alone, found for a record without end
+    real(qp), intent(in) :: mass_ratio            !! γ > 0
+    real(dp), intent(in) :: restitution           !! e
+    real(qp), intent(in) :: omega                 !! angular velocity in the plane of the motion, else 0
     real(dp), intent(in) :: longest               !! the record
     integer, intent(in) :: most                   !! contacts that are followed
     type(contacts_type), intent(out) :: contacts
-    type(body_state) :: state
+    class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
+    type(contact_motion) :: motion
     type(event_type) :: event
-    logical :: ends, found, pressed
-    integer :: opening
-    state = body_state(dd(), 0.0_dp*start_rate, start_rate, 0.0_dp, mass_rate)
-    allocate (contacts%events(0), contacts%courses(0))
-    pressed = .false.
-    if (stays(free, restitution, omega, longest, state)) call begin_contact(state, event, pressed)
-    opening = 1
+    real(dp) :: impact, last
+    integer :: opening, outcome, verdict
+    motion = motion_of(free, mass_ratio, restitution, omega)
+    contacts%data_error = error_from([motion%data_error()])
+    last = min(longest, growth_ends(free))
+    if (omega > 0.0_qp) last = min(last, largest_exponent/real(omega, dp))
+    call motion%strike(impact)                    ! which is another event
+    event = started_event(motion)
+    verdict = judge_rebound(motion, longest)
     do
-      if (pressed) then
-        if (.not. allocated(contacts%held)) allocate (contacts%held)
-        call hold(free, gamma, omega, longest, contacts%held, state, event, contacts%courses, ends, contacts%out_of_range)
-        contacts%lasting = .not. ends
-        contacts%events = [contacts%events, event]
-        if (contacts%lasting) exit
-        opening = 3
-      end if
-      if (.not. pressed .or. opening == 3) then
-        call append_course(contacts%courses, free_modes, state%time, state%q, state%rate)
-      end if
-      call fly(free, omega, longest, opening, state, found, contacts%out_of_range)
-      if (.not. found) exit
-      if (size(contacts%events) == most) then
-        contacts%cut = .true.
+      if (stops(monitor)) return
+      opening = first_opening(motion)
+      if (verdict == undecided) then
+        outcome = in_doubt
+        contacts%known_until = event%time - event%time_error
         exit
+      else if (verdict == stays) then
+        call add_contact(free, motion, last, event, contacts, outcome, monitor)
+        if (outcome /= certain) exit
+        opening = 3                               ! for the force between beam and mass, the second, has gone to zero
       end if
-      call begin_contact(state, event, pressed)
-      call rebound(free, gamma, restitution, state, event)
-      pressed = stays(free, restitution, omega, longest, state)
-      opening = 1
-      if (pressed) cycle
-      call end_contact(state, event)
-      contacts%events = [contacts%events, event]
+      call add_flight(free%tip, motion, opening, last, most, contacts, outcome, monitor)
+      if (outcome /= certain) exit
+      event = started_event(motion)
+      call motion%strike(event%impulse)
+      verdict = judge_rebound(motion, longest)
+      if (verdict /= leaves) cycle
+      call end_event(motion, event)
+      call contacts%add_event(event)
     end do
-  contains
-    subroutine begin_contact(state, event, pressed)
-      type(body_state), intent(in) :: state
-      type(event_type), intent(out) :: event
-      logical, intent(out) :: pressed
-      pressed = .true.
-      event%kind = contact_event
-      event%time = state%time%hi
-      event%end_time = state%time%hi
-      event%energy_before = energy_of(free, gamma, omega, state)
-      event%momentum_before = momentum_of(free, gamma, state)
-    end subroutine begin_contact
-    subroutine end_contact(state, event)
-      type(body_state), intent(in) :: state
-      type(event_type), intent(inout) :: event
-      event%energy_after = energy_of(free, gamma, omega, state)
-      event%momentum_after = momentum_of(free, gamma, state)
-    end subroutine end_contact
+    if (outcome == never .and. last < longest) then
+      contacts%out_of_range = .true.
+      contacts%known_until = last
+      if (contacts%lasting) contacts%event_count = contacts%event_count - 1    ! its end is beyond that
+      contacts%lasting = .false.
+    end if
+    call contacts%trim_to_size()
   end subroutine follow_contacts
 
-  subroutine rebound(free, gamma, restitution, state, event)
-    !! The blow: H = (1+e)u/(1/m_j + Σφ_i(1)²/M_i), u the velocity of approach.
+  subroutine add_contact(free, motion, last, event, contacts, outcome, monitor)
+    !! A contact that lasts: an event and a segment more, or `known_until` where the event's end is not known.
     class(mode_set), intent(in) :: free
-    real(dp), intent(in) :: gamma, restitution
-    type(body_state), intent(inout) :: state
+    type(contact_motion), intent(inout) :: motion
+    real(dp), intent(in) :: last                  !! the end of the search
+    type(event_type), intent(inout) :: event      !! as it began
+    type(contacts_type), intent(inout) :: contacts
+    integer, intent(out) :: outcome               !! certain where the contact ends before the search
+    class(monitor_type), intent(inout), optional :: monitor
+    type(segment_type) :: segment
+    real(qp) :: impulse
+    real(dp) :: sway
+    logical :: worthless
+    if (.not. allocated(contacts%modes)) then
+      allocate (contacts%modes)
+      call find_contact_modes(free, motion, contacts%modes, monitor)
+    end if
+    outcome = in_doubt
+    if (stops(monitor)) return
+    call follow_contact(motion, contacts%modes, real(last - motion%state%time, dp), outcome, impulse, segment, sway, monitor)
+    call judge(contacts%modes%tip, segment, sway, contacts, worthless)
+    if (outcome == in_doubt .or. worthless) then
+      outcome = in_doubt
+      contacts%known_until = event%time - event%time_error
+      return
+    end if
+    event%impulse = rounded(event%impulse + impulse)
+    call end_event(motion, event)
+    contacts%lasting = outcome == never
+    call contacts%add_segment(segment)
+    call contacts%add_event(event)
+  end subroutine add_contact
+
+  subroutine add_flight(tip, motion, opening, last, most, contacts, outcome, monitor)
+    !! A free flight: a segment more, or `known_until` where nothing is known of it.
+    real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
+    type(contact_motion), intent(inout) :: motion
+    integer, intent(in) :: opening                !! the first derivative of the gap that is not zero
+    real(dp), intent(in) :: last                  !! the end of the search
+    integer, intent(in) :: most                   !! contacts that are followed
+    type(contacts_type), intent(inout) :: contacts
+    integer, intent(out) :: outcome               !! certain where a contact ends it
+    class(monitor_type), intent(inout), optional :: monitor
+    type(contact_motion) :: before
+    type(segment_type) :: segment
+    real(dp) :: sway
+    logical :: is_last, worthless
+    is_last = contacts%event_count == most
+    if (is_last) before = motion
+    call follow_flight(motion, opening, real(last - motion%state%time, dp), outcome, segment, sway, monitor)
+    contacts%cut = is_last .and. outcome /= never
+    if (contacts%cut) then
+      motion = before
+      call pass_contacts(motion, real(last - motion%state%time, dp), segment, sway)
+      outcome = never
+    end if
+    call judge(tip, segment, sway, contacts, worthless)
+    if (worthless) then
+      outcome = in_doubt
+      contacts%known_until = segment%start%hi - segment%start_error
+      return
+    end if
+    if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
+    call contacts%add_segment(segment)
+  end subroutine add_flight
+
+  pure integer function first_opening(motion) result(order)
+    !! The first derivative of the gap that is not zero after a blow.
+    type(contact_motion), intent(in) :: motion
+    order = merge(1, 2, motion%separation() > slow)
+  end function first_opening
+
+  subroutine judge(tip, segment, sway, contacts, worthless)
+    !! How much of the tip's displacement is known in a segment, of the largest that there has been.
+    real(dp), intent(in) :: tip(:)                !! Φ_k(1), (modes)
+    type(segment_type), intent(in) :: segment
+    real(dp), intent(in) :: sway                  !! the largest in the segment
+    type(contacts_type), intent(inout) :: contacts
+    logical, intent(out) :: worthless             !! fewer than three digits
+    real(dp), parameter :: three_digits = 1.0e-3_dp
+    real(dp) :: error
+    contacts%sway = max(contacts%sway, sway)
+    error = sum(abs(tip)*segment%error(:, 1))
+    worthless = error > three_digits*contacts%sway
+    if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%data_error
+  end subroutine judge
+
+  type(event_type) function started_event(motion) result(event)
+    !! What there is before a blow.
+    type(contact_motion), intent(in) :: motion
+    event%kind = contact_event
+    event%time = real(motion%state%time, dp)
+    event%time_error = error_from(motion%near%lag)
+    event%energy_before = motion%energy()
+    event%momentum_before = rounded(motion%momentum())
+  end function started_event
+
+  subroutine end_event(motion, event)
+    !! What there is after it.
+    type(contact_motion), intent(in) :: motion
     type(event_type), intent(inout) :: event
-    real(dp) :: approach
-    approach = max(0.0_dp, state%speed - dot_product(free%tip, state%rate))
-    event%impulse = (1.0_dp + restitution)*approach/(1.0_dp/gamma + accurate_sum(free%tip**2/free%modal_mass))
-    state%rate = state%rate + free%tip*event%impulse/free%modal_mass
-    state%speed = state%speed - event%impulse/gamma
-    state%place = dot_product(free%tip, state%q)
-  end subroutine rebound
+    event%end_time = real(motion%state%time, dp)
+    event%end_error = error_from(motion%near%lag)
+    event%energy_after = motion%energy()
+    event%momentum_after = rounded(motion%momentum())
+  end subroutine end_event
 
 end module bw_recontact

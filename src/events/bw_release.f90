@@ -4,18 +4,22 @@ module bw_release
   !!
   !! Energies are those that a rotating frame keeps: kinetic and elastic, less ½ω² times the second moment of what
   !! turns in the plane of the motion, and with tension the work against the centrifugal force along the beam. What a body
-  !! has of that leaves with it, and so does its spin. What a projection on finitely many modes loses is never negative but
-  !! by the part in the plane of rotation.
-  use bw_course, only: beam_energy
+  !! has of that leaves with it, and so does its spin. What a projection on finitely many modes loses is never negative where
+  !! none of those that are left out grows.
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
+  use bw_segment, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   implicit none (type, external)
   private
-  public :: release_mass, mass_energy
+  public :: release_mass
+
+  real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! of integrals of two shapes, relatively
 
   type, public :: tip_rest
-    !! Of infinitely many modes at the release: what those that are not there add. Units of bw_course.
+    !! Of infinitely many modes at the release: what those that are not there add. Units of bw_segment.
     integer :: count = 0                         !! modes that were looked at
     real(dp) :: displacement = 0.0_dp            !! of the tip, by those of them that are not there
     real(dp) :: velocity = 0.0_dp
@@ -24,17 +28,17 @@ module bw_release
   end type tip_rest
 
   type, public :: release_type
-    !! The state just after the release; units of bw_course.
+    !! The state just after the release; units of bw_segment.
     real(dp), allocatable :: q(:), rate(:)       !! of the beam alone, (modes)
-    real(dp) :: energy_leaving = 0.0_dp          !! that the mass takes with it
+    real(dp) :: energy_leaving = missing         !! that the mass takes with it; missing where rounding has left no digits
     real(dp) :: kinetic_leaving = 0.0_dp         !! the same without the part of the centrifugal force
-    real(dp) :: energy_lost = 0.0_dp             !! that the modes of the beam alone do not hold
+    real(dp) :: energy_lost = missing            !! that the modes of the beam alone do not hold; missing as above
     type(event_type) :: event
   end type release_type
 
 contains
 
-  pure type(release_type) function release_mass(loaded, q, rate, free, speed, rest) result(release)
+  type(release_type) function release_mass(loaded, q, rate, free, speed, rest, energy, monitor) result(release)
     !! Displacement and velocity of the beam go on as they were, the mass leaves with the tip's velocity. Where modes far
     !! above those of the beam alone are not there, all of them together are the blow −γφ_i(1) times what they add at the
     !! tip (bw_tip_rest).
@@ -43,49 +47,52 @@ contains
     class(mode_set), intent(in) :: free          !! modes of the beam alone
     real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
     type(tip_rest), intent(in), optional :: rest !! absent: the modes are what there is, however few
-    real(dp) :: tip_displacement, tip_velocity, body(2)
+    type(energy_type), intent(in), optional :: energy    !! of beam and mass until then; absent: that of the state
+    class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
+    real(dp) :: tip_displacement, tip_velocity
+    type(energy_type) :: before, leaving, after
     tip_displacement = dot_product(loaded%tip, q)
     tip_velocity = dot_product(loaded%tip, rate)
     allocate (release%q(free%count), release%rate(free%count))
-    release%q = free%overlap_of_beam(loaded, q)/free%modal_mass
-    release%rate = free%overlap_of_beam(loaded, rate)/free%modal_mass
+    release%q = free%overlap_of_beam(loaded, q, monitor)/free%modal_mass
+    release%rate = free%overlap_of_beam(loaded, rate, monitor)/free%modal_mass
     if (present(rest)) then
       release%q = release%q - loaded%gamma*rest%displacement*free%tip/free%modal_mass
       release%rate = release%rate - loaded%gamma*rest%velocity*free%tip/free%modal_mass
       tip_displacement = tip_displacement + rest%displacement
       tip_velocity = tip_velocity + rest%velocity
     end if
-    body = loaded%body_energy(q, rate)
-    release%energy_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, speed) + sum(body)
-    release%kinetic_leaving = mass_energy(loaded%gamma, tip_displacement, tip_velocity, 0.0_dp) + body(1)
+    call take_body(loaded, q, rate, tip_displacement, tip_velocity, speed, leaving, release)
+    before = state_energy(loaded, q, rate)
+    if (present(energy)) before = energy
+    after = before                               ! infinitely many modes of the beam alone hold what is not leaving
+    if (.not. present(rest)) after = state_energy(free, release%q, release%rate, projection_rounding) + leaving
     associate (event => release%event)
       event%kind = release_event
-      event%energy_before = beam_energy(loaded, q, rate)
-      event%energy_after = beam_energy(free, release%q, release%rate) + release%energy_leaving
-      if (present(rest)) then                    ! infinitely many modes of the beam alone hold what is not leaving
-        event%energy_before = rest%energy
-        event%energy_after = rest%energy
-      end if
-      event%momentum_before = dot_product(first_seen(loaded, free), rate)/free%tip(1)
+      event%energy_before = known_energy(before)
+      event%energy_after = known_energy(after)
+      event%momentum_before = dot_product(loaded%overlap_with_mass(free, [1.0_dp]), rate)/free%tip(1)
       event%momentum_after = free%modal_mass(1)*release%rate(1)/free%tip(1) + loaded%gamma*tip_velocity
-      release%energy_lost = event%energy_before - event%energy_after
     end associate
+    if (.not. is_missing(release%event%energy_after)) release%energy_lost = before%value - after%value
   end function release_mass
 
-  pure function first_seen(loaded, free) result(sums)
-    !! What the first mode of the beam alone is to the modes with the mass: ∫Φ̄_kφ_1 dξ + γΦ̄_k(1)φ_1(1).
-    class(mode_set), intent(in) :: loaded, free
-    real(dp) :: sums(loaded%count), first(free%count)
-    first = 0.0_dp
-    first(1) = 1.0_dp
-    sums = loaded%overlap_with_mass(free, first)
-  end function first_seen
-
-  elemental real(dp) function mass_energy(gamma, displacement, velocity, speed) result(energy)
-    !! ½γ(v² − ω²y²).
-    real(dp), intent(in) :: gamma, displacement, velocity
-    real(dp), intent(in) :: speed                !! ω, 0 where the mass does not move in the plane of rotation
-    energy = 0.5_dp*gamma*(velocity - speed*displacement)*(velocity + speed*displacement)
-  end function mass_energy
+  pure subroutine take_body(loaded, q, rate, displacement, velocity, speed, leaving, release)
+    !! What the body takes with it.
+    class(mode_set), intent(in) :: loaded
+    real(dp), intent(in) :: q(:), rate(:)
+    real(dp), intent(in) :: displacement, velocity       !! of the tip
+    real(dp), intent(in) :: speed
+    type(energy_type), intent(out) :: leaving
+    type(release_type), intent(inout) :: release
+    type(energy_type) :: kinetic
+    real(dp) :: body(2)
+    body = loaded%body_energy(q, rate)
+    leaving = mass_energy(loaded%gamma, displacement, velocity, speed) &
+      + energy_type(sum(body), projection_rounding*sum(body))
+    kinetic = mass_energy(loaded%gamma, displacement, velocity, 0.0_dp)
+    release%energy_leaving = known_energy(leaving)
+    release%kinetic_leaving = kinetic%value + body(1)
+  end subroutine take_body
 
 end module bw_release

@@ -7,7 +7,7 @@ module bw_safe_step
   use bw_modal_flow, only: turning_square
   implicit none (type, external)
   private
-  public :: instant_of, safe_step
+  public :: instant_of, longest_step, safe_step
 
   type, public :: instant
     !! What a step is made from.
@@ -41,6 +41,18 @@ contains
       now%reach = 0.0_dp                           ! a steady drift has no further derivatives
     end where
   end function instant_of
+
+  pure real(dp) function longest_step(now, change) result(step)
+    !! For how long the slope changes by no more than that.
+    type(instant), intent(in) :: now
+    real(dp), intent(in) :: change                 !! ≥ 0
+    real(dp) :: curvature, fast
+    curvature = sum(now%reach*now%rate**2)
+    fast = maxval(now%rate, mask=.not. now%turning .and. now%rate > 0.0_dp)
+    step = huge(step)
+    if (curvature > 0.0_dp) step = change/max(curvature, tiny(step))
+    if (fast > 0.0_dp) step = min(step, quarter/fast)
+  end function longest_step
 
   pure real(dp) function safe_step(now, longest) result(step)
     !! How far the signal stays positive for certain.

@@ -9,7 +9,7 @@ module bw_modal_flow
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: flow, turning_square, slow_exponent, fast_exponent
+  public :: flow, turning_square, exponent_of, slow_exponent, fast_exponent, energy_gain
 
   real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
 
@@ -27,14 +27,20 @@ contains
     !! eigenvalue that matters longest.
     type(dd), intent(in) :: beta_squared
     real(dp), intent(in) :: c
+    exponent = exponent_of(beta_squared, c, turning_square(beta_squared, c))
+  end function slow_exponent
+
+  elemental type(dd) function exponent_of(beta_squared, c, turning) result(exponent)
+    !! `slow_exponent` where β² − c²/4 is known to more digits than follow from β² and c.
+    type(dd), intent(in) :: beta_squared, turning
+    real(dp), intent(in) :: c
     type(dd) :: sum
     exponent = to_dd(-0.5_dp*c)
-    sum = turning_square(beta_squared, c)
-    if (sum%hi > 0.0_dp) return
-    sum = sqrt(-sum) + 0.5_dp*c
+    if (turning%hi > 0.0_dp) return
+    sum = sqrt(-turning) + 0.5_dp*c
     exponent = dd()
     if (sum%hi > 0.0_dp) exponent = -(beta_squared/sum)
-  end function slow_exponent
+  end function exponent_of
 
   elemental real(dp) function fast_exponent(beta_squared, c) result(exponent)
     !! −(r + ½c) of a mode that does not turn.
@@ -67,12 +73,12 @@ contains
     if (x < joined_below) then
       call join(cosh(x), time%hi*mean_hyperbolic_cosine(x), square%hi, c, time%hi, q, q_dot)
     else
-      call part(slow_exponent(beta_squared, c), -(root%hi + 0.5_dp*c), root%hi, time, q, q_dot)
+      call split(slow_exponent(beta_squared, c), -(root%hi + 0.5_dp*c), root%hi, time, q, q_dot)
     end if
   end subroutine flow
 
   elemental subroutine join(cosine, sine, square, c, time, q, q_dot)
-    !! The state from C and S.
+    !! Form the state from C and S, which are of like size.
     real(dp), intent(in) :: cosine, sine, square, c, time
     real(dp), intent(inout) :: q, q_dot
     real(dp) :: start, rate, decay
@@ -83,8 +89,8 @@ contains
     q_dot = decay*(rate*cosine - square*start*sine) - 0.5_dp*c*q
   end subroutine join
 
-  elemental subroutine part(slow, fast, root, time, q, q_dot)
-    !! The state from the two exponentials.
+  elemental subroutine split(slow, fast, root, time, q, q_dot)
+    !! Form the state from the two exponentials, one of which may be far larger than the other.
     type(dd), intent(in) :: slow, time
     real(dp), intent(in) :: fast, root
     real(dp), intent(inout) :: q, q_dot
@@ -95,7 +101,36 @@ contains
     decaying = 0.5_dp*(slow%hi*q - q_dot)/root*exp(fast*time%hi)
     q = growing + decaying
     q_dot = slow%hi*growing + fast*decaying
-  end subroutine part
+  end subroutine split
+
+  elemental real(dp) function energy_gain(beta_squared, c, time, q, q_dot) result(gain)
+    !! By how much q̇² + β²q² changes in a time of free motion: ≤ 0, and exactly 0 where nothing damps, so that a growing mode
+    !! whose two terms are huge then has their difference for ever.
+    !!
+    !! With q = a e^(st) + b e^(ft), s + f = −c and sf = β², the sum is −csa²e^(2st) + 4abβ²e^(−ct) − cfb²e^(2ft).
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: c                !! ≥ 0; 0: undamped
+    type(dd), intent(in) :: time             !! as that of `flow`
+    real(dp), intent(in) :: q, q_dot         !! state from which the mode moves on
+    type(dd) :: slow
+    real(dp) :: later, later_dot, fast, a, b
+    gain = 0.0_dp
+    if (c == 0.0_dp) return
+    if (beta_squared%hi > 0.0_dp) then       ! both terms are energies of their own
+      later = q
+      later_dot = q_dot
+      call flow(beta_squared, c, time, later, later_dot)
+      gain = (later_dot**2 - q_dot**2) + beta_squared%hi*(later**2 - q**2)
+      return
+    end if
+    slow = slow_exponent(beta_squared, c)
+    fast = fast_exponent(beta_squared, c)
+    a = (q_dot - fast*q)/(slow%hi - fast)
+    b = (slow%hi*q - q_dot)/(slow%hi - fast)
+    gain = c*slow%hi*a**2*(1.0_dp - exp(2.0_dp*slow%hi*time%hi)) &
+      - 4.0_dp*a*b*beta_squared%hi*(1.0_dp - exp(-c*time%hi)) &
+      + c*fast*b**2*(1.0_dp - exp(2.0_dp*fast*time%hi))
+  end function energy_gain
 
   elemental real(dp) function angle_of(phase) result(angle)
     !! A phase less whole turns, rad.

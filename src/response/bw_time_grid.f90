@@ -1,10 +1,10 @@
 module bw_time_grid
   !! The times of a history, t_j = j·duration/samples, j = 0 … samples − 1.
   use bw_kinds, only: dp
-  use bw_double_double, only: dd, to_dd, operator(*), operator(/)
+  use bw_double_double, only: dd, to_dd, operator(*), operator(-), operator(/)
   implicit none (type, external)
   private
-  public :: time_grid_of, sample_times
+  public :: first_sample, sample_times, time_grid_of
 
   type, public :: time_grid
     integer :: samples = 0
@@ -21,6 +21,21 @@ contains
     grid%samples = samples
     grid%step = to_dd(duration)/to_dd(real(samples, dp))/unit
   end function time_grid_of
+
+  pure integer function first_sample(time, grid)
+    !! The number, from 1, of the first sample at or after a time: a sample at exactly the time of an event belongs to what
+    !! comes after it. One more than there are samples where the time is beyond them.
+    type(dd), intent(in) :: time        !! in the grid's unit, ≥ 0
+    type(time_grid), intent(in) :: grid
+    real(dp), parameter :: same_instant = epsilon(1.0_dp)   ! of the time: it is given in binary64
+    type(dd) :: early
+    first_sample = max(1, min(int(time%hi/grid%step%hi), grid%samples))
+    do while (first_sample <= grid%samples)
+      early = time - grid%step*real(first_sample - 1, dp)
+      if (early%hi <= same_instant*time%hi) exit
+      first_sample = first_sample + 1
+    end do
+  end function first_sample
 
   pure function sample_times(duration, samples) result(times)
     !! The times themselves, s, (samples).

@@ -1,129 +1,132 @@
 module bw_case_fields
-  !! What the result file holds of a case, as one list of fields, and a case's numbers in that order: each field as long as
-  !! its dimensions say, with fill where the case has less. All cases of a scene have the same length. Long histories and
-  !! spectra, which are most of a case, come last: they need not be copied on their way to the file.
+  !! A case as one list of numbers. Every variable that depends on the case is a field of it, as long as its dimensions say,
+  !! with fill where the case has less, so that all cases of a scene have the same length. Long histories and spectra, which
+  !! are most of a case, come last: they go into the file one by one, all else by blocks of cases.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_result
-  use bw_event, only: no_event
+  use bw_event_variables, only: event_kinds, event_variables, impact_variables
+  use bw_history_variables, only: count_variables, error_variables, history_variables, measured_variables
   use bw_missing, only: missing
-  use bw_result_layout, only: dimension_length, has_dimension, result_layout
-  use bw_result_table, only: is_held, variable_row, variable_table
-  use bw_result_values, only: key_of, put_value, value_key
+  use bw_modal_variables, only: modal_variables
+  use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
+  use bw_result_variable, only: result_variable
   implicit none (type, external)
   private
-  public :: fields_of, case_length, short_fields, put_field, put_fields, long_values
+  public :: all_variables, block_capacity, block_for, case_length, field_of, fields_of, named_value, put_field, put_fields, &
+    short_fields, variables_of
 
-  integer(i8), parameter :: long = 512          !! numbers of a history that is long: some pages of a file; tuned
+  integer(i8), parameter :: long = 512                  !! numbers of a history that is long: some pages of a file; tuned
+  integer(i8), parameter :: block_numbers = 1000000     !! 8 MB are written at a time; a single case may be more
 
-  type, public :: case_field
-    !! A variable that depends on the case.
-    character(32) :: name = ''
+  integer, parameter :: no_dimension = 0, along_modes = findloc(dimension_names == 'mode', .true., dim=1), &
+    along_modes_before = findloc(dimension_names == 'mode_before', .true., dim=1), &
+    along_events = findloc(dimension_names == 'event', .true., dim=1), &
+    along_peaks = findloc(dimension_names == 'peak', .true., dim=1)
+
+  type, extends(result_variable), public :: case_field
+    !! A variable as a stretch of the numbers of a case.
     integer :: lengths(2) = 1          !! of its own dimensions, fastest first
     integer :: rank = 0                !! how many dimensions it has besides `case`
-    logical :: is_integer = .false.
     integer(i8) :: first = 1           !! where its numbers begin among those of the case
     integer(i8) :: length = 1          !! how many it has
-    type(value_key), private :: key    !! of a variable of the table
-    integer, private :: other = 0      !! place among `other_names`; 0: a variable of the table
+    integer, private :: along = no_dimension
+      !! place of its only dimension among `dimension_names`, as its number of values may differ from case to case
   end type case_field
 
-  character(*), parameter :: other_names(*) = [character(12) :: 'displacement', 'velocity', 'amplitude', 'event_kind', &
-    'peak_count', 'mode_count', 'case_status']      !! of histories and integers
+  type, public :: case_block
+    !! Some neighbouring cases on their way to the result file, where they lie field by field: all numbers of a field
+    !! together, as they are written.
+    integer :: capacity = 0            !! how many cases it has room for
+    integer :: count = 0               !! how many there are
+    real(dp), allocatable :: numbers(:)    !! (numbers of a case · capacity)
+  contains
+    procedure :: add => add_case
+    procedure :: begin_of
+  end type case_block
 
 contains
 
+  pure function all_variables() result(rows)
+    !! Every variable that a result may hold of a case, in the order of the file.
+    type(result_variable), allocatable :: rows(:)
+    rows = [modal_variables(), impact_variables(), event_variables(), error_variables(), measured_variables(), &
+            history_variables(), count_variables(), event_kinds()]
+  end function all_variables
+
+  pure function variables_of(layout) result(rows)
+    !! Those that a result of this layout holds.
+    type(result_layout), intent(in) :: layout
+    type(result_variable), allocatable :: rows(:)
+    integer :: i
+    rows = all_variables()
+    rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)) .and. has(layout, trim(rows(i)%needs)), i=1, size(rows))])
+  end function variables_of
+
   pure function fields_of(layout) result(fields)
-    !! All that a result of this layout holds; `case_status` is the last of those that are not long.
+    !! The fields of a case of this layout in the order of its numbers, the long ones last.
     type(result_layout), intent(in) :: layout
     type(case_field), allocatable :: fields(:)
-    type(variable_row), allocatable :: table(:)
+    type(result_variable), allocatable :: rows(:)
     integer :: i
-    allocate (fields(0))
-    table = variable_table()
-    do i = 1, size(table)
-      if (is_held(layout, table(i))) call add_row(layout, table(i), fields)
+    rows = variables_of(layout)
+    allocate (fields(size(rows)))
+    do i = 1, size(rows)
+      fields(i) = field_of_row(layout, rows(i))
     end do
-    if (has_dimension(layout, 'time')) then
-      call add(layout, fields, 'displacement', 'time', 'point')
-      if (layout%velocity) call add(layout, fields, 'velocity', 'time', 'point')
-    end if
-    if (has_dimension(layout, 'frequency')) call add(layout, fields, 'amplitude', 'frequency', 'point')
-    if (has_dimension(layout, 'event')) call add_integer(layout, fields, 'event_kind', 'event')
-    if (has_dimension(layout, 'peak')) call add_integer(layout, fields, 'peak_count')
-    call add_integer(layout, fields, 'mode_count')
-    call add_integer(layout, fields, 'case_status')
     fields = [pack(fields, .not. is_long(fields)), pack(fields, is_long(fields))]
-    do i = 1, size(fields)
-      fields(i)%first = 1 + case_length(fields(:i - 1))
+    do i = 2, size(fields)
+      fields(i)%first = fields(i - 1)%first + fields(i - 1)%length
     end do
   end function fields_of
 
+  pure type(case_field) function field_of_row(layout, row) result(field)
+    !! A variable with its lengths.
+    type(result_layout), intent(in) :: layout
+    type(result_variable), intent(in) :: row
+    integer :: gap
+    field%result_variable = row
+    if (row%dimensions == '') return
+    gap = index(trim(row%dimensions), ' ')
+    field%lengths(1) = dimension_length(layout, trim(row%dimensions(gap + 1:)))
+    field%rank = 1
+    if (gap > 0) then
+      field%lengths(2) = dimension_length(layout, row%dimensions(:gap - 1))
+      field%rank = 2
+    else
+      field%along = findloc(dimension_names == row%dimensions, .true., dim=1)
+    end if
+    field%length = product(int(field%lengths, i8))
+  end function field_of_row
+
   elemental logical function is_long(field)
-    !! A history or spectrum that is worth a way of its own.
+    !! A history or spectrum that is worth a write of its own.
     type(case_field), intent(in) :: field
     is_long = field%rank == 2 .and. field%length >= long
   end function is_long
 
   pure integer function short_fields(fields)
-    !! How many there are before the long ones.
+    !! How many fields stand before the long ones.
     type(case_field), intent(in) :: fields(:)
     short_fields = count(.not. is_long(fields))
   end function short_fields
 
-  pure subroutine add_row(layout, row, fields)
-    !! A variable of the table.
-    type(result_layout), intent(in) :: layout
-    type(variable_row), intent(in) :: row
-    type(case_field), allocatable, intent(inout) :: fields(:)
-    if (row%dimensions == '') then
-      call add(layout, fields, row%name)
-    else
-      call add(layout, fields, row%name, trim(row%dimensions))
-    end if
-    fields(size(fields))%key = key_of(row)
-    fields(size(fields))%other = 0
-  end subroutine add_row
-
-  pure subroutine add_integer(layout, fields, name, dimension)
-    type(result_layout), intent(in) :: layout
-    type(case_field), allocatable, intent(inout) :: fields(:)
+  pure type(case_field) function field_of(fields, name) result(field)
+    !! The field of a name; one of no name and one number where there is none.
+    type(case_field), intent(in) :: fields(:)
     character(*), intent(in) :: name
-    character(*), intent(in), optional :: dimension
-    call add(layout, fields, name, dimension)
-    fields(size(fields))%is_integer = .true.
-  end subroutine add_integer
-
-  pure subroutine add(layout, fields, name, fastest, slowest)
-    !! One more field, behind the others.
-    type(result_layout), intent(in) :: layout
-    type(case_field), allocatable, intent(inout) :: fields(:)
-    character(*), intent(in) :: name
-    character(*), intent(in), optional :: fastest, slowest      !! names of its dimensions
-    type(case_field) :: field
-    field%name = name
-    field%other = findloc(other_names == name, .true., dim=1)
-    if (present(fastest)) then
-      field%rank = 1
-      field%lengths(1) = dimension_length(layout, fastest)
-    end if
-    if (present(slowest)) then
-      field%rank = 2
-      field%lengths(2) = dimension_length(layout, slowest)
-    end if
-    field%first = case_length(fields) + 1
-    field%length = product(int(field%lengths, i8))
-    fields = [fields, field]
-  end subroutine add
+    integer :: i
+    i = findloc(fields%name == name, .true., dim=1)
+    if (i > 0) field = fields(i)
+  end function field_of
 
   pure integer(i8) function case_length(fields)
     !! How many numbers a case has.
     type(case_field), intent(in) :: fields(:)
-    case_length = 0
-    if (size(fields) > 0) case_length = fields(size(fields))%first + fields(size(fields))%length - 1
+    case_length = sum(fields%length)
   end function case_length
 
   pure subroutine put_fields(result, fields, numbers)
-    !! A case as numbers, or the part of it that these fields are.
+    !! The numbers of a case, of all its fields or of the first of them.
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: fields(:)             !! the first of them, or all
     real(dp), intent(out), contiguous :: numbers(:)       !! (case_length)
@@ -135,63 +138,94 @@ contains
     end do
   end subroutine put_fields
 
-  subroutine long_values(result, field, values)
-    !! A case's numbers of a long field, where they lie.
-    type(case_result), intent(in), target :: result
-    type(case_field), intent(in) :: field
-    real(dp), pointer, contiguous, intent(out) :: values(:)   !! (field%length), none where the case has no such history
-    nullify (values)
-    select case (field%other)     ! by places in other_names
-    case (1, 2)
-      if (.not. allocated(result%response)) return
-      if (field%other == 1 .and. allocated(result%response%displacement)) &
-        values(1:field%length) => result%response%displacement
-      if (field%other == 2 .and. allocated(result%response%velocity)) values(1:field%length) => result%response%velocity
-    case default
-      if (allocated(result%amplitude)) values(1:field%length) => result%amplitude
-    end select
-  end subroutine long_values
-
   pure subroutine put_field(result, field, numbers)
-    !! A case's numbers of one field; integers as reals, which hold them exactly.
+    !! A case's numbers of one field, in SI units; fill behind them, and all fill where no modes were found. Integers, which
+    !! always exist, are filled with 0.
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: field
     real(dp), intent(out), contiguous :: numbers(:)       !! (field%length)
-    select case (field%other)     ! by places in other_names
-    case (0); call put_value(result, field%key, numbers)
-    case (1); call copy_matrix(result%response%displacement, numbers)
-    case (2); call copy_matrix(result%response%velocity, numbers)
-    case (3); call copy_matrix(result%amplitude, numbers)
-    case (4); call copy(result%events%kind, no_event, numbers)
-    case (5); numbers = result%measured%peak_count
-    case (6); numbers = result%mode_count
-    case default; numbers = result%status
-    end select
+    integer :: n
+    n = 0
+    if (result%mode_count > 0 .or. field%is_integer) n = min(value_count(result, field%along), size(numbers))
+    if (n > 0) then
+      if (associated(field%from_case)) then
+        call field%from_case(result, numbers(:n))
+      else if (field%along == along_modes) then
+        call field%from_modes(result%modes, result%units, numbers(:n))
+      else
+        call field%from_modes(result%before, result%units, numbers(:n))
+      end if
+    end if
+    numbers(n + 1:) = missing
+    if (field%is_integer) numbers(n + 1:) = 0.0_dp
   end subroutine put_field
 
-  pure subroutine copy(values, fill, numbers)
-    !! Values, and fill behind them.
-    integer, intent(in) :: values(:), fill
-    real(dp), intent(out) :: numbers(:)
-    integer :: n
-    n = min(size(values), size(numbers))
-    numbers(:n) = values(:n)
-    numbers(n + 1:) = fill
-  end subroutine copy
+  pure integer function value_count(result, along) result(n)
+    !! How many values a case has along a dimension; no limit where that is the same for all cases.
+    type(case_result), intent(in) :: result
+    integer, intent(in) :: along               !! place among `dimension_names`
+    select case (along)
+    case (no_dimension); n = huge(n)
+    case (along_modes); n = result%modes%count
+    case (along_modes_before); n = result%before%count
+    case (along_events); n = size(result%events)
+    case (along_peaks); n = size(result%measured%angular_frequency)
+    case default; n = huge(n)
+    end select
+  end function value_count
 
-  pure subroutine copy_matrix(values, numbers)
-    !! A history or spectrum; fill where there is none.
-    real(dp), intent(in), optional :: values(:, :)        !! fastest dimension first; absent: not finished
-    real(dp), intent(out), contiguous :: numbers(:)
-    integer :: j, n
-    if (.not. present(values)) then
-      numbers = missing
-      return
-    end if
-    n = size(values, 1)
-    do j = 1, size(values, 2)
-      numbers((j - 1)*n + 1:j*n) = values(:, j)
+  pure function named_value(result, name) result(values)
+    !! The values of a variable by its name in SI units, (its dimension) or (1); all of them fill where no modes were found.
+    !! **Limits**: a variable of the scene's result that is a scalar or over modes, events or peaks.
+    type(case_result), intent(in) :: result
+    character(*), intent(in) :: name
+    real(dp), allocatable :: values(:)
+    type(result_variable), allocatable :: rows(:)
+    type(case_field) :: field
+    integer :: n
+    rows = all_variables()
+    field%result_variable = rows(findloc(rows%name == name, .true., dim=1))
+    field%along = findloc(dimension_names == field%dimensions, .true., dim=1)
+    n = 1
+    if (field%dimensions /= '') n = value_count(result, field%along)
+    allocate (values(n))
+    call put_field(result, field, values)
+  end function named_value
+
+  pure type(case_block) function block_for(fields, cases) result(block)
+    !! An empty block.
+    type(case_field), intent(in) :: fields(:)
+    integer, intent(in) :: cases                          !! of the sweep
+    block%capacity = block_capacity(fields, cases)
+    allocate (block%numbers(case_length(fields)*block%capacity))
+  end function block_for
+
+  pure integer function block_capacity(fields, cases) result(capacity)
+    !! How many cases are written at a time.
+    type(case_field), intent(in) :: fields(:)
+    integer, intent(in) :: cases                          !! of the sweep
+    capacity = int(max(1_i8, min(int(cases, i8), block_numbers/case_length(fields))))
+  end function block_capacity
+
+  pure subroutine add_case(self, fields, numbers)
+    !! Add a case, for which there must be room.
+    class(case_block), intent(inout) :: self
+    type(case_field), intent(in) :: fields(:)
+    real(dp), intent(in), contiguous :: numbers(:)        !! (case_length)
+    integer(i8) :: first
+    integer :: i
+    do i = 1, size(fields)
+      first = self%begin_of(fields(i)) + self%count*fields(i)%length
+      self%numbers(first:first + fields(i)%length - 1) = numbers(fields(i)%first:fields(i)%first + fields(i)%length - 1)
     end do
-  end subroutine copy_matrix
+    self%count = self%count + 1
+  end subroutine add_case
+
+  pure integer(i8) function begin_of(self, field)
+    !! Where the numbers of a field begin, those of the first case.
+    class(case_block), intent(in) :: self
+    type(case_field), intent(in) :: field
+    begin_of = (field%first - 1)*self%capacity + 1
+  end function begin_of
 
 end module bw_case_fields

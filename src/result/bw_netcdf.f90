@@ -1,87 +1,251 @@
 module bw_netcdf
-  !! NetCDF calls with errors as values, and variables defined the way every result file wants them.
-  use bw_kinds, only: i4
+  !! A NetCDF-4 file that is written once, with errors as values. First everything is defined, then values are written: a
+  !! change from one to the other costs NetCDF-4 a pass over all that is there. So values that are known when their variable
+  !! is defined are put aside until `put_known`.
+  use, intrinsic :: iso_c_binding, only: c_null_char
+  use bw_kinds, only: dp, i4
   use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_missing, only: missing
-  use bw_text, only: joined
-  use netcdf, only: nf90_clobber, nf90_create, nf90_def_var, nf90_double, nf90_fill_int, nf90_get_att, nf90_global, &
-    nf90_inquire_attribute, nf90_netcdf4, nf90_noerr, nf90_put_att, nf90_strerror
+  use netcdf, only: nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, nf90_global, nf90_inq_dimid, nf90_int, &
+    nf90_netcdf4, nf90_noclobber, nf90_noerr, nf90_put_att, nf90_put_var, nf90_strerror
   implicit none (type, external)
   private
-  public :: check, create_file, define_variable, put_words, text_attribute
+  public :: has_backslash, plain_path
 
-  integer(i4), parameter, public :: unwritten = nf90_fill_int   !! what an integer reads as before it is written
+  integer, parameter :: at_once = 65536           !! numbers of a variable in memory
+
+  type, public :: variable_text
+    !! What a file says of a variable, and how it is stored.
+    character(64) :: name = ''
+    character(24) :: dimensions = ''     !! names in the file's order, by spaces; a scalar has none
+    character(16) :: units = '1'         !! UDUNITS
+    character(120) :: long_name = ''
+    character(40) :: references = ''     !! the paper's equation; empty where it is not one of the paper's
+    logical :: is_integer = .false.
+    logical :: is_complete = .false.     !! every value exists, as of coordinates and of integers: there is no fill
+    character(240) :: flags = ''         !! CF's flags, by spaces: what the numbers first_flag, first_flag + 1, … stand for
+    integer :: first_flag = 0
+  end type variable_text
+
+  type :: known_values
+    !! The values of a variable that is defined and not yet written.
+    integer :: variable = 0              !! NetCDF's number
+    logical :: is_scalar = .false.
+    integer :: count = 0                 !! how many numbers it holds
+    real(dp), allocatable :: values(:)   !! what they run through, again and again; unallocated: they count from 1
+    integer :: each = 1                  !! how many times each stands in a row
+  end type known_values
+
+  type, public :: netcdf_file
+    integer :: id = 0                    !! NetCDF's number of the file
+    character(:), allocatable :: path
+    integer, private :: known = 0        !! how many variables have values that are put aside
+    type(known_values), allocatable, private :: list(:)
+  contains
+    procedure :: create
+    procedure :: check
+    procedure :: add_dimension
+    procedure :: define
+    procedure :: define_known
+    procedure :: put_text
+    procedure :: put_known
+    procedure :: close => close_file
+    procedure :: dimension_ids
+    procedure, private :: put_aside
+  end type netcdf_file
 
 contains
 
-  subroutine check(status, path, error)
+  subroutine create(self, path, error)
+    !! A new file under a name that nothing has. **Errors**: `status_bad_file`, as those of all that follows.
+    class(netcdf_file), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(out) :: error
+    self%path = path
+    call self%check(nf90_create(plain_path(path), ior(nf90_netcdf4, nf90_noclobber), self%id), error)
+  end subroutine create
+
+  subroutine check(self, status, error)
     !! Turn a NetCDF status into an error that names the file. Keeps an error that is there.
     !! HDF5 gives one status for everything that the system refuses, so the usual reasons are named.
+    class(netcdf_file), intent(in) :: self
     integer, intent(in) :: status
-    character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
     if (status == nf90_noerr .or. allocated(error)) return
-    call fail(error, status_bad_file, path//': cannot be written: '//trim(nf90_strerror(status))//'; '// &
+    call fail(error, status_bad_file, self%path//': cannot be written: '//trim(nf90_strerror(status))//'; '// &
               why_not_written)
   end subroutine check
 
-  subroutine create_file(path, id, error)
-    !! A new NetCDF-4 file in place of any other. **Errors**: `status_bad_file`.
-    character(*), intent(in) :: path
-    integer, intent(out) :: id
-    type(error_type), allocatable, intent(out) :: error
-    call check(nf90_create(path, ior(nf90_netcdf4, nf90_clobber), id), path, error)
-  end subroutine create_file
-
-  subroutine define_variable(file, path, name, kind, dimensions, units, long_name, variable, error, coordinate)
-    !! A variable with its unit and meaning. Doubles get an explicit fill value unless they are coordinates, which
-    !! never hold it; integers always exist, and one would make xarray read them as reals.
-    integer, intent(in) :: file
-    character(*), intent(in) :: path, name
-    integer, intent(in) :: kind                    !! nf90_double or nf90_int
-    integer, intent(in) :: dimensions(:)           !! fastest first; none for a scalar
-    character(*), intent(in) :: units, long_name
-    integer, intent(out) :: variable
-    type(error_type), allocatable, intent(inout) :: error
-    logical, intent(in), optional :: coordinate
-    logical :: filled
-    call check(nf90_def_var(file, name, kind, dimensions, variable), path, error)
-    if (allocated(error)) return
-    if (present(coordinate)) then
-      filled = .not. coordinate
-    else
-      filled = kind == nf90_double
-    end if
-    if (filled) call check(nf90_put_att(file, variable, '_FillValue', missing), path, error)
-    call check(nf90_put_att(file, variable, 'units', units), path, error)
-    call check(nf90_put_att(file, variable, 'long_name', trim(long_name)), path, error)
-  end subroutine define_variable
-
-  subroutine put_words(file, path, variable, words, first, error)
-    !! CF's flags: words for the numbers first, first + 1, …
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
-    integer, intent(in) :: variable
-    character(*), intent(in) :: words(:)
-    integer, intent(in) :: first
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: i
-    call check(nf90_put_att(file, variable, 'flag_values', [(int(i, i4), i=first, first + size(words) - 1)]), path, error)
-    call check(nf90_put_att(file, variable, 'flag_meanings', joined(words)), path, error)
-  end subroutine put_words
-
-  function text_attribute(file, name) result(text)
-    !! A global attribute; empty where it is not there.
-    integer, intent(in) :: file
+  subroutine add_dimension(self, name, length, error)
+    !! One more dimension.
+    class(netcdf_file), intent(in) :: self
     character(*), intent(in) :: name
+    integer, intent(in) :: length                 !! above 0
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: ignored
+    if (.not. allocated(error)) call self%check(nf90_def_dim(self%id, name, length, ignored), error)
+  end subroutine add_dimension
+
+  subroutine define(self, text, variable, error)
+    !! A variable with its attributes. Doubles get an explicit fill value unless all of them exist; integers get none, as one
+    !! would make xarray read them as reals.
+    class(netcdf_file), intent(in) :: self
+    type(variable_text), intent(in) :: text
+    integer, intent(out) :: variable              !! NetCDF's number
+    type(error_type), allocatable, intent(inout) :: error
+    variable = 0
+    if (allocated(error)) return
+    call self%check(nf90_def_var(self%id, trim(text%name), merge(nf90_int, nf90_double, text%is_integer), &
+                                 self%dimension_ids(trim(text%dimensions)), variable), error)
+    if (allocated(error)) return
+    if (.not. (text%is_integer .or. text%is_complete)) then
+      call self%check(nf90_put_att(self%id, variable, '_FillValue', missing), error)
+    end if
+    call self%put_text('units', trim(text%units), error, variable)
+    call self%put_text('long_name', trim(text%long_name), error, variable)
+    if (text%references /= '') call self%put_text('references', trim(text%references), error, variable)
+    if (text%flags == '' .or. allocated(error)) return
+    call self%check(nf90_put_att(self%id, variable, 'flag_values', flag_values(text)), error)
+    call self%put_text('flag_meanings', trim(text%flags), error, variable)
+  end subroutine define
+
+  pure function flag_values(text) result(values)
+    !! One number for each of the flags.
+    type(variable_text), intent(in) :: text
+    integer(i4), allocatable :: values(:)
+    integer :: i, n
+    n = 1
+    do i = 1, len_trim(text%flags)
+      if (text%flags(i:i) == ' ') n = n + 1
+    end do
+    values = [(int(text%first_flag + i, i4), i=0, n - 1)]
+  end function flag_values
+
+  subroutine define_known(self, text, error, values, each, count)
+    !! A variable whose values are known, and put aside: all of them, or those that it runs through again and again, or the
+    !! numbers from 1 on.
+    class(netcdf_file), intent(inout) :: self
+    type(variable_text), intent(in) :: text
+    type(error_type), allocatable, intent(inout) :: error
+    real(dp), intent(in), optional :: values(:)   !! integers as reals, which hold them exactly; absent: 1, 2, …
+    integer, intent(in), optional :: each         !! every value stands so many times in a row; absent: once
+    integer, intent(in), optional :: count        !! of all that the variable holds, which may be many; absent: of `values`
+    type(known_values) :: known
+    call self%define(text, known%variable, error)
+    if (allocated(error)) return
+    known%is_scalar = text%dimensions == ''
+    if (present(values)) then
+      allocate (known%values, source=values)
+      known%count = size(values)
+    end if
+    if (present(each)) known%each = each
+    if (present(count)) known%count = count
+    call self%put_aside(known)
+  end subroutine define_known
+
+  subroutine put_aside(self, known)
+    !! Remember the values of a variable.
+    class(netcdf_file), intent(inout) :: self
+    type(known_values), intent(in) :: known
+    type(known_values), allocatable :: longer(:)
+    if (.not. allocated(self%list)) allocate (self%list(50))
+    if (self%known == size(self%list)) then
+      allocate (longer(2*self%known))
+      longer(:self%known) = self%list
+      call move_alloc(longer, self%list)
+    end if
+    self%known = self%known + 1
+    self%list(self%known) = known
+  end subroutine put_aside
+
+  subroutine put_known(self, error)
+    !! Write all values that were put aside, those of a long variable piece by piece.
+    class(netcdf_file), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: first, i, n
+    do i = 1, self%known
+      associate (known => self%list(i))
+        do first = 1, known%count, at_once
+          if (allocated(error)) return
+          n = min(at_once, known%count - first + 1)
+          if (known%is_scalar) then
+            call self%check(nf90_put_var(self%id, known%variable, known%values(1)), error)
+          else
+            call self%check(nf90_put_var(self%id, known%variable, piece_of(known, first, n), start=[first], count=[n]), error)
+          end if
+        end do
+      end associate
+    end do
+    self%known = 0
+  end subroutine put_known
+
+  pure function piece_of(known, first, n) result(values)
+    !! n of a variable's numbers from the first on.
+    type(known_values), intent(in) :: known
+    integer, intent(in) :: first, n
+    real(dp) :: values(n)
+    integer :: i
+    if (allocated(known%values)) then
+      values = [(known%values(mod((first - 1 + i)/known%each, size(known%values)) + 1), i=0, n - 1)]
+    else
+      values = [(real(first + i, dp), i=0, n - 1)]
+    end if
+  end function piece_of
+
+  subroutine put_text(self, name, text, error, variable)
+    !! An attribute of a variable, or of the file.
+    class(netcdf_file), intent(in) :: self
+    character(*), intent(in) :: name, text
+    type(error_type), allocatable, intent(inout) :: error
+    integer, intent(in), optional :: variable     !! NetCDF's number; absent: of the file
+    integer :: owner
+    owner = nf90_global
+    if (present(variable)) owner = variable
+    if (.not. allocated(error)) call self%check(nf90_put_att(self%id, owner, name, text), error)
+  end subroutine put_text
+
+  subroutine close_file(self, error)
+    !! The file is whole.
+    class(netcdf_file), intent(in) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    if (.not. allocated(error)) call self%check(nf90_close(self%id), error)
+  end subroutine close_file
+
+  function dimension_ids(self, names) result(ids)
+    !! NetCDF's numbers of dimensions, fastest first.
+    class(netcdf_file), intent(in) :: self
+    character(*), intent(in) :: names             !! in the file's order, by spaces
+    integer, allocatable :: ids(:)
+    integer :: first, gap, id, ignored
+    allocate (ids(0))
+    first = 1
+    do while (first <= len(names))
+      gap = index(names(first:)//' ', ' ')
+      ignored = nf90_inq_dimid(self%id, names(first:first + gap - 2), id)
+      ids = [id, ids]
+      first = first + gap
+    end do
+  end function dimension_ids
+
+  pure function plain_path(path) result(text)
+    !! A path as NetCDF takes it for what it is. Left alone it would drop blanks at either end, and take `http://…` for a place
+    !! in the net, `C:/…`, `//…` and `/cygdrive/…` for what they are under Windows, and a list in brackets for options.
+    character(*), intent(in) :: path              !! one that `has_backslash` denies
     character(:), allocatable :: text
-    integer :: length, status
-    text = ''
-    if (nf90_inquire_attribute(file, nf90_global, name, len=length) /= nf90_noerr) return
-    deallocate (text)
-    allocate (character(length) :: text)
-    status = nf90_get_att(file, nf90_global, name, text)
-    if (status /= nf90_noerr) text = ''
-  end function text_attribute
+    integer :: i
+    text = './'
+    if (index(path, '/') == 1) text = '/.'
+    do i = 1, len(path)
+      if (path(i:i) == '/' .and. text(len(text):) == '/') cycle       ! two are one to the system
+      text = text//path(i:i)
+    end do
+    text = text//c_null_char
+  end function plain_path
+
+  pure logical function has_backslash(path)
+    !! NetCDF takes a backslash for a slash wherever it stands: such a file cannot be reached.
+    character(*), intent(in) :: path
+    has_backslash = index(path, '\') > 0
+  end function has_backslash
 
 end module bw_netcdf

@@ -1,83 +1,131 @@
 module bw_result_file
-  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once, by blocks of cases; where histories
-  !! are long, `bw_result_body` writes them, and this module only what comes before the first case and after the last.
+  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once: long histories and spectra case by
+  !! case, all else by blocks of cases. After a failure the file is not touched any more, as HDF5 does not bear that: who writes
+  !! it does so in a process of its own.
   use bw_kinds, only: dp, i4, i8
-  use bw_case_fields, only: case_field, fields_of, put_field
-  use bw_case_block, only: case_block
-  use bw_case_places, only: mark_of
+  use bw_case_fields, only: case_block, case_field, fields_of, put_field, short_fields, variables_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
-  use bw_late_values, only: late_values
-  use bw_netcdf, only: check, create_file
-  use bw_result_definition, only: define_dimensions, define_variables, open_file
-  use bw_result_header, only: put_global_attributes, put_coordinates, put_inputs, swept_names
-  use bw_result_layout, only: result_layout
+  use bw_netcdf, only: netcdf_file, variable_text
+  use bw_result_header, only: coordinates_of, put_coordinates, put_global_attributes, put_inputs, swept_names
+  use bw_result_layout, only: dimension_length, dimension_names, result_layout
+  use bw_result_variable, only: result_variable
   use bw_scene, only: scene_type
-  use netcdf, only: nf90_close, nf90_global, nf90_inq_varid, nf90_nofill, nf90_open, nf90_put_att, nf90_put_var, nf90_set_fill, &
-    nf90_write
+  use bw_scene_resolved, only: numeric_input, numeric_inputs
+  use netcdf, only: nf90_inq_varid, nf90_nofill, nf90_put_var, nf90_set_fill
   implicit none (type, external)
   private
-  public :: create_result, open_result
+  public :: create_result, result_bytes
 
-  type, extends(open_file), public :: result_file
+  type, extends(netcdf_file), public :: result_file
     type(case_field), allocatable, private :: fields(:)   !! what depends on the case
     integer, allocatable, private :: variables(:)         !! NetCDF's numbers of them
+    integer, private :: seconds = 0                       !! NetCDF's number of `stage_seconds`
   contains
     procedure :: put_case
+    procedure :: put_long_fields
     procedure :: put_cases
-    procedure :: put_marks
     procedure :: finish
-    procedure :: close => close_file
   end type result_file
 
 contains
 
   subroutine create_result(path, scene, layout, file, error)
-    !! A new file with all its dimensions, variables, coordinates and inputs, and no case.
+    !! A new file with all its dimensions, variables, coordinates and inputs, and no case. **Errors**: `status_bad_file`.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(result_file), intent(out) :: file
     type(error_type), allocatable, intent(out) :: error
-    type(late_values) :: late
-    integer :: former
-    file%path = path
-    file%layout = layout
-    file%swept = swept_names(scene)
+    integer :: former, seconds, i
     file%fields = fields_of(layout)
-    call create_file(path, file%id, error)
+    call file%create(path, error)
     if (allocated(error)) return
-    call check(nf90_set_fill(file%id, nf90_nofill, former), path, error)    ! no array is written twice
-    call put_global_attributes(file%id, path, scene, error)
-    call define_dimensions(file%open_file, error)
-    call define_variables(file%open_file, error)
-    call put_coordinates(file%id, path, scene, layout, late, error)
-    call put_inputs(file%id, path, scene, late, error)
-    call late%put_all(file%id, path, error)
+    call file%check(nf90_set_fill(file%id, nf90_nofill, former), error)    ! no array is written twice
+    call put_global_attributes(file, scene, error)
+    do i = 1, size(dimension_names)
+      associate (length => dimension_length(layout, trim(dimension_names(i))))
+        if (length > 0) call file%add_dimension(trim(dimension_names(i)), length, error)
+      end associate
+    end do
+    call define_variables(file, layout, swept_names(scene), error)
+    call file%define(variable_text('stage_seconds', 'stage', 's', 'wall time of the stage over all cases'), seconds, error)
+    file%seconds = seconds
+    call put_coordinates(file, scene, layout, error)
+    call put_inputs(file, scene, error)
+    call file%put_known(error)
     call find_variables(file, error)
-    if (allocated(error)) call file%close()
   end subroutine create_result
 
-  subroutine open_result(path, file, error)
-    !! A file that has all of its cases, to be finished.
-    character(*), intent(in) :: path
-    type(result_file), intent(out) :: file
+  subroutine define_variables(file, layout, swept, error)
+    !! Everything that depends on the case, with `case` leading in a sweep.
+    type(result_file), intent(in) :: file
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: swept                     !! variables of swept inputs, by spaces
     type(error_type), allocatable, intent(inout) :: error
-    file%path = path
-    if (.not. allocated(error)) call check(nf90_open(path, nf90_write, file%id), path, error)
-  end subroutine open_result
+    type(variable_text) :: text
+    character(:), allocatable :: coordinates
+    type(result_variable), allocatable :: rows(:)
+    integer :: i, variable
+    rows = variables_of(layout)
+    do i = 1, size(rows)
+      text = rows(i)%variable_text
+      coordinates = trim(adjustl(swept//position_of(text%dimensions)))
+      if (layout%cases > 0) text%dimensions = 'case '//trim(text%dimensions)
+      call file%define(text, variable, error)
+      if (coordinates /= '') call file%put_text('coordinates', coordinates, error, variable)
+    end do
+  end subroutine define_variables
+
+  pure function position_of(dimensions) result(name)
+    !! The places along the beam that belong to a variable's dimensions, behind a space.
+    character(*), intent(in) :: dimensions
+    character(:), allocatable :: name
+    name = ''
+    if (index(dimensions, 'point') == 1) name = ' point_position'
+    if (dimensions == 'profile') name = ' profile_position'
+  end function position_of
 
   subroutine find_variables(file, error)
-    !! NetCDF's numbers, asked for once.
+    !! Ask for NetCDF's numbers of the fields, once.
     type(result_file), intent(inout) :: file
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
     if (allocated(error)) return
     allocate (file%variables(size(file%fields)))
     do i = 1, size(file%fields)
-      call check(nf90_inq_varid(file%id, trim(file%fields(i)%name), file%variables(i)), file%path, error)
+      call file%check(nf90_inq_varid(file%id, trim(file%fields(i)%name), file%variables(i)), error)
     end do
   end subroutine find_variables
+
+  pure integer(i8) function result_bytes(scene, layout) result(bytes)
+    !! How large the result of a scene will be: its numbers, and what is said of them.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    integer, parameter :: head_bytes = 8000      !! of the file's own attributes; measured
+    integer, parameter :: text_bytes = 700       !! of a variable's name and attributes; measured
+    type(case_field), allocatable :: fields(:)
+    type(variable_text), allocatable :: coordinates(:)
+    type(numeric_input), allocatable :: inputs(:)
+    integer(i8) :: cases
+    integer :: i
+    fields = fields_of(layout)
+    coordinates = coordinates_of(layout)
+    inputs = numeric_inputs(scene)
+    cases = max(1, layout%cases)
+    bytes = cases*sum(number_bytes(fields%is_integer)*fields%length) &
+      + sum(number_bytes(inputs%is_integer)*merge(cases, 1_i8, inputs%is_swept)) &
+      + text_bytes*(size(fields) + size(coordinates) + size(inputs)) + head_bytes
+    do i = 1, size(coordinates)
+      bytes = bytes + number_bytes(coordinates(i)%is_integer)*dimension_length(layout, trim(coordinates(i)%dimensions))
+    end do
+  end function result_bytes
+
+  elemental integer(i8) function number_bytes(is_integer) result(bytes)
+    !! How many bytes a number takes in the file.
+    logical, intent(in) :: is_integer
+    bytes = merge(4_i8, 8_i8, is_integer)
+  end function number_bytes
 
   subroutine put_case(self, result, error)
     !! The only case of a scene without sweeps, a variable at a time.
@@ -94,34 +142,36 @@ contains
     end do
   end subroutine put_case
 
+  subroutine put_long_fields(self, index, numbers, error)
+    !! The long histories and spectra of one case of a sweep.
+    class(result_file), intent(in) :: self
+    integer(i8), intent(in) :: index                      !! of the case
+    real(dp), intent(in), contiguous :: numbers(:)        !! all of the case
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    do i = short_fields(self%fields) + 1, size(self%fields)
+      associate (first => self%fields(i)%first, length => self%fields(i)%length)
+        call put_variable(self, i, index, 1, numbers(first:first + length - 1), error)
+      end associate
+    end do
+  end subroutine put_long_fields
+
   subroutine put_cases(self, first, block, error)
-    !! Consecutive cases of a sweep.
+    !! The short fields of consecutive cases of a sweep.
     class(result_file), intent(in) :: self
     integer(i8), intent(in) :: first                      !! number of the first of them
     type(case_block), intent(in) :: block
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
-    do i = 1, size(self%fields)
-      associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%held)
-        call put_variable(self, i, first, block%held, block%numbers(begin:begin + length - 1), error)
+    do i = 1, short_fields(self%fields)
+      associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%count)
+        call put_variable(self, i, first, block%count, block%numbers(begin:begin + length - 1), error)
       end associate
     end do
   end subroutine put_cases
 
-  subroutine put_marks(self, error)
-    !! Marks for the last case, by which the file gets room for all cases.
-    class(result_file), intent(in) :: self
-    type(error_type), allocatable, intent(inout) :: error
-    real(dp), allocatable :: marks(:)
-    integer :: i
-    do i = 1, size(self%fields)
-      allocate (marks(self%fields(i)%length), source=mark_of(i))
-      call put_variable(self, i, int(self%layout%cases, i8), 1, marks, error)
-      deallocate (marks)
-    end do
-  end subroutine put_marks
-
   subroutine put_variable(self, i, first, cases, numbers, error)
+    !! The numbers of one field of consecutive cases.
     class(result_file), intent(in) :: self
     integer, intent(in) :: i                              !! which field
     integer(i8), intent(in) :: first                      !! number of the first case
@@ -136,9 +186,9 @@ contains
       start(field%rank + 1) = int(first)
       counts(field%rank + 1) = cases
       if (field%is_integer) then
-        call check(nf90_put_var(self%id, self%variables(i), int(numbers, i4), start, counts), self%path, error)
+        call self%check(nf90_put_var(self%id, self%variables(i), int(numbers, i4), start, counts), error)
       else
-        call check(nf90_put_var(self%id, self%variables(i), numbers, start, counts), self%path, error)
+        call self%check(nf90_put_var(self%id, self%variables(i), numbers, start, counts), error)
       end if
     end associate
   end subroutine put_variable
@@ -148,21 +198,10 @@ contains
     class(result_file), intent(inout) :: self
     character(*), intent(in) :: notes
     real(dp), intent(in) :: seconds(:)        !! (stages)
-    type(error_type), allocatable, intent(out) :: error
-    integer :: variable
-    call check(nf90_put_att(self%id, nf90_global, 'notes', notes), self%path, error)
-    call check(nf90_inq_varid(self%id, 'stage_seconds', variable), self%path, error)
-    call check(nf90_put_var(self%id, variable, seconds), self%path, error)
+    type(error_type), allocatable, intent(inout) :: error
+    call self%put_text('notes', notes, error)
+    if (.not. allocated(error)) call self%check(nf90_put_var(self%id, self%seconds, seconds), error)
     call self%close(error)
   end subroutine finish
-
-  subroutine close_file(self, error)
-    !! Close; after an error without a word.
-    class(result_file), intent(inout) :: self
-    type(error_type), allocatable, intent(inout), optional :: error
-    integer :: status
-    status = nf90_close(self%id)
-    if (present(error)) call check(status, self%path, error)
-  end subroutine close_file
 
 end module bw_result_file

@@ -1,24 +1,21 @@
 module bw_result_header
   !! What a result file says before its first case: global attributes, coordinates, and the inputs.
-  use bw_kinds, only: dp, i4, i8
-  use bw_case_result, only: case_done
+  use bw_kinds, only: dp, i4
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
-  use bw_late_values, only: late_values
-  use bw_netcdf, only: check, define_variable, put_words, text_attribute
-  use bw_result_layout, only: result_layout, has_dimension, dimension_length
-  use bw_scene, only: scene_type
-  use bw_scene_method, only: method_name
+  use bw_netcdf, only: netcdf_file, variable_text
+  use bw_result_layout, only: dimension_length, has, result_layout
+  use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
   use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text, values_of_sweep
-  use bw_stopwatch, only: stage_count, stage_words
+  use bw_stopwatch, only: stage_words
+  use bw_text, only: joined
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
-  use netcdf, only: nf90_close, nf90_double, nf90_get_var, nf90_global, nf90_inq_dimid, nf90_inq_varid, &
-    nf90_inquire_dimension, nf90_inquire_variable, nf90_int, nf90_noerr, nf90_nowrite, nf90_open, nf90_put_att
+  use netcdf, only: nf90_global, nf90_put_att
   implicit none (type, external)
   private
-  public :: put_global_attributes, put_coordinates, put_inputs, swept_names, holds_scene, cases_not_trusted, source_text
+  public :: coordinates_of, put_global_attributes, put_coordinates, put_inputs, swept_names, source_text
 
 contains
 
@@ -28,55 +25,9 @@ contains
     text = 'beamwave '//program_version//' ('//program_commit//')'
   end function source_text
 
-  logical function holds_scene(path, scene, study) result(same)
-    !! Whether a file is the result, finished or not, of the same resolved scene by the same version.
-    character(*), intent(in) :: path
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
-    integer :: id, status
-    status = nf90_open(path, nf90_nowrite, id)
-    same = status == nf90_noerr
-    if (.not. same) return
-    same = text_attribute(id, 'scene') == resolved_text(scene)
-    if (same) same = text_attribute(id, 'source') == source_text()
-    if (same .and. present(study)) same = text_attribute(id, 'study') == study
-    if (same .and. .not. present(study)) same = text_attribute(id, 'study') == ''
-    status = nf90_close(id)
-  end function holds_scene
-
-  integer(i8) function cases_not_trusted(path) result(cases)
-    !! How many cases of a finished result hold numbers that cannot be trusted; of a scene without sweeps 1 or 0.
-    character(*), intent(in) :: path
-    integer, parameter :: at_once = 65536
-    integer :: dimension(1), file, first, length, rank, status, variable
-    integer, allocatable :: ended(:)
-    cases = 0
-    if (nf90_open(path, nf90_nowrite, file) /= nf90_noerr) return
-    length = 1
-    status = nf90_inq_varid(file, 'case_status', variable)
-    if (status == nf90_noerr) status = nf90_inquire_variable(file, variable, ndims=rank)
-    if (status == nf90_noerr .and. rank == 1) then
-      status = nf90_inquire_variable(file, variable, dimids=dimension)
-      if (status == nf90_noerr) status = nf90_inquire_dimension(file, dimension(1), len=length)
-    end if
-    do first = 1, length, at_once
-      if (status /= nf90_noerr) exit
-      allocate (ended(min(at_once, length - first + 1)))
-      if (rank == 1) then
-        status = nf90_get_var(file, variable, ended, start=[first])
-      else
-        status = nf90_get_var(file, variable, ended(1))
-      end if
-      if (status == nf90_noerr) cases = cases + count(ended /= case_done)
-      deallocate (ended)
-    end do
-    status = nf90_close(file)
-  end function cases_not_trusted
-
-  subroutine put_global_attributes(file, path, scene, error, study)
+  subroutine put_global_attributes(file, scene, error, study)
     !! What the file says of itself: scene, program, method. **Errors**: `status_bad_file`.
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
+    class(netcdf_file), intent(in) :: file
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
@@ -84,41 +35,21 @@ contains
     character(:), allocatable :: command
     command = 'run'
     if (present(study)) command = study
-    call put('Conventions', 'CF-1.11')
-    call check(nf90_put_att(file, nf90_global, 'format_version', format_version), path, error)
-    call put('title', scene%header%title)
-    call put('source', source_text())
-    call put('created', time_stamp())
-    call put('history', time_stamp()//': beamwave '//command//' '//scene%file)
-    if (present(study)) call put('study', study)
-    call put('scene', resolved_text(scene))
-    call put('effects', effects_text(scene))
-    call put('method', method_name(scene))
-    call put('notes', '')
-    call put('compiler', program_compiler//merge(', tuned for its processor', repeat(' ', 25), program_native))
-    call put('libraries', program_libraries)
-  contains
-    subroutine put(name, text)
-      character(*), intent(in) :: name, text
-      call check(nf90_put_att(file, nf90_global, name, trim(text)), path, error)
-    end subroutine put
+    call file%put_text('Conventions', 'CF-1.11', error)
+    if (.not. allocated(error)) call file%check(nf90_put_att(file%id, nf90_global, 'format_version', format_version), error)
+    call file%put_text('title', trim(scene%header%title), error)
+    call file%put_text('source', source_text(), error)
+    call file%put_text('created', time_stamp(), error)
+    call file%put_text('history', time_stamp()//': beamwave '//command//' '//scene%file, error)
+    if (present(study)) call file%put_text('study', study, error)
+    call file%put_text('scene', trim(resolved_text(scene)), error)
+    call file%put_text('effects', effect_names(scene), error)
+    call file%put_text('method', trim(method_name(scene)), error)
+    call file%put_text('notes', '', error)
+    call file%put_text('compiler', program_compiler//trim(merge(', tuned for its processor', repeat(' ', 25), program_native)), &
+                       error)
+    call file%put_text('libraries', program_libraries, error)
   end subroutine put_global_attributes
-
-  pure function effects_text(scene) result(text)
-    !! Names of the effect and event groups that are there.
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: text
-    text = ''
-    if (allocated(scene%rotation)) text = text//' rotation'
-    if (allocated(scene%stiffening)) text = text//' stiffening'
-    if (allocated(scene%shear)) text = text//' shear'
-    if (allocated(scene%damping)) text = text//' damping'
-    if (allocated(scene%impact)) text = text//' impact'
-    if (allocated(scene%capture)) text = text//' capture'
-    if (allocated(scene%release)) text = text//' release'
-    if (allocated(scene%recontact)) text = text//' recontact'
-    text = trim(adjustl(text))
-  end function effects_text
 
   function time_stamp() result(text)
     !! Now, as ISO 8601.
@@ -131,74 +62,65 @@ contains
       zone(1:3)//':'//zone(4:5)
   end function time_stamp
 
-  subroutine put_coordinates(file, path, scene, layout, late, error)
-    !! Coordinate variables, which are known before any case is run. **Errors**: `status_bad_file`.
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
+  pure function coordinates_of(layout) result(rows)
+    !! The coordinate variables of a result, which are known before any case is run: integers count from 1.
+    type(result_layout), intent(in) :: layout
+    type(variable_text), allocatable :: rows(:)
+    integer :: i
+    rows = [ &
+      number_of('case', 'number of the case'), &
+      number_of('mode', 'mode number k'), &
+      number_of('mode_before', 'mode number k before the capture'), &
+      number_of('event', 'number of the event'), &
+      number_of('peak', 'number of the measured peak, by frequency'), &
+      number_of('stage', 'stage of the work', joined(stage_words)), &
+      variable_text('profile_position', 'profile', '1', 'place along the beam, x/l', is_complete=.true.), &
+      variable_text('point_position', 'point', '1', 'place along the beam, x/l', is_complete=.true.), &
+      variable_text('time', 'time', 's', 'time since the impact', is_complete=.true.), &
+      variable_text('frequency', 'frequency', 'Hz', 'frequency', is_complete=.true.)]
+    rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)), i=1, size(rows))])
+  end function coordinates_of
+
+  pure type(variable_text) function number_of(name, long_name, flags) result(row)
+    !! A coordinate that counts from 1.
+    character(*), intent(in) :: name, long_name
+    character(*), intent(in), optional :: flags       !! what the numbers stand for, by spaces
+    row = variable_text(name, name, '1', long_name, is_integer=.true., first_flag=1)
+    if (present(flags)) row%flags = flags
+  end function number_of
+
+  subroutine put_coordinates(file, scene, layout, error)
+    !! Coordinate variables. **Errors**: `status_bad_file`.
+    class(netcdf_file), intent(inout) :: file
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
-    integer :: j
-    call put_numbers(file, path, layout, 'case', 'number of the case', late, error)
-    call put_numbers(file, path, layout, 'mode', 'mode number k', late, error)
-    call put_numbers(file, path, layout, 'mode_before', 'mode number k before the capture', late, error)
-    call put_numbers(file, path, layout, 'event', 'number of the event', late, error)
-    call put_numbers(file, path, layout, 'peak', 'number of the measured peak, by frequency', late, error)
-    call put_stages(file, path, late, error)
-    if (has_dimension(layout, 'profile')) call put_axis(file, path, 'profile_position', 'profile', '1', &
-      'place along the beam, x/l', [(real(j, dp)/(layout%profile - 1), j=0, layout%profile - 1)], late, error)
-    if (.not. has_dimension(layout, 'time')) return
-    call put_axis(file, path, 'point_position', 'point', '1', 'place along the beam, x/l', scene%response%points, late, error)
-    call put_axis(file, path, 'time', 'time', 's', 'time since the impact', &
-                  sample_times(scene%response%duration, scene%response%samples), late, error)
-    if (has_dimension(layout, 'frequency')) call put_axis(file, path, 'frequency', 'frequency', 'Hz', 'frequency', &
-      frequency_axis(scene%response%samples, scene%response%duration), late, error)
+    type(variable_text), allocatable :: rows(:)
+    integer :: i
+    rows = coordinates_of(layout)
+    do i = 1, size(rows)
+      if (rows(i)%is_integer) then
+        call file%define_known(rows(i), error, count=dimension_length(layout, trim(rows(i)%dimensions)))
+      else
+        call file%define_known(rows(i), error, axis(scene, trim(rows(i)%name)))
+      end if
+    end do
   end subroutine put_coordinates
 
-  subroutine put_numbers(file, path, layout, name, long_name, late, error)
-    !! A coordinate that counts from 1.
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
-    type(result_layout), intent(in) :: layout
-    character(*), intent(in) :: name, long_name
-    type(late_values), intent(inout) :: late
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: dimension, variable
-    if (.not. has_dimension(layout, name) .or. allocated(error)) return
-    call check(nf90_inq_dimid(file, name, dimension), path, error)
-    call define_variable(file, path, name, nf90_int, [dimension], '1', long_name, variable, error)
-    if (allocated(error)) return
-    call late%add_numbers(variable, dimension_length(layout, name))
-  end subroutine put_numbers
-
-  subroutine put_stages(file, path, late, error)
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
-    type(late_values), intent(inout) :: late
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: dimension, variable, i
-    call check(nf90_inq_dimid(file, 'stage', dimension), path, error)
-    if (allocated(error)) return
-    call define_variable(file, path, 'stage', nf90_int, [dimension], '1', 'stage of the work', variable, error)
-    if (allocated(error)) return
-    call put_words(file, path, variable, stage_words, 1, error)
-    call late%add(variable, [(real(i, dp), i=1, stage_count)])
-  end subroutine put_stages
-
-  subroutine put_axis(file, path, name, dimension_name, units, long_name, values, late, error)
-    integer, intent(in) :: file
-    character(*), intent(in) :: path, name, dimension_name, units, long_name
-    real(dp), intent(in) :: values(:)
-    type(late_values), intent(inout) :: late
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: dimension, variable
-    if (allocated(error)) return
-    call check(nf90_inq_dimid(file, dimension_name, dimension), path, error)
-    call define_variable(file, path, name, nf90_double, [dimension], units, long_name, variable, error, coordinate=.true.)
-    if (allocated(error)) return
-    call late%add(variable, values)
-  end subroutine put_axis
+  pure function axis(scene, name) result(values)
+    !! Places along the beam, times in s, or frequencies in Hz.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: name                  !! of the coordinate
+    real(dp), allocatable :: values(:)
+    integer :: j
+    select case (name)
+    case ('profile_position')
+      values = [(real(j, dp)/(scene%impact%profile_points - 1), j=0, scene%impact%profile_points - 1)]
+    case ('point_position'); values = scene%response%points
+    case ('time'); values = sample_times(scene%response%duration, scene%response%samples)
+    case ('frequency'); values = frequency_axis(scene%response%samples, scene%response%duration)
+    end select
+  end function axis
 
   pure function swept_names(scene) result(names)
     !! Variables of the swept inputs, by spaces.
@@ -215,48 +137,34 @@ contains
   end function swept_names
 
   pure function input_variable(input) result(name)
+    !! The variable of an input, as `beam_length`.
     type(numeric_input), intent(in) :: input
     character(:), allocatable :: name
     name = trim(input%group)//'_'//trim(input%name)
   end function input_variable
 
-  subroutine put_inputs(file, path, scene, late, error)
-    !! Every number of the resolved scene, scalar or (case).
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
+  subroutine put_inputs(file, scene, error)
+    !! Every number of the resolved scene, scalar or (case). **Errors**: `status_bad_file`.
+    class(netcdf_file), intent(inout) :: file
     type(scene_type), intent(in) :: scene
-    type(late_values), intent(inout) :: late
     type(error_type), allocatable, intent(inout) :: error
     type(numeric_input), allocatable :: inputs(:)
+    type(variable_text) :: text
     integer :: i
     inputs = numeric_inputs(scene)
     do i = 1, size(inputs)
-      if (allocated(error)) return
-      call put_input(file, path, scene, inputs(i), late, error)
+      associate (input => inputs(i))
+        text = variable_text(input_variable(input), '', input%unit, input%meaning, is_integer=input%is_integer, &
+                             is_complete=.true.)
+        if (input%is_swept) then
+          text%dimensions = 'case'
+          call file%define_known(text, error, values_of_sweep(scene, input), times_in_a_row(scene, input%sweep), &
+                                 int(case_count(scene)))
+        else
+          call file%define_known(text, error, [input%value])
+        end if
+      end associate
     end do
   end subroutine put_inputs
-
-  subroutine put_input(file, path, scene, input, late, error)
-    integer, intent(in) :: file
-    character(*), intent(in) :: path
-    type(scene_type), intent(in) :: scene
-    type(numeric_input), intent(in) :: input
-    type(late_values), intent(inout) :: late
-    type(error_type), allocatable, intent(inout) :: error
-    integer, allocatable :: dimensions(:)
-    integer :: variable, kind
-    kind = merge(nf90_int, nf90_double, input%is_integer)
-    allocate (dimensions(merge(1, 0, input%is_swept)))
-    if (input%is_swept) call check(nf90_inq_dimid(file, 'case', dimensions(1)), path, error)
-    call define_variable(file, path, input_variable(input), kind, dimensions, trim(input%unit), input%meaning, variable, &
-                         error, coordinate=.true.)
-    if (allocated(error)) return
-    if (input%is_swept) then
-      call late%add_repeated(variable, values_of_sweep(scene, input), times_in_a_row(scene, input%sweep), &
-                             int(case_count(scene)))
-    else
-      call late%add(variable, [input%value], is_scalar=.true.)
-    end if
-  end subroutine put_input
 
 end module bw_result_header

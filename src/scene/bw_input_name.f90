@@ -8,7 +8,8 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, quoted_words, range_text
+  public :: accepted_text, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, &
+    place_of, quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
   integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5
@@ -34,6 +35,8 @@ module bw_input_name
     logical :: required = .false.
     logical :: implied = .false.             !! absent is the same as empty
     logical :: repeatable = .false.
+    logical :: is_effect = .false.           !! an effect or an event: a result names it in its attribute `effects`
+    logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form here
   end type input_group
 
   type, public :: input_name
@@ -50,6 +53,7 @@ module bw_input_name
     character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
     character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
     character(80) :: meaning = ''
+    logical :: changes_shapes = .false.      !! where it is not 0, modes have no closed form here
   end type input_name
 
 contains
@@ -78,6 +82,13 @@ contains
     type(input_name), intent(in) :: row
     is_sweepable = row%swept .and. is_number(row)
   end function is_sweepable
+
+  pure function place_of(row) result(place)
+    !! `group%name`, as messages and sweeps call it.
+    type(input_name), intent(in) :: row
+    character(:), allocatable :: place
+    place = trim(row%group)//'%'//trim(row%name)
+  end function place_of
 
   pure function kind_text(row) result(text)
     !! `real`, `whole number`, `logical`, `text`, `reals`.

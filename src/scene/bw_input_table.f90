@@ -1,6 +1,7 @@
 module bw_input_table
-  !! The table of input names: all groups and all their rows, in the order in which they are shown.
-  !! A new group is one file in `groups/`, its line in each of the two lists here, and its component in `bw_scene`.
+  !! The table of input names: all groups and all their rows, in the order in which they are shown; and what to say of groups
+  !! and names that are not in it: the known ones, and the one that was likely meant.
+  !! A new group is one file in `groups/`, its line in each of the two lists here, and its lines in `bw_scene`.
   use bw_beam_par, only: beam_group, beam_names
   use bw_capture_par, only: capture_group, capture_names
   use bw_damping_par, only: damping_group, damping_names
@@ -16,9 +17,10 @@ module bw_input_table
   use bw_spectrum_par, only: spectrum_group, spectrum_names
   use bw_stiffening_par, only: stiffening_group, stiffening_names
   use bw_sweep_par, only: sweep_group, sweep_names
+  use bw_text, only: joined
   implicit none (type, external)
   private
-  public :: group_row, name_row, rows_of, names_of
+  public :: closest, group_row, name_row, rows_of, suggestion, unknown_group, unknown_name
 
   type(input_group), parameter, public :: group_table(*) = [ &
     scene_group, &
@@ -78,11 +80,80 @@ contains
     rows = pack([(i, i=1, size(name_table))], name_table%group == group)
   end function rows_of
 
-  pure function names_of(group) result(names)
-    !! The names of a group, (n).
+  pure function unknown_group(group) result(text)
+    !! Message for a group that is not in the table.
     character(*), intent(in) :: group
+    character(:), allocatable :: text
+    text = 'is no known group'//suggestion(group, group_table%name, '&')//'; accepted: '//joined(group_table%name, '&')
+  end function unknown_group
+
+  pure function unknown_name(group, name) result(text)
+    !! Message for a name that is not in its group.
+    character(*), intent(in) :: group, name
+    character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
+    integer :: i
     names = pack(name_table%name, name_table%group == group)
-  end function names_of
+    text = suggestion(name, names, '')
+    i = findloc(name_table%name, name, dim=1)
+    if (text == '' .and. i > 0) text = ' (it belongs to &'//trim(name_table(i)%group)//')'
+    if (index(name, '%') > 0) text = ' (write the group as &group and its names alone)'
+    if (index(name, '(') > 0) text = ' (write the values of a list without an index, as points = 0.5, 1.0)'
+    text = 'is no known name'//text//'; accepted: '//joined(names)
+    if (size(names) == 0) text = text//'none'
+  end function unknown_name
+
+  pure integer function closest(word, known)
+    !! Place of the nearest of the known words; 0 where none is near.
+    character(*), intent(in) :: word
+    character(*), intent(in) :: known(:)
+    integer :: i, distance, least
+    closest = 0
+    least = 1 + max(1, len_trim(word)/3)
+    if (len_trim(word) > 2*len(known)) return
+    do i = 1, size(known)
+      distance = edits(trim(word), trim(known(i)))
+      if (distance < least) then
+        least = distance
+        closest = i
+      end if
+    end do
+  end function closest
+
+  pure function suggestion(word, known, before) result(text)
+    !! ` (did you mean &beam?)`, or nothing.
+    character(*), intent(in) :: word
+    character(*), intent(in) :: known(:)
+    character(*), intent(in) :: before        !! stands before the word that is suggested
+    character(:), allocatable :: text
+    integer :: i
+    i = closest(word, known)
+    text = ''
+    if (i > 0) text = ' (did you mean '//before//trim(known(i))//'?)'
+  end function suggestion
+
+  pure integer function edits(a, b)
+    !! Letters inserted, dropped, replaced or swapped with their neighbour on the way from a to b
+    !! (optimal string alignment).
+    character(*), intent(in) :: a, b
+    integer :: table(0:len(a), 0:len(b)), i, j
+    table(:, 0) = [(i, i=0, len(a))]
+    table(0, :) = [(j, j=0, len(b))]
+    do j = 1, len(b)
+      do i = 1, len(a)
+        table(i, j) = min(table(i - 1, j) + 1, table(i, j - 1) + 1, &
+                          table(i - 1, j - 1) + merge(0, 1, a(i:i) == b(j:j)))
+        if (swapped(a(:i), b(:j))) table(i, j) = min(table(i, j), table(max(i - 2, 0), max(j - 2, 0)) + 1)
+      end do
+    end do
+    edits = table(len(a), len(b))
+  end function edits
+
+  pure logical function swapped(a, b)
+    !! Do a and b end in the same two letters in opposite order?
+    character(*), intent(in) :: a, b
+    swapped = .false.
+    if (len(a) > 1 .and. len(b) > 1) swapped = a(len(a) - 1:) == b(len(b):)//b(len(b) - 1:len(b) - 1)
+  end function swapped
 
 end module bw_input_table

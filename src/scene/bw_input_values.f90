@@ -2,13 +2,15 @@ module bw_input_values
   !! What the groups of a scene say, value by value: between the text of the scene and its types.
   use bw_kinds, only: dp
   use bw_input_name, only: name_length
+  use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: is_new, position_of
+  public :: position_of
 
   type, public :: input_value
     !! What a scene says about one name.
     character(name_length) :: name = ''
+    integer :: row = 0                         !! its place in `name_table`
     integer :: line = 0                        !! where it is said; 0: nowhere
     logical :: given = .false.                 !! named in its group, or swept
     logical :: known = .false.                 !! has a value: given, by default, or settled from others
@@ -24,6 +26,7 @@ module bw_input_values
   type, public :: group_values
     !! What a scene says in one group: a value for each row of the group in the table of names.
     character(name_length) :: group = ''
+    integer :: row = 0                         !! its place in `group_table`
     integer :: line = 0                        !! where the group opens; 0 where it is only implied
     logical :: changed = .true.                !! values are others than those that the scene was built from last
     type(input_value), allocatable :: values(:)
@@ -35,6 +38,8 @@ module bw_input_values
     procedure :: whole
     procedure :: text
     procedure :: line_of
+    procedure :: is_swept
+    procedure :: number_or_swept
     procedure :: settle
     procedure :: drop
   end type group_values
@@ -46,53 +51,35 @@ contains
     type(group_values), intent(in) :: groups(:)
     character(*), intent(in) :: group
     do position_of = size(groups), 1, -1
-      if (same(groups(position_of)%group, group)) return
+      if (groups(position_of)%group == group) return
     end do
   end function position_of
-
-  pure logical function is_new(groups, group)
-    !! The group is there, and what was built from it last holds no more.
-    type(group_values), intent(in) :: groups(:)
-    character(*), intent(in) :: group
-    integer :: i
-    do i = 1, size(groups)
-      is_new = groups(i)%changed
-      if (is_new) is_new = same(groups(i)%group, group)
-      if (is_new) return
-    end do
-    is_new = .false.
-  end function is_new
 
   pure integer function at(self, name)
     !! Place of a name in its group; 0 where the group has no such name.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     do at = size(self%values), 1, -1
-      if (same(self%values(at)%name, name)) return
+      if (self%values(at)%name == name) return
     end do
   end function at
 
-  pure logical function same(one, other)
-    !! `one == other`, which is a call of the library, made only where the first letters agree: cases of a sweep look up
-    !! names by the hundred.
-    character(*), intent(in) :: one, other        !! not empty
-    same = one(1:1) == other(1:1)
-    if (same) same = one == other
-  end function same
-
   pure logical function given(self, name)
+    !! The name stands in its group, or a sweep varies it.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     given = self%values(self%at(name))%given
   end function given
 
   pure logical function known(self, name)
+    !! The name has a value.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     known = self%values(self%at(name))%known
   end function known
 
   pure real(dp) function number(self, name)
+    !! The value of a real or a whole number.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     number = self%values(self%at(name))%number
@@ -106,6 +93,7 @@ contains
   end function whole
 
   pure function text(self, name)
+    !! The value of a text.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     character(:), allocatable :: text
@@ -113,10 +101,28 @@ contains
   end function text
 
   pure integer function line_of(self, name)
+    !! Line of the scene at which the name is given; 0 where it is not.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     line_of = self%values(self%at(name))%line
   end function line_of
+
+  pure logical function is_swept(self, name)
+    !! A sweep gives its values, or those that it follows from.
+    class(group_values), intent(in) :: self
+    character(*), intent(in) :: name
+    is_swept = self%values(self%at(name))%sweep > 0
+  end function is_swept
+
+  pure function number_or_swept(self, name, unit) result(text)
+    !! A number to six digits as reports show it, or the word `swept`.
+    class(group_values), intent(in) :: self
+    character(*), intent(in) :: name
+    character(*), intent(in) :: unit           !! with the blank before it
+    character(:), allocatable :: text
+    text = shortest(self%number(name), 6)//unit
+    if (self%is_swept(name)) text = 'swept'
+  end function number_or_swept
 
   pure subroutine settle(self, name, number, sweep)
     !! Give a number that follows from others; `sweep` is the sweep that it then follows.

@@ -1,24 +1,28 @@
 module bw_scene
-  !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent.
-  use bw_beam_par, only: beam_mass, beam_par, build_beam
-  use bw_capture_par, only: build_capture, capture_par
-  use bw_damping_par, only: build_damping, damping_par
-  use bw_impact_par, only: build_impact, impact_par
-  use bw_input_values, only: group_values, is_new
-  use bw_modes_par, only: build_modes, modes_par
-  use bw_recontact_par, only: build_recontact, recontact_par
-  use bw_release_par, only: build_release, release_par
-  use bw_response_par, only: build_response, response_par
-  use bw_rotation_par, only: build_rotation, rotation_par
+  !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent. Here each group's
+  !! own file is asked for what it knows: its rules, its values that follow from others, its component, its words in a report.
+  use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
+  use bw_capture_par, only: build_capture, capture_par, capture_text
+  use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
+  use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
+  use bw_input_table, only: group_table, name_table
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp
+  use bw_modes_par, only: build_modes, modes_par, settle_modes
+  use bw_recontact_par, only: build_recontact, check_recontact, recontact_par
+  use bw_release_par, only: build_release, release_par, release_text
+  use bw_response_par, only: build_response, check_response, response_par
+  use bw_rotation_par, only: build_rotation, rotation_par, rotation_text
   use bw_scene_messages, only: message_list
   use bw_scene_par, only: build_header, scene_par
-  use bw_shear_par, only: build_shear, shear_par
-  use bw_spectrum_par, only: build_spectrum, spectrum_par
-  use bw_stiffening_par, only: build_stiffening, stiffening_par
-  use bw_sweep_par, only: sweep_par
+  use bw_shear_par, only: build_shear, check_shear, settle_shear, shear_par, shear_text
+  use bw_spectrum_par, only: build_spectrum, check_spectrum, spectrum_par
+  use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
+  use bw_sweep_par, only: check_sweep, sweep_par
   implicit none (type, external)
   private
-  public :: build_scene
+  public :: build_scene, check_rules, check_rules_together, settle_groups
+  public :: changes_shapes, effect_names, effects_text, method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -48,23 +52,145 @@ contains
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    integer :: before
+    integer :: before, beam, g
     before = messages%count
-    if (is_new(scene%groups, 'scene')) call build_header(scene%groups, scene%header)
-    if (is_new(scene%groups, 'beam')) call build_beam(scene%groups, scene%beam, messages)
+    beam = position_of(scene%groups, 'beam')
+    if (scene%groups(beam)%changed) call build_beam(scene%groups(beam), scene%beam, messages)
     if (messages%count > before) return
-    if (is_new(scene%groups, 'rotation')) call build_rotation(scene%groups, scene%rotation)
-    if (is_new(scene%groups, 'stiffening')) call build_stiffening(scene%groups, scene%stiffening)
-    if (is_new(scene%groups, 'shear')) call build_shear(scene%groups, scene%shear)
-    if (is_new(scene%groups, 'damping')) call build_damping(scene%groups, scene%damping)
-    if (is_new(scene%groups, 'impact') .or. is_new(scene%groups, 'beam')) &
-      call build_impact(scene%groups, beam_mass(scene%beam), scene%impact, messages)
-    if (is_new(scene%groups, 'capture')) call build_capture(scene%groups, scene%capture)
-    if (is_new(scene%groups, 'release')) call build_release(scene%groups, scene%release)
-    if (is_new(scene%groups, 'recontact')) call build_recontact(scene%groups, scene%recontact)
-    if (is_new(scene%groups, 'modes')) call build_modes(scene%groups, scene%modes)
-    if (is_new(scene%groups, 'response')) call build_response(scene%groups, scene%response)
-    if (is_new(scene%groups, 'spectrum')) call build_spectrum(scene%groups, scene%spectrum)
+    do g = 1, size(scene%groups)
+      if (scene%groups(g)%changed .or. (scene%groups(g)%group == 'impact' .and. scene%groups(beam)%changed)) &
+        call build_group(scene, g, messages)
+    end do
   end subroutine build_scene
+
+  pure subroutine build_group(scene, g, messages)
+    !! Build the component of one group; the beam's is there.
+    type(scene_type), intent(inout) :: scene
+    integer, intent(in) :: g                       !! the group's place among `scene%groups`
+    type(message_list), intent(inout) :: messages
+    select case (scene%groups(g)%group)
+    case ('scene'); scene%header = build_header(scene%groups(g))
+    case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
+    case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
+    case ('shear'); scene%shear = build_shear(scene%groups(g))
+    case ('damping'); scene%damping = build_damping(scene%groups(g))
+    case ('impact'); call build_impact(scene%groups(g), beam_mass(scene%beam), scene%impact, messages)
+    case ('capture'); scene%capture = build_capture(scene%groups(g))
+    case ('release'); scene%release = build_release(scene%groups(g))
+    case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
+    case ('modes'); scene%modes = build_modes(scene%groups(g))
+    case ('response'); scene%response = build_response(scene%groups(g))
+    case ('spectrum'); scene%spectrum = build_spectrum(scene%groups(g))
+    case default                                   ! the beam was built before
+    end select
+  end subroutine build_group
+
+
+  pure subroutine check_rules(group, messages)
+    !! The rules of a group's own names, those apart that the table of names tells.
+    type(group_values), intent(in) :: group
+    type(message_list), intent(inout) :: messages
+    select case (group%group)
+    case ('beam'); call check_beam(group, messages)
+    case ('damping'); call check_damping(group, messages)
+    case ('impact'); call check_impact(group, messages)
+    case ('response'); call check_response(group, messages)
+    case ('sweep'); call check_sweep(group, messages)
+    case default                                   ! the others have no rules of their own
+    end select
+  end subroutine check_rules
+
+  pure subroutine check_rules_together(groups, messages)
+    !! The rules that groups have with each other, their needs apart.
+    type(group_values), intent(in) :: groups(:)    !! without &sweep
+    type(message_list), intent(inout) :: messages
+    call check_shear(groups, messages)
+    call check_spectrum(groups, messages)
+    call check_recontact(groups, messages)
+  end subroutine check_rules_together
+
+  pure subroutine settle_groups(groups, messages)
+    !! Fill in the values of new groups that follow from others, which may change from case to case.
+    type(group_values), intent(inout) :: groups(:)   !! of one case
+    type(message_list), intent(inout) :: messages
+    logical :: struck, captured
+    integer :: g
+    do g = 1, size(groups)
+      if (.not. groups(g)%changed) cycle
+      select case (groups(g)%group)
+      case ('damping'); call settle_damping(groups(g))
+      case ('shear'); call settle_shear(groups)
+      case ('modes')
+        struck = position_of(groups, 'impact') > 0
+        captured = struck .and. position_of(groups, 'capture') > 0
+        call settle_modes(groups(g), struck .and. .not. captured, captured, position_of(groups, 'response') > 0, messages)
+      case default                                   ! nothing follows from others
+      end select
+    end do
+  end subroutine settle_groups
+
+  pure function effects_text(scene) result(text)
+    !! The effects and events of a scene with their numbers, as a report tells them.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    integer :: i, g
+    text = ''
+    do i = 1, size(group_table)
+      g = position_of(scene%groups, group_table(i)%name)
+      if (g == 0) cycle
+      select case (group_table(i)%name)
+      case ('rotation'); text = text//', '//rotation_text(scene%groups(g))
+      case ('stiffening'); text = text//', '//stiffening_text(scene%groups(g))
+      case ('shear'); text = text//', '//shear_text(scene%groups(g))
+      case ('damping'); text = text//', '//damping_text(scene%groups(g))
+      case ('impact')
+        text = text//', '//impact_text(scene%groups(g), scene%impact)
+        if (.not. allocated(scene%capture)) text = text//', rebound'
+      case ('capture'); text = text//', '//capture_text(scene%groups(g))
+      case ('release'); text = text//', '//release_text(scene%groups(g))
+      case ('recontact'); text = text//' and recontact'
+      case default                                   ! no effect
+      end select
+    end do
+    if (text == '') text = ', none: modes and wave velocities of the beam alone'
+    text = text(3:)
+  end function effects_text
+
+  pure function effect_names(scene) result(names)
+    !! The groups of a scene that are effects or events, by blanks, in the order of the table of groups.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: names
+    integer :: i
+    names = ''
+    do i = 1, size(group_table)
+      if (group_table(i)%is_effect .and. any(scene%groups%row == i)) names = names//' '//trim(group_table(i)%name)
+    end do
+    names = trim(adjustl(names))
+  end function effect_names
+
+  pure logical function changes_shapes(scene) result(changes)
+    !! Its modes have no closed form here: a group is there, or a number is not 0, of which the table says so.
+    type(scene_type), intent(in) :: scene
+    integer :: g, v
+    do g = 1, size(scene%groups)
+      changes = group_table(scene%groups(g)%row)%changes_shapes
+      if (changes) return
+      do v = 1, size(scene%groups(g)%values)
+        associate (value => scene%groups(g)%values(v))
+          changes = name_table(value%row)%changes_shapes .and. value%number /= 0.0_dp
+        end associate
+        if (changes) return
+      end do
+    end do
+    changes = .false.
+  end function changes_shapes
+
+  pure function method_name(scene) result(name)
+    !! How the modes of a scene are found.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: name
+    name = 'closed form'
+    if (changes_shapes(scene)) name = 'galerkin'
+  end function method_name
 
 end module bw_scene

@@ -3,10 +3,9 @@ module bw_scene_cases
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value
   use bw_kinds, only: i8
-  use bw_scene, only: build_scene, scene_type
-  use bw_scene_checks, only: settle_groups
+  use bw_scene, only: build_scene, scene_type, settle_groups
+  use bw_scene_checks, only: check_scales
   use bw_scene_messages, only: message_list
-  use bw_scene_scales, only: check_scales
   use bw_text, only: text_of
   implicit none (type, external)
   private
@@ -25,17 +24,17 @@ contains
   end function case_count
 
   pure function case_positions(scene, index) result(positions)
-    !! Which value of each sweep a case takes, (n_sweeps).
+    !! Which value of each sweep a case has, (n_sweeps).
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
     integer :: positions(size(scene%sweeps))
-    integer(i8) :: rest
+    integer(i8) :: remainder
     integer :: i, n
-    rest = index - 1
+    remainder = index - 1
     do i = size(positions), 1, -1
       n = size(scene%sweeps(i)%values)
-      positions(i) = 1 + int(mod(rest, int(n, i8)))
-      rest = rest/n
+      positions(i) = 1 + int(mod(remainder, int(n, i8)))
+      remainder = remainder/n
     end do
   end function case_positions
 
@@ -65,11 +64,11 @@ contains
       return
     end if
     messages%file = scene%file
-    call take_case(scene, case_positions(scene, index), one, messages)
+    call set_case(scene, case_positions(scene, index), one, messages)
     if (messages%count > 0) call fail(error, status_bad_input, messages%text())
   end subroutine case_scene
 
-  pure subroutine take_case(scene, positions, one, messages)
+  pure subroutine set_case(scene, positions, one, messages)
     !! Put the values of one case in their places.
     type(scene_type), intent(in) :: scene
     integer, intent(in) :: positions(:)           !! (n_sweeps)
@@ -87,10 +86,10 @@ contains
       end do
     end if
     do g = 1, size(one%groups)
-      if (one%groups(g)%changed) call take_values(scene, scene%groups(g)%values, positions, one%groups(g)%values)
+      if (one%groups(g)%changed) call set_values(scene, scene%groups(g)%values, positions, one%groups(g)%values)
     end do
     call build(one, messages)
-  end subroutine take_case
+  end subroutine set_case
 
   pure logical function differs(scene, given, positions, values)
     !! Some swept number of a group is not what it was, to the bit: zeros have signs.
@@ -109,7 +108,7 @@ contains
     end do
   end function differs
 
-  pure subroutine take_values(scene, given, positions, values)
+  pure subroutine set_values(scene, given, positions, values)
     !! The numbers of a group, as they were before any was settled. Texts and lists are those of all cases.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: given(:)     !! of all cases
@@ -126,7 +125,7 @@ contains
         values(v)%number = scene%sweeps(given(v)%sweep)%values(positions(given(v)%sweep))
       end if
     end do
-  end subroutine take_values
+  end subroutine set_values
 
   pure subroutine complete(scene, messages)
     !! From checked values to the components of a scene; report what does not fit together.
@@ -156,7 +155,7 @@ contains
     end do
     do corner = 0, 2**size(scene%sweeps) - 1
       positions = [(ends(1 + ibits(corner, i - 1, 1), i), i=1, size(scene%sweeps))]
-      call take_case(scene, positions, one, messages)
+      call set_case(scene, positions, one, messages)
       if (messages%count == 0) call check_scales(one, messages)
       if (messages%count > 0) return
     end do

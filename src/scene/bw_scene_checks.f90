@@ -1,23 +1,23 @@
 module bw_scene_checks
-  !! What the names of a group, and the groups of a scene, have to do with each other.
-  use bw_beam_par, only: check_beam
-  use bw_damping_par, only: check_damping, settle_damping
-  use bw_impact_par, only: check_impact
-  use bw_input_name, only: accepted_text, has_word
-  use bw_input_table, only: group_row, group_table, name_table, rows_of
-  use bw_input_values, only: group_values, is_new, position_of
-  use bw_modes_par, only: settle_modes
-  use bw_recontact_par, only: check_recontact
-  use bw_response_par, only: check_response
-  use bw_scene_entries, only: place_of
-  use bw_scene_messages, only: message_list
-  use bw_shear_par, only: check_shear, settle_shear
-  use bw_spectrum_par, only: check_spectrum
-  use bw_sweep_par, only: check_sweep
-  use bw_text, only: text_of
+  !! What the names of a group, and the groups of a scene, have to do with each other; and the scales that follow from the
+  !! inputs of a case and have to fit into double precision, so that no later stage overflows for a reason that was visible in
+  !! the scene. They are formed in extended precision.
+  use bw_beam_par, only: beam_mass
+  use bw_damping_par, only: by_ratio
+  use bw_input_name, only: accepted_text, has_word, name_length, place_of
+  use bw_input_table, only: group_table, name_table
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp, qp
+  use bw_scene, only: changes_shapes, check_rules, check_rules_together, scene_type
+  use bw_scene_messages, only: check_product, message_list
+  use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: check_group, check_groups, settle_groups
+  public :: check_group, check_groups, check_scales
+
+  integer, parameter :: most_galerkin_modes = 500   !! of a scene that counts them: seconds of work
+  real(qp), parameter :: longest_phase = 1e18_qp    !! rad: what 32 digits leave of it is right to 1e-13
+  real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 
 contains
 
@@ -35,9 +35,7 @@ contains
         call messages%add(0, '&'//trim(group_table(i)%name), 'is missing; accepted: a scene with this group')
       end if
     end do
-    call check_shear(groups, messages)
-    call check_spectrum(groups, messages)
-    call check_recontact(groups, messages)
+    call check_rules_together(groups, messages)
   end subroutine check_groups
 
   pure subroutine check_needs(groups, i, messages)
@@ -46,7 +44,7 @@ contains
     integer, intent(in) :: i
     type(message_list), intent(inout) :: messages
     integer :: row, j
-    row = group_row(groups(i)%group)
+    row = groups(i)%row
     do j = 1, size(group_table)
       if (.not. has_word(group_table(row)%needs, group_table(j)%name)) cycle
       if (position_of(groups, group_table(j)%name) > 0) cycle
@@ -59,27 +57,18 @@ contains
     !! Names that are required or stand instead of each other, then the group's own rules.
     type(group_values), intent(in) :: group
     type(message_list), intent(inout) :: messages
-    integer, allocatable :: rows(:)
     integer :: i
     integer :: absent          ! line for what is absent: that of the group where there may be several
-    rows = rows_of(group%group)
-    absent = merge(group%line, 0, group_table(group_row(group%group))%repeatable)
-    do i = 1, size(rows)
-      associate (row => name_table(rows(i)))
+    absent = merge(group%line, 0, group_table(group%row)%repeatable)
+    do i = 1, size(group%values)
+      associate (row => name_table(group%values(i)%row))
         if (row%required .and. .not. group%values(i)%given) then
           call messages%add(absent, place_of(row), 'is missing; accepted: '//accepted_text(row))
         end if
         if (group%values(i)%given) call check_excluded(group, i, row%excludes, messages)
       end associate
     end do
-    select case (group%group)
-    case ('beam'); call check_beam(group, messages)
-    case ('damping'); call check_damping(group, messages)
-    case ('impact'); call check_impact(group, messages)
-    case ('response'); call check_response(group, messages)
-    case ('sweep'); call check_sweep(group, messages)
-    case default                                   ! the others have no rules of their own
-    end select
+    call check_rules(group, messages)
   end subroutine check_group
 
   pure subroutine check_excluded(group, i, excludes, messages)
@@ -101,20 +90,126 @@ contains
     end associate
   end subroutine check_excluded
 
-  pure subroutine settle_groups(groups, messages)
-    !! Fill in the values of new groups that follow from others, which may change from case to case.
-    type(group_values), intent(inout) :: groups(:)   !! of one case
+  pure subroutine check_scales(scene, messages)
+    !! Report the scales of a case that are out of range, at the line of the group that they come from.
+    type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    logical :: struck, captured
-    if (is_new(groups, 'damping')) call settle_damping(groups)
-    if (is_new(groups, 'shear')) call settle_shear(groups)
-    if (.not. is_new(groups, 'modes')) return
-    struck = position_of(groups, 'impact') > 0
-    captured = struck .and. position_of(groups, 'capture') > 0
-    associate (modes => groups(position_of(groups, 'modes')))
-      call settle_modes(modes, struck .and. .not. captured, captured, position_of(groups, 'response') > 0, &
-                        messages)
+    real(qp) :: lowest, highest
+    lowest = frequency_scale(scene)
+    highest = lowest*(pi*max(scene%modes%before, scene%modes%after))**2
+    call check(scene, 'beam', beam_mass(scene%beam), 'the mass of the beam', messages)
+    call check(scene, 'beam', lowest**2, 'EI/(rho A l^4), the square of the frequency scale,', messages)
+    call check(scene, 'beam', highest**2, 'the square of the highest frequency', messages)
+    if (allocated(scene%rotation)) then
+      call check(scene, 'rotation', at_least_1(real(scene%rotation%angular_velocity, qp)**2), &
+                 'the square of angular_velocity', messages)
+    end if
+    if (allocated(scene%damping)) then
+      call check(scene, 'damping', at_least_1(highest_damping(scene, highest)**2), 'the square of the highest damping', &
+                 messages)
+    end if
+    if (allocated(scene%impact)) then
+      call check(scene, 'impact', at_least_1(scene%impact%mass*real(scene%impact%approach_velocity, qp)**2), &
+                 'the kinetic energy of the mass', messages)
+    end if
+    call check_method(scene, messages)
+    if (allocated(scene%response)) call check_times(scene, highest, messages)
+  end subroutine check_scales
+
+  pure subroutine check_times(scene, highest, messages)
+    !! The scales of the time histories.
+    type(scene_type), intent(in) :: scene
+    real(qp), intent(in) :: highest              !! frequency [rad/s]
+    type(message_list), intent(inout) :: messages
+    real(qp) :: duration
+    duration = scene%response%duration
+    call check(scene, 'response', duration/scene%response%samples, 'the time between samples', messages)
+    call check(scene, 'response', at_least_1(highest*duration), 'the phase of the highest mode at the end', messages)
+    if (highest*duration > longest_phase) call messages%add( &
+      scene%groups(position_of(scene%groups, 'response'))%line_of('duration'), 'response%duration', &
+      'is so long that the phase of the highest mode is lost; accepted: up to '// &
+      shortest(real(longest_phase/highest, dp), 2)//' s')
+    if (allocated(scene%rotation)) then
+      call check(scene, 'response', at_least_1(abs(scene%rotation%angular_velocity)*duration), 'the angle turned', &
+                 messages)
+    end if
+  end subroutine check_times
+
+  pure subroutine check(scene, group, product, what, messages)
+    !! A product of inputs fits into double precision; `what` says in a message what it is.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: group, what
+    real(qp), intent(in) :: product
+    type(message_list), intent(inout) :: messages
+    integer :: line
+    line = scene%groups(position_of(scene%groups, group))%line
+    call check_product(product, line, '&'//group, what, messages)
+  end subroutine check
+
+  elemental real(qp) function at_least_1(value)
+    !! For products of which only overflow matters.
+    real(qp), intent(in) :: value
+    at_least_1 = max(1.0_qp, value)
+  end function at_least_1
+
+  pure real(qp) function highest_damping(scene, highest) result(damping)
+    !! c of the highest mode [1/s].
+    type(scene_type), intent(in) :: scene
+    real(qp), intent(in) :: highest              !! frequency [rad/s]
+    associate (law => scene%damping)
+      if (by_ratio(law)) then
+        damping = 2*law%ratio*highest
+      else
+        damping = law%mass_proportional + law%stiffness_proportional*highest**2
+      end if
     end associate
-  end subroutine settle_groups
+  end function highest_damping
+
+  pure real(qp) function frequency_scale(scene)
+    !! h/l² = √(EI/(ρA))/l² [rad/s]; mode k of the beam has nearly (h/l²)·((k − ½)π)².
+    type(scene_type), intent(in) :: scene
+    associate (beam => scene%beam)
+      frequency_scale = sqrt(real(beam%youngs_modulus, qp)/beam%density*beam%second_moment/beam%area) &
+                        /real(beam%length, qp)**2
+    end associate
+  end function frequency_scale
+
+  pure subroutine check_method(scene, messages)
+    !! A Galerkin basis holds so many modes.
+    type(scene_type), intent(in) :: scene
+    type(message_list), intent(inout) :: messages
+    if (.not. changes_shapes(scene)) return
+    call check_count(scene, 'before', scene%modes%before, messages)
+    call check_count(scene, 'after', scene%modes%after, messages)
+  end subroutine check_method
+
+  pure subroutine check_count(scene, name, count, messages)
+    !! The count of modes is that of a Galerkin basis.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: name
+    integer, intent(in) :: count
+    type(message_list), intent(inout) :: messages
+    associate (modes => scene%groups(position_of(scene%groups, 'modes')))
+      if (count <= most_galerkin_modes .or. .not. modes%given(name)) return
+      call messages%add(modes%line_of(name), 'modes%'//name, 'is '//text_of(count)// &
+                        ', more than the basis for '//shape_changers()//' holds; accepted: 1 to '// &
+                        text_of(most_galerkin_modes))
+    end associate
+  end subroutine check_count
+
+  pure function shape_changers() result(text)
+    !! What modes have no closed form with, in words: `stiffening, shear and rotary inertia`.
+    character(:), allocatable :: text
+    character(name_length), allocatable :: names(:)
+    integer :: i
+    names = [pack(group_table%name, group_table%changes_shapes), pack(name_table%name, name_table%changes_shapes)]
+    text = trim(names(1))
+    do i = 2, size(names)
+      text = text//trim(merge(' and', ',   ', i == size(names)))//' '//trim(names(i))
+    end do
+    do i = 1, len(text)
+      if (text(i:i) == '_') text(i:i) = ' '
+    end do
+  end function shape_changers
 
 end module bw_scene_checks

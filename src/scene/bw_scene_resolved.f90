@@ -2,14 +2,13 @@ module bw_scene_resolved
   !! The resolved scene: the namelist with defaults and settled values filled in, and its numbers one by one.
   !! Saved to a file and read again, it gives the same values to the bit.
   use bw_input_name, only: input_name, integer_input, logical_input, name_length, reals_input, text_input, is_number
-  use bw_input_table, only: group_table, name_row, name_table
+  use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of
   use bw_kinds, only: dp, i8
   use bw_scene, only: scene_type
   use bw_shear_par, only: circle_coefficient
   use bw_sweep_par, only: sweep_par
-  use bw_text, only: text_of
-  use bw_text_builder, only: text_builder
+  use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
   public :: numeric_inputs, resolved_text, values_of_sweep
@@ -20,7 +19,7 @@ module bw_scene_resolved
     character(8) :: unit = ''            !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
-    logical :: is_swept = .false.        !! `values_of_sweep` are those it takes
+    logical :: is_swept = .false.        !! `values_of_sweep` are those it has
     integer :: sweep = 0                 !! the sweep that it follows; 0: none
     real(dp) :: value = 0.0_dp           !! in every case, or in the first where it is swept
   end type numeric_input
@@ -46,7 +45,7 @@ contains
   end function resolved_text
 
   pure subroutine put_group(builder, group)
-    !! Values that a sweep gives stand with the sweep alone.
+    !! One group; values that a sweep gives stand with the sweep only.
     type(text_builder), intent(inout) :: builder
     type(group_values), intent(in) :: group
     integer :: v
@@ -54,7 +53,7 @@ contains
     do v = 1, size(group%values)
       associate (value => group%values(v))
         if (value%known .and. .not. value%redundant .and. value%sweep == 0) then
-          call put_value(builder, name_table(name_row(group%group, value%name)), value)
+          call put_value(builder, name_table(value%row), value)
         end if
       end associate
     end do
@@ -62,6 +61,7 @@ contains
   end subroutine put_group
 
   pure subroutine put_value(builder, row, value)
+    !! One line `name = value`.
     type(text_builder), intent(inout) :: builder
     type(input_name), intent(in) :: row
     type(input_value), intent(in) :: value
@@ -101,7 +101,7 @@ contains
   end subroutine put_sweep
 
   pure subroutine put_list(builder, start, numbers)
-    !! Numbers separated by commas, over as many lines as they take.
+    !! Numbers separated by commas, over as many lines as are needed.
     type(text_builder), intent(inout) :: builder
     character(*), intent(in) :: start
     real(dp), intent(in) :: numbers(:)
@@ -160,7 +160,7 @@ contains
   end function numeric_inputs
 
   pure function values_of_sweep(scene, input) result(values)
-    !! What an input that is swept takes along its sweep, the sweep's values or what follows from them.
+    !! The values of an input along its sweep, the sweep's values or what follows from them.
     type(scene_type), intent(in) :: scene
     type(numeric_input), intent(in) :: input
     real(dp), allocatable :: values(:)

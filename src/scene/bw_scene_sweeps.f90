@@ -1,56 +1,54 @@
 module bw_scene_sweeps
   !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable
-  use bw_input_table, only: group_row, name_row, name_table
+  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable, place_of
+  use bw_input_table, only: group_row, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
-  use bw_scene_characters, only: shown
   use bw_scene_checks, only: check_group
-  use bw_scene_entries, only: place_of
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, shown
   use bw_sweep_par, only: build_sweep, sweep_lines, sweep_par
   use bw_text, only: lower, text_of
-  use bw_unknown_input, only: unknown_group, unknown_name
   implicit none (type, external)
   private
-  public :: take_sweeps
+  public :: extract_sweeps
 
   real(dp), parameter :: most_cases = 1e9_dp   !! in the product of all sweeps
 
 contains
 
-  pure subroutine take_sweeps(groups, sweeps, messages)
+  pure subroutine extract_sweeps(groups, sweeps, messages)
     !! Take the `&sweep` groups out of a scene; the names that they vary count as given from here on.
     type(group_values), allocatable, intent(inout) :: groups(:)
     type(sweep_par), allocatable, intent(out) :: sweeps(:)
     type(message_list), intent(inout) :: messages
-    type(group_values), allocatable :: sources(:), others(:)
+    type(group_values), allocatable :: sources(:), remaining(:)
     integer :: i
-    sources = pick(groups, groups%group == 'sweep')
-    others = pick(groups, groups%group /= 'sweep')
-    call move_alloc(others, groups)
+    sources = groups_where(groups, groups%group == 'sweep')
+    remaining = groups_where(groups, groups%group /= 'sweep')
+    call move_alloc(remaining, groups)
     allocate (sweeps(size(sources)))
     do i = 1, size(sweeps)
-      call take_sweep(sources(i), i, groups, sweeps(i), messages)
+      call apply_sweep(sources(i), i, groups, sweeps(i), messages)
     end do
     call check_case_count(sources, sweeps, messages)
-  end subroutine take_sweeps
+  end subroutine extract_sweeps
 
-  pure function pick(groups, mask) result(some)
+  pure function groups_where(groups, mask) result(picked)
+    !! The groups for which the mask is true.
     type(group_values), intent(in) :: groups(:)
     logical, intent(in) :: mask(:)
-    type(group_values), allocatable :: some(:)
+    type(group_values), allocatable :: picked(:)
     integer :: i, n
-    allocate (some(count(mask)))
+    allocate (picked(count(mask)))
     n = 0
     do i = 1, size(groups)
       if (.not. mask(i)) cycle
       n = n + 1
-      some(n) = groups(i)
+      picked(n) = groups(i)
     end do
-  end function pick
+  end function groups_where
 
-  pure subroutine take_sweep(source, number, groups, sweep, messages)
+  pure subroutine apply_sweep(source, number, groups, sweep, messages)
     !! Check one `&sweep`, and let it give the name that it varies its first value.
     type(group_values), intent(in) :: source
     integer, intent(in) :: number                     !! of the sweep
@@ -77,7 +75,7 @@ contains
       target%known = messages%count == before
       target%number = sweep%values(1)
     end associate
-  end subroutine take_sweep
+  end subroutine apply_sweep
 
   pure subroutine find_target(source, groups, row, messages)
     !! Row of the table that a sweep varies; 0, with a message, where it cannot.
@@ -128,6 +126,7 @@ contains
   end function obstacle
 
   pure function sweepable_names() result(text)
+    !! Every `group%name` that a sweep may vary.
     character(:), allocatable :: text
     integer :: i
     text = ''
@@ -158,6 +157,7 @@ contains
   end subroutine check_values
 
   elemental logical function accepts(row, value)
+    !! The name itself would accept the number.
     type(input_name), intent(in) :: row
     real(dp), intent(in) :: value
     accepts = in_range(row%range, value) .and. (row%kind /= integer_input .or. value == aint(value))

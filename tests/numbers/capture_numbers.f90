@@ -1,9 +1,8 @@
 module capture_numbers
   !! Integrals of two shapes, and the velocities that a capture leaves.
-  use bw_kinds, only: dp, qp
-  use bw_capture, only: capture_mass, capture_type
   use bw_closed_form, only: closed_form_modes, closed_form_set
-  use bw_impact, only: strike
+  use bw_impact, only: capture_mass, capture_type, strike
+  use bw_kinds, only: dp, qp
   use number_table, only: table_type
   use reference_table, only: column
   implicit none (type, external)

@@ -7,7 +7,7 @@ module galerkin_numbers
   use bw_double_double, only: to_dd
   use bw_galerkin, only: galerkin_modes
   use bw_galerkin_set, only: galerkin_set
-  use bw_stiffening, only: tension_of
+  use bw_rotation, only: tension_of
   use bw_strain_modes, only: solve_with, strain_modes
   use bw_text, only: text_of
   use number_table, only: table_type
@@ -23,6 +23,7 @@ contains
     call against_closed_form(table)
     call against_references(table, 'tension_modes.txt', 'stiffening by power series, 22 beams: β² + Ω² of modes 1 to 4')
     call against_references(table, 'shear_modes.txt', 'shear by matrix exponentials, 24 beams: β² + Ω² of modes 1 to 6')
+    call against_references(table, 'heavy_modes.txt', 'γ to 1e300, J to 1e59, by power series, 67 beams: β² of modes 1 to 5')
     call against_more_functions(table)
     call convergence(table)
   end subroutine measure_galerkin
@@ -48,18 +49,19 @@ contains
     character(*), intent(in) :: file, case
     type(beam_operator) :: operator
     type(galerkin_set) :: set
-    real(dp), allocatable, dimension(:) :: k, square, omega
+    real(dp), allocatable, dimension(:) :: k, square, scale
     integer :: i
     k = of('k')
     square = of('beta_squared')
-    omega = of('omega')
-    call table%begin(case, 1.0e-13_dp, 'relative')
+    scale = abs(square)
+    if (file /= 'heavy_modes.txt') scale = square + of('omega')**2
+    call table%begin(case, merge(1.0e-12_dp, 1.0e-13_dp, file == 'heavy_modes.txt'), 'relative')
     do i = 1, size(k)
       if (nint(k(i)) == 1) then
         operator = operator_of_row(file, i)
         call galerkin_modes(operator, 6, set)
       end if
-      call table%note(abs((set%beta_squared(nint(k(i)))%hi - square(i))/(square(i) + omega(i)**2)))
+      call table%note(abs((set%beta_squared(nint(k(i)))%hi - square(i))/scale(i)))
     end do
   contains
     function of(name) result(values)
@@ -75,7 +77,7 @@ contains
     operator%gamma = at('gamma')
     operator%omega = to_dd(at('omega'))
     operator%in_plane = at('in_plane') > 0
-    if (file == 'tension_modes.txt') operator%tension = tension_of(at('omega'), at('hub'), operator%gamma)
+    if (has_tension(file, row)) operator%tension = tension_of(at('omega'), at('hub'), operator%gamma)
     if (at('compliance') > 0) operator%shear = shear_numbers(at('compliance'), at('rotary'))
     if (at('inertia') > 0) operator%tip_inertia = at('inertia')
   contains
@@ -86,6 +88,16 @@ contains
       at = values(row)
     end function at
   end function operator_of_row
+
+  logical function has_tension(file, row)
+    character(*), intent(in) :: file
+    integer, intent(in) :: row
+    real(dp), allocatable :: tension(:)
+    has_tension = file == 'tension_modes.txt'
+    if (file /= 'heavy_modes.txt') return
+    tension = real(column(file, 'tension'), dp)
+    has_tension = tension(row) > 0
+  end function has_tension
 
   subroutine against_more_functions(table)
     !! Speeds within linear theory, Ωr ≤ 0.1, r = D/(4l).

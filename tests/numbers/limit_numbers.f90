@@ -1,9 +1,9 @@
 module limit_numbers
   !! Limits whose answer is known: no mass, an endless mass, no rotation, an elastic blow.
-  use bw_kinds, only: dp, qp
   use bw_closed_form, only: closed_form_modes, closed_form_set
   use bw_frequency_equation, only: solve_root
   use bw_impact, only: impact_type, strike
+  use bw_kinds, only: dp, qp
   use bw_response, only: response_type
   use bw_shape, only: shape_of, shape_type, shape_value
   use number_table, only: table_type

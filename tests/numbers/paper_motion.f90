@@ -1,14 +1,14 @@
 module paper_motion
   !! The paper's beam: what it does after it caught a mass at restitution 0.
-  use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_beam_units, only: beam_units, units_of
-  use bw_capture, only: capture_mass, capture_type
   use bw_closed_form, only: closed_form_modes, closed_form_set
   use bw_double_double, only: to_dd, operator(*)
-  use bw_impact, only: strike
+  use bw_impact, only: capture_mass, capture_type, strike
+  use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
-  use bw_response, only: free_motion, response_type
+  use bw_response, only: response_type, sampling_type
+  use bw_set_sum, only: free_motion
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
@@ -55,8 +55,8 @@ contains
     loaded = closed_form_modes(catch%modes, catch%gamma, to_dd(catch%omega)*units%time, catch%duration/units%time%hi)
     capture = capture_mass(free, strike(free, catch%gamma, 0.0_dp), loaded)
     grid = time_grid_of(catch%duration, catch%samples, units%time)
-    call free_motion(loaded, capture%modal_velocity*catch%velocity, points, grid, units%time%hi, with_velocity, monitor, &
-                     response)
+    call free_motion(loaded, capture%modal_velocity*catch%velocity, sampling_type(points, grid, units%time%hi, with_velocity), &
+                     monitor, response)
   end subroutine catch_mass
 
 end module paper_motion

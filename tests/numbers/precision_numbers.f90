@@ -30,8 +30,8 @@ contains
     do g = 1, size(mass_ratios)
       root = solve_root([(k, k=1, modes)], mass_ratios(g))
       alpha = root_value(root)
-      call table%note(merge(1.0_dp, 0.0_dp, is_coarse(root%rest, alpha%hi, longest=1.0_dp/units%time%hi)))
-      call table%note(merge(1.0_dp, 0.0_dp, is_coarse(root%rest, alpha%hi, omega, 1.0_dp/units%time%hi)))
+      call table%note(merge(1.0_dp, 0.0_dp, is_coarse(root%remainder, alpha%hi, longest=1.0_dp/units%time%hi)))
+      call table%note(merge(1.0_dp, 0.0_dp, is_coarse(root%remainder, alpha%hi, omega, 1.0_dp/units%time%hi)))
     end do
   end subroutine measure_extended_precision
 

@@ -3,6 +3,7 @@ module unit_numbers
   use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_measured, only: measure_waves, measured_type
+  use bw_mode_check, only: measuring_type
   use bw_missing, only: is_missing
   use bw_response, only: response_type
   use number_table, only: table_type
@@ -83,8 +84,8 @@ contains
     catch = catch_type(omega=scale(omega, -time), velocity=scale(1.0_dp, length - time), duration=scale(0.5_dp, time), &
                        samples=128)
     call catch_mass(beam, catch, points, .true., response)
-    call measure_waves(response%displacement(:, 3), response%displacement(:, 2), catch%duration, beam%length, 20, .true., &
-                       measured)
+    call measure_waves(response%displacement(:, 3), response%displacement(:, 2), &
+                       measuring_type(catch%duration, beam%length), measured)
   end subroutine observe
 
 end module unit_numbers

@@ -18,8 +18,8 @@ cp "$source/src/cmake/setup.sh" "$scratch/src/cmake"
 
 for script in run.sh test.sh; do
   status=0
-  PATH=$scratch/bin FC='' "$scratch/$script" 2> "$scratch/messages" < /dev/null || status=$?
+  PATH=$scratch/bin FC='' CC='' "$scratch/$script" 2> "$scratch/messages" < /dev/null || status=$?
   cat "$scratch/messages"
   [ "$status" -eq 1 ] || { echo "$script: status $status, expected 1"; exit 1; }
-  grep -q 'missing: a Fortran compiler (gfortran), CMake 3.21 or newer, make$' "$scratch/messages"
+  grep -q 'missing: a Fortran compiler (gfortran), a C compiler (cc), CMake 3.21 or newer, make$' "$scratch/messages"
 done

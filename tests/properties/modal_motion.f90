@@ -33,7 +33,7 @@ contains
                           displacement, velocity)
     do k = 1, modes%count
       if (modes%beta_squared(k)%hi > 0.0_dp) cycle
-      call add_growing_mode(modes%beta_squared(k), q(k), q_dot(k), unit(k, :), grid, grid%samples, &
+      call add_growing_mode(modes%beta_squared(k), q(k), q_dot(k), unit(k, :), grid, [1, grid%samples], &
                             displacement, velocity)
     end do
   end subroutine move

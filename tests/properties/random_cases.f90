@@ -2,10 +2,9 @@ module random_cases
   !! Random scenes, run one after the other; the seed is printed once for each test.
   use, intrinsic :: iso_fortran_env, only: output_unit
   use bw_case_result, only: case_result
-  use bw_kept_work, only: kept_work
   use bw_kinds, only: dp
   use bw_monitor, only: silent_monitor
-  use bw_one_case, only: run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: layout_of, result_layout
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stopwatch
@@ -32,14 +31,14 @@ contains
     real(dp), intent(in), optional :: velocity_factor
     type(scene_type) :: one
     type(result_layout) :: layout
-    type(kept_work) :: kept
+    type(case_cache) :: cache
     type(stopwatch) :: watch
     type(silent_monitor) :: monitor
     logical :: whole
     one = scene
     if (present(velocity_factor)) one%impact%approach_velocity = velocity_factor*one%impact%approach_velocity
     layout = layout_of(one)
-    call run_case(one, layout, watch, monitor, kept, outcome, whole)
+    call run_case(one, layout, watch, monitor, cache, outcome, whole)
   end subroutine run_scene
 
 end module random_cases

@@ -23,8 +23,9 @@ for beta_squared, damping in MODES:
     for time in TIMES:
         displacement, velocity = state_at(beta_squared, damping, time)
         if abs(displacement) > mpf(10) ** -290:
-            rows.append((beta_squared, damping, time, displacement, velocity))
+            energy = velocity**2 + beta_squared * displacement**2
+            rows.append((beta_squared, damping, time, displacement, velocity, energy))
 write_table("damped_motion.txt", f"""
-Displacement and velocity of q'' + c q' + beta_squared q = 0 from q = {STATE[0]}, q' = {STATE[1]}; rows that would be below
-the range of binary64 are left out
-""", ["beta_squared", "c", "time", "displacement", "velocity"], rows)
+Displacement and velocity of q'' + c q' + beta_squared q = 0 from q = {STATE[0]}, q' = {STATE[1]}, and q'^2 + beta_squared q^2;
+rows that would be below the range of binary64 are left out
+""", ["beta_squared", "c", "time", "displacement", "velocity", "energy"], rows)

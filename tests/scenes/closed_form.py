@@ -15,13 +15,13 @@ def bisect(function, low, high):
 
 
 def roots(count, mass_ratio):
-    """α of the first modes: Eq. 19, Eq. 8 for mass ratio 0, divided by cosh α."""
+    """α of the first modes, in the mass ratio's precision: Eq. 19, Eq. 8 for mass ratio 0, divided by cosh α."""
 
     def frequency_equation(alpha):
         shear = alpha * mass_ratio * (np.cos(alpha) * np.tanh(alpha) - np.sin(alpha))
         return 1 / np.cosh(alpha) + np.cos(alpha) + shear
 
-    k = np.arange(1, count + 1)
+    k = np.arange(1, count + 1, dtype=np.result_type(mass_ratio, float))
     low = np.where(k == 1, 1e-3, (k - 0.75) * np.pi - 0.01)
     return bisect(frequency_equation, low, (k - 0.5) * np.pi + np.where(k == 1, 0.6, 0.02))
 

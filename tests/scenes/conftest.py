@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from faults import Injector
 from workplace import Workplace
 
 PROJECT = Path(__file__).parents[2]
@@ -21,6 +22,7 @@ def pytest_addoption(parser):
     parser.addoption("--beamwave", default=PROJECT / "build/bin/beamwave", type=Path, help="the program")
     parser.addoption("--beamwave-mpi", type=Path, help="its twin for mpirun; tests that need it are skipped without")
     parser.addoption("--mpirun", default="mpirun", help="what starts it")
+    parser.addoption("--injector", type=Path, help="fault_injector, built beside the tests; tests that need it are skipped without")
     parser.addoption("--faulty-program", type=Path, help="ends_in_a_fault, built beside the tests")
 
 
@@ -42,6 +44,15 @@ def here(program, tmp_path):
 def shared(program, tmp_path_factory):
     """Makes a directory whose results several tests of a file read."""
     return lambda name: Workplace(program, tmp_path_factory.mktemp(name))
+
+
+@pytest.fixture(scope="session")
+def injector(request):
+    """Makes calls of the system fail."""
+    library = request.config.getoption("--injector")
+    if library is None:
+        pytest.skip("nothing can be preloaded here")
+    return Injector(library.resolve())
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ program ends_in_a_fault
   case ('run-time-error'); call read_a_word_as_a_number()
   case ('bad-allocation'); call allocate_without_asking(2_i8**57)
   case ('segfault'); call write_to_address(8_c_intptr_t)
-  case ('error-stop'); error stop 'stopped'
+  case ('error-stop'); error stop 4
   case ('stop'); stop
   end select
 

@@ -252,9 +252,9 @@ def test_a_tolerance_is_of_the_peak_however_little_has_moved_yet(here, point):
 
 
 def test_points_that_hardly_move_leave_no_tolerance_to_ask_for(here):
-    still = {"duration": 1e-12, "samples": 50, "points": 1e-7}
+    still = {"duration": 1e-15, "samples": 50, "points": 1e-7}
     here.scene("a", captured_beam(modes=None, response=still))
-    refused = here.beamwave("run", "a.nml")
+    refused = here.beamwave("run", "a.nml", "--quiet")  # a log of a slow machine has lines of progress
     assert refused.returncode == 2
     assert refused.stderr.startswith("a.nml: modes%tolerance: ")
     assert "nor can any other" in refused.stderr

@@ -1,6 +1,7 @@
 """Bad scenes: all that is wrong is listed where it stands, nothing is written, and good scenes run all the same."""
 
 import re
+import resource
 
 import pytest
 from workplace import captured_beam, namelist
@@ -117,6 +118,18 @@ def test_good_scenes_run_beside_bad_ones_and_the_highest_status_counts(here):
     ended = here.beamwave("run", "missing.nml", "bad.nml", "good.nml")
     assert ended.returncode == 3
     assert "missing.nml" in ended.stderr
+
+
+@pytest.mark.parametrize("text", ["&beam length=" + ";" * 10**7, "&scene title=" + " 'a'" * 300_000 + " /"])
+def test_a_long_scene_takes_little_memory_and_says_little(here, text):
+    here.write("a.nml", text)
+    limited = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_AS, (600 * 2**20,) * 2)}
+    if here.beamwave("--version", **limited).returncode != 0:
+        pytest.skip("the program does not start in 600 MB, as under a sanitizer")
+    ended = here.beamwave("check", "a.nml", **limited)
+    assert ended.returncode == 2
+    assert len(ended.stderr.splitlines()) <= 1001
+    assert max(map(len, ended.stderr.splitlines())) < 500
 
 
 def test_two_scenes_with_one_name_stop_everything(here):

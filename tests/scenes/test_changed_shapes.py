@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from conftest import PROJECT
 from results import FILL
+from workplace import captured_beam
 
 BEAM = "&beam length=1, diameter=0.037, density=7870, youngs_modulus=2e11 /\n"
 STRUCK = "&impact mass_ratio=0.2 /\n&modes before=30, after=30 /\n"
@@ -134,6 +135,20 @@ def test_a_section_without_shape_needs_a_shear_coefficient(here):
     assert "shear%shear_coefficient: is missing" in here.beamwave("check", "scene.nml").stderr
 
 
+def test_out_of_plane_the_sections_of_a_beam_with_shear_turn_over(here):
+    """At (π/2)√(E/ρ)/l whatever the section, the mass and its inertia; far outside linear theory, which is noted."""
+    critical = float(np.pi / 2 * np.sqrt(2e11 / 7870) / 1.0)
+    groups = {"shear": {}, "capture": {"rotary_inertia": 0.1}, "modes": {"before": 4, "after": 4}}
+    for factor in [0.999, 1.001]:
+        here.scene("a", captured_beam(rotation={"angular_velocity": factor * critical, "plane": "out"}, **groups))
+        result = here.run("a", "--overwrite")
+        for name in ["critical_angular_velocity", "critical_angular_velocity_before"]:
+            np.testing.assert_allclose(result[name], critical, rtol=1e-15)
+        assert (result["growth_rate"][0] > 0) == (factor > 1)
+        assert ("the angular velocity being above 7918.58 rad/s" in result.attributes["notes"]) == (factor > 1)
+        assert "outside linear theory" in result.attributes["notes"]
+
+
 def test_rotation_beyond_linear_theory_is_noted(here):
     here.write("scene.nml", BEAM + "&rotation angular_velocity=600 /\n&stiffening /\n")
     ended = here.beamwave("run", "scene.nml")
@@ -207,3 +222,22 @@ def test_modes_that_the_basis_cannot_hold_are_fill(here):
     here.write("alone.nml", BEAM + "&rotation angular_velocity=50 /\n&stiffening /\n&capture /\n" + STRUCK + HISTORY)
     assert here.beamwave("run", "alone.nml").returncode == 0
     np.testing.assert_array_equal(here.result("alone")["displacement"], result["displacement"][0])
+
+
+@pytest.mark.parametrize("mass_ratio", [1e24, 1e60, 1e300])
+@pytest.mark.parametrize("groups", [{"capture": {"rotary_inertia": 1e-3}}, {"shear": {}}], ids=["inertia", "shear"])
+def test_an_immense_mass_goes_its_own_way_and_takes_the_tip_along(here, mass_ratio, groups):
+    """y'' = ω²y with the approach velocity at the start: the beam's pull is 3/γ of its own stiffness."""
+    history = {"response": {"duration": 0.5, "samples": 50}, "rotation": {"angular_velocity": 4.0}}
+    here.scene("a", captured_beam(impact={"mass_ratio": mass_ratio}, **history, **groups))
+    result = here.run("a")
+    expected = np.sinh(4.0 * result["time"]) / 4.0
+    np.testing.assert_allclose(result["displacement"][1], expected, rtol=1e-13)
+    np.testing.assert_allclose(result["energy_after"][1], result["energy_before"][0], rtol=1e-13)
+
+
+def test_tension_that_leaves_bending_too_thin_a_layer_is_not_resolved_and_says_so(here):
+    here.scene("a", captured_beam(impact={"mass_ratio": 1e24}, stiffening={}))
+    result = here.run("a", status=4)
+    assert "not converged" in result.attributes["notes"]
+    assert (result["angular_frequency"] == FILL).all()

@@ -41,6 +41,21 @@ def test_help_names_every_command_and_status(here, word):
         assert name in ended.stdout
 
 
+def test_messages_accept_what_the_help_shows(here):
+    shown = here.beamwave("--help").stdout
+    names = re.findall(r"^  beamwave ([a-z]+) ", shown, re.MULTILINE)
+    options = re.findall(r"^    (--[a-z-]+)", shown, re.MULTILINE)
+    assert here.beamwave("frob").stderr.endswith("accepted: " + ", ".join([*names, "--help", "--version"]) + "\n")
+    for name in names:
+        refused = here.beamwave(name, "--frob").stderr
+        accepted = re.findall(r"--[a-z-]+", refused.partition("; accepted: ")[2])
+        assert refused.startswith(f"beamwave {name}: '--frob' is not an option of this command")
+        assert accepted == [option for option in options if option in accepted]
+        for option in options:
+            takes = "is not an option" not in here.beamwave(name, f"{option}=").stderr
+            assert takes == (option in accepted)
+
+
 def test_version_names_program_compiler_and_libraries(here):
     ended = here.beamwave("--version")
     project = (PROJECT / "CMakeLists.txt").read_text(encoding="utf-8")

@@ -63,6 +63,43 @@ def test_stiffness_proportional_damping_overdamps_high_modes(here):
     assert (result["growth_rate"] < 0).all()
 
 
+@pytest.mark.parametrize("shear", [None, {}], ids=["closed form", "galerkin"])
+def test_at_the_critical_ratio_nothing_turns_and_near_it_every_digit_counts(here, shear):
+    """A beam at rest: β √(1 − ζ²) of every mode, 0 at ζ = 1, and beyond it −β(ζ − √(ζ² − 1))."""
+    scene = captured_beam(rotation=None, shear=shear)
+    here.scene("undamped", scene)
+    undamped = here.run("undamped")["angular_frequency"]
+    for name, ratio in [("at", 1.0), ("below", 1 - 1e-12), ("above", 1 + 1e-12), ("far", 30.0)]:
+        here.scene(name, {**scene, "damping": {"ratio": ratio}})
+        result = here.run(name)
+        apart = np.sqrt(abs(1 - ratio) * (1 + ratio))  # 1 − ζ is exact
+        if ratio <= 1:
+            np.testing.assert_allclose(result["angular_frequency"], undamped * apart, rtol=1e-13)
+            np.testing.assert_allclose(result["growth_rate"], -ratio * undamped, rtol=1e-13)
+        else:
+            assert results.is_fill(result["angular_frequency"]).all()
+            np.testing.assert_allclose(result["growth_rate"], -undamped / (ratio + apart), rtol=1e-13)
+    np.testing.assert_array_equal(here.result("at")["angular_frequency"], 0.0)
+
+
+@pytest.mark.parametrize("groups", [{}, {"shear": {}}, {"stiffening": {}}], ids=["closed form", "shear", "tension"])
+def test_a_slow_rotation_at_the_critical_ratio_adds_what_it_adds(here, groups):
+    """In plane β² = λ + ρ with ρ in ω²: where ρ < 0 the rates are −c/2 ± √−ρ, where ρ > 0, by tension, a mode turns at √ρ."""
+    rates = {}
+    for speed in [0.0, 1e-3, 1.0]:
+        here.scene("a", captured_beam(rotation={"angular_velocity": speed}, damping={"ratio": 1.0}, **groups))
+        rates[speed] = here.run("a", "--overwrite")
+    still, slow, faster = rates.values()
+    np.testing.assert_array_equal(still["angular_frequency"], 0.0)
+    if "stiffening" in groups:
+        np.testing.assert_allclose(slow["angular_frequency"], 1e-3 * faster["angular_frequency"], rtol=1e-3)
+    else:
+        assert results.is_fill(slow["angular_frequency"]).all()
+        apart = [result["growth_rate"] - still["growth_rate"] for result in (slow, faster)]
+        # of rates up to 4e4, rounded
+        np.testing.assert_allclose(apart[0], 1e-3 * apart[1], rtol=1e-2, atol=1e-10)
+
+
 def test_the_weakest_damping_is_none(here):
     here.scene("a", captured_beam(response=RESPONSE))
     without = here.run("a")

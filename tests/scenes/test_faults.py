@@ -1,4 +1,4 @@
-"""A fault in the program ends with 70 and a request to report it, however it comes about."""
+"""A fault in the program ends with 70 and a request to report it, however it comes about; memory that is refused with 3."""
 
 import resource
 import subprocess
@@ -6,18 +6,27 @@ import subprocess
 import pytest
 
 
-@pytest.mark.parametrize("kind", ["run-time-error", "bad-allocation", "segfault", "error-stop", "stop"])
-def test_a_fault_ends_with_70_and_says_so(request, tmp_path, kind):
-    program = request.config.getoption("--faulty-program")
-    ended = subprocess.run(
-        [program, kind],
+def end_of(request, directory, kind):
+    return subprocess.run(
+        [request.config.getoption("--faulty-program"), kind],
         capture_output=True,
         text=True,
         timeout=60,
-        cwd=tmp_path,
+        cwd=directory,
         check=False,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CORE, (0, 0)),
     )
+
+
+def test_an_allocation_that_is_refused_ends_with_3_and_says_so(request, tmp_path):
+    ended = end_of(request, tmp_path, "bad-allocation")
+    assert ended.returncode == 3, ended.stderr
+    assert "memory was refused" in ended.stderr
+
+
+@pytest.mark.parametrize("kind", ["run-time-error", "segfault", "error-stop", "stop"])
+def test_a_fault_ends_with_70_and_says_so(request, tmp_path, kind):
+    ended = end_of(request, tmp_path, kind)
     assert ended.returncode == 70, ended.stderr
     assert "a fault in the program" in ended.stderr
     assert "please report it" in ended.stderr

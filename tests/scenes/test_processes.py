@@ -6,7 +6,7 @@ import time
 
 import pytest
 import results
-from journals import cases_in
+from journals import cases_in, journals_in
 from mounts import in_own_mounts
 from workplace import SECONDS, captured_beam
 
@@ -91,7 +91,7 @@ def test_a_signal_to_mpirun_saves_what_is_finished(processes, number, statuses):
     running = here.start("run", "a.nml")
     partial = here.directory / "output/a.partial"
     until = time.perf_counter() + SECONDS
-    while len(list(partial.glob("*.cases"))) < 2:
+    while len(journals_in(partial)) < 2:
         assert time.perf_counter() < until
         time.sleep(0.01)
     running.send_signal(number)
@@ -120,9 +120,8 @@ def test_a_run_at_work_keeps_a_second_one_out(processes):
     here = processes(2)
     here.scene("a", SCENE, LONG)
     running = here.start("run", "a.nml", "--max-seconds", "20")
-    lock = here.directory / "output/a.partial/000001.cases"
     until = time.perf_counter() + SECONDS
-    while not lock.exists():
+    while not journals_in(here.directory / "output/a.partial"):
         assert time.perf_counter() < until
         time.sleep(0.01)
     second = processes(1).beamwave("run", "a.nml")

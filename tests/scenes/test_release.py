@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import results
 from closed_form import CapturedBeam, roots, shapes
 from conftest import PROJECT
 from workplace import captured_beam
@@ -35,6 +36,22 @@ def motion(position, time):
     beta = before.frequency(free)
     modal = p[:, np.newaxis] * np.cos(np.outer(beta, time)) + (p_rate / beta)[:, np.newaxis] * np.sin(np.outer(beta, time))
     return shapes(free, position) @ modal
+
+
+@pytest.mark.parametrize("groups", [{"impact": {"mass_ratio": 0.0}}, {"impact": {"mass_ratio": 0.2, "approach_velocity": 0.0}}])
+def test_what_stands_still_meets_any_tolerance_through_a_release(here, groups):
+    here.scene("a", captured_beam(modes=None, response={"duration": 0.02, "samples": 9}, release={"time": 0.01}, **groups))
+    result = here.run("a")
+    assert (result["displacement"] == 0.0).all() and (result["displacement_error"] == 0.0).all()
+
+
+def test_a_single_sample_by_tolerance_knows_what_the_mass_takes_along(here):
+    """The energy of beam and mass before the release is what the capture left: ½m_j V² of the continuum."""
+    one = {"duration": 0.02, "samples": 1}
+    here.scene("a", captured_beam(modes=None, response=one, release={"time": 0.01}, impact={"mass_ratio": 0.2}))
+    result = here.run("a")
+    assert result["displacement"].tolist() == [[0.0]] * len(result["displacement"])
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-5)
 
 
 def test_before_it_the_motion_is_that_of_the_capture_and_after_it_that_of_the_beam_alone(here):
@@ -92,6 +109,56 @@ def test_spin_and_the_work_against_tension_leave_with_the_body(here, effect, pla
     assert 0 < lost[1] < lost[0] / 4**power
 
 
+def test_out_of_plane_a_body_that_turns_takes_no_part_of_the_centrifugal_force(here):
+    """It is isotropic: what the modes of the beam alone lose falls to nothing, though J omega^2 psi^2 is a third of the energy."""
+    fast = {"angular_velocity": 150.0, "plane": "out"}
+    lost = []
+    for count in [20, 80, 320]:
+        groups = {"rotation": fast, "stiffening": {}, "capture": {"rotary_inertia": 1.0}, "release": {"time": 0.01}}
+        here.scene("a", released_beam(modes={"before": count, "after": 10}, **groups))
+        result = here.run("a", "--overwrite")
+        lost.append(1 - result["energy_after"][2] / result["energy_before"][2])
+    assert 0 < lost[2] < lost[1] / 2.6 < lost[0] / 2.6**2  # as n^-1 in the end: the moment at the tip ends of a sudden
+
+
+@pytest.mark.parametrize("modes", [{"before": 10, "after": 10}, {"tolerance": 1e-6}])
+@pytest.mark.parametrize("ratio", [0.0, 1e-9])
+def test_the_energy_of_a_motion_that_has_grown_is_what_it_was_less_what_is_damped(here, modes, ratio):
+    """By e^26: motion and centrifugal force are 1e22 times their difference."""
+    fast = {"angular_velocity": 150.0}
+    scene = released_beam(rotation=fast, release={"time": 0.3}, response={"duration": 0.4, "samples": 100})
+    here.scene("a", {**scene, "modes": modes, "damping": {"ratio": ratio}})
+    result = here.run("a")
+    assert np.abs(result["displacement"]).max() > 1e8
+    if ratio == 0:
+        np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
+    else:  # the integral of M c q'^2 of mode 1, q' = q'(0) cosh |beta|t; the rest is 1e-9 of 0.8 J
+        rate, growth = 2 * ratio * 46.6304239974881 * result["wavenumber"][0] ** 2, result["growth_rate"][0]
+        taken = result["modal_mass"][0] * rate * result["modal_velocity"][0] ** 2 * np.exp(0.6 * growth) / (8 * growth)
+        np.testing.assert_allclose(result["energy_before"][2], -taken, rtol=1e-6)
+    assert result["energy_after"][2] <= result["energy_before"][2]
+
+
+def test_an_energy_that_rounding_has_eaten_is_fill_and_is_told(here):
+    """Of 1e22 J the modes of the beam alone lack n^-3, and that is the energy that is left: too little beside rounding."""
+    fast = {"angular_velocity": 150.0}
+    scene = released_beam(rotation=fast, release={"time": 0.3}, response={"duration": 0.4, "samples": 100})
+    here.scene("a", {**scene, "modes": {"before": 3000, "after": 40}})
+    result = here.run("a")
+    assert results.is_fill(result["energy_after"][2])
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
+    assert "energy lost in rounding" in result.attributes["notes"]
+
+
+def test_an_energy_larger_than_any_number_is_fill_and_is_told(here):
+    grown = {"rotation": {"angular_velocity": 150.0}, "release": {"time": 2.5}, "impact": {"approach_velocity": 1e100}}
+    here.scene("a", released_beam(**grown, response={"duration": 2.6, "samples": 100}, modes={"before": 10, "after": 10}))
+    result = here.run("a")
+    assert results.is_fill(result["energy_after"][2])
+    np.testing.assert_allclose(result["energy_before"][2], result["energy_after"][1], rtol=1e-14)
+    assert "energy of the release: too large" in result.attributes["notes"]
+
+
 def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
     here.scene("a", captured_beam(modes=COUNTS, response=RESPONSE))
     kept = here.run("a")
@@ -102,6 +169,21 @@ def test_a_release_at_the_last_sample_or_later_changes_nothing_before_it(here):
     np.testing.assert_array_equal(late["displacement"], kept["displacement"])
     np.testing.assert_array_equal(late["event_kind"], [1, 2, 0])
     assert "after the end of the record" in late.attributes["notes"]
+
+
+@pytest.mark.parametrize("modes", [None, {"tolerance": 1e-4}, COUNTS])
+def test_a_release_after_the_last_sample_is_an_event_that_no_sample_shows(here, modes):
+    """All histories, spectra and errors are those of the capture; only the waves have no samples left."""
+    response = {"duration": 0.02, "samples": 40, "points": [0.5, 1.0], "velocity": True}
+    scene = captured_beam(modes=None, response=response, spectrum={}) | ({"modes": modes} if modes else {})
+    here.scene("a", scene)
+    here.scene("b", {**scene, "release": {"time": 0.0199999}})
+    kept, late = here.run("a"), here.run("b")
+    for name in ["displacement", "velocity", "displacement_error", "velocity_error", "amplitude"]:
+        np.testing.assert_allclose(late[name], kept[name], rtol=1e-4, atol=1e-9 * np.abs(kept[name]).max())
+    np.testing.assert_array_equal(late["event_kind"], [1, 2, 3])
+    np.testing.assert_allclose(late["energy_before"][2], late["energy_after"][1], rtol=1e-3)
+    assert late["peak_count"] == 0 and "no sample comes after the last event" in late.attributes["notes"]
 
 
 def test_displacement_and_velocity_go_on_where_they_were(here):

@@ -224,11 +224,21 @@ def test_waves_are_not_measured_without_both_points_and_the_notes_say_so(here):
     assert "0.5 and 1.0" in result.attributes["notes"]
 
 
-def test_a_critical_speed_exists_only_for_rotation_in_plane(here):
-    here.scene("out", captured_beam(rotation={"plane": "out"}))
-    result = here.run("out")
-    assert results.is_fill(result["critical_angular_velocity"])
-    assert "out of plane changes nothing" in result.attributes["notes"]
+def test_a_critical_speed_exists_where_a_mode_can_grow(here):
+    for name, groups in [("out", {"rotation": {"plane": "out"}}), ("tension", {"stiffening": {}})]:
+        here.scene(name, captured_beam(**groups))
+        result = here.run(name)
+        assert results.is_fill(result["critical_angular_velocity"])
+        assert results.is_fill(result["critical_angular_velocity_before"])
+    assert "out of plane changes nothing" in here.result("out").attributes["notes"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_check_says_how_large_the_file_will_be(place, name):
+    said = re.search(r"result +([\d.]+) ([kM])B", place.beamwave("check", f"{name}.nml").stdout)
+    size = (place.directory / f"output/{name}.nc").stat().st_size
+    # of names and attributes, which are most of a small file, variables are counted and not letters
+    assert float(said[1]) * {"k": 1e3, "M": 1e6}[said[2]] == pytest.approx(size, rel=0.1)
 
 
 def test_the_documented_xarray_idioms_work_on_real_results(place, tmp_path):

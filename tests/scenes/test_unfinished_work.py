@@ -1,7 +1,7 @@
 """Unfinished work is taken away by a run that puts its own in its place, which says so, and by nobody else."""
 
 import pytest
-from journals import cases_in
+from journals import cases_in, journals_in
 from terminals import ended_on_terminal
 from workplace import captured_beam
 
@@ -40,7 +40,7 @@ def test_what_a_finished_run_left_of_itself_is_taken_away(here):
     partial = here.directory / "output/a.partial"
     here.run("a")
     partial.mkdir()
-    (partial / "result.nc").write_text("as far as it came")
+    (partial / "host-1-20260101T000000.000.nc").write_text("as far as it came")
     assert "nothing to do" in here.beamwave("run", "a.nml").stdout
     assert here.left() == ["a.nc"]
 
@@ -77,13 +77,13 @@ def test_a_terminal_shows_it_once(here):
 def test_a_journal_that_cannot_be_read_stays(here):
     here.scene("a", ENDLESS, CASES)
     _, saved = stop_early(here)
-    journal = here.directory / "output/a.partial/000001.cases"
+    (journal,) = journals_in(here.directory / "output/a.partial")
     elsewhere = here.directory / "elsewhere"
     journal.rename(elsewhere)
     journal.symlink_to("where its disk is not mounted")
     ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5")
     assert ended.returncode == 3
-    assert "000001.cases: cannot be read; it may hold finished cases" in ended.stderr
+    assert f"{journal.name}: cannot be read; it may hold finished cases" in ended.stderr
     journal.unlink()
     elsewhere.rename(journal)
     _, more = stop_early(here)

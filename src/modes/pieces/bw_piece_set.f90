@@ -4,10 +4,11 @@ module bw_piece_set
   !!
   !! Shapes have ∫Φ² dξ = 1 of the beam's part and a tip value of sign (−1)^k. The modal mass holds all mass and inertia:
   !! M_k = ∫ρAΦ² + ρIΨ² dx + Σ mΦ² + JΨ², Ψ the turning of the sections.
-  use bw_double_double, only: dd
+  use bw_double_double, only: dd, operator(+), operator(*)
   use bw_kinds, only: dp
   use bw_mode_probe, only: piece_system
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
   use bw_piece_overlap, only: overlap_sums, piece_modes
   use bw_piece_shape, only: beam_place, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
@@ -64,27 +65,31 @@ contains
     values = state(1, :, :)
   end function piece_shapes
 
-  pure function overlap_with_mass(self, from, amplitude) result(sums)
+  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     class(piece_set), intent(in) :: self
     class(mode_set), intent(in) :: from          !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor     ! not asked yet
     real(dp) :: sums(self%count)
     select type (from)
     class is (piece_set)
       sums = overlap_sums(self%modes, from%modes, amplitude, .true.)
+      if (present(monitor)) continue
     class default
       error stop 'bw_piece_set: modes found in different ways have no overlap'
     end select
   end function overlap_with_mass
 
-  pure function overlap_of_beam(self, from, amplitude) result(sums)
+  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     class(piece_set), intent(in) :: self
     class(mode_set), intent(in) :: from          !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor     ! not asked yet
     real(dp) :: sums(self%count)
     select type (from)
     class is (piece_set)
       sums = overlap_sums(self%modes, from%modes, amplitude, .false.)
+      if (present(monitor)) continue
     class default
       error stop 'bw_piece_set: modes found in different ways have no overlap'
     end select
@@ -93,8 +98,8 @@ contains
   pure function piece_elastic(self) result(squares)
     !! All stiffness, that of springs too: β² and what the spin takes from it.
     class(piece_set), intent(in) :: self
-    real(dp) :: squares(self%count)
-    squares = self%beta_squared%hi + self%modes%system%beam%spin_squared%hi*(self%spun/self%modal_mass)
+    type(dd) :: squares(self%count)
+    squares = self%beta_squared + self%modes%system%beam%spin_squared*(self%spun/self%modal_mass)
   end function piece_elastic
 
 end module bw_piece_set

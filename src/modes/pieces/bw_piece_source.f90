@@ -1,18 +1,19 @@
 module bw_piece_source
   !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
-    use bw_extended_mode, only: refine
+  use bw_extended_mode, only: refine
   use bw_kinds, only: dp
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, inside, is_double, is_resting, mode_search, search_in, stands_alone, &
     take_apart
   use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type
   use bw_piece_beam, only: has_heavy_bodies, piece_beam
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
   use bw_piece_set, only: piece_set
   use bw_piece_waves, only: frequency_at, piece_frequency
-    implicit none (type, external)
+  implicit none (type, external)
   private
   public :: source_of_pieces, set_of_pieces
 
@@ -38,13 +39,15 @@ contains
     source%decay = merge(2.0_dp, 3.0_dp, any(beam%piece%compliance%hi > 0.0_dp))
   end function source_of_pieces
 
-  subroutine find_of_pieces(self, number, modes, longest)
+  subroutine find_of_pieces(self, number, modes, longest, monitor)
     class(piece_source), intent(in) :: self
     integer, intent(in) :: number(:)
     class(mode_set), allocatable, intent(out) :: modes
     real(dp), intent(in), optional :: longest
+    class(monitor_type), intent(inout), optional :: monitor
     type(piece_set), allocatable :: found
     allocate (found)
+    if (present(monitor)) continue
     call set_of_pieces(self%beam, number, longest, found)
     call found%damp(self%damping)
     call move_alloc(found, modes)

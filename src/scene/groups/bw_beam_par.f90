@@ -1,11 +1,10 @@
 module bw_beam_par
   !! `&beam`: the uniform beam, clamped at its root.
   use bw_input_name, only: input_group, input_name, positive, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp, qp
   use bw_missing, only: missing
-  use bw_representable, only: settle_product
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, settle_product
   implicit none (type, external)
   private
   public :: beam_mass, build_beam, check_beam
@@ -56,33 +55,34 @@ contains
     end if
   end subroutine check_beam
 
-  pure subroutine build_beam(groups, beam, messages)
-    !! From checked values; what is not given follows from the rest.
-    type(group_values), intent(in) :: groups(:)
+  pure subroutine build_beam(values, beam, messages)
+    !! From checked values; what is not given follows from what is.
+    type(group_values), intent(in) :: values
     type(beam_par), intent(out) :: beam
     type(message_list), intent(inout) :: messages
-    associate (values => groups(position_of(groups, 'beam')))
-      beam%length = values%number('length')
-      beam%density = values%number('density')
-      beam%youngs_modulus = values%number('youngs_modulus')
-      beam%round = values%given('diameter')
-      if (beam%round) then
-        beam%diameter = values%number('diameter')
-        call settle_product(pi/4*real(beam%diameter, qp)**2, beam%area, values%line_of('diameter'), &
-                            'beam%diameter', 'the area pi/4 D^2', messages)
-        call settle_product(pi/64*real(beam%diameter, qp)**4, beam%second_moment, values%line_of('diameter'), &
-                            'beam%diameter', 'the second moment of area pi/64 D^4', messages)
-      else
-        beam%area = values%number('area')
-        beam%second_moment = values%number('second_moment')
-      end if
-    end associate
+    beam%length = values%number('length')
+    beam%density = values%number('density')
+    beam%youngs_modulus = values%number('youngs_modulus')
+    beam%round = values%given('diameter')
+    if (beam%round) then
+      beam%diameter = values%number('diameter')
+      call settle_product(pi/4*real(beam%diameter, qp)**2, beam%area, values%line_of('diameter'), &
+                          'beam%diameter', 'the area pi/4 D^2', messages)
+      call settle_product(pi/64*real(beam%diameter, qp)**4, beam%second_moment, values%line_of('diameter'), &
+                          'beam%diameter', 'the second moment of area pi/64 D^4', messages)
+    else
+      beam%area = values%number('area')
+      beam%second_moment = values%number('second_moment')
+    end if
   end subroutine build_beam
 
   elemental real(qp) function beam_mass(beam)
-    !! m_i = ρAl [kg], in extended precision: no product of doubles overflows there.
+    !! m_i = ρAl [kg], in extended precision from what was given: no product of doubles overflows there.
     type(beam_par), intent(in) :: beam
-    beam_mass = real(beam%density, qp)*beam%area*beam%length
+    real(qp) :: area
+    area = beam%area
+    if (beam%round) area = pi/4*real(beam%diameter, qp)**2
+    beam_mass = real(beam%density, qp)*area*beam%length
   end function beam_mass
 
 end module bw_beam_par

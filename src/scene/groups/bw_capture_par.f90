@@ -1,34 +1,38 @@
 module bw_capture_par
   !! `&capture`: the mass stays at the tip after the impact.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_capture
+  public :: build_capture, capture_text
 
   type, public :: capture_par
     real(dp) :: rotary_inertia = 0.0_dp   !! J of the body about the tip [kg m²], ≥ 0; 0 for a point mass
   end type capture_par
 
   type(input_group), parameter, public :: capture_group = input_group( &
-    'capture', needs='impact', absent='the mass rebounds')
+    'capture', needs='impact', is_effect=.true., absent='the mass rebounds')
 
   type(input_name), parameter, public :: capture_names(*) = [ &
-    input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., &
+    input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., changes_shapes=.true., &
                meaning='inertia of the captured body against turning about the tip')]
 
 contains
 
-  pure subroutine build_capture(groups, capture)
+  pure type(capture_par) function build_capture(values) result(capture)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(capture_par), allocatable, intent(out) :: capture   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'capture')
-    if (i == 0) return
-    allocate (capture)
-    capture%rotary_inertia = groups(i)%number('rotary_inertia')
-  end subroutine build_capture
+    type(group_values), intent(in) :: values
+    capture%rotary_inertia = values%number('rotary_inertia')
+  end function build_capture
+
+  pure function capture_text(values) result(text)
+    !! What a report calls it, with the body's rotary inertia where it has any.
+    type(group_values), intent(in) :: values
+    character(:), allocatable :: text
+    text = 'capture'
+    if (values%number('rotary_inertia') > 0.0_dp .or. values%is_swept('rotary_inertia')) text = text// &
+      ' of a body with rotary inertia '//values%number_or_swept('rotary_inertia', ' kg m2')
+  end function capture_text
 
 end module bw_capture_par

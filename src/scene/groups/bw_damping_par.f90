@@ -1,13 +1,13 @@
 module bw_damping_par
   !! `&damping`: the same ratio for every mode, or Rayleigh's two constants.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_damping, by_ratio, check_damping, settle_damping
+  public :: build_damping, by_ratio, check_damping, damping_text, settle_damping
 
   type, public :: damping_par
     real(dp) :: ratio = missing                    !! ζ of every mode, ≥ 0; `missing` with Rayleigh's constants
@@ -16,7 +16,7 @@ module bw_damping_par
   end type damping_par
 
   type(input_group), parameter, public :: damping_group = input_group( &
-    'damping', absent='undamped', &
+    'damping', is_effect=.true., absent='undamped', &
     rules='Give `ratio`, the same for every mode, or Rayleigh''s constants; one of these that is not given is 0. '// &
     'Both act on the frequencies that bending alone would give.')
 
@@ -39,39 +39,41 @@ contains
                       'is missing; accepted: ratio, or mass_proportional and stiffness_proportional')
   end subroutine check_damping
 
-  pure subroutine settle_damping(groups)
+  pure subroutine settle_damping(damping)
     !! Of Rayleigh's constants, the one that is not given is 0.
-    type(group_values), intent(inout) :: groups(:)
-    integer :: i
-    i = position_of(groups, 'damping')
-    if (i == 0) return
-    if (groups(i)%given('ratio')) return
-    if (.not. groups(i)%given('mass_proportional')) call groups(i)%settle('mass_proportional', 0.0_dp, 0)
-    if (.not. groups(i)%given('stiffness_proportional')) call groups(i)%settle('stiffness_proportional', 0.0_dp, 0)
+    type(group_values), intent(inout) :: damping
+    if (damping%given('ratio')) return
+    if (.not. damping%given('mass_proportional')) call damping%settle('mass_proportional', 0.0_dp, 0)
+    if (.not. damping%given('stiffness_proportional')) call damping%settle('stiffness_proportional', 0.0_dp, 0)
   end subroutine settle_damping
 
-  pure subroutine build_damping(groups, damping)
+  pure type(damping_par) function build_damping(values) result(damping)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)   !! settled
-    type(damping_par), allocatable, intent(out) :: damping   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'damping')
-    if (i == 0) return
-    allocate (damping)
-    associate (values => groups(i))
-      if (values%known('ratio')) then
-        damping%ratio = values%number('ratio')
-      else
-        damping%mass_proportional = values%number('mass_proportional')
-        damping%stiffness_proportional = values%number('stiffness_proportional')
-      end if
-    end associate
-  end subroutine build_damping
+    type(group_values), intent(in) :: values   !! settled
+    if (values%known('ratio')) then
+      damping%ratio = values%number('ratio')
+    else
+      damping%mass_proportional = values%number('mass_proportional')
+      damping%stiffness_proportional = values%number('stiffness_proportional')
+    end if
+  end function build_damping
 
   pure logical function by_ratio(damping)
     !! A ratio of each mode, not Rayleigh's constants.
     type(damping_par), intent(in) :: damping
     by_ratio = .not. is_missing(damping%ratio)
   end function by_ratio
+
+  pure function damping_text(values) result(text)
+    !! What a report calls it, with its ratio or Rayleigh's constants.
+    type(group_values), intent(in) :: values   !! settled
+    character(:), allocatable :: text
+    if (values%known('ratio')) then
+      text = 'damping (ratio '//values%number_or_swept('ratio', '')//')'
+    else
+      text = 'damping ('//values%number_or_swept('mass_proportional', ' 1/s')//' of the mass, '// &
+        values%number_or_swept('stiffness_proportional', ' s')//' of the stiffness)'
+    end if
+  end function damping_text
 
 end module bw_damping_par

@@ -2,17 +2,18 @@ module bw_impact_par
   !! `&impact`: a rigid mass strikes the tip at t = 0.
   use bw_input_name, only: any_number, input_group, input_name, integer_input, not_negative, number_range, real_input, &
                            unit_interval
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp, qp
-  use bw_representable, only: settle_product
-  use bw_scene_messages, only: message_list
+  use bw_scene_messages, only: message_list, settle_product
+  use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: build_impact, check_impact
+  public :: build_impact, check_impact, impact_text
 
   type, public :: impact_par
     real(dp) :: mass = 0.0_dp               !! m_j [kg], ≥ 0, given or γ m_i
     real(dp) :: mass_ratio = 0.0_dp         !! γ = m_j/m_i, ≥ 0, given or derived
+    real(dp) :: mass_ratio_low = 0.0_dp     !! what binary64 leaves of it where the mass was given
     logical :: mass_given = .false.         !! the mass was given, and the ratio follows from it
     real(dp) :: approach_velocity = 1.0_dp  !! V [m/s] in the rotating frame, of either sign
     real(dp) :: restitution = 0.0_dp        !! e, 0 … 1
@@ -20,7 +21,7 @@ module bw_impact_par
   end type impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
-    'impact', absent='nothing strikes the beam: only its modes and wave velocities are computed', &
+    'impact', is_effect=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
     rules='Give `mass` or `mass_ratio`.')
 
   type(input_name), parameter, public :: impact_names(*) = [ &
@@ -46,31 +47,38 @@ contains
     end if
   end subroutine check_impact
 
-  pure subroutine build_impact(groups, beam_mass, impact, messages)
+  pure subroutine build_impact(values, beam_mass, impact, messages)
     !! From checked values; mass and mass ratio follow from each other.
-    type(group_values), intent(in) :: groups(:)
+    type(group_values), intent(in) :: values
     real(qp), intent(in) :: beam_mass                       !! m_i [kg], > 0
-    type(impact_par), allocatable, intent(out) :: impact    !! unallocated where the group is absent
+    type(impact_par), allocatable, intent(out) :: impact
     type(message_list), intent(inout) :: messages
-    integer :: i
-    i = position_of(groups, 'impact')
-    if (i == 0) return
     allocate (impact)
-    associate (values => groups(i))
-      impact%approach_velocity = values%number('approach_velocity')
-      impact%restitution = values%number('restitution')
-      impact%profile_points = values%whole('profile_points')
-      impact%mass_given = values%given('mass')
-      if (impact%mass_given) then
-        impact%mass = values%number('mass')
-        call settle_product(impact%mass/beam_mass, impact%mass_ratio, values%line_of('mass'), &
-                            'impact%mass', 'its ratio to the mass of the beam', messages)
-      else
-        impact%mass_ratio = values%number('mass_ratio')
-        call settle_product(impact%mass_ratio*beam_mass, impact%mass, values%line_of('mass_ratio'), &
-                            'impact%mass_ratio', 'the mass that it stands for', messages)
-      end if
-    end associate
+    impact%approach_velocity = values%number('approach_velocity')
+    impact%restitution = values%number('restitution')
+    impact%profile_points = values%whole('profile_points')
+    impact%mass_given = values%given('mass')
+    if (impact%mass_given) then
+      impact%mass = values%number('mass')
+      call settle_product(impact%mass/beam_mass, impact%mass_ratio, values%line_of('mass'), &
+                          'impact%mass', 'its ratio to the mass of the beam', messages)
+      if (impact%mass_ratio > 0.0_dp) impact%mass_ratio_low = real(impact%mass/beam_mass - impact%mass_ratio, dp)
+    else
+      impact%mass_ratio = values%number('mass_ratio')
+      call settle_product(impact%mass_ratio*beam_mass, impact%mass, values%line_of('mass_ratio'), &
+                          'impact%mass_ratio', 'the mass that it stands for', messages)
+    end if
   end subroutine build_impact
+
+  pure function impact_text(values, impact) result(text)
+    !! What a report calls it, with the mass ratio that was given or follows.
+    type(group_values), intent(in) :: values
+    type(impact_par), intent(in) :: impact
+    character(:), allocatable :: text, ratio
+    ratio = shortest(impact%mass_ratio, 6)
+    if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'
+    text = 'impact (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
+      ', restitution '//values%number_or_swept('restitution', '')//')'
+  end function impact_text
 
 end module bw_impact_par

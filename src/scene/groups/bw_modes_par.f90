@@ -1,7 +1,7 @@
 module bw_modes_par
   !! `&modes`: how many modes are summed.
   use bw_input_name, only: input_group, input_name, integer_input, number_range, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
   use bw_scene_messages, only: message_list
@@ -76,6 +76,7 @@ contains
   end subroutine settle_modes
 
   pure subroutine ask_for_counts(groups, reason, messages)
+    !! Say that groups which are there need a count of modes, and why.
     character(*), intent(in) :: groups, reason
     type(message_list), intent(inout) :: messages
     call messages%add(0, 'modes%before', 'is missing: '//groups//' needs a count of modes, since '//reason// &
@@ -108,21 +109,18 @@ contains
     call modes%drop('after')
   end subroutine settle_single
 
-  pure subroutine build_modes(groups, modes)
+  pure type(modes_par) function build_modes(values) result(modes)
     !! Counts, or a tolerance.
-    type(group_values), intent(in) :: groups(:)   !! settled
-    type(modes_par), intent(out) :: modes
-    associate (values => groups(position_of(groups, 'modes')))
-      if (values%known('tolerance')) then
-        modes%tolerance = values%number('tolerance')
-        modes%after = shown_modes
-        return
-      end if
-      modes%before = values%whole('before')
-      modes%after = modes%before
-      if (values%known('after')) modes%after = values%whole('after')
-    end associate
-  end subroutine build_modes
+    type(group_values), intent(in) :: values      !! settled
+    if (values%known('tolerance')) then
+      modes%tolerance = values%number('tolerance')
+      modes%after = shown_modes
+      return
+    end if
+    modes%before = values%whole('before')
+    modes%after = modes%before
+    if (values%known('after')) modes%after = values%whole('after')
+  end function build_modes
 
   pure logical function by_tolerance(modes)
     !! The program chooses how many modes are summed.

@@ -13,7 +13,7 @@ module bw_recontact_par
   end type recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
-    'recontact', needs='impact response', absent='a rebounded mass never returns', &
+    'recontact', needs='impact response', is_effect=.true., absent='a rebounded mass never returns', &
     rules='It excludes `&capture`. The mass moves in a guide that turns with the hub. Contacts that follow each '// &
     'other ever faster become one that lasts, until the mass is no longer pressed against the tip.')
 
@@ -35,15 +35,10 @@ contains
                       'excludes &capture: a mass that stays does not come back; accepted: one or the other')
   end subroutine check_recontact
 
-  pure subroutine build_recontact(groups, recontact)
+  pure type(recontact_par) function build_recontact(values) result(recontact)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(recontact_par), allocatable, intent(out) :: recontact   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'recontact')
-    if (i == 0) return
-    allocate (recontact)
-    recontact%max_contacts = groups(i)%whole('max_contacts')
-  end subroutine build_recontact
+    type(group_values), intent(in) :: values
+    recontact%max_contacts = values%whole('max_contacts')
+  end function build_recontact
 
 end module bw_recontact_par

@@ -1,18 +1,18 @@
 module bw_release_par
   !! `&release`: a captured mass leaves again.
   use bw_input_name, only: input_group, input_name, positive, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_release
+  public :: build_release, release_text
 
   type, public :: release_par
     real(dp) :: time = 0.0_dp       !! t_r [s], > 0
   end type release_par
 
   type(input_group), parameter, public :: release_group = input_group( &
-    'release', needs='capture', absent='a captured mass stays', &
+    'release', needs='capture', is_effect=.true., absent='a captured mass stays', &
     rules='A sample at exactly that time belongs to the beam without the mass. A time beyond the end of the '// &
     'record changes nothing.')
 
@@ -22,15 +22,17 @@ module bw_release_par
 
 contains
 
-  pure subroutine build_release(groups, release)
+  pure type(release_par) function build_release(values) result(release)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(release_par), allocatable, intent(out) :: release   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'release')
-    if (i == 0) return
-    allocate (release)
-    release%time = groups(i)%number('time')
-  end subroutine build_release
+    type(group_values), intent(in) :: values
+    release%time = values%number('time')
+  end function build_release
+
+  pure function release_text(values) result(text)
+    !! What a report calls it: `release at 0.1 s`.
+    type(group_values), intent(in) :: values
+    character(:), allocatable :: text
+    text = 'release at '//values%number_or_swept('time', ' s')
+  end function release_text
 
 end module bw_release_par

@@ -2,7 +2,7 @@ module bw_response_par
   !! `&response`: time histories at points of the beam.
   use bw_input_name, only: input_group, input_name, integer_input, logical_input, number_range, positive, real_input, &
                            reals_input, unit_interval
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_scene_messages, only: message_list
   use bw_text, only: text_of
@@ -48,20 +48,13 @@ contains
     end associate
   end subroutine check_response
 
-  pure subroutine build_response(groups, response)
+  pure type(response_par) function build_response(values) result(response)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(response_par), allocatable, intent(out) :: response   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'response')
-    if (i == 0) return
-    allocate (response)
-    associate (values => groups(i))
-      response%duration = values%number('duration')
-      response%samples = values%whole('samples')
-      response%points = values%values(values%at('points'))%numbers
-      response%velocity = values%values(values%at('velocity'))%flag
-    end associate
-  end subroutine build_response
+    type(group_values), intent(in) :: values
+    response%duration = values%number('duration')
+    response%samples = values%whole('samples')
+    response%points = values%values(values%at('points'))%numbers
+    response%velocity = values%values(values%at('velocity'))%flag
+  end function build_response
 
 end module bw_response_par

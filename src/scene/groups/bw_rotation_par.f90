@@ -1,11 +1,11 @@
 module bw_rotation_par
   !! `&rotation`: the beam's root turns at a constant rate.
   use bw_input_name, only: any_number, input_group, input_name, real_input, text_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_rotation
+  public :: build_rotation, rotation_text
 
   type, public :: rotation_par
     real(dp) :: angular_velocity = 0.0_dp   !! ω [rad/s], of either sign
@@ -13,7 +13,7 @@ module bw_rotation_par
   end type rotation_par
 
   type(input_group), parameter, public :: rotation_group = input_group( &
-    'rotation', absent='the beam does not rotate')
+    'rotation', is_effect=.true., absent='the beam does not rotate')
 
   type(input_name), parameter, public :: rotation_names(*) = [ &
     input_name('rotation', 'angular_velocity', real_input, 'rad s-1', any_number, required=.true., swept=.true., &
@@ -23,16 +23,19 @@ module bw_rotation_par
 
 contains
 
-  pure subroutine build_rotation(groups, rotation)
+  pure type(rotation_par) function build_rotation(values) result(rotation)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(rotation_par), allocatable, intent(out) :: rotation   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'rotation')
-    if (i == 0) return
-    allocate (rotation)
-    rotation%angular_velocity = groups(i)%number('angular_velocity')
-    rotation%plane = groups(i)%text('plane')
-  end subroutine build_rotation
+    type(group_values), intent(in) :: values
+    rotation%angular_velocity = values%number('angular_velocity')
+    rotation%plane = values%text('plane')
+  end function build_rotation
+
+  pure function rotation_text(values) result(text)
+    !! What a report calls it: `rotation 50 rad/s in plane`.
+    type(group_values), intent(in) :: values
+    character(:), allocatable :: text
+    text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s')// &
+      trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))
+  end function rotation_text
 
 end module bw_rotation_par

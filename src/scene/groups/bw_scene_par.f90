@@ -1,7 +1,7 @@
 module bw_scene_par
   !! `&scene`: what a run is called.
   use bw_input_name, only: input_group, input_name, text_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   implicit none (type, external)
   private
   public :: build_header
@@ -18,11 +18,10 @@ module bw_scene_par
 
 contains
 
-  pure subroutine build_header(groups, header)
+  pure type(scene_par) function build_header(values) result(header)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(scene_par), intent(out) :: header
-    header%title = groups(position_of(groups, 'scene'))%text('title')
-  end subroutine build_header
+    type(group_values), intent(in) :: values
+    header%title = values%text('title')
+  end function build_header
 
 end module bw_scene_par

@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear, circle_coefficient, settle_shear, usual_shear
+  public :: build_shear, check_shear, circle_coefficient, settle_shear, shear_text, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -14,7 +14,8 @@ module bw_shear_par
   end type shear_par
 
   type(input_group), parameter, public :: shear_group = input_group( &
-    'shear', absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
+    'shear', is_effect=.true., changes_shapes=.true., &
+    absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
     rules='`shear_coefficient` is 6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter` (Cowper 1966), nu being '// &
     '`poisson_ratio`; any other section needs its own.')
 
@@ -53,20 +54,15 @@ contains
     end associate
   end subroutine settle_shear
 
-  pure subroutine build_shear(groups, shear)
+  pure type(shear_par) function build_shear(values) result(shear)
     !! Poisson's ratio and the coefficient, given or settled.
-    type(group_values), intent(in) :: groups(:)          !! settled
-    type(shear_par), allocatable, intent(out) :: shear   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'shear')
-    if (i == 0) return
-    allocate (shear)
-    shear%poisson_ratio = groups(i)%number('poisson_ratio')
-    if (groups(i)%known('shear_coefficient')) shear%shear_coefficient = groups(i)%number('shear_coefficient')
-  end subroutine build_shear
+    type(group_values), intent(in) :: values   !! settled
+    shear%poisson_ratio = values%number('poisson_ratio')
+    if (values%known('shear_coefficient')) shear%shear_coefficient = values%number('shear_coefficient')
+  end function build_shear
 
   pure type(shear_par) function usual_shear() result(shear)
-    !! What a scene gets that names the group alone: a solid circle's.
+    !! What a scene gets that names the group without values: a solid circle's.
     shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
   end function usual_shear
 
@@ -75,5 +71,13 @@ contains
     real(dp), intent(in) :: nu
     coefficient = 6.0_dp*(1.0_dp + nu)/(7.0_dp + 6.0_dp*nu)
   end function circle_coefficient
+
+  pure function shear_text(values) result(text)
+    !! What a report calls it, with its two numbers.
+    type(group_values), intent(in) :: values   !! settled
+    character(:), allocatable :: text
+    text = 'shear (Poisson''s ratio '//values%number_or_swept('poisson_ratio', '')//', shear coefficient '// &
+      values%number_or_swept('shear_coefficient', '')//')'
+  end function shear_text
 
 end module bw_shear_par

@@ -45,16 +45,11 @@ contains
     end if
   end subroutine check_spectrum
 
-  pure subroutine build_spectrum(groups, spectrum)
+  pure type(spectrum_par) function build_spectrum(values) result(spectrum)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(spectrum_par), allocatable, intent(out) :: spectrum   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'spectrum')
-    if (i == 0) return
-    allocate (spectrum)
-    spectrum%window = groups(i)%text('window')
-    spectrum%max_peaks = groups(i)%whole('max_peaks')
-  end subroutine build_spectrum
+    type(group_values), intent(in) :: values
+    spectrum%window = values%text('window')
+    spectrum%max_peaks = values%whole('max_peaks')
+  end function build_spectrum
 
 end module bw_spectrum_par

@@ -1,18 +1,19 @@
 module bw_stiffening_par
   !! `&stiffening`: the tension that the rotation brings into the beam.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: build_stiffening
+  public :: build_stiffening, stiffening_text
 
   type, public :: stiffening_par
     real(dp) :: hub_radius = 0.0_dp   !! distance of the root from the axis [m], ≥ 0
   end type stiffening_par
 
   type(input_group), parameter, public :: stiffening_group = input_group( &
-    'stiffening', needs='rotation', absent='no tension: rotation leaves the stiffness of the beam as it is')
+    'stiffening', needs='rotation', is_effect=.true., changes_shapes=.true., &
+    absent='no tension: rotation leaves the stiffness of the beam as it is')
 
   type(input_name), parameter, public :: stiffening_names(*) = [ &
     input_name('stiffening', 'hub_radius', real_input, 'm', not_negative, '0', swept=.true., &
@@ -20,15 +21,17 @@ module bw_stiffening_par
 
 contains
 
-  pure subroutine build_stiffening(groups, stiffening)
+  pure type(stiffening_par) function build_stiffening(values) result(stiffening)
     !! From checked values.
-    type(group_values), intent(in) :: groups(:)
-    type(stiffening_par), allocatable, intent(out) :: stiffening   !! unallocated where the group is absent
-    integer :: i
-    i = position_of(groups, 'stiffening')
-    if (i == 0) return
-    allocate (stiffening)
-    stiffening%hub_radius = groups(i)%number('hub_radius')
-  end subroutine build_stiffening
+    type(group_values), intent(in) :: values
+    stiffening%hub_radius = values%number('hub_radius')
+  end function build_stiffening
+
+  pure function stiffening_text(values) result(text)
+    !! What a report calls it: `stiffening (hub radius 0.1 m)`.
+    type(group_values), intent(in) :: values
+    character(:), allocatable :: text
+    text = 'stiffening (hub radius '//values%number_or_swept('hub_radius', ' m')//')'
+  end function stiffening_text
 
 end module bw_stiffening_par

@@ -1,0 +1,142 @@
+"""The Campbell diagram: frequencies over the angular velocity."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
+
+from ..parts.follow import eigenvalues, followed
+from ..parts.labels import value_text
+from ..parts.select import Chosen, chosen, spread
+from ..parts.sheet import Given, sheet_for
+from ..result import NothingToDraw, require, swept_inputs
+from ..style import COLOURS, DASHES, GREY, logarithmic, styled
+
+SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
+HELD = ("angular_frequency", "growth_rate", "mode_shape", CRITICAL)
+RPM = 60.0 / (2.0 * np.pi)  # from rad/s
+MAX_MODES, MAX_PANELS = 5, 4
+FINE = 400  # places between the first and the last speed
+FEW_CASES = 40  # up to which each is marked
+ORDERS = (1, 2, 3, 4, 6, 8)  # multiples of the speed
+LOGARITHMIC = 12.0  # highest over lowest frequency from where on the axis is logarithmic
+GROWS = "#F3D9C9"
+
+
+@styled
+def campbell(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figure:
+    """Frequencies (Hz) of the lowest modes, or of these `modes`, over the angular velocity (rpm) of a sweep over it.
+
+    Modes are followed through crossings. Where the first one grows the picture is shaded, from the critical speed on;
+    multiples of the speed are dotted lines. A second swept input makes panels.
+    """
+    require(ds, "angular_frequency", SPEED)
+    numbers = chosen(ds, modes=modes)["mode"].values[: MAX_MODES if modes is None else None]
+    names = [name for name in swept_inputs(ds) if np.unique(ds[name]).size > 1]
+    if SPEED not in names or len(names) > 2 or np.unique(ds[SPEED]).size < 3:
+        raise NothingToDraw("needs a sweep over the angular velocity, of three values or more, and at most one other")
+    drawn = chosen(ds)[[name for name in HELD if name in ds]].load()
+    if not (drawn["angular_frequency"].sel(mode=numbers) > 0.0).any():
+        raise NothingToDraw("no mode oscillates")
+    other = [name for name in names if name != SPEED]
+    values = np.unique(ds[other[0]]) if other else np.zeros(1)
+    shown = values[spread(values.size, MAX_PANELS)]
+    columns = min(shown.size, 2)
+    rows = -(-shown.size // columns)
+    sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
+    for axes, value in zip(sheet.axes, shown):
+        cases = drawn.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else drawn
+        limit = _draw(axes, cases.sortby(SPEED), numbers)
+        axes.set_title(", ".join(filter(None, [value_text(cases[other[0]][0]) if other else "", limit])))
+    for axes in sheet.axes[shown.size :]:
+        axes.set_visible(False)
+    return sheet.finish(ds, [f"{shown.size} of {values.size} values" if shown.size < values.size else ""])
+
+
+def _draw(axes: Axes, cases: xr.Dataset, numbers: np.ndarray) -> str:
+    """One diagram of cases that differ in their speed, which ascends; the critical speed in words, if there is one."""
+    speed = cases[SPEED].values
+    values = np.take_along_axis(eigenvalues(cases), followed(cases, _signed(speed)), axis=1)
+    values = values[:, [int(np.flatnonzero(cases["mode"].values == number)[0]) for number in numbers]]
+    for branch, number in enumerate(numbers):
+        _draw_mode(axes, speed, values[:, branch], f"mode {number}", branch)
+    if (values > 0.0).any():
+        _scale(axes, np.sqrt(values[values > 0.0]) / (2.0 * np.pi))
+    else:
+        axes.set_yticks([])
+    axes.set_xlim(RPM * speed[0], RPM * speed[-1])
+    _draw_orders(axes)
+    axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)")
+    return _mark_growth(axes, cases, speed, values)
+
+
+def _draw_mode(axes: Axes, speed: np.ndarray, values: np.ndarray, label: str, number: int) -> None:
+    """One mode: β² goes smoothly over ω², also through 0, and its root is the curve; few cases are marked."""
+    known = np.isfinite(values)
+    if np.count_nonzero(known) < 2:
+        return
+    fine = np.linspace(speed[known][0], speed[known][-1], FINE)
+    smooth = PchipInterpolator(_signed(speed[known]), values[known])(_signed(fine))
+    colour, dash = COLOURS[number % len(COLOURS)], DASHES[number % len(DASHES)]
+    label = label if (values > 0.0).any() else f"{label}: grows at all of these speeds"
+    axes.plot(RPM * fine, _hertz(smooth), color=colour, linestyle=dash, linewidth=1.5, label=label)
+    if speed.size <= FEW_CASES:
+        axes.plot(RPM * speed, _hertz(values), linestyle="", marker="o", markersize=3, color=colour)
+
+
+def _signed(speed: np.ndarray) -> np.ndarray:
+    """Squares with the sign of the speed: what eigenvalues are smooth over, and what ascends with the speed."""
+    return speed * np.abs(speed)
+
+
+def _hertz(values: np.ndarray) -> np.ndarray:
+    """Frequencies of eigenvalues; NaN where they grow."""
+    return np.sqrt(np.where(values >= 0.0, values, np.nan)) / (2.0 * np.pi)
+
+
+def _scale(axes: Axes, frequency: np.ndarray) -> None:
+    """From 0 on, or logarithmic where the modes are far apart."""
+    typical = np.sort(frequency)[len(frequency) // 20]  # a mode that comes to a halt goes below any axis
+    if frequency.max() > LOGARITHMIC * typical:
+        logarithmic(axes, "y", 0.4 * typical, 1.6 * frequency.max())
+    else:
+        axes.set_ylim(0.0, 1.1 * frequency.max())
+
+
+def _draw_orders(axes: Axes) -> None:
+    """Multiples of the speed, named where they leave the picture."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    speed = np.linspace(left, right, FINE)
+    for order in ORDERS:
+        line = order * np.abs(speed) / 60.0
+        inside = np.flatnonzero((line > bottom) & (line < top))
+        if not inside.size:
+            continue
+        axes.plot(speed, line, color=GREY, linewidth=0.7, linestyle=":", zorder=1)
+        axes.annotate(f"{order}×", (speed[inside[-1]], line[inside[-1]]), xytext=(3, 0), textcoords="offset points",
+                      fontsize=8, color=GREY, va="center", annotation_clip=False)  # fmt: skip
+
+
+def _mark_growth(axes: Axes, cases: xr.Dataset, speed: np.ndarray, values: np.ndarray) -> str:
+    """A bar at the foot where each mode grows, a shade where any does, and the critical speed; that speed in words."""
+    growing = np.nan_to_num(values) < 0.0
+    for row, branch in enumerate(np.flatnonzero(growing.any(axis=0))):
+        foot = np.where(growing[:, branch], 0.012 + 0.022 * row, np.nan)
+        axes.plot(RPM * speed, foot, color=COLOURS[branch % len(COLOURS)], linewidth=4.0, solid_capstyle="butt",
+                  transform=axes.get_xaxis_transform())  # fmt: skip
+    if not growing.any():
+        return ""
+    axes.fill_between([], [], color=GROWS, linewidth=0.0, label="a mode grows: that of the bar at the foot")
+    critical = cases[CRITICAL].values if CRITICAL in cases else np.full(speed.size, np.nan)
+    limit = float(np.nanmin(critical, initial=np.inf))
+    first = min(limit, float(np.abs(speed[growing.any(axis=1)]).min()))
+    for side in (-1.0, 1.0):
+        start, end = max(first, -speed[-1] if side < 0 else speed[0]), -speed[0] if side < 0 else speed[-1]
+        if end > start:
+            axes.axvspan(RPM * side * start, RPM * side * end, color=GROWS, linewidth=0.0, zorder=0)
+        if end > limit > start - 1e-12 and np.isfinite(limit):
+            axes.axvline(RPM * side * limit, color=COLOURS[2], linewidth=1.0, zorder=1)
+    return f"critical speed {RPM * limit:.0f} rpm ({limit:.4g} rad/s)" if np.isfinite(limit) else ""

@@ -1,0 +1,66 @@
+"""The impulses of the blows and contacts of a mass that bounces."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..parts.curves import Curve, panels_of
+from ..parts.events import Event, events_of
+from ..parts.labels import axis_label
+from ..parts.select import Chosen, chosen
+from ..parts.sheet import Given, sheet_for
+from ..parts.units import si_prefix, units_of
+from ..result import NothingToDraw, require
+from ..style import styled
+
+
+@styled
+def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Draw `event_impulse` (N s) of the impact and of each contact at its time, as wide as it lasts.
+
+    Raises `NothingToDraw` unless a case has two impulses or more.
+    """
+    ds = chosen(ds, cases=cases)
+    require(ds, "event_time", "event_kind", "event_impulse")
+    drawn = panels_of(ds, "event_impulse", panels=1)
+    blows = [[event for event in events_of(curve.data) if event.impulse != 0.0] for curve in drawn.curves]
+    if max(len(events) for events in blows) < 2:
+        raise NothingToDraw("there are not two impulses or more")
+    sheet = sheet_for(ax, height=3.2)
+    axes = sheet.axes[0]
+    last = float(ds["time"][-1]) if "time" in ds else max(event.time for events in blows for event in events)
+    clock, ticks = si_prefix(np.array([last]), units_of(ds["event_time"]))
+    prefix, factor = si_prefix(
+        np.array([event.impulse for events in blows for event in events]), units_of(ds["event_impulse"])
+    )
+    for curve, events in zip(drawn.curves, blows):
+        _draw(
+            axes,
+            curve,
+            [
+                event._replace(
+                    time=ticks * event.time, end=ticks * min(event.end, last), impulse=factor * event.impulse
+                )
+                for event in events
+            ],
+        )
+    axes.axhline(0.0, color="0.3", linewidth=0.8)
+    axes.margins(y=0.1)
+    axes.set_xlim(-0.015 * ticks * last, 1.015 * ticks * last)
+    axes.set(xlabel=f"Time $t$ ({clock}s)", ylabel=axis_label(ds["event_impulse"], prefix))
+    counts = f"{len(blows[0]) - 1} contacts" if len(blows) == 1 else ""
+    return sheet.finish(ds, [*drawn.notes, counts])
+
+
+def _draw(axes: Axes, curve: Curve, events: list[Event]) -> None:
+    """Stems with a marker; a span for what lasts."""
+    colour = curve.style["color"]
+    for event in events:
+        if event.end > event.time:
+            axes.fill_between([event.time, event.end], 0.0, event.impulse, color=colour, alpha=0.2, linewidth=0.0)
+    times, sizes = [event.time for event in events], [event.impulse for event in events]
+    axes.vlines(times, 0.0, sizes, color=colour, linewidth=0.9)
+    axes.plot(times, sizes, label=curve.label or None, **{**curve.style, "linestyle": ""})

@@ -1,0 +1,111 @@
+"""The lines of a record: frequency, decay and amplitude, with their intervals, and what kind of line each is."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..parts.curves import Curve, panels_of
+from ..parts.labels import axis_label, flag_words
+from ..parts.select import Chosen, chosen
+from ..parts.sheet import Given, sheet_for
+from ..result import require
+from ..style import MARKERS, curve_style, logarithmic, styled
+
+FREQUENCY, DECAY, AMPLITUDE = "measured_angular_frequency", "measured_decay_rate", "measured_amplitude"
+
+
+@styled
+def lines(ds: xr.Dataset, *, points: Chosen = None, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Amplitude and decay rate of the lines of a record over their frequency (Hz): two axes.
+
+    Bars are the intervals of the file (`_error`) where it has them. In the lower axes the marker tells the status of a
+    line (one of a close pair, a harmonic, drifting, …); in the upper one it tells the point.
+    """
+    ds = chosen(ds, points=points, cases=cases)
+    require(ds, FREQUENCY, DECAY)
+    drawn = panels_of(ds, FREQUENCY, panels=1)
+    sheet = sheet_for(ax, 2, 1, height=2.7, share="x")
+    above, below = sheet.axes
+    sizes = [size for curve in drawn.curves for size in _draw_amplitudes(above, curve, len(drawn.curves))]
+    for curve in drawn.curves:
+        _draw_decay(below, curve, len(drawn.curves))
+    if sizes:
+        logarithmic(above, "y", 0.4 * min(sizes), 2.5 * max(sizes))
+        above.set_ylabel(axis_label(ds[AMPLITUDE].rename("amplitude")))
+    elif sheet.own:
+        above.set_visible(False)
+    below.axhline(0.0, color="0.5", linewidth=0.8, zorder=0)
+    below.set(xlabel="Frequency (Hz)", ylabel="Decay rate (1/s)")
+    return sheet.finish(ds, [*drawn.notes, "negative decay rates grow" if float(ds[DECAY].min()) < 0.0 else ""])
+
+
+def _draw_amplitudes(axes: Axes, curve: Curve, cases: int) -> list[float]:
+    """Stems of the amplitudes at each point; those drawn."""
+    case, found = curve.data, []
+    if AMPLITUDE not in case or "point" not in case[AMPLITUDE].dims:
+        return found
+    for point in range(case.sizes["point"]):
+        frequency, size, bar = (_values(case, name, point) for name in (FREQUENCY, AMPLITUDE, f"{AMPLITUDE}_error"))
+        known = np.isfinite(frequency) & (size > 0.0)
+        style = curve_style(point) if cases == 1 else curve.style
+        place = (
+            rf"$\xi$ = {float(case['point_position'][point]):.4g}"
+            if "point_position" in case
+            else f"sensor {point + 1}"
+        )
+        label = place if cases == 1 else curve.label
+        axes.vlines(
+            frequency[known] / (2 * np.pi),
+            np.finfo(float).tiny,
+            size[known],
+            color=style["color"],
+            linewidth=0.5,
+            alpha=0.5,
+        )
+        axes.errorbar(
+            frequency[known] / (2 * np.pi),
+            size[known],
+            _bars(bar, known),
+            capsize=2,
+            label=label,
+            **{**style, "linestyle": ""},
+        )
+        found += list(size[known])
+    return found
+
+
+def _draw_decay(axes: Axes, curve: Curve, cases: int) -> None:
+    """Decay rates with the intervals of both numbers; the marker is the line's status."""
+    case = curve.data
+    frequency, decay = _values(case, FREQUENCY), _values(case, DECAY)
+    words = flag_words(case["peak_status"]) if "peak_status" in case else {}
+    status = case["peak_status"].values if words else np.ones(frequency.size)
+    for number, value in enumerate(np.unique(status[np.isfinite(frequency)])):
+        mine = np.isfinite(frequency) & np.isfinite(decay) & (status == value)
+        across, along = (_bars(_values(case, f"{name}_error"), mine) for name in (FREQUENCY, DECAY))
+        style = {**curve.style, "linestyle": "", "marker": MARKERS[int(number) % len(MARKERS)]}
+        label = words.get(int(value), "lines").replace("_", " ") if cases == 1 else None
+        axes.errorbar(
+            frequency[mine] / (2 * np.pi),
+            decay[mine],
+            along,
+            None if across is None else across / (2 * np.pi),
+            capsize=2,
+            label=label,
+            **style,
+        )
+
+
+def _values(case: xr.Dataset, name: str, point: int = 0) -> np.ndarray:
+    """Values by peak, of one point where the variable tells points apart; NaN where the file lacks it."""
+    if name not in case:
+        return np.full(case.sizes["peak"], np.nan)
+    return case[name].values[point] if "point" in case[name].dims else case[name].values
+
+
+def _bars(values: np.ndarray, known: np.ndarray) -> np.ndarray | None:
+    """Half-widths of intervals; none where not one is known."""
+    return np.nan_to_num(values[known]) if np.isfinite(values).any() else None

@@ -1,0 +1,110 @@
+"""What was measured from the histories against what the modes say, with error bounds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from ..parts.curves import Curve, panels_of
+from ..parts.labels import QUANTITIES as WORDS
+from ..parts.select import Chosen, chosen
+from ..parts.sheet import Given, sheet_for
+from ..parts.units import unit_text, units_of
+from ..result import NothingToDraw, require
+from ..style import GREY, logarithmic, styled
+
+QUANTITIES = ("angular_frequency", "wavenumber", "phase_velocity", "group_velocity")
+ROUNDING = 1e-17  # an exact agreement is drawn here, a logarithmic axis having no 0
+CASES_WIDTH = 0.6  # taken by the cases of one mode, side by side, in modes
+
+
+class Pairs(NamedTuple):
+    """Peaks of one case beside the modes they belong to; arrays of one length."""
+
+    mode: np.ndarray
+    computed: np.ndarray
+    measured: np.ndarray
+    bound: np.ndarray
+
+
+@styled
+def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Measured against computed values of `name` with error bars, and the relative differences: two axes.
+
+    An angular frequency is drawn in Hz.
+    """
+    if name not in QUANTITIES:
+        raise ValueError(f"{name} is not one of {', '.join(QUANTITIES)}")
+    ds = chosen(ds, cases=cases)
+    found, error = f"measured_{name}", f"measured_{name}_error"
+    require(ds, name, found, error, "angular_frequency", "measured_angular_frequency")
+    drawn = panels_of(ds, found, panels=1)
+    curves = drawn.curves
+    pairs = [_pairs(curve.data, name) for curve in curves]
+    if not any(pair.mode.size for pair in pairs):
+        raise NothingToDraw(f"no peak has a {found} that belongs to a mode")
+    sheet = sheet_for(ax, columns=2, width=9.6)
+    left, right = sheet.axes
+    _draw_equality(left, pairs)
+    for curve, pair in zip(curves, pairs):
+        style = {**curve.style, "linestyle": ""}
+        left.errorbar(pair.computed, pair.measured, pair.bound, capsize=3, label=curve.label or "peaks", **style)
+    _draw_differences(right, curves, pairs)
+    label, units = WORDS[name], unit_text(units_of(ds[name]))
+    if name == "angular_frequency":
+        label, units = "Frequency", "Hz"
+    words = label[0].lower() + label[1:]
+    left.set(xlabel=f"Computed {words} ({units})", ylabel=f"Measured {words} ({units})")
+    right.set(xlabel="Mode", ylabel=f"Relative difference of the {words}")
+    return sheet.finish(ds, drawn.notes)
+
+
+def _pairs(case: xr.Dataset, name: str) -> Pairs:
+    """Match each peak that has a measured `name` with the mode nearest in angular frequency."""
+    beta = case["angular_frequency"].values
+    measured_beta = case["measured_angular_frequency"].values
+    values, bound = case[f"measured_{name}"].values, case[f"measured_{name}_error"].values
+    known = np.isfinite(measured_beta) & np.isfinite(values) & np.isfinite(bound)
+    modes = np.isfinite(beta) & (case[name].values > 0.0)
+    if not (known.any() and modes.any()):
+        empty = np.empty(0)
+        return Pairs(empty, empty, empty, empty)
+    nearest = np.abs(beta[modes][None, :] - measured_beta[known][:, None]).argmin(axis=1)
+    mode, computed = case["mode"].values[modes], case[name].values[modes]
+    scale = 1.0 / (2.0 * np.pi) if name == "angular_frequency" else 1.0
+    return Pairs(mode[nearest], scale * computed[nearest], scale * values[known], scale * bound[known])
+
+
+def _draw_equality(axes: Axes, pairs: list[Pairs]) -> None:
+    """Line on which measured and computed agree, over the range of what was computed."""
+    computed = np.concatenate([pair.computed for pair in pairs])
+    ends = np.array([0.8 * computed.min(), 1.25 * computed.max()])
+    logarithmic(axes, "x", *ends)
+    logarithmic(axes, "y", *ends)
+    axes.plot(ends, ends, color=GREY, linewidth=0.9, label="measured = computed")
+
+
+def _draw_differences(axes: Axes, curves: list[Curve], pairs: list[Pairs]) -> None:
+    """Relative differences as markers, each under the bar of its bound; the cases side by side."""
+    drawn: list[np.ndarray] = []
+    for number, (curve, pair) in enumerate(zip(curves, pairs)):
+        scale = np.abs(pair.computed)
+        difference = np.maximum(np.abs(pair.measured - pair.computed) / scale, ROUNDING)
+        bound = np.maximum(pair.bound / scale, ROUNDING)
+        drawn.extend((difference, bound))
+        x = pair.mode + CASES_WIDTH * ((number + 0.5) / len(curves) - 0.5)
+        first = number == 0
+        bar = {"linestyle": "", "marker": "_", "markersize": 9, "color": curve.style["color"]}
+        axes.vlines(x, difference, bound, color=curve.style["color"], linewidth=0.8)
+        axes.plot(x, bound, label="error bound" if first else None, **bar)
+        axes.plot(x, difference, label="difference" if first else None, **{**curve.style, "linestyle": ""})
+    sizes = np.concatenate(drawn)
+    logarithmic(axes, "y", 0.3 * sizes.min(), 10.0 * sizes.max())
+    modes = np.concatenate([pair.mode for pair in pairs])
+    axes.set_xlim(modes.min() - 0.7, modes.max() + 0.7)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))

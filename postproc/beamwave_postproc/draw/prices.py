@@ -1,0 +1,115 @@
+"""What accuracy costs: error against seconds, the stages' shares, and the seconds of each further digit."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from ..parts.sheet import Given, mosaic_for
+from ..parts.units import si_prefix
+from ..result import NothingToDraw, require
+from ..style import COLOURS, GREY, curve_style, logarithmic, styled
+
+LADDERS = {1: "tolerance asked for", 2: "counts: before = after", 3: "last tolerance, all roots in extended precision"}
+AIM = 0.25  # of the time at hand, for a tenth of the error: a digit that costs no more is cheap
+MARGIN = 2.0  # between curves and the frame of a logarithmic axis
+
+
+@styled
+def work_precision(ds: xr.Dataset, *, ax: Given = None) -> Figure:
+    """Draw a study of accuracy: error against seconds, the stages' shares, the price of each digit (three axes)."""
+    require(ds, "true_error", "seconds", "ladder", "stage_seconds")
+    timed = ds.isel(rung=np.flatnonzero(np.isfinite(ds["seconds"].values)))
+    drawn = timed.isel(rung=np.flatnonzero(timed["true_error"].values > 0.0))
+    if drawn.sizes["rung"] == 0:
+        raise NothingToDraw("no rung has an error above zero and a time")
+    sheet = mosaic_for(ax, ["aa", "bc"], [1.7, 1.0], width=7.2, height=7.4)
+    above, shares, digits = sheet.axes
+    _draw_errors(above, drawn)
+    asked = timed.isel(rung=np.flatnonzero(timed["ladder"].values == 1))
+    _draw_shares(shares, asked)
+    _draw_digits(digits, asked)
+    return sheet.finish(ds, [str(ds.attrs.get("machine", ""))], legend=[above])
+
+
+def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
+    """One curve for each ladder with quartiles as bars; what a cheap digit would cost; what is not resolved."""
+    error, seconds = rungs["true_error"].values, rungs["seconds"].values
+    for index, (ladder, label) in enumerate(LADDERS.items()):
+        mine = rungs["ladder"].values == ladder
+        if not mine.any():
+            continue
+        lower, upper = (rungs[name].values[mine] for name in ("seconds_lower", "seconds_upper"))
+        spread = np.abs(np.stack([lower, upper]) - seconds[mine])
+        axes.errorbar(error[mine], seconds[mine], spread, capsize=2, label=label, **curve_style(index))
+    logarithmic(axes, "x", error.min() / MARGIN, error.max() * MARGIN)
+    logarithmic(axes, "y", seconds.min() / MARGIN, seconds.max() * MARGIN)
+    _draw_aim(axes, error, seconds, rungs["ladder"].values == 1)
+    floor = float(rungs.get("converged_error", np.nan))
+    if error.min() / MARGIN < floor:
+        axes.axvspan(error.min() / MARGIN, floor, color="0.93", zorder=0, label="not resolved by the converged run")
+    axes.invert_xaxis()
+    axes.set_xlabel("Largest error of the displacement over its peak")
+    axes.set_ylabel("Seconds (median)")
+
+
+def _draw_aim(axes: Axes, error: np.ndarray, seconds: np.ndarray, asked: np.ndarray) -> None:
+    """From the coarsest tolerance on, a quarter more time for each digit."""
+    if not asked.any():
+        return
+    start = np.flatnonzero(asked)[0]
+    reach = np.geomspace(error[start], error.min(), 50)
+    digits = np.log10(error[start] / reach)
+    label = f"{AIM:.0%} more time for each digit"
+    axes.plot(reach, seconds[start] * (1.0 + AIM) ** digits, color=GREY, linewidth=0.9, linestyle=":", label=label)
+
+
+def _draw_shares(axes: Axes, rungs: xr.Dataset) -> None:
+    """Stacked bars of the stages' parts of the time, for each tolerance."""
+    stages = rungs["stage_seconds"].transpose("stage", "rung").values
+    shares = 100.0 * stages / np.maximum(stages.sum(axis=0), np.finfo(float).tiny)
+    below = np.zeros(shares.shape[1])
+    places = np.arange(shares.shape[1])
+    for index, (name, share) in enumerate(zip(_stage_names(rungs), shares)):
+        style = {"color": COLOURS[(1, 2, 6)[index % 3]], "edgecolor": "white", "linewidth": 0.5}
+        axes.bar(places, share, bottom=below, width=0.85, label=name, **style)
+        below = below + share
+    _label_tolerances(axes, rungs)
+    axes.set_ylim(0.0, 100.0)
+    axes.set_ylabel("Share of the time (%)")
+    axes.grid(visible=False)
+    axes.legend(fontsize="small", loc="lower center", ncols=3, bbox_to_anchor=(0.5, 1.0), handlelength=1.2)
+
+
+def _draw_digits(axes: Axes, rungs: xr.Dataset) -> None:
+    """Bars of the seconds of the next digit, with the growth in per cent on each."""
+    seconds = rungs["digit_seconds"].values
+    prefix, factor = si_prefix(seconds, "s")
+    places = np.arange(seconds.size)
+    bars = axes.bar(places, np.nan_to_num(factor * seconds), width=0.85, color=COLOURS[1])
+    growth = rungs["digit_growth"].values
+    labels = [f"{100 * part:+.0f}%" if np.isfinite(part) else "" for part in growth]
+    axes.bar_label(bars, labels, fontsize="x-small", padding=1)
+    axes.margins(y=0.15)
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    _label_tolerances(axes, rungs)
+    axes.set_axisbelow(True)
+    axes.set_ylabel(f"Price of the next digit ({prefix}s)")
+    axes.grid(visible=False, axis="x")
+
+
+def _label_tolerances(axes: Axes, rungs: xr.Dataset) -> None:
+    """Powers of ten under every second bar."""
+    decades = np.log10(rungs["tolerance"].values)
+    axes.set_xticks(np.arange(decades.size)[::2], [rf"$10^{{{round(decade)}}}$" for decade in decades[::2]])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("Tolerance")
+
+
+def _stage_names(rungs: xr.Dataset) -> list[str]:
+    """Words of the stages, from the flags of their coordinate."""
+    words = str(rungs["stage"].attrs.get("flag_meanings", "")).split()
+    return words if len(words) == rungs.sizes["stage"] else [str(number) for number in rungs["stage"].values]

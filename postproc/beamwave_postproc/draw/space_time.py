@@ -1,0 +1,80 @@
+"""The moving beam at a glance: its deflection over place and time, as an image."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..parts.events import ROW, mark_events
+from ..parts.growth import grows, samples_held
+from ..parts.labels import axis_label
+from ..parts.line import beam_line, places_of_line, whole_line
+from ..parts.passage import first_part
+from ..parts.select import Chosen, chosen, one_case
+from ..parts.sheet import Given, sheet_for
+from ..parts.units import si_prefix, units_of
+from ..result import require, require_numbers
+from ..style import styled
+
+PLACES, TIMES = 160, 900  # of the image
+
+
+@styled
+def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = None, ax: Given = None) -> Figure:
+    """Draw `displacement` (or another history by its `name`) of the first case over time (x) and place ξ (y).
+
+    Beside the whole record stands its first part, where the first waves run to and fro and the record is much longer
+    than that; on a given `ax` only the whole record. Needs points along all of the beam.
+    """
+    ds = chosen(ds, cases=cases)
+    require(ds, name, "time", "point_position")
+    case, note = one_case(ds)
+    require_numbers(case[name].values, name)
+    start = None if ax is not None else first_part(case)
+    xi, history = whole_line(case, name)
+    held = samples_held(case, name)
+    ends = [end for end in (start, float(case["time"][held - 1])) if end is not None]
+    sheet = sheet_for(ax, columns=len(ends), width=6.4 if len(ends) == 1 else 9.6, height=3.6, share="y")
+    for axes, end in zip(sheet.axes, ends):
+        shown = case["time"].values[:held] <= end
+        _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
+    sheet.axes[0].set_ylabel(r"Place $\xi$ (0 root, 1 tip)")
+    return sheet.finish(ds, [note])
+
+
+def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
+    """One image of places, times and histories (time, point), with its own scale of colours."""
+    xi, time, history = line
+    time, history = _means(time), _means(history)
+    places = places_of_line(case, xi, PLACES)
+    image = beam_line(case, xi, history)(places)
+    words, image = _scaled(case, name, image)
+    clock, ticks = si_prefix(time, units_of(case["time"]))
+    step = time[1] - time[0] if time.size > 1 else 1.0
+    extent = (ticks * (time[0] - step / 2), ticks * (time[-1] + step / 2), places[0], 1.0)
+    largest = np.abs(image).max() or 1.0
+    shown = axes.imshow(image, origin="lower", aspect="auto", extent=extent, cmap="RdBu_r", vmin=-largest, vmax=largest)
+    axes.grid(visible=False)
+    axes.set_xlabel(axis_label(case["time"], clock))
+    axes.figure.colorbar(shown, ax=axes, label=words, pad=0.02)
+    axes.set_title("", pad=6.0 + ROW * mark_events(axes, [case], ticks, words=True))
+
+
+def _scaled(case: xr.Dataset, name: str, image: np.ndarray) -> tuple[str, np.ndarray]:
+    """Words for the colours of `image` (place, time), and its numbers: of a growing motion over the largest so far."""
+    if grows(case):
+        largest = np.maximum.accumulate(np.abs(image).max(axis=0))
+        return f"{axis_label(case[name]).split(' (')[0]} over the largest so far: it grows", image / np.where(
+            largest > 0.0, largest, 1.0
+        )
+    prefix, factor = si_prefix(image, units_of(case[name]))
+    return axis_label(case[name], prefix), factor * image
+
+
+def _means(values: np.ndarray) -> np.ndarray:
+    """Means of equal intervals along the first axis, at most `TIMES`: a picture has no more columns."""
+    size = -(-values.shape[0] // TIMES)
+    whole = values.shape[0] // size * size
+    return values[:whole].reshape(-1, size, *values.shape[1:]).mean(axis=1)

@@ -1,0 +1,97 @@
+"""Mode frequencies over a sweep of two inputs, as maps."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from ..parts.labels import input_label
+from ..parts.select import Chosen, chosen
+from ..parts.sheet import Given, sheet_for
+from ..result import NothingToDraw, require, require_numbers, swept_inputs, to_grid
+from ..style import COLOURS, logarithmic, styled
+
+MAX_MODES = 4
+SPEED, CRITICAL = "rotation_angular_velocity", "critical_angular_velocity"
+GROWS = {"facecolor": "0.92", "edgecolor": "0.6", "hatch": "///", "linewidth": 0.0}
+LACKS = "0.75"  # colour of a case without numbers
+
+
+@styled
+def sweep_map(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figure:
+    """Map the frequency (Hz) of the lowest modes, or of these `modes`, over the two swept inputs.
+
+    The input that varies fastest runs along x. Where a mode grows the map is hatched, where a case holds no number it
+    is grey; where the angular velocity is one of the inputs, the critical speed of the first mode is a line.
+    """
+    ds = chosen(ds, modes=modes)
+    require(ds, "angular_frequency")
+    names = swept_inputs(ds)
+    if len(names) != 2 or any(np.unique(ds[name]).size < 2 for name in names):
+        raise NothingToDraw("the result is not a sweep of two inputs, each of two values or more")
+    held = [name for name in ("angular_frequency", "growth_rate") if name in ds]
+    grid = to_grid(ds[held].isel(mode=slice(MAX_MODES if modes is None else None)))
+    require_numbers(grid["angular_frequency"].values, "angular_frequency")
+    numbers = grid["mode"].values
+    columns = min(numbers.size, 2)
+    rows = -(-numbers.size // columns)
+    sheet = sheet_for(ax, rows, columns, width=5.2 * columns, height=3.6)
+    for axes, mode in zip(sheet.axes, numbers):
+        _draw_mode(axes, grid.sel(mode=mode).transpose(*names))
+        axes.set_title(f"Mode {mode}")
+        if mode == 1:
+            _draw_critical_speed(axes, ds, names)
+    for axes in sheet.axes[numbers.size :]:
+        axes.set_visible(False)
+    return sheet.finish(ds)
+
+
+def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:
+    """One map; its numbers have the input along y first, the one along x second."""
+    frequency = mode["angular_frequency"] / (2.0 * np.pi)
+    y, x = (mode[name] for name in frequency.dims)
+    axes.grid(visible=False)
+    masked = np.ma.masked_invalid(frequency.values)
+    grows = np.nan_to_num(mode["growth_rate"].values) > 0.0 if "growth_rate" in mode else masked.mask & False
+    if grows.any():
+        axes.patch.set(**GROWS)
+        axes.fill_between([], [], label="grows", **GROWS)
+    lacks = masked.mask & ~grows
+    if lacks.any():
+        axes.pcolormesh(x, y, np.ma.masked_array(lacks, ~lacks), shading="nearest", cmap=ListedColormap([LACKS]))
+        axes.fill_between([], [], label="no numbers", color=LACKS)
+    if masked.count():
+        mesh = axes.pcolormesh(x, y, masked, shading="nearest", cmap="cividis", rasterized=True)
+        axes.figure.colorbar(mesh, ax=axes, label="Frequency (Hz)")
+    for coordinate, which in ((x, "x"), (y, "y")):
+        axes.set(
+            **{f"{which}label": input_label(coordinate), f"{which}lim": (coordinate.values[0], coordinate.values[-1])}
+        )
+        if _log_spaced(coordinate.values):
+            logarithmic(axes, which, coordinate.values[0], coordinate.values[-1])
+
+
+def _draw_critical_speed(axes: Axes, ds: xr.Dataset, names: list[str]) -> None:
+    """The line along which the angular velocity is the critical one of each value of the other input."""
+    if SPEED not in names or CRITICAL not in ds:
+        return
+    (other,) = (name for name in names if name != SPEED)
+    critical = to_grid(ds[[CRITICAL]])[CRITICAL].isel({SPEED: 0})  # the same at every angular velocity
+    speed = np.where(critical <= ds[SPEED].max(), critical, np.nan)
+    if not np.isfinite(speed).any():
+        return
+    line = (speed, critical[other]) if names[1] == SPEED else (critical[other], speed)
+    limits = axes.get_xlim(), axes.get_ylim()
+    axes.plot(*line, color=COLOURS[2], linewidth=2.0, label="critical speed")
+    axes.set(xlim=limits[0], ylim=limits[1])
+
+
+def _log_spaced(values: np.ndarray) -> bool:
+    """Whether three or more positive values have one ratio from each to the next."""
+    if values.size < 3 or values[0] <= 0.0:
+        return False
+    ratios = values[1:] / values[:-1]
+    return bool(np.allclose(ratios, ratios[0], rtol=1e-6))

@@ -1,0 +1,1 @@
+"""The moving beam as a film."""

@@ -1,0 +1,223 @@
+"""A film of the moving beam, as a GIF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from PIL import Image
+
+from ..parts.head import MARGIN, Head, grow_by_head
+from ..parts.units import si_prefix
+from ..style import COLOURS, GREY, RC
+from .motion import FEW_POINTS, Motion
+
+DPI = 90
+BODY = 3.1  # inches, height below the head
+FRAME_MS, HOLD_MS = 50, 500  # how long a frame stands, and one with an event
+FLASH, WORDS = 6, 16  # frames that a flash, and the name of its event, remain
+PALETTE = 64  # colours of the GIF
+EDGE = 0.93  # of half the height: where a mass beyond the picture is marked
+ROOM = 1.3  # of the largest deflection, above and below
+GROWN = 0.1  # a growing motion fills the picture from this part of its frames on
+HUB = 0.07  # radius of the hub as drawn, in lengths of the beam
+BEAM, MASS, FLASHES = COLOURS[1], COLOURS[2], COLOURS[6]
+
+
+def save_film(shown: Motion, path: Path) -> None:
+    """Write the film as a GIF file; no half-written one is left behind when that fails."""
+    with mpl.rc_context({**RC, "axes.grid": False}):
+        frames = list(Film(shown).frames())
+    holds = [HOLD_MS if any(event.time >= 0.0 for event in events) else FRAME_MS for events in shown.events]
+    try:
+        frames[0].save(path, format="GIF", save_all=True, append_images=frames[1:], duration=holds, loop=0)
+    except OSError:
+        path.unlink(missing_ok=True)
+        raise
+
+
+class Film:
+    """The frames of a `Motion`, drawn one at a time into one figure: what moves onto what does not."""
+
+    def __init__(self, shown: Motion) -> None:
+        self.shown = shown
+        turning = shown.angle is not None
+        figure = Figure(figsize=(8.6 if turning else 6.4, BODY), dpi=DPI)
+        self.canvas = FigureCanvasAgg(figure)
+        share = BODY / (BODY + grow_by_head(figure, Head(shown.title, [shown.label])))
+        self.limits = limits(shown)
+        self.beam = _BeamView(figure.add_axes((0.09, 0.16 * share, 0.56 if turning else 0.87, 0.72 * share)), shown)
+        self.hub = _HubView(figure.add_axes((0.69, 0.02, 0.3, 0.86 * share)), shown) if turning else None
+        self.heading = figure.text(MARGIN / figure.get_figwidth(), 0.98 * share, "", va="top", fontsize=9.5)
+        self.moving = [self.heading, *self.beam.moving, *(self.hub.moving if self.hub else ())]
+        for artist in self.moving:
+            artist.set_animated(True)
+        self.limit = 0.0  # of the background
+        self.background = None
+
+    def frames(self) -> Iterator[Image.Image]:
+        """All frames, as images of one palette: that of the first, of the first event and of the last."""
+        last = self.shown.time.size - 1
+        event = next((frame for frame, events in enumerate(self.shown.events) if events), 0)
+        samples = [np.asarray(self.image(frame)) for frame in (0, event, min(event + 1, last), last)]
+        palette = _palette(np.vstack(samples))
+        for frame in range(last + 1):
+            yield self.image(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+
+    def image(self, frame: int) -> Image.Image:
+        """Frame number `frame`, all that moves being where it is then."""
+        if self.limits[frame] != self.limit:
+            self.limit = self.limits[frame]
+            self.beam.set_limit(self.limit)
+            self.canvas.draw()
+            self.background = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
+        self.canvas.restore_region(self.background)
+        scale = self.beam.place(frame, self.limit)
+        if self.hub is not None:
+            self.hub.place(frame, scale)
+        self.heading.set_text(self._words(frame, scale))
+        for artist in self.moving:
+            (artist.axes or self.canvas.figure).draw_artist(artist)
+        return Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+
+    def _words(self, frame: int, scale: float) -> str:
+        """Time, pace and scale."""
+        shown = self.shown
+        prefix, factor = si_prefix(shown.time, "s")
+        time = f"t = {shown.time[frame] * factor:.4g} {prefix}s" if shown.time[frame] >= 0.0 else "before the impact"
+        step = np.median(np.diff(shown.time)) if shown.time.size > 1 else 0.0
+        pace = f", slowed {_round(FRAME_MS / 1e3 / step)} times" if step > 0.0 else ""
+        return f"{time}{pace}; deflection drawn {_round(scale)} times as large"
+
+
+class _BeamView:
+    """The beam in the rotating frame, its deflection drawn larger than its length."""
+
+    def __init__(self, axes: Axes, shown: Motion) -> None:
+        self.axes, self.shown = axes, shown
+        prefix, self.factor = si_prefix(shown.line, "m")
+        length, few = shown.length, shown.points.size < FEW_POINTS
+        axes.set(xlim=(-0.06 * length, 1.12 * length), xlabel="Place along the beam (m)")
+        axes.set_ylabel(f"Deflection ({prefix}m)")
+        axes.axhline(0.0, color="0.8", linewidth=0.8, zorder=0)
+        axes.axvline(
+            shown.struck, color=GREY, linewidth=0.8, linestyle=(0, (1, 3)), zorder=0, visible=shown.mass is not None
+        )
+        clamp = axes.axvspan(-0.06 * length, 0.0, ymin=0.3, ymax=0.7, facecolor="0.85", edgecolor="0.5", hatch="////")
+        clamp.set_visible(shown.clamped)
+        (self.line,) = axes.plot([], [], color=BEAM, linewidth=1.2 if few else 3.0, linestyle="--" if few else "-")
+        (self.dots,) = axes.plot([], [], "o", color=BEAM, markersize=5, visible=few)
+        (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=11, clip_on=False)
+        (self.flash,) = axes.plot([], [], "o", color=FLASHES, markerfacecolor="none")
+        self.words = axes.text(0.08, 0.96, "", transform=axes.transAxes, va="top", color="0.3")
+        self.moving = [self.line, self.dots, self.mass, self.flash, self.words]
+
+    def set_limit(self, limit: float) -> None:
+        """Let the picture reach from -`limit` to `limit` (m)."""
+        self.axes.set_ylim(-limit * self.factor, limit * self.factor)
+
+    def place(self, frame: int, limit: float) -> float:
+        """Put all where it is in the frame; how much larger deflections are drawn than lengths."""
+        shown = self.shown
+        self.line.set_data(shown.place, shown.line[frame] * self.factor)
+        self.dots.set_data(shown.points, shown.deflection[frame] * self.factor)
+        if shown.mass is not None:
+            self._place_mass(frame, limit)
+        self._place_events(frame)
+        box = self.axes.get_window_extent()
+        left, right = self.axes.get_xlim()
+        return float(box.height / (2.0 * limit) / (box.width / (right - left)))
+
+    def _place_mass(self, frame: int, limit: float) -> None:
+        """The mass on the beam or in its guide; at the picture's edge, as an arrow head, once it is beyond."""
+        place = self.shown.mass[frame]
+        beyond = abs(place) > EDGE * limit
+        self.mass.set_marker(("^" if place > 0.0 else "v") if beyond else "o")
+        self.mass.set_markerfacecolor("white" if beyond else MASS)
+        self.mass.set_data([self.shown.struck], [np.clip(place, -EDGE * limit, EDGE * limit) * self.factor])
+
+    def _place_events(self, frame: int) -> None:
+        """A ring that widens at the struck place, and the names of the latest events."""
+        ages = [age for age in range(min(WORDS, frame + 1)) if self.shown.events[frame - age]]
+        self.words.set_text(_names(self.shown, frame - ages[0]) if ages else "")
+        flashing = bool(ages) and ages[0] < FLASH
+        self.flash.set_visible(flashing)
+        if flashing:
+            there = np.interp(self.shown.struck, self.shown.place, self.shown.line[frame])
+            self.flash.set_data([self.shown.struck], [there * self.factor])
+            self.flash.set(markersize=14 + 7 * ages[0], markeredgewidth=3.0 * (1.0 - ages[0] / FLASH))
+
+
+class _HubView:
+    """Hub and beam from above, where the turning is seen."""
+
+    def __init__(self, axes: Axes, shown: Motion) -> None:
+        self.shown = shown
+        reach = 1.2 * shown.length
+        axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+        axes.add_patch(Circle((0.0, 0.0), shown.length, fill=False, edgecolor="0.85"))
+        axes.add_patch(Circle((0.0, 0.0), HUB * shown.length, facecolor="0.85", edgecolor="0.5", zorder=3))
+        (self.mark,) = axes.plot([], [], color="0.5", linewidth=1.2, zorder=4)
+        (self.rest,) = axes.plot([], [], color="0.8", linewidth=0.8)
+        (self.line,) = axes.plot([], [], color=BEAM, linewidth=2.0)
+        (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=6)
+        self.moving = [self.rest, self.mark, self.line, self.mass]
+        words = "from above; the beam bends along the axis" if shown.out_of_plane else "seen from above"
+        axes.set_title(words, fontsize="small", color="0.3")
+
+    def place(self, frame: int, scale: float) -> None:
+        """Turn everything; deflections are drawn `scale` times as large, those out of the plane not at all."""
+        shown, angle = self.shown, self.shown.angle[frame]
+        scale = 0.0 if shown.out_of_plane else scale
+        self.line.set_data(*_turned(angle, shown.place, scale * shown.line[frame]))
+        self.rest.set_data(*_turned(angle, np.array([0.0, shown.length]), np.zeros(2)))
+        self.mark.set_data(*_turned(angle, np.array([-HUB, HUB]) * shown.length, np.zeros(2)))
+        if shown.mass is not None:
+            self.mass.set_data(*_turned(angle, np.array([shown.struck]), scale * shown.mass[frame : frame + 1]))
+
+
+def _palette(pixels: np.ndarray) -> Image.Image:
+    """Colours of `pixels` (rows, columns, 3), those of small things among them, as an image without content."""
+    own = [round(255 * part) for colour in (BEAM, MASS, FLASHES) for part in to_rgb(colour)]
+    found = Image.fromarray(pixels).quantize(PALETTE).getpalette()[: 3 * PALETTE]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([*own, *found])
+    return palette
+
+
+def _turned(angle: float, along: np.ndarray, across: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates in the plane at rest."""
+    return along * np.cos(angle) - across * np.sin(angle), along * np.sin(angle) + across * np.cos(angle)
+
+
+def limits(shown: Motion) -> np.ndarray:
+    """Half the height of the picture in each frame, m: one for all, or for a growing motion one that follows it."""
+    largest = np.abs(shown.line).max(axis=1)
+    if not largest.any():
+        return np.full(largest.size, shown.length)
+    if not shown.grows:
+        return np.full(largest.size, ROOM * largest.max())
+    so_far = np.maximum.accumulate(largest)
+    start = so_far[int(GROWN * so_far.size)] or so_far[so_far > 0.0][0]
+    return ROOM * np.maximum(so_far, start)
+
+
+def _names(shown: Motion, frame: int) -> str:
+    """Kinds of the events of a frame, several contacts counted."""
+    kinds = [event.kind for event in shown.events[frame]]
+    counts = {kind: kinds.count(kind) for kind in kinds}
+    return ", ".join(kind if count == 1 else f"{count} {kind}s" for kind, count in counts.items())
+
+
+def _round(value: float) -> str:
+    """Two digits, without a power of ten where that can be read."""
+    rounded = float(f"{value:.2g}")
+    return f"{rounded:g}" if abs(rounded) < 1e6 else f"{rounded:.1e}"

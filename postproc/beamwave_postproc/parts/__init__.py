@@ -1,0 +1,1 @@
+"""What pictures are made of: selections, curves, words, panels, marks."""

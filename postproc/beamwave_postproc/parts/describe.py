@@ -1,0 +1,108 @@
+"""Which scene a picture shows: its title, its effects and its inputs in words."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from .labels import symbol_of, value_text
+from .units import unit_text, units_of
+
+FEW = 4  # swept values that are listed
+WORDS = {"plane": {"out": "out of plane", "in": "in plane"}}  # of inputs that are words, those that are told
+NOT_TOLD = ("profile_points", "max_contacts", "shear_coefficient")
+DEFAULTS = {"impact_position": 1.0}  # as most inputs do by 0, these say nothing by this value
+
+
+def title_of(ds: xr.Dataset) -> str:
+    """Title of the scene, or the name of its file without the ending; empty where a dataset has neither."""
+    return str(ds.attrs.get("title", "")).strip() or Path(file_of(ds)).stem
+
+
+def file_of(ds: xr.Dataset) -> str:
+    """Name of the file that `ds` was opened from; empty where it was not."""
+    return Path(str(ds.encoding.get("source", ""))).name
+
+
+def description_of(ds: xr.Dataset) -> str:
+    """Beam, effects and inputs of a result in one line, groups apart by semicolons, and its file."""
+    beam = _group(ds, "beam")
+    groups = ["" if beam == "beam" else beam, *(_group(ds, name) for name in effects_of(ds)), _modes(ds)]
+    return "; ".join(filter(None, [*groups, file_of(ds)]))
+
+
+def effects_of(ds: xr.Dataset) -> list[str]:
+    """Names of the groups of effects and events that the scene has, in its order."""
+    return [
+        name
+        for name in str(ds.attrs.get("effects", "")).split()
+        if name not in ("beam", "modes", "response", "spectrum")
+    ]
+
+
+def turns_out_of_plane(ds: xr.Dataset) -> bool:
+    """Whether the beam bends along the axis that it turns about."""
+    return _word(ds, "plane") == "out"
+
+
+def _group(ds: xr.Dataset, group: str) -> str:
+    """Name of a group, its inputs that say something, its words."""
+    names = [str(name) for name in ds.variables if str(name).startswith(f"{group}_")]
+    told = [_input(ds[name]) for name in names if _says_something(ds, name, group)]
+    words = [
+        words[_word(ds, name)] for name, words in WORDS.items() if group == "rotation" and _word(ds, name) in words
+    ]
+    return " ".join(filter(None, [group, ", ".join(told), *words]))
+
+
+def _says_something(ds: xr.Dataset, name: str, group: str) -> bool:
+    """Whether an input is a number that is not left at what means nothing."""
+    variable = ds[name]
+    if name.removeprefix(f"{group}_") in NOT_TOLD or variable.dtype.kind not in "if" or variable.ndim > 1:
+        return False
+    values = variable.values
+    nothing = DEFAULTS.get(name, 0.0)
+    return bool(np.isfinite(values).any() and (name == "rotation_angular_velocity" or (values != nothing).any()))
+
+
+def _input(variable: xr.DataArray) -> str:
+    """One input: its value, or what it is swept over."""
+    values = np.unique(variable.values)
+    if values.size == 1:
+        return value_text(variable if variable.ndim == 0 else variable[0])
+    symbol, units = symbol_of(str(variable.name)), unit_text(units_of(variable))
+    if variable.dims != ("case",):
+        values = variable.values
+    elif values.size > FEW:
+        text = f"{symbol}\u00a0from {values[0]:.4g} to {values[-1]:.4g}\u00a0{units}".rstrip("\u00a0")
+        return f"{text} ({values.size}\u00a0values)"
+    listed = ",\u00a0".join(f"{value:.4g}" for value in values[: 2 * FEW])
+    return f"{symbol}\u00a0=\u00a0{listed}\u00a0{units}".rstrip("\u00a0")
+
+
+def _modes(ds: xr.Dataset) -> str:
+    """How many modes were summed, or by which tolerance."""
+    if "modes_tolerance" in ds:
+        return f"{_input(ds['modes_tolerance'])}" + (
+            f" ({_count(ds['mode_count'])} modes)" if "mode_count" in ds else ""
+        )
+    before = "modes_before" in ds and _count(ds["modes_before"])
+    after = "modes_after" in ds and _count(ds["modes_after"])
+    if before and after and "capture" in effects_of(ds):
+        return f"{before} modes before, {after} after"
+    return f"{before or after} modes" if before or after else ""
+
+
+def _count(variable: xr.DataArray) -> str:
+    """A whole number, or the range of a sweep."""
+    values = np.unique(variable.values)
+    return f"{values[0]:.0f}" if values.size == 1 else f"{values[0]:.0f} to {values[-1]:.0f}"
+
+
+def _word(ds: xr.Dataset, name: str) -> str:
+    """Value of a word of the scene, in small letters; empty where the scene has none."""
+    found = re.search(rf"\b{name}\s*=\s*['\"](\w+)", str(ds.attrs.get("scene", "")), re.IGNORECASE)
+    return found.group(1).lower() if found else ""

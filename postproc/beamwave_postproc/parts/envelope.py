@@ -1,0 +1,38 @@
+"""Long histories that would be a blob as a line: the band between smallest and largest number of each interval."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+INTERVALS = 600  # about as many as a picture has columns to tell apart
+CROSSED = (
+    3.0  # times that a line runs through its own range in an interval, from where on nothing but the range is seen
+)
+SEEN = 0.02  # of the whole range: what moves less in an interval is a thin line anyhow
+
+
+def is_dense(values: np.ndarray) -> bool:
+    """Whether a history (time) as a line would fill the area between its extremes."""
+    if values.size < 4 * INTERVALS or not np.isfinite(values).all():
+        return False
+    parts = _parts(values)
+    ways = np.array([np.abs(np.diff(part)).sum() for part in parts])
+    ranges = np.array([np.ptp(part) for part in parts])
+    return bool(ranges.mean() > SEEN * np.ptp(values) and ways.sum() > CROSSED * ranges.sum())
+
+
+def draw_envelope(axes: Axes, time: np.ndarray, values: np.ndarray, *, colour: str) -> str:
+    """Draw smallest to largest number of each interval as a band, their means as a line; what that is, in words."""
+    parts, times = _parts(values), _parts(time)
+    middle = np.array([part.mean() for part in times])
+    low, high, mean = (np.array([reduce(part) for part in parts]) for reduce in (np.min, np.max, np.mean))
+    axes.fill_between(middle, low, high, color=colour, alpha=0.35, linewidth=0.0)
+    axes.plot(middle, mean, color=colour, linewidth=0.8)
+    return f"band: smallest to largest in each of {len(parts)} intervals; line: their mean"
+
+
+def _parts(values: np.ndarray) -> list[np.ndarray]:
+    """Cut into intervals of nearly one length, each with the first number of the next, so that steps between count."""
+    edges = np.linspace(0, values.size - 1, INTERVALS + 1).round().astype(int)
+    return [values[start : end + 1] for start, end in zip(edges, edges[1:])]

@@ -1,0 +1,101 @@
+"""Events (impact, capture, release, contacts) as marks on a time axis."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from ..style import GREY
+from .labels import flag_words
+
+ROW = 11.0  # height of a row of words, points
+GAP = 4.0  # between words of one row, points
+LASTING = "0.88"  # colour of a span of time
+
+
+class Event(NamedTuple):
+    """One event: begin and end (s; the same for what takes no time), kind in words, impulse on the beam (N s)."""
+
+    time: float
+    end: float
+    kind: str
+    impulse: float
+
+
+def events_of(case: xr.Dataset) -> list[Event]:
+    """Return the events of one case in the order of the file; an event without an end in the record ends never."""
+    if "event_time" not in case or "event_kind" not in case:
+        return []
+    meanings = {value: word.replace("_", " ") for value, word in flag_words(case["event_kind"]).items()}
+    times, kinds = case["event_time"].values, case["event_kind"].values
+    ends = case["event_end"].fillna(np.inf).values if "event_end" in case else times
+    impulses = case["event_impulse"].fillna(0.0).values if "event_impulse" in case else np.zeros(times.size)
+    return [
+        Event(float(time), float(end), meanings.get(int(kind), f"event {int(kind)}"), float(impulse))
+        for time, end, kind, impulse in zip(times, ends, kinds, impulses)
+        if np.isfinite(time) and np.isfinite(kind)
+    ]
+
+
+def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> int:
+    """Draw each event of `cases` (s, times `factor`) as a line, or as a span where it lasts.
+
+    With `words` each kind is named once above the axes; returns how many rows of words stand there.
+    """
+    first, last = axes.get_xlim()
+    starts: dict[str, float] = {}
+    events = dict.fromkeys(event for case in cases for event in events_of(case))
+    for event in sorted(events, key=lambda event: event.time):
+        start, end = event.time * factor, min(event.end * factor, last)
+        if first <= start <= last:
+            _draw(axes, start, end)
+            starts.setdefault(f"{event.kind}, lasting" if event.end > event.time else event.kind, start)
+    return _write(axes, _joined(starts)) if words else 0
+
+
+def _draw(axes: Axes, start: float, end: float) -> None:
+    """A line at `start`, and a span to `end` where that is later; the limits of the axes stay as they are."""
+    whole = axes.get_xaxis_transform()
+    if end > start:
+        span = Rectangle((start, 0.0), end - start, 1.0, transform=whole, color=LASTING, linewidth=0.0, zorder=0)
+        axes.add_artist(span)
+    line = Line2D(
+        [start, start], [0.0, 1.0], transform=whole, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.5
+    )
+    axes.add_artist(line)
+
+
+def _joined(starts: dict[str, float]) -> dict[float, str]:
+    """Names of kinds by the time at which each first happens."""
+    found: dict[float, str] = {}
+    for kind, time in starts.items():
+        found[time] = f"{found[time]}, {kind}" if time in found else kind
+    return found
+
+
+def _write(axes: Axes, names: dict[float, str]) -> int:
+    """Names above the axes, in the lowest row in which each has room; how many rows that takes."""
+    free: list[float] = []  # where the last word of each row ends, in pixels
+    for time, name in sorted(names.items()):
+        word = axes.annotate(
+            name,
+            (time, 1.0),
+            xycoords=axes.get_xaxis_transform(),
+            xytext=(0.0, 2.0),
+            textcoords="offset points",
+            ha="left",
+            va="bottom",
+            fontsize=8.5,
+            color="0.3",
+        )
+        box = word.get_window_extent()
+        start = float(axes.get_xaxis_transform().transform((time, 1.0))[0])
+        row = next((i for i, end in enumerate(free) if start > end), len(free))
+        free[row : row + 1] = [start + box.width + GAP * axes.figure.dpi / 72.0]
+        word.set_position((0.0, 2.0 + ROW * row))
+    return len(free)

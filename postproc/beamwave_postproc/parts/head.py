@@ -1,0 +1,95 @@
+"""The head of a figure: title, inputs, notes and legend, above all axes and as wide as the figure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from .describe import description_of, title_of
+from .labels import plain
+from .text import broken, width_of
+
+MARGIN = 0.12  # inches, left and right and at the top
+GAP = 0.05  # inches, between the parts
+# Titles and file names are anybody's: a dollar in them begins no formula.
+TITLE: dict[str, Any] = {"fontsize": 10.5, "fontweight": "bold", "parse_math": False}
+SMALL: dict[str, Any] = {"fontsize": 8.5, "color": "0.25", "parse_math": False}
+ENTRY = 9.0  # size of a legend's words
+HANDLE, TEXT_PAD, COLUMN_GAP = 3.4, 0.6, 1.6  # of a legend, in its font's size
+
+
+@dataclass
+class Head:
+    """What stands above the axes: lines of words, and a legend of these handles and labels."""
+
+    title: str
+    lines: list[str]
+    handles: list[Any] = field(default_factory=list)
+    labels: list[str] = field(default_factory=list)
+
+
+def head_of(ds: xr.Dataset, notes: list[str]) -> Head:
+    """Head of a picture of `ds`: which scene, which effects and inputs, and what has to be said of this picture."""
+    return Head(title_of(ds), [description_of(ds), "; ".join(filter(None, notes))])
+
+
+def add_head(fig: Figure, head: Head) -> None:
+    """Write `head` at the top of `fig`, which grows by its height, and keep the axes, of their size, below it."""
+    height = grow_by_head(fig, head)
+    fig.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - height / fig.get_figheight()))
+
+
+def grow_by_head(fig: Figure, head: Head) -> float:
+    """Write `head` at the top of `fig`, which grows by its height; returns that height in inches."""
+    width = fig.get_figwidth() - 2.0 * MARGIN
+    above = MARGIN
+    placed = []
+    for text, style in [(head.title, TITLE), *((plain(line), SMALL) for line in head.lines)]:
+        if text:
+            artist = fig.text(0.0, 0.0, broken(fig, text, width, **style), va="top", linespacing=1.25, **style)
+            placed.append((artist, above))
+            above += artist.get_window_extent().height / fig.dpi + GAP
+    if head.handles:
+        legend = _legend(fig, head, width)
+        placed.append((legend, above))
+        above += legend.get_window_extent().height / fig.dpi + GAP
+    fig.set_figheight(fig.get_figheight() + above)
+    for artist, top in placed:
+        place = (MARGIN / fig.get_figwidth(), 1.0 - top / fig.get_figheight())
+        artist.set_bbox_to_anchor(place, fig.transFigure) if artist in fig.legends else artist.set_position(place)
+    return above
+
+
+def _legend(fig: Figure, head: Head, width: float) -> Any:
+    """Legend in as many columns as fit into `width` inches, or in one with its entries broken."""
+    em = ENTRY / 72.0
+    beside = (HANDLE + TEXT_PAD) * em
+    sizes = [width_of(fig, label, fontsize=ENTRY) + beside for label in head.labels]
+    columns = next((n for n in range(len(sizes), 0, -1) if _width(sizes, n, COLUMN_GAP * em) <= width), 1)
+    labels = head.labels
+    if max(sizes) > width:
+        labels = [broken(fig, label, width - beside, fontsize=ENTRY) for label in labels]
+    return fig.legend(
+        head.handles,
+        labels,
+        loc="upper left",
+        borderaxespad=0.0,
+        borderpad=0.0,
+        ncols=columns,
+        frameon=False,
+        fontsize=ENTRY,
+        handlelength=HANDLE,
+        handletextpad=TEXT_PAD,
+        columnspacing=COLUMN_GAP,
+    )
+
+
+def _width(sizes: list[float], columns: int, gap: float) -> float:
+    """Inches that a legend takes in so many columns, filled one after another as matplotlib does."""
+    rows, longer = divmod(len(sizes), columns)
+    counts = [rows + 1] * longer + [rows] * (columns - longer)
+    starts = [sum(counts[:i]) for i in range(columns)]
+    return sum(max(sizes[start : start + count]) for start, count in zip(starts, counts)) + gap * (columns - 1)

@@ -1,0 +1,93 @@
+"""Words and symbols for axes and legends."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import xarray as xr
+
+from .units import unit_text, units_of, with_unit
+
+# Symbols of the paper where it has one; an input without a symbol is written out.
+INPUT_SYMBOLS = {
+    "rotation_angular_velocity": r"$\omega$",
+    "impact_mass_ratio": r"$\gamma$",
+    "impact_mass": "$m_j$",
+    "impact_approach_velocity": "$V$",
+    "impact_restitution": "$e$",
+    "impact_position": r"$\xi_0$",
+    "modes_before": "$n$",
+    "modes_after": r"$\bar{n}$",
+    "beam_length": "$l$",
+    "beam_diameter": "$D$",
+    "beam_density": r"$\rho$",
+    "beam_youngs_modulus": "$E$",
+    "beam_area": "$A$",
+    "beam_second_moment": "$I$",
+}
+INPUT_WORDS = {
+    "rotation_angular_velocity": "Angular velocity",
+    "impact_mass_ratio": "Mass ratio",
+    "impact_approach_velocity": "Approach velocity",
+}
+QUANTITIES = {
+    "wavenumber": "Wave number $P$",
+    "angular_frequency": r"Angular frequency $\beta$",
+    "phase_velocity": "Phase velocity $C_p$",
+    "group_velocity": "Group velocity $C_g$",
+    "growth_rate": "Growth rate",
+    "velocity_jump": r"Jump in velocity $\Delta\dot{v}$",
+    "displacement": "Displacement $v$",
+    "velocity": r"Velocity $\dot{v}$",
+    "bending_moment": "Bending moment",
+    "amplitude": "Amplitude",
+    "event_impulse": "Impulse on the tip",
+    "time": "Time $t$",
+    "frequency": "Frequency",
+    "profile_position": r"Position along the beam $\xi = x/l$",
+}
+MATHEMATICS = {r"\omega": "ω", r"\gamma": "γ", r"\xi": "ξ", r"\rho": "ρ", r"\bar{n}": "n̄", "_j": "ⱼ", "_0": "₀"}
+
+
+def flag_words(variable: xr.DataArray) -> dict[int, str]:
+    """CF flags of a variable: value to word, as it stands in the file."""
+    words = str(variable.attrs.get("flag_meanings", "")).split()
+    return {int(value): word for value, word in zip(np.atleast_1d(variable.attrs.get("flag_values", [])), words)}
+
+
+def axis_label(variable: xr.DataArray, prefix: str = "") -> str:
+    """Quantity and unit (with an SI `prefix`) of a variable, for an axis."""
+    words = QUANTITIES.get(str(variable.name), str(variable.attrs.get("long_name", variable.name)))
+    units = unit_text(prefix + units_of(variable))
+    return words + (f" ({units})" if units else "")
+
+
+def symbol_of(name: str) -> str:
+    """Symbol of an input, or its own name in words."""
+    return INPUT_SYMBOLS.get(name, name.split("_", 1)[-1].replace("_", " "))
+
+
+def input_label(variable: xr.DataArray) -> str:
+    """Words, symbol and unit of an input, for an axis."""
+    name = str(variable.name)
+    words = INPUT_WORDS.get(name, str(variable.attrs.get("long_name", name.replace("_", " "))))
+    units = unit_text(units_of(variable))
+    symbol = INPUT_SYMBOLS.get(name)
+    return words[:1].upper() + words[1:] + (f" {symbol}" if symbol else "") + (f" ({units})" if units else "")
+
+
+def value_text(variable: xr.DataArray, digits: int = 4) -> str:
+    """One scalar input as it stands in a legend: symbol = value unit, without a blank at which a line may break."""
+    return f"{symbol_of(str(variable.name))}\u00a0=\u00a0{with_unit(float(variable), units_of(variable), digits)}"
+
+
+def plain(text: str) -> str:
+    """Text with its formulas in letters, for where none are set: heads of figures, HTML."""
+    return re.sub(r"\$([^$]*)\$", lambda formula: _letters(formula.group(1)), text)
+
+
+def _letters(formula: str) -> str:
+    for markup, letter in MATHEMATICS.items():
+        formula = formula.replace(markup, letter)
+    return formula

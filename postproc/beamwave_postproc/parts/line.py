@@ -1,0 +1,64 @@
+"""The beam's line between the points of a result."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from scipy.interpolate import CubicSpline
+
+from ..result import NothingToDraw
+from .describe import effects_of
+
+FEW_POINTS = 9  # a line through fewer has not the beam's form
+SAME_PLACE = 1e-9  # positions are typed as decimals
+
+
+def moving_points(case: xr.Dataset) -> np.ndarray:
+    """Indices of the points that can move, by their place, each place once; raises `NothingToDraw` without one.
+
+    The root is one of them on an elastic support only.
+    """
+    positions = case["point_position"].values
+    places, order = np.unique(np.round(positions / SAME_PLACE), return_index=True)
+    if is_clamped(case):
+        order = order[places > 0.5]
+    if not order.size:
+        raise NothingToDraw("the only point is the clamped root")
+    return order
+
+
+def is_clamped(case: xr.Dataset) -> bool:
+    """Whether the root is clamped, as it is without an elastic support."""
+    return "support" not in effects_of(case)
+
+
+def places_of_line(case: xr.Dataset, xi: np.ndarray, count: int) -> np.ndarray:
+    """`count` places ξ, even, from where the line of `beam_line` starts to the last of the points at `xi`."""
+    return np.linspace(0.0 if is_clamped(case) else xi[0], xi[-1], count)
+
+
+def beam_line(case: xr.Dataset, xi: np.ndarray, deflection: np.ndarray) -> CubicSpline:
+    """Line of the beam (place → deflection, times) through `deflection` (times, points) at `xi`, ascending.
+
+    The cubic spline through the points, without curvature at the last one, which is what a free tip has. A clamped root
+    is one of its points, with no slope; on an elastic support the line starts at the first point.
+    """
+    none = np.zeros(len(deflection))
+    if is_clamped(case):
+        values = np.vstack((none, deflection.T))
+        return CubicSpline(np.concatenate(([0.0], xi)), values, bc_type=((1, none), (2, none)))
+    if xi.size < 2:
+        raise NothingToDraw("on an elastic support one point makes no line")
+    return CubicSpline(xi, deflection.T, bc_type=("not-a-knot" if xi.size > 2 else (2, none), (2, none)))
+
+
+def whole_line(case: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Places ξ of the moving points and histories (time, point) of variable `name` there, enough of them for a form.
+
+    Raises `NothingToDraw`, saying what to ask for, where the points are too few or do not reach the tip.
+    """
+    order = moving_points(case)
+    xi = case["point_position"].values[order]
+    if xi.size < FEW_POINTS or abs(xi[-1] - 1.0) > SAME_PLACE:
+        raise NothingToDraw(f"needs {FEW_POINTS} points or more up to the tip, as &response points = 0.05, 0.1, … 1.0")
+    return xi, case[name].values[order].T

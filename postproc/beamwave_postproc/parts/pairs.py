@@ -1,0 +1,96 @@
+"""Two results side by side: which cases belong together, and in what the two differ."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from ..result import NothingToDraw, swept_inputs
+from .describe import description_of, effects_of, file_of, title_of
+from .head import Head
+from .labels import symbol_of, value_text
+from .select import spread
+
+MAX_PAIRS = 4
+INPUTS = (
+    "beam",
+    "support",
+    "body",
+    "rotation",
+    "stiffening",
+    "shear",
+    "damping",
+    "impact",
+    "capture",
+    "release",
+    "modes",
+    "response",
+)
+
+
+class Pair(NamedTuple):
+    """A case of each of two results, and what the cases are called where there are several."""
+
+    label: str
+    first: xr.Dataset
+    second: xr.Dataset
+
+
+def pairs_of(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Pair], str]:
+    """The cases of two results that belong together, some of many, and a note on them.
+
+    Cases of sweeps over the same values belong together; otherwise the first case of each.
+    """
+    if "case" in first.dims and "case" in second.dims and _same_sweep(first, second):
+        shown = spread(first.sizes["case"], MAX_PAIRS)
+        names = swept_inputs(first)
+        labels = [", ".join(value_text(first[name][case]) for name in names) for case in shown]
+        note = f"{shown.size} of {first.sizes['case']} cases" if shown.size < first.sizes["case"] else ""
+        return [Pair(label, first.isel(case=case), second.isel(case=case)) for label, case in zip(labels, shown)], note
+    ones = [ds.isel(case=0) if "case" in ds.dims else ds for ds in (first, second)]
+    swept = [name for name, ds in zip("AB", (first, second)) if "case" in ds.dims and ds.sizes["case"] > 1]
+    return [Pair("", *ones)], f"of {' and '.join(swept)} the first case" if swept else ""
+
+
+def _same_sweep(first: xr.Dataset, second: xr.Dataset) -> bool:
+    """Whether two results have the same cases."""
+    names = swept_inputs(first)
+    return set(names) == set(swept_inputs(second)) and all(np.array_equal(first[name], second[name]) for name in names)
+
+
+def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str]) -> Head:
+    """Head of a picture of two results: both titles, both descriptions, and what differs."""
+    titles = [title_of(first), title_of(second)]
+    title = titles[0] if titles[0] == titles[1] else f"A: {titles[0]}; B: {titles[1]}"
+    lines = [f"{letter}: {description_of(ds)}" for letter, ds in zip("AB", (first, second))]
+    return Head(title, [*lines, "; ".join(filter(None, [differences(first, second), *notes]))])
+
+
+def differences(first: xr.Dataset, second: xr.Dataset) -> str:
+    """In which effects and inputs two results differ, in words."""
+    words = []
+    effects = [effects_of(first), effects_of(second)]
+    for letter, mine, others in zip("AB", effects, reversed(effects)):
+        words += [f"{name} in {letter} alone" for name in mine if name not in others]
+    for name in [str(name) for name in first.variables if name in second and str(name).split("_")[0] in INPUTS]:
+        mine, other = first[name], second[name]
+        if mine.shape != other.shape or not np.array_equal(mine.values, other.values):
+            both = [f"{float(one):.6g}" if one.ndim == 0 else "several" for one in (mine, other)]
+            words.append(f"{symbol_of(name)}\u00a0=\u00a0{both[0]} and {both[1]}")
+    return f"they differ in {', '.join(words)}" if words else "effects and inputs are the same"
+
+
+def names_of(first: xr.Dataset, second: xr.Dataset) -> tuple[str, str]:
+    """What the two are called in a legend: their files, or A and B."""
+    files = [file_of(ds).replace("$", r"\$") for ds in (first, second)]  # which would begin a formula
+    return (f"A: {files[0]}", f"B: {files[1]}") if all(files) and files[0] != files[1] else ("A", "B")
+
+
+def common_points(first: xr.Dataset, second: xr.Dataset) -> list[float]:
+    """Points (ξ) that both results have; raises `NothingToDraw` where there are none."""
+    found = np.intersect1d(np.round(first["point_position"].values, 9), np.round(second["point_position"].values, 9))
+    if not found.size:
+        raise NothingToDraw("the two results have no point in common")
+    return [float(xi) for xi in found]

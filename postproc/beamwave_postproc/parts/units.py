@@ -1,0 +1,59 @@
+"""Units as they stand on axes and in words: UDUNITS text set as a quotient, and SI prefixes."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import xarray as xr
+
+PREFIXES = {"G": 1e-9, "M": 1e-6, "k": 1e-3, "": 1.0, "m": 1e3, "µ": 1e6, "n": 1e9, "p": 1e12}
+# Which prefixes a unit takes, the largest first; a unit that is not here takes none.
+TAKES = {
+    "m": ("", "m", "µ", "n", "p"),
+    "s": ("", "m", "µ", "n", "p"),
+    "Hz": ("G", "M", "k", ""),
+    "Pa": ("G", "M", "k", "", "m", "µ"),
+    "N m": ("k", "", "m", "µ", "n"),
+    "N s": ("", "m", "µ", "n"),
+    "J": ("", "m", "µ", "n"),
+}
+LEAST = 0.5  # a prefix suits if the largest number is at least this in it
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def units_of(variable: xr.DataArray) -> str:
+    """UDUNITS text of a variable's unit; '1' where it has none."""
+    return str(variable.attrs.get("units", "1"))
+
+
+def unit_text(units: str) -> str:
+    """UDUNITS text as a quotient: 'kg m-3' becomes kg/m³, 'm-1' 1/m, and '1' nothing."""
+    if units == "1":
+        return ""
+    above, below = [], []
+    for name, power in re.findall(r"([A-Za-zµ%°]+)(-?\d+)?", units):
+        size = (power or "1").lstrip("-")
+        word = name + ("" if size == "1" else size.translate(RAISED))
+        (below if power.startswith("-") else above).append(word)
+    if not below:
+        return " ".join(above)
+    bottom = " ".join(below)
+    return f"{' '.join(above) or '1'}/" + (f"({bottom})" if len(below) > 1 else bottom)
+
+
+def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
+    """SI prefix, and the factor to it, that suits the largest finite magnitude; none for units that take none."""
+    finite = np.abs(values[np.isfinite(values)])
+    largest = finite.max() if finite.size else 0.0
+    for prefix in TAKES.get(units, ()):
+        if largest * PREFIXES[prefix] >= LEAST:
+            return prefix, PREFIXES[prefix]
+    return "", 1.0
+
+
+def with_unit(number: float, units: str, digits: int = 4) -> str:
+    """A number in its unit, with a prefix where that reads better: 0.037 'm' becomes 37 mm. The blanks do not break."""
+    prefix, factor = si_prefix(np.array([number]), units)
+    text = f"{float(f'{number * factor:.{digits}g}'):.15g}\u00a0{unit_text(prefix + units)}"
+    return text.rstrip("\u00a0").replace(" ", "\u00a0")

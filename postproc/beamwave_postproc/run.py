@@ -1,0 +1,107 @@
+"""From Python to the program and back: a scene in, its result out."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+import xarray as xr
+
+from .result import open_result
+
+DONE, UNTRUSTED = 0, 4  # exit statuses with a result
+PROGRAM = "BEAMWAVE"  # environment variable with the program's path
+Scene = Union[str, Path, Mapping[str, Any]]
+
+
+class RunFailed(RuntimeError):
+    """The program ended without a result; `status` is its exit status, and the text what it wrote to standard error."""
+
+    def __init__(self, status: int, said: str) -> None:
+        super().__init__(f"beamwave ended with status {status}\n{said}".rstrip())
+        self.status = status
+
+
+class Untrusted(UserWarning):
+    """The result holds numbers that cannot be trusted; `case_status` and `notes` say which and why."""
+
+
+def run(scene: Scene, output: str | Path | None = None, *, program: str | Path | None = None) -> xr.Dataset:
+    """Run `scene` and return its result, in memory.
+
+    `scene` is the path of a namelist file, the text of one, or its groups as a mapping, in which a group that is there
+    several times is a list: {"beam": {"length": 1.0, …}, "sweep": [{…}, {…}]}. The result is kept in the directory
+    `output` where given, replacing an older one. The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH,
+    else the one built in the checkout that this package lies in.
+
+    Raises `FileNotFoundError` without a program, and `RunFailed` with the program's messages where it ends without a
+    result; warns of `Untrusted` numbers (exit status 4).
+    """
+    command = find_program(program)
+    with tempfile.TemporaryDirectory(prefix="beamwave-") as scratch:
+        path = _scene_file(scene, Path(scratch))
+        directory = Path(scratch) / "output" if output is None else Path(output)
+        words = [command, "run", str(path), "--output", str(directory), "--overwrite", "--quiet"]
+        done = subprocess.run(
+            words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace", check=False
+        )
+        if done.returncode not in (DONE, UNTRUSTED):
+            raise RunFailed(done.returncode, done.stderr.replace(f"{scratch}{os.sep}", ""))
+        with open_result(directory / f"{path.stem}.nc") as ds:
+            result = ds.load()
+        if output is None:
+            result.encoding.pop("source", None)  # a file that is gone
+    if done.returncode == UNTRUSTED:
+        warnings.warn(done.stderr.strip(), Untrusted, stacklevel=2)
+    return result
+
+
+def find_program(program: str | Path | None = None) -> str:
+    """Path of the program `beamwave`; raises `FileNotFoundError`, naming where it was looked for."""
+    built = Path(__file__).resolve().parents[2] / "build" / "bin" / "beamwave"
+    for candidate in (program, os.environ.get(PROGRAM), "beamwave", built):
+        found = candidate and shutil.which(str(candidate))
+        if found:
+            return found
+        if candidate is not None and candidate is program:
+            raise FileNotFoundError(f"{program} is no program")
+    raise FileNotFoundError(f"no program beamwave: not in ${PROGRAM}, not on the PATH, not at {built}; give program=")
+
+
+def namelist(groups: Mapping[str, Any]) -> str:
+    """Groups as the text of a namelist file."""
+    text = ""
+    for name, group in groups.items():
+        for one in group if isinstance(group, (list, tuple)) else [group]:
+            lines = "".join(f"  {item} = {_value(value)}\n" for item, value in (one or {}).items())
+            text += f"&{name}\n{lines}/\n"
+    return text
+
+
+def _value(value: Any) -> str:
+    """One value, or several, as Fortran reads them."""
+    if isinstance(value, (bool, np.bool_)):
+        return ".true." if value else ".false."
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    if isinstance(value, (list, tuple, np.ndarray)):
+        return ", ".join(_value(one) for one in value)
+    return repr(value.item() if isinstance(value, np.generic) else value)
+
+
+def _scene_file(scene: Scene, scratch: Path) -> Path:
+    """Path of the scene: as given, or a file of its text in `scratch`."""
+    if isinstance(scene, Mapping):
+        scene = namelist(scene)
+    if isinstance(scene, Path) or "&" not in scene:
+        return Path(scene)
+    path = scratch / "scene.nml"
+    path.write_text(scene, encoding="utf-8")
+    return path

@@ -1,0 +1,117 @@
+"""The Campbell diagram: closed-form frequencies over the speed, crossings, growth and the critical speed."""
+
+import numpy as np
+import pytest
+import synthetic
+import xarray as xr
+from matplotlib.patches import Polygon
+
+from beamwave_postproc import NothingToDraw, campbell, open_result
+
+RPM = 30.0 / np.pi
+SPEEDS = [float(speed) for speed in range(0, 201, 20)]
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory):
+    """Three modes from rest to beyond the critical speed of the first, 121.8 rad/s."""
+    settings = synthetic.scene(modes={"before": 3, "after": 3})
+    path = tmp_path_factory.mktemp("campbell") / "sweep.nc"
+    with open_result(synthetic.write(path, settings, {"rotation_angular_velocity": SPEEDS})) as ds:
+        return ds.load()
+
+
+def curves(axes):
+    """The smooth curves of the modes by their labels."""
+    return {line.get_label(): line for line in axes.lines if line.get_label().startswith("mode")}
+
+
+def test_between_the_cases_the_curves_follow_the_closed_form(sweep):
+    drawn = curves(campbell(sweep).axes[0])
+    assert list(drawn) == ["mode 1", "mode 2", "mode 3"]
+    elastic = sweep["angular_frequency"].isel(case=0).values  # at rest: h P²
+    for line, rest in zip(drawn.values(), elastic):
+        speed, shown = line.get_xdata() / RPM, line.get_ydata()
+        square = rest**2 - speed**2
+        clear = square > 1e-3 * rest**2  # the root of a difference keeps few digits near 0
+        np.testing.assert_allclose(shown[clear], np.sqrt(square[clear]) / (2 * np.pi), rtol=1e-10)
+        assert np.isnan(shown[square < -1e-3 * rest**2]).all()
+
+
+def test_cases_are_marked_where_they_are_few(sweep):
+    (axes,) = campbell(sweep, modes=2).axes
+    (marks,) = (line for line in axes.lines if line.get_marker() == "o")
+    np.testing.assert_allclose(marks.get_xdata(), RPM * np.array(SPEEDS))
+    np.testing.assert_allclose(marks.get_ydata(), sweep["angular_frequency"].sel(mode=2) / (2 * np.pi), rtol=1e-12)
+
+
+def test_growth_is_shaded_from_the_critical_speed_on_and_named_at_the_foot(sweep):
+    fig = campbell(sweep)
+    (axes,) = fig.axes
+    limit = float(sweep["critical_angular_velocity"][0])
+    (span,) = axes.patches
+    places = span.get_xy()[:, 0] if isinstance(span, Polygon) else (span.get_x(), span.get_x() + span.get_width())
+    assert (min(places), max(places)) == pytest.approx((RPM * limit, RPM * 200.0))
+    assert f"critical speed {RPM * limit:.0f} rpm (121.8 rad/s)" in axes.get_title("left")
+    foot = next(line for line in axes.lines if line.get_linewidth() == 4.0)
+    held = np.isfinite(foot.get_ydata())
+    np.testing.assert_array_equal(held, np.array(SPEEDS) > limit)
+    assert foot.get_color() == curves(axes)["mode 1"].get_color()
+    assert any("grows" in text.get_text() for text in fig.legends[0].get_texts())
+
+
+def test_modes_are_followed_through_a_crossing():
+    speed = np.linspace(0.0, 100.0, 21)
+    squares = np.stack([2e4 - 0.9 * speed**2, 1.3e4 + 0.5 * speed**2], axis=1)
+    ds = xr.Dataset(
+        {"angular_frequency": (("case", "mode"), np.sqrt(np.sort(squares, axis=1)))},
+        {"case": np.arange(1, 22), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)},
+    )
+    first, second = curves(campbell(ds).axes[0]).values()
+    np.testing.assert_allclose(first.get_ydata(), np.sqrt(1.3e4 + 0.5 * (first.get_xdata() / RPM) ** 2) / (2 * np.pi))
+    np.testing.assert_allclose(second.get_ydata(), np.sqrt(2e4 - 0.9 * (second.get_xdata() / RPM) ** 2) / (2 * np.pi))
+
+
+def test_multiples_of_the_speed_are_lines_with_names(sweep):
+    (axes,) = campbell(sweep).axes
+    names = {text.get_text() for text in axes.texts}
+    lines = [line for line in axes.lines if line.get_linestyle() == ":"]
+    assert "1×" in names and len(names) == len(lines)
+    for line in lines:
+        order = line.get_ydata()[-1] / (line.get_xdata()[-1] / 60.0)
+        assert f"{order:.0f}×" in names and order == pytest.approx(round(order))
+
+
+def test_a_second_input_makes_panels(grid_result):
+    with open_result(grid_result) as ds:
+        fig = campbell(ds)
+    assert len(fig.axes) == 4 and "0.5" in fig.axes[2].get_title("left")
+
+
+@pytest.mark.parametrize("cases", [slice(0, 2), slice(0, 1)])
+def test_fewer_than_three_speeds_are_no_diagram(sweep, cases):
+    with pytest.raises(NothingToDraw, match="three values"):
+        campbell(sweep.isel(case=cases))
+
+
+def test_other_sweeps_are_no_diagram(paper_results):
+    with open_result(paper_results / "fig7.nc") as ds, pytest.raises(NothingToDraw, match="angular velocity"):
+        campbell(ds)
+
+
+def test_a_mode_that_is_chosen_is_followed_beyond_those_that_are_not():
+    speed = np.linspace(0.0, 100.0, 21)
+    squares = np.stack([2e4 - 0.9 * speed**2, 1.3e4 + 0.5 * speed**2], axis=1)
+    ds = xr.Dataset(
+        {"angular_frequency": (("case", "mode"), np.sqrt(np.sort(squares, axis=1)))},
+        {"case": np.arange(1, 22), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)},
+    )
+    (second,) = curves(campbell(ds, modes=2).axes[0]).values()
+    assert list(curves(campbell(ds, modes=[2, 1]).axes[0])) == ["mode 2", "mode 1"]
+    np.testing.assert_array_equal(curves(campbell(ds, modes=[2, 1]).axes[0])["mode 2"].get_ydata(), second.get_ydata())
+    np.testing.assert_allclose(second.get_ydata(), np.sqrt(2e4 - 0.9 * (second.get_xdata() / RPM) ** 2) / (2 * np.pi))
+
+
+def test_where_no_mode_oscillates_there_is_no_diagram(sweep):
+    with pytest.raises(NothingToDraw, match="oscillates"):
+        campbell(sweep.sel(case=slice(8, None)), modes=1)

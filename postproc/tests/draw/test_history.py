@@ -1,0 +1,82 @@
+"""Histories: the points asked for, readable units, events at their times."""
+
+import numpy as np
+import pytest
+import synthetic
+
+from beamwave_postproc import NothingToDraw, displacement, open_result, velocity
+
+
+def test_one_panel_per_point_and_a_curve_per_case(paper_results, full_result):
+    with open_result(full_result) as ds:
+        assert len(displacement(ds).axes) == 2
+    with open_result(paper_results / "fig6.nc") as ds:
+        (axes,) = displacement(ds, 0.5).axes
+        labels = axes.get_legend_handles_labels()[1]
+    assert [label.replace("\u00a0", " ").split()[2] for label in labels] == ["0", "50", "100"]
+
+
+def test_a_point_that_the_result_lacks_is_said(paper_results):
+    with open_result(paper_results / "fig6.nc") as ds, pytest.raises(NothingToDraw, match=r"no point at 0\.25"):
+        displacement(ds, points=0.25)
+
+
+def test_the_unit_on_the_axis_is_that_of_the_numbers_drawn(paper_results):
+    with open_result(paper_results / "fig6.nc") as ds:
+        (axes,) = displacement(ds, 0.5).axes
+        drawn = axes.lines[0]
+        assert "(mm)" in axes.get_ylabel() and "(ms)" in axes.get_xlabel()
+        # One multiplication by a power of ten: half a unit in the last place.
+        np.testing.assert_allclose(drawn.get_ydata(), 1e3 * ds["displacement"].values[0, 0], rtol=1e-15)
+        np.testing.assert_allclose(drawn.get_xdata(), 1e3 * ds["time"].values, rtol=1e-15)
+
+
+def test_compound_units_take_no_prefix(full_result):
+    with open_result(full_result) as ds:
+        assert "(m/s)" in velocity(ds).axes[0].get_ylabel()
+
+
+def test_a_history_of_one_sample_is_drawn(tmp_path):
+    settings = synthetic.scene(response={"duration": 1.0, "samples": 1})
+    with open_result(synthetic.write(tmp_path / "short.nc", settings)) as ds:
+        assert displacement(ds).axes[0].lines[0].get_ydata().tolist() == [0.0]
+
+
+def test_points_are_rows_and_panels_of_cases_are_columns_of_one_scale(grid_history):
+    fig = displacement(grid_history)
+    grid = np.array(fig.axes).reshape(2, 2)
+    assert [axes.get_title("left") for axes in grid[0]] == ["$\\gamma$\u00a0=\u00a00.1", "$\\gamma$\u00a0=\u00a00.5"]
+    assert all(axes.get_ylim() == grid[row, 0].get_ylim() for row in (0, 1) for axes in grid[row])
+    prefix = 1e3 if "(mm)" in grid[1, 0].get_ylabel() else 1e6
+    last = grid_history["displacement"].values[-1, 1]
+    drawn = [line.get_ydata() for line in grid[1, 1].lines if len(line.get_ydata()) > 2]
+    np.testing.assert_allclose(drawn[1], prefix * last, rtol=1e-15)
+
+
+@pytest.fixture
+def grid_history(tmp_path):
+    """Two mass ratios, two speeds, two points."""
+    settings = synthetic.scene(modes={"before": 3, "after": 3}, response={"duration": 0.1, "samples": 64})
+    sweep = {"impact_mass_ratio": [0.1, 0.5], "rotation_angular_velocity": [0.0, 50.0]}
+    with open_result(synthetic.write(tmp_path / "grid.nc", settings, sweep)) as ds:
+        return ds.load()
+
+
+def test_a_dense_history_is_a_band_and_the_head_says_so(full_result):
+    with open_result(full_result) as ds:
+        fast = np.sin(2 * np.pi * 3000.0 * ds["time"].values)
+        fig = displacement(ds.assign(displacement=ds["displacement"].copy(data=np.stack([fast, fast]))), 1.0)
+        lean = displacement(ds, 1.0)
+    assert fig.axes[0].collections and not lean.axes[0].collections
+    assert any("smallest to largest" in text.get_text() for text in fig.texts)
+
+
+def test_the_worst_point_is_named_with_its_error(full_result):
+    with open_result(full_result) as ds:
+        peaks = np.abs(ds["displacement"]).max("time").values
+        told = displacement(ds.assign(displacement_error=("point", peaks * [0.013, 2e-7])))
+        alone = displacement(ds.assign(displacement_error=("point", peaks * [0.013, 2e-7])), 1.0)
+    notes = " ".join(text.get_text() for text in told.texts)
+    assert "estimated error 1.3 % of the peak at ξ = 0.5, the largest here" in notes
+    notes = " ".join(text.get_text() for text in alone.texts)
+    assert "2.0e-07 of the peak at ξ = 1" in notes and "largest" not in notes

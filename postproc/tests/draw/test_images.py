@@ -1,0 +1,138 @@
+"""The moving beam over place, time, wave number and frequency: what the images hold is what was put in."""
+
+import numpy as np
+import pytest
+import synthetic
+
+from beamwave_postproc import NothingToDraw, open_result, space_time, spectrogram, wavenumber_spectrum
+from beamwave_postproc.draw.spectrogram import levels
+from beamwave_postproc.draw.wavenumber import transform
+from beamwave_postproc.parts.level import ROWS, decibels, highest_in_rows
+from beamwave_postproc.parts.passage import way_times
+
+POINTS = [round(0.05 * i, 2) for i in range(1, 21)]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A struck beam at 20 points, sampled finely, with 40 modes."""
+    settings = synthetic.scene(
+        modes={"before": 40, "after": 40}, response={"duration": 0.05, "samples": 4096, "points": POINTS}
+    )
+    with open_result(synthetic.write(tmp_path_factory.mktemp("whole") / "whole.nc", settings)) as ds:
+        return ds.load()
+
+
+def travelling(ds, wavenumber, frequency):
+    """The result with a wave cos(βt − Px) in the place of its displacement."""
+    phase = 2 * np.pi * frequency * ds["time"].values - wavenumber * ds["point_position"].values[:, None]
+    return ds.assign(displacement=ds["displacement"].copy(data=np.cos(phase)))
+
+
+def test_the_image_of_place_and_time_goes_through_the_points(whole):
+    axes = space_time(whole).axes
+    image = axes[1].images[0]
+    left, right, bottom, top = image.get_extent()
+    held, factor = image.get_array(), 1e3
+    times = left + (np.arange(held.shape[1]) + 0.5) / held.shape[1] * (right - left)
+    places = np.linspace(bottom, top, held.shape[0])
+    row = int(np.abs(places - 0.5).argmin())
+    expected = np.interp(times, 1e3 * whole["time"], factor * whole["displacement"].sel(point=9))
+    # The place is within half a row of 0.5, where the slope takes the deflection at most a hundredth further.
+    np.testing.assert_allclose(held[row], expected, atol=0.03 * np.abs(held[row]).max())
+    assert (bottom, top) == (0.0, 1.0) and not np.any(held[0])
+
+
+def test_the_first_part_stands_beside_a_long_record_alone_and_not_on_a_given_axes(whole):
+    first, record = (axes for axes in space_time(whole).axes if axes.images and axes.get_xlabel())
+    assert first.get_xlim()[1] < 0.2 * record.get_xlim()[1]
+    assert len([axes for axes in space_time(whole.sel(time=slice(0.0, 0.004))).axes if axes.get_xlabel()]) == 1
+
+
+@pytest.mark.parametrize("wavenumber", [30.0, -30.0])
+def test_a_travelling_wave_has_its_amplitude_at_its_wave_number_on_its_side(whole, wavenumber):
+    frequency = 100 / float(whole["time"][1] * whole.sizes["time"])  # in the middle of a bin
+    wave, hertz, amplitude = transform(travelling(whole.assign_attrs(effects="support impact"), wavenumber, frequency))
+    row, column = np.unravel_index(amplitude.argmax(), amplitude.shape)
+    assert hertz[row] == pytest.approx(frequency)
+    assert wave[column] == pytest.approx(wavenumber, abs=wave[1] - wave[0])
+    # The peak lies between two of eight wave numbers to a bin, and a spline stands between points 1.5 rad apart.
+    assert amplitude.max() == pytest.approx(2 * np.pi * frequency, rel=0.02)
+
+
+def test_the_struck_beam_s_energy_lies_on_the_dispersion_curve(whole):
+    wave, hertz, amplitude = transform(whole)
+    for mode in (3, 5, 8):
+        p = float(whole["wavenumber"].sel(mode=mode))
+        row = int(np.abs(hertz - float(whole["angular_frequency"].sel(mode=mode)) / (2 * np.pi)).argmin())
+        assert abs(wave[amplitude[row].argmax()]) == pytest.approx(p, abs=np.pi / 2)  # half a wave on the beam
+
+
+def test_waves_arrive_in_the_spectrogram_when_the_group_velocity_says(whole):
+    history = whole["displacement"].values[9]
+    step, window = float(whole["time"][1]), 3e-4
+    level, frequency, moments = levels(history, step, window, 2e-3, each=True)
+    hertz, (straight, *_), _ = way_times(whole, 0.5, 2)
+    for at in (12e3, 20e3, 30e3):
+        arrival = np.interp(at, hertz, straight)
+        row = level[np.abs(frequency - at).argmin()]
+        first = next(
+            i for i in range(1, row.size - 1) if row[i] > -6.0 and row[i] >= row[i - 1] and row[i] > row[i + 1]
+        )
+        # The window is as long as the arrival itself, whose peak it may shift by a fifth of its length.
+        assert moments[first] == pytest.approx(arrival, abs=0.2 * window)
+
+
+def test_amplitudes_over_the_highest_of_all_or_of_each_frequency(whole):
+    history = np.sin(2 * np.pi * 5e3 * whole["time"].values) + 1e-2 * np.sin(2 * np.pi * 15e3 * whole["time"].values)
+    step = float(whole["time"][1])
+    for each in (True, False):
+        level, frequency, _ = levels(history, step, 2e-3, 0.04, each=each)
+        low, high = (level[np.abs(frequency - at).argmin()].max() for at in (5e3, 15e3))
+        assert low == 0.0
+        # Of the acceleration the weaker one has (15/5)² of a hundredth, which differences of 1.2 rad make sin²-like.
+        expected = 20 * np.log10(1e-2 * (np.sin(np.pi * 15e3 * step) / np.sin(np.pi * 5e3 * step)) ** 2)
+        assert high == pytest.approx(0.0 if each else expected, abs=0.5)
+
+
+def test_rows_of_an_image_lose_no_line():
+    amplitude = np.zeros((4001, 3))
+    amplitude[1234] = 1.0
+    frequency, rows = highest_in_rows(np.arange(4001.0), amplitude)
+    assert rows.shape[0] <= ROWS and rows.max() == 1.0
+    assert frequency[rows[:, 0].argmax()] <= 1234.0 < frequency[rows[:, 0].argmax() + 1]
+    assert decibels(np.array([[0.1, 2.0]]), np.array([[1.0]])).tolist() == [[-20.0, 0.0]]
+
+
+@pytest.mark.parametrize("picture", [space_time, wavenumber_spectrum])
+def test_two_points_are_no_line_along_the_beam(full_result, picture):
+    with open_result(full_result) as ds, pytest.raises(NothingToDraw, match="9 points or more"):
+        picture(ds)
+
+
+@pytest.mark.parametrize("picture", [spectrogram, wavenumber_spectrum])
+def test_a_motion_that_grows_or_rests_has_no_spectrum(whole, picture):
+    grown = whole.assign(growth_rate=whole["growth_rate"] + 200.0)
+    for ds in (grown, whole.assign(displacement=0.0 * whole["displacement"]), whole.isel(time=slice(8))):
+        with pytest.raises(NothingToDraw):
+            picture(ds)
+
+
+def test_windows_of_less_than_a_few_waves_are_no_spectrogram(whole):
+    slow = whole.isel(mode=slice(1)).assign(mode_count=1)
+    with pytest.raises(NothingToDraw, match="fewer than 4 waves"):
+        spectrogram(slow)
+
+
+def test_a_growing_motion_over_place_and_time_is_over_its_largest_so_far(whole):
+    grown = whole.assign(
+        growth_rate=whole["growth_rate"] + 200.0, displacement=whole["displacement"] * np.exp(200.0 * whole["time"])
+    )
+    image = space_time(grown).axes[1].images[0].get_array()
+    assert np.abs(image).max() == pytest.approx(1.0)
+    assert np.abs(image[:, -50:]).max() > 0.1
+
+
+def test_a_clamped_beam_has_its_root_in_the_image_and_an_elastic_one_its_points(whole):
+    elastic = space_time(whole.assign_attrs(effects="support impact")).axes[1].images[0]
+    assert elastic.get_extent()[2] == POINTS[0]

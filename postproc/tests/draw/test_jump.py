@@ -1,0 +1,53 @@
+"""The jump in velocity: no form is drawn that the numbers do not have."""
+
+import numpy as np
+import synthetic
+
+from beamwave_postproc import open_result, velocity_jump
+
+
+def notes(fig):
+    return " ".join(text.get_text() for text in fig.texts)
+
+
+def test_the_jump_gathers_at_the_tip_as_modes_are_added(paper_results):
+    with open_result(paper_results / "fig3.nc") as ds:
+        lines = velocity_jump(ds).axes[0].lines
+    share = [np.mean(line.get_ydata() ** 2) for line in lines]
+    tip = [line.get_ydata()[-1] for line in lines]
+    assert (np.diff(share) < 0).all() and (np.diff(tip) > 0).all()
+
+
+def test_every_curve_has_a_whole_marker_at_the_tip(paper_results):
+    with open_result(paper_results / "fig3.nc") as ds:
+        for line in velocity_jump(ds, cases=[1, 2]).axes[0].lines:
+            assert line.get_markevery()[-1] == 200 and not line.get_clip_on()
+
+
+def test_a_jump_of_the_tip_alone_is_a_mark_without_a_ramp(full_result):
+    with open_result(full_result) as ds:
+        limit = ds.assign(
+            velocity_jump=ds["velocity_jump"].copy(data=np.where(ds["profile_position"] == 1.0, 1.0, 0.0))
+        )
+        fig = velocity_jump(limit)
+    rest, mark = fig.axes[0].lines
+    assert not rest.get_ydata().any() and (mark.get_xdata(), mark.get_ydata()) == ([1.0], [1.0])
+    assert mark.get_linestyle() == "None" and "infinitely many modes" in notes(fig)
+
+
+def test_no_jump_is_a_line_at_zero(full_result):
+    with open_result(full_result) as ds:
+        fig = velocity_jump(ds.assign(velocity_jump=0.0 * ds["velocity_jump"]))
+    (line,) = fig.axes[0].lines
+    assert not line.get_ydata().any() and "no jump" in notes(fig)
+    assert fig.axes[0].get_yticks().tolist() == [0.0]  # and no number that is invented
+
+
+def test_too_few_samples_for_the_waves_are_drawn_as_samples(tmp_path):
+    for points, joined in ((201, True), (61, False)):
+        settings = synthetic.scene(modes={"before": 40, "after": 5}, impact={"profile_points": points})
+        with open_result(synthetic.write(tmp_path / "jump.nc", settings)) as ds:
+            fig = velocity_jump(ds)
+        (line,) = fig.axes[0].lines
+        assert (line.get_linestyle() != "None") == joined
+        assert ("61 samples do not show 40 modes" in notes(fig)) != joined

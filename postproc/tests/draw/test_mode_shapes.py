@@ -1,0 +1,55 @@
+"""Mode shapes: each on its own line, with its frequency."""
+
+import numpy as np
+import pytest
+
+from beamwave_postproc import NothingToDraw, mode_shapes, open_result
+from beamwave_postproc.draw.mode_shapes import HALF
+
+
+def shapes_drawn(axes):
+    return [line for line in axes.lines if len(line.get_xdata()) > 2]
+
+
+def test_each_shape_stands_on_its_own_line_at_one_size(full_result):
+    with open_result(full_result) as ds:
+        (axes,) = mode_shapes(ds).axes
+        expected = ds["mode_shape"].values
+    drawn = shapes_drawn(axes)
+    assert len(drawn) == 6
+    for row, line in enumerate(drawn):
+        np.testing.assert_allclose(
+            line.get_ydata(), row + HALF * expected[row] / np.abs(expected[row]).max(), atol=1e-15 * 6
+        )
+
+
+def test_modes_are_called_by_number_and_frequency(full_result):
+    with open_result(full_result) as ds:
+        (axes,) = mode_shapes(ds, modes=[2, 5]).axes
+        hertz = ds["angular_frequency"].sel(mode=[2, 5]).values / (2 * np.pi)
+        unstable = ds.assign(
+            angular_frequency=ds["angular_frequency"].where(ds["mode"] > 1), growth_rate=0.0 * ds["growth_rate"] + 1.0
+        )
+        grown = mode_shapes(unstable, modes=1).axes[0].get_yticklabels()[0].get_text()
+    labels = [label.get_text() for label in axes.get_yticklabels()]
+    assert labels == [f"mode {mode}\n{value:.4g} Hz" for mode, value in zip((2, 5), hertz)]
+    assert grown == "mode 1\ngrows"
+
+
+def test_a_shape_with_too_few_samples_is_drawn_as_samples(full_result):
+    with open_result(full_result) as ds:
+        fig = mode_shapes(ds.isel(profile=slice(None, None, 10)), modes=[1, 20])
+    smooth, coarse = shapes_drawn(fig.axes[0])
+    assert smooth.get_linestyle() != "None" and coarse.get_linestyle() == "None"
+    assert any("21 samples do not show modes 20" in text.get_text() for text in fig.texts)
+
+
+def test_cases_share_the_axes(paper_results):
+    with open_result(paper_results / "fig7.nc") as ds:
+        fig = mode_shapes(ds, modes=[1, 2])
+    assert len(shapes_drawn(fig.axes[0])) == 8 and len(fig.legends[0].get_texts()) == 4
+
+
+def test_without_shapes_there_is_nothing_to_draw(full_result):
+    with open_result(full_result) as ds, pytest.raises(NothingToDraw, match="mode_shape"):
+        mode_shapes(ds.drop_vars("mode_shape"))

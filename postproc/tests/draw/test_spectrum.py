@@ -1,0 +1,80 @@
+"""Spectra with their peaks, and measured quantities beside computed ones."""
+
+import numpy as np
+import pytest
+import synthetic
+import xarray as xr
+
+from beamwave_postproc import NothingToDraw, displacement, measured, open_result, spectrum
+from beamwave_postproc.draw.measured import QUANTITIES
+
+
+def test_a_marker_stands_on_each_measured_peak(full_result):
+    with open_result(full_result) as ds:
+        row, peaks = (line for line in spectrum(ds).axes[0].lines if len(line.get_xdata()))
+        expected = ds["measured_angular_frequency"].values / (2 * np.pi)
+    np.testing.assert_array_equal(peaks.get_xdata(), expected)
+    assert np.isin(peaks.get_ydata(), row.get_ydata()).all()
+    assert row.get_xdata()[0] > 0.0
+
+
+def test_a_spectrum_without_peaks_is_drawn_alone(full_result):
+    with open_result(full_result) as ds:
+        fig = spectrum(ds.drop_vars("measured_angular_frequency"))
+    drawn = [line for line in fig.axes[0].lines if len(line.get_xdata())]
+    assert len(drawn) == 1 and not any("peaks" in text.get_text() for text in fig.texts)
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_each_peak_is_compared_with_its_own_mode(full_result, name):
+    with open_result(full_result) as ds:
+        right = measured(ds, name).axes[1]
+        bound, difference = (line for line in right.lines)
+        expected = np.abs(ds[f"measured_{name}"].values / ds[name].values[:10] - 1)
+    np.testing.assert_array_equal(difference.get_xdata(), np.arange(1, 11))
+    # The quotient is rounded in another order here: two units in the last place of 1.
+    np.testing.assert_allclose(difference.get_ydata(), expected, atol=5e-16)
+    assert (difference.get_ydata() <= bound.get_ydata()).all()
+
+
+def test_a_peak_without_a_wavenumber_is_left_out(full_result):
+    with open_result(full_result) as ds:
+        holed = ds.assign(measured_wavenumber=ds["measured_wavenumber"].where(ds["peak"] != 3))
+        difference = measured(holed, "wavenumber").axes[1].lines[1]
+        with pytest.raises(NothingToDraw):
+            measured(ds.assign(measured_wavenumber=np.nan * ds["measured_wavenumber"]), "wavenumber")
+    assert difference.get_xdata().tolist() == [1, 2, 4, 5, 6, 7, 8, 9, 10]
+
+
+def test_exact_agreement_has_a_place_on_the_logarithmic_axis(full_result):
+    with open_result(full_result) as ds:
+        exact = ds.assign(measured_wavenumber=("peak", ds["wavenumber"].values[:10]))
+        assert (measured(exact, "wavenumber").axes[1].lines[1].get_ydata() > 0.0).all()
+
+
+def test_a_record_of_two_samples_has_no_spectrum_to_draw(tmp_path):
+    settings = synthetic.scene(response={"duration": 1.0, "samples": 2}, spectrum={"max_peaks": 1})
+    with open_result(synthetic.write(tmp_path / "short.nc", settings)) as ds, pytest.raises(NothingToDraw):
+        spectrum(ds)
+
+
+def test_a_beam_at_rest_is_drawn(full_result):
+    with open_result(full_result) as ds:
+        still = ds.assign({name: xr.zeros_like(ds[name]) for name in ("amplitude", "displacement")})
+        assert "(m)" in displacement(still).axes[0].get_ylabel()
+        axes = spectrum(still).axes[0]
+        assert (axes.lines[0].get_ydata() == 0.0).all() and "zero" in [text.get_text() for text in axes.texts]
+
+
+def test_measured_frequencies_are_in_hertz(full_result):
+    with open_result(full_result) as ds:
+        left = measured(ds, "angular_frequency").axes[0]
+        expected = ds["measured_angular_frequency"].values / (2 * np.pi)
+    assert left.get_xlabel() == "Computed frequency (Hz)"
+    # One division, and one multiplication by the inverse of it.
+    np.testing.assert_allclose(left.lines[1].get_ydata(), expected, rtol=1e-15)
+
+
+def test_a_quantity_that_is_not_measured_is_refused(full_result):
+    with open_result(full_result) as ds, pytest.raises(ValueError, match="wavenumber"):
+        measured(ds, "alpha")

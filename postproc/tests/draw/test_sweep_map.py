@@ -1,0 +1,54 @@
+"""The map of frequencies over a sweep of two inputs."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import QuadMesh
+
+from beamwave_postproc import NothingToDraw, open_result, sweep_map
+
+
+def maps(axes):
+    """The image of frequencies on the axes of one mode."""
+    return [mesh for mesh in axes.collections if isinstance(mesh, QuadMesh) and mesh.get_cmap().name == "cividis"]
+
+
+def test_the_map_holds_each_case_s_frequency_in_hertz_at_its_place(grid_result):
+    with open_result(grid_result) as ds:
+        fig = sweep_map(ds)
+        axes = fig.axes[0]
+        (mesh,) = maps(axes)
+        first = ds["angular_frequency"].isel(mode=0).values.reshape(4, 16) / (2.0 * np.pi)
+        np.testing.assert_array_equal(
+            np.ma.filled(mesh.get_array().reshape(4, 16), -1.0), np.nan_to_num(first, nan=-1.0)
+        )
+        assert r"$\omega$" in axes.get_xlabel() and r"$\gamma$" in axes.get_ylabel()
+        assert [text.get_text() for text in fig.legends[0].get_texts()] == ["grows", "critical speed"]
+        assert len(sweep_map(ds, modes=2).axes) == 2  # the map and its colours
+
+
+def test_a_case_without_numbers_is_told_from_one_that_grows(grid_result):
+    with open_result(grid_result) as ds:
+        failed = ds["case"] == 3
+        holed = ds.assign({name: ds[name].where(~failed) for name in ("angular_frequency", "growth_rate")})
+        fig = sweep_map(holed)
+    lacking = [mesh for mesh in fig.axes[1].collections if isinstance(mesh, QuadMesh) and mesh not in maps(fig.axes[1])]
+    assert [np.flatnonzero(~np.ma.getmaskarray(mesh.get_array()).ravel()).tolist() for mesh in lacking] == [[2]]
+    assert "no numbers" in [text.get_text() for text in fig.legends[0].get_texts()]
+
+
+def test_one_swept_input_makes_no_map(paper_results):
+    with open_result(paper_results / "fig2.nc") as ds, pytest.raises(NothingToDraw):
+        sweep_map(ds)
+
+
+def test_the_line_of_critical_speed_parts_what_oscillates_from_what_grows(grid_result):
+    with open_result(grid_result) as ds:
+        ratio, speed = ds["impact_mass_ratio"], ds["rotation_angular_velocity"]
+        first = ds["angular_frequency"].isel(mode=0)
+        at_rest = dict(zip(ratio.values[speed.values == 0.0], first.values[speed.values == 0.0]))  # h P², Eq. 31
+        critical = xr.DataArray([at_rest[value] for value in ratio.values], dims="case")
+        (line,) = sweep_map(ds.assign(critical_angular_velocity=critical)).axes[0].lines
+    drawn = dict(zip(line.get_ydata(), line.get_xdata()))
+    for value, omega, frequency in zip(ratio.values, speed.values, first.values):
+        assert np.isnan(frequency) == (omega > drawn[value])

@@ -1,0 +1,61 @@
+"""Events on a time axis: lines, spans, and words that stand above the axes."""
+
+import numpy as np
+import pytest
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from beamwave_postproc import displacement, open_result
+
+IMPACT, CAPTURE, CONTACT = 1.0, 2.0, 4.0
+
+
+def with_events(ds, *events):
+    """The result with these events: (time, end, kind)."""
+    columns = dict(zip(("event_time", "event_end", "event_kind"), np.array(events, dtype=float).T))
+    columns = {name: ("event", column, ds["event_kind"].attrs) for name, column in columns.items()}
+    return ds.drop_vars(["event", *columns, "event_impulse"]).assign(columns)
+
+
+def marks(axes):
+    """Times of the lines, and begin and end of the spans, in the axes' unit."""
+    lines = [a.get_xdata()[0] for a in axes.lines if isinstance(a, Line2D) and list(a.get_ydata()) == [0.0, 1.0]]
+    spans = [(a.get_x(), a.get_x() + a.get_width()) for a in axes.patches if isinstance(a, Rectangle)]
+    return lines, spans
+
+
+def test_each_kind_of_event_is_named_once(full_result):
+    with open_result(full_result) as ds:
+        assert [text.get_text() for text in displacement(ds).axes[0].texts] == ["impact, capture"]
+        axes = displacement(with_events(ds, (0, 0, IMPACT), (0.25, 0.25, CONTACT), (0.5, 0.5, CONTACT))).axes[0]
+    assert marks(axes) == ([0.0, 0.25, 0.5], [])
+    assert [text.get_text() for text in axes.texts] == ["impact", "contact"]
+
+
+def test_a_contact_that_lasts_is_a_span_also_to_the_end_of_the_record(full_result):
+    with open_result(full_result) as ds:
+        axes = displacement(with_events(ds, (0, 0, IMPACT), (0.25, 0.5, CONTACT), (0.75, np.nan, CONTACT))).axes[0]
+    assert marks(axes)[1] == [(0.25, 0.5), (0.75, pytest.approx(1.0))]
+    assert [text.get_text() for text in axes.texts] == ["impact", "contact, lasting"]
+
+
+def test_words_stand_above_the_axes_and_apart(full_result):
+    with open_result(full_result) as ds:
+        fig = displacement(with_events(ds, (0, 0, IMPACT), (0.01, 0.01, CAPTURE), (0.02, 0.3, CONTACT)))
+    fig.draw_without_rendering()
+    axes = fig.axes[0]
+    boxes = [word.get_window_extent() for word in axes.texts]
+    assert len(boxes) == 3 and all(box.y0 >= axes.get_window_extent().y1 for box in boxes)
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
+
+
+def test_an_event_that_the_picture_does_not_reach_is_not_marked(full_result):
+    with open_result(full_result) as ds:
+        part = with_events(ds, (0, 0, IMPACT), (0.5, 0.5, CONTACT)).sel(time=slice(0.0, 0.1))
+        assert marks(displacement(part).axes[0])[0] == [0.0]
+
+
+def test_a_result_without_events_has_a_history_without_marks(full_result):
+    with open_result(full_result) as ds:
+        axes = displacement(ds.drop_vars(["event_time", "event_kind"])).axes[0]
+    assert marks(axes) == ([], []) and not axes.texts

@@ -1,0 +1,47 @@
+"""The beam's line between the points of a result."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from beamwave_postproc import NothingToDraw
+from beamwave_postproc.parts.line import beam_line, moving_points, places_of_line, whole_line
+
+ROUNDING = 1e-13  # of sums of some ten terms of order 1
+XI = np.array([0.2, 0.3, 0.65, 1.0])
+
+
+def result(points, effects="impact"):
+    return xr.Dataset(coords={"point_position": ("point", points)}, attrs={"effects": effects})
+
+
+def test_the_line_is_that_of_a_cantilever_under_a_tip_force():
+    xi = np.linspace(0.0, 1.0, 41)
+    drawn = beam_line(result(XI), XI, (3.0 * XI**2 - XI**3)[None, :])(xi)[:, 0]  # v = v' = 0 and v'' = 0 at the ends
+    np.testing.assert_allclose(drawn, 3.0 * xi**2 - xi**3, atol=ROUNDING)
+
+
+def test_a_clamped_root_is_a_point_of_the_line_and_an_elastic_one_only_if_the_result_holds_it():
+    assert moving_points(result([0.0, 0.5, 1.0])).tolist() == [1, 2]
+    free = result([0.0, 0.5, 1.0], "support impact")
+    assert moving_points(free).tolist() == [0, 1, 2]
+    assert places_of_line(result(XI), XI, 5)[0] == 0.0 and places_of_line(free, XI, 5)[0] == 0.2
+    straight = beam_line(free, np.array([0.0, 0.5, 1.0]), np.array([[1.0, 2.0, 3.0]]))
+    assert straight(0.25)[0] == pytest.approx(1.5)
+
+
+def test_points_count_once_each_place_and_by_their_place():
+    assert moving_points(result([1.0, 0.5, 0.5 + 1e-12, 0.0])).tolist() == [1, 0]
+    with pytest.raises(NothingToDraw, match="clamped root"):
+        moving_points(result([0.0]))
+
+
+def test_a_form_needs_points_up_to_the_tip():
+    many = np.linspace(0.1, 1.0, 10)
+    for points in (XI, many * 0.9):
+        ds = result(points).assign(displacement=(("point", "time"), np.zeros((points.size, 3))))
+        with pytest.raises(NothingToDraw, match="points or more"):
+            whole_line(ds, "displacement")
+    ds = result(many[::-1]).assign(displacement=(("point", "time"), np.outer(many[::-1], [1.0, 2.0])))
+    xi, history = whole_line(ds, "displacement")
+    np.testing.assert_array_equal(history, np.outer([1.0, 2.0], xi))

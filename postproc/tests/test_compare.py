@@ -1,0 +1,94 @@
+"""Two results laid over each other: what is drawn of each, and what is said of both."""
+
+import numpy as np
+import pytest
+import synthetic
+
+from beamwave_postproc import NothingToDraw, compare, open_result
+from beamwave_postproc.parts.labels import plain
+from beamwave_postproc.parts.pairs import differences, pairs_of
+
+RESPONSE = {"duration": 0.1, "samples": 512}
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    """A beam at rest and one that turns, alike in all else; B also at a further point."""
+    directory = tmp_path_factory.mktemp("two")
+    found = []
+    for name, speed, points in (("rest", 0.0, [0.5, 1.0]), ("turning", 50.0, [0.25, 0.5, 1.0])):
+        settings = synthetic.scene(
+            rotation={"angular_velocity": speed},
+            modes={"before": 5, "after": 5},
+            response={**RESPONSE, "points": points},
+            spectrum={"max_peaks": 3},
+        )
+        with open_result(synthetic.write(directory / f"{name}.nc", settings, title=f"Beam {name}")) as ds:
+            found.append(ds.load())
+    return found
+
+
+def test_what_both_hold_is_drawn(two):
+    assert set(compare(*two)) == {"frequencies", "velocity_jump", "displacement", "spectrum"}
+    first, second = two
+    assert set(compare(first.drop_vars("amplitude"), second)) == {"frequencies", "velocity_jump", "displacement"}
+    with pytest.raises(NothingToDraw, match="nothing in common"):
+        compare(first[["time"]], second)
+
+
+def test_changes_are_those_of_b_over_a_in_per_cent(two):
+    first, second = two
+    _, right = compare(first, second)["frequencies"].axes
+    drawn = {line.get_label(): line for line in right.lines}
+    for label, name in (("frequency", "angular_frequency"), ("group velocity", "group_velocity")):
+        expected = 100.0 * (second[name].values / first[name].values - 1.0)
+        np.testing.assert_array_equal(drawn[label].get_ydata(), expected)
+
+
+def test_histories_stand_above_their_difference_at_the_points_of_both(two):
+    first, second = two
+    axes = compare(first, second)["displacement"].axes
+    assert [one.get_ylabel().split("= ")[1] for one in axes] == ["0.5", "0.5", "1", "1"]
+    a, b = (line.get_ydata() for line in axes[2].lines)
+    np.testing.assert_allclose(a, 1e3 * first["displacement"][1], rtol=1e-15)
+    np.testing.assert_allclose(b, 1e3 * second["displacement"][2], rtol=1e-15)
+    (difference,) = axes[3].lines
+    scale = 1e3 if "(mm)" in axes[3].get_ylabel() else 1e6
+    np.testing.assert_allclose(difference.get_ydata(), scale * (second["displacement"][2] - first["displacement"][1]))
+
+
+def test_other_times_have_no_difference_and_the_head_says_so(two):
+    first, second = two
+    fig = compare(first, second.isel(time=slice(None, None, 2)))["displacement"]
+    assert len(fig.axes) == 2 and any("the times differ" in text.get_text() for text in fig.texts)
+
+
+def test_the_head_says_what_differs(two):
+    first, second = two
+    texts = [
+        plain(text.get_text()).replace("\n", " ").replace("\u00a0", " ")
+        for text in compare(first, second)["spectrum"].texts
+    ]
+    assert texts[0] == "A: Beam rest; B: Beam turning"
+    assert texts[1].startswith("A: beam l = 1 m") and texts[2].startswith("B: ") and "turning.nc" in texts[2]
+    assert "they differ in ω = 0 and 50" in texts[3]
+    assert "stiffening in B alone" in differences(
+        first, second.assign_attrs(effects="rotation impact capture stiffening")
+    )
+    assert differences(first, first) == "effects and inputs are the same"
+
+
+def test_sweeps_over_the_same_values_are_compared_case_by_case(paper_results):
+    with open_result(paper_results / "fig6.nc") as first, open_result(paper_results / "fig7.nc") as other:
+        pairs, note = pairs_of(first, first)
+        assert [pair.label.split("\u00a0")[2] for pair in pairs] == ["0", "50", "100"] and not note
+        axes = compare(first, first)["displacement"].axes
+        assert len(axes[0].lines) == 6 and not any(line.get_ydata().any() for line in axes[1].lines)
+        pairs, note = pairs_of(first, other)
+        assert len(pairs) == 1 and note == "of A and B the first case"
+
+
+def test_a_and_b_are_told_apart_without_colour(two):
+    for kind, fig in compare(*two).items():
+        lines = [line for line in fig.axes[0].lines if line.get_label()[0] in "AB"]
+        assert len({(str(line.get_linestyle()), line.get_marker(), line.is_dashed()) for line in lines}) == 2, kind

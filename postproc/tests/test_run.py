@@ -1,0 +1,118 @@
+"""`run(scene)`: the program is found and called, its result opened, its refusals raised."""
+
+import os
+import stat
+from pathlib import Path
+
+import f90nml
+import numpy as np
+import pytest
+
+from beamwave_postproc import RunFailed, Untrusted, run
+from beamwave_postproc.run import find_program, namelist
+
+PAPER = {
+    "beam": {"length": 1.0, "diameter": 0.037, "density": 7870.0, "youngs_modulus": 2.0e11},
+    "rotation": {"angular_velocity": 0.0, "plane": "in"},
+    "impact": {"mass_ratio": 0.2},
+    "capture": {},
+    "modes": {"before": 3, "after": 3},
+}
+
+
+@pytest.fixture
+def beamwave():
+    """The program, where it is built; elsewhere what needs it is skipped."""
+    try:
+        return find_program()
+    except FileNotFoundError:
+        pytest.skip("the program is not built")
+
+
+def stand_in(directory, script):
+    """A program that does what `script` says."""
+    path = directory / "beamwave"
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return path
+
+
+def test_groups_become_a_namelist_that_reads_back(tmp_path):
+    groups = {
+        **PAPER,
+        "scene": {"title": "it's a title"},
+        "response": {"duration": 0.1, "samples": np.int32(8), "points": np.array([0.5, 1.0]), "velocity": True},
+        "sweep": [
+            {"parameter": "rotation%angular_velocity", "values": [0, 50]},
+            {"parameter": "impact%mass_ratio", "values": (0.1, 0.2)},
+        ],
+    }
+    read = f90nml.reads(namelist(groups))
+    assert read["scene"]["title"] == "it's a title" and read["response"]["velocity"] is True
+    assert read["response"]["points"] == [0.5, 1.0] and read["response"]["samples"] == 8
+    assert [sweep["values"] for sweep in read["sweep"]] == [[0, 50], [0.1, 0.2]]
+    assert read["beam"]["youngs_modulus"] == 2.0e11 and read["capture"] == {}
+
+
+def test_a_scene_as_groups_as_text_and_as_a_file_gives_one_result(beamwave, tmp_path):
+    (tmp_path / "scene.nml").write_text(namelist(PAPER))
+    results = [
+        run(scene, program=beamwave)
+        for scene in (PAPER, namelist(PAPER), tmp_path / "scene.nml", str(tmp_path / "scene.nml"))
+    ]
+    for result in results[1:]:
+        np.testing.assert_array_equal(result["angular_frequency"], results[0]["angular_frequency"])
+    # h α₁²/l² of the paper's beam with the mass, from the constants in its documents.
+    assert float(results[0]["angular_frequency"][0]) == pytest.approx(
+        46.6304239974881 * 1.6163996601559350880**2, rel=1e-13
+    )
+    assert sorted(tmp_path.iterdir()) == [tmp_path / "scene.nml"]
+
+
+def test_the_result_is_kept_where_told(beamwave, tmp_path):
+    (tmp_path / "a scene.nml").write_text(namelist(PAPER))
+    for _ in range(2):
+        run(tmp_path / "a scene.nml", tmp_path / "kept", program=beamwave)
+    assert [path.name for path in (tmp_path / "kept").iterdir()] == ["a scene.nc"]
+
+
+def test_a_scene_that_is_wrong_is_raised_with_its_messages(beamwave):
+    with pytest.raises(RunFailed, match="beam%length") as failure:
+        run({"beam": {**PAPER["beam"], "length": -1.0}}, program=beamwave)
+    assert failure.value.status == 2 and "\nscene.nml:2: " in str(failure.value)
+
+
+def test_numbers_that_cannot_be_trusted_are_a_warning(beamwave):
+    scene = {**PAPER, "rotation": {"angular_velocity": 5000.0}, "response": {"duration": 1.0, "samples": 16}}
+    with pytest.warns(Untrusted):
+        assert int(run(scene, program=beamwave)["case_status"]) != 0
+
+
+def test_the_program_is_looked_for_where_the_documents_say(tmp_path, monkeypatch):
+    own, on_path, by_name = (tmp_path / name for name in ("own", "on_path", "by_name"))
+    for directory in (own, on_path, by_name):
+        directory.mkdir()
+        stand_in(directory, "exit 5")
+    monkeypatch.setenv("PATH", f"{on_path}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.delenv("BEAMWAVE", raising=False)
+    assert find_program() == str(on_path / "beamwave")
+    monkeypatch.setenv("BEAMWAVE", str(by_name / "beamwave"))
+    assert find_program() == str(by_name / "beamwave")
+    assert find_program(own / "beamwave") == str(own / "beamwave")
+    with pytest.raises(FileNotFoundError, match="no program"):
+        find_program(tmp_path / "absent")
+
+
+def test_a_stopped_run_is_raised_with_its_status(tmp_path):
+    program = stand_in(tmp_path, "echo 'stopped in order' >&2; exit 5")
+    with pytest.raises(RunFailed, match="stopped in order") as failure:
+        run(PAPER, program=program)
+    assert failure.value.status == 5
+
+
+def test_nothing_is_left_in_the_temporary_directory(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "scratch"))
+    Path(tmp_path / "scratch").mkdir()
+    with pytest.raises(RunFailed):
+        run(PAPER, program=stand_in(tmp_path, "exit 3"))
+    assert not list((tmp_path / "scratch").iterdir())

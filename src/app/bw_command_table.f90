@@ -1,0 +1,185 @@
+module bw_command_table
+  !! What a row of the table of commands says, and the texts that follow from the rows: the help, and what messages accept. The
+  !! rows themselves are in `bw_main`. A new option is a row of `options` here and a case of `set_option` in `bw_command_line`.
+  use bw_kinds, only: dp
+  use bw_process_group, only: process_group
+  use bw_text, only: string
+  implicit none (type, external)
+  private
+  public :: row_of, lists, commands_text, accepted_options, help_text
+
+  type, public :: words_rule
+    !! Which words a command takes besides its options.
+    character(12) :: usage = ''                   !! as the help shows them
+    integer :: fewest = 0, most = 1
+    character(64) :: complaint = 'accepted: one word at most'
+  end type words_rule
+
+  type(words_rule), parameter, public :: &
+    some_scenes = words_rule('PATH ...', 1, huge(1), 'a scene is missing; accepted: files, or directories of *.nml'), &
+    one_scene = words_rule('SCENE.nml', 1, 1, 'accepted: one scene'), &
+    one_group = words_rule('[GROUP]'), no_words = words_rule()
+
+  type, public :: command_row
+    !! A command: everything that parsing, help, messages and dispatch know of it.
+    character(8) :: name = ''
+    type(words_rule) :: words
+    character(48) :: options = ''                 !! those of `options` that it takes, in their order, by spaces
+    character(96) :: help = ''                    !! what it does
+    procedure(command_interface), pointer, nopass :: procedure => null()
+    character(16) :: flags = ''                   !! `--word`s that stand for it, by spaces; the first is what users are told
+    logical :: shared = .false.                   !! all processes of a group call it, else the leader alone
+  end type command_row
+
+  type, public :: command_type
+    !! A command as it was called.
+    type(command_row), allocatable :: row         !! its row of the table
+    type(string), allocatable :: words(:)         !! paths of scenes, or the group to describe
+    character(:), allocatable :: output           !! --output
+    logical :: overwrite = .false.                !! --overwrite
+    logical :: quiet = .false.                    !! --quiet
+    real(dp) :: max_seconds = huge(1.0_dp)        !! --max-seconds
+    class(process_group), pointer :: group => null()    !! the processes that were called together
+  end type command_type
+
+  abstract interface
+    integer function command_interface(command) result(status)
+      !! Does what the command is called for, prints what there is to say, and returns the exit status.
+      import :: command_type
+      implicit none (type, external)
+      type(command_type), intent(in) :: command
+    end function command_interface
+  end interface
+
+  type, public :: option_row
+    character(16) :: name
+    character(4) :: value                         !! what stands for its value in the help; blank where it takes none
+    character(80) :: help
+  end type option_row
+
+  type(option_row), parameter, public :: options(*) = [ &
+    option_row('--output', 'DIR', 'where results go (output)'), &
+    option_row('--overwrite', '', 'replace results of other scenes or versions'), &
+    option_row('--quiet', '', 'print warnings and errors only'), &
+    option_row('--max-seconds', 'S', 'stop in order after so long; the same command goes on from there')]
+
+  character(*), parameter :: nl = new_line('a')
+
+contains
+
+  pure integer function row_of(rows, word) result(i)
+    !! The place of the command that a word means; 0 where it means none.
+    type(command_row), intent(in) :: rows(:)
+    character(*), intent(in) :: word
+    do i = size(rows), 1, -1
+      if (word == rows(i)%name .or. lists(rows(i)%flags, word)) return
+    end do
+  end function row_of
+
+  elemental logical function lists(list, word)
+    !! Whether a word is one of a list, which has blanks between its words.
+    character(*), intent(in) :: list, word
+    lists = .false.
+    if (word == '' .or. index(trim(word), ' ') > 0) return
+    lists = index(' '//list//' ', ' '//trim(word)//' ') > 0
+  end function lists
+
+  pure function commands_text(rows) result(text)
+    !! For a message: all commands, as users are told to call them.
+    type(command_row), intent(in) :: rows(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(rows)
+      text = text//', '//called(rows(i))
+    end do
+    text = text(3:)
+  end function commands_text
+
+  pure function called(row) result(word)
+    !! The word that users are told to call a command by.
+    type(command_row), intent(in) :: row
+    character(:), allocatable :: word
+    word = trim(row%name)
+    if (row%flags /= '') word = row%flags(:index(row%flags, ' ') - 1)
+  end function called
+
+  pure function accepted_options(row) result(text)
+    !! For a message: the options of a command, if it takes any.
+    type(command_row), intent(in) :: row
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(options)
+      if (.not. lists(row%options, options(i)%name)) cycle
+      text = text//', '//trim(trim(options(i)%name)//' '//options(i)%value)
+    end do
+    if (text /= '') text = '; accepted: '//text(3:)
+  end function accepted_options
+
+  pure function help_text(rows) result(text)
+    !! The text that `beamwave --help` prints: the commands, their options, the exit statuses.
+    type(command_row), intent(in) :: rows(:)
+    character(:), allocatable :: text, flags
+    integer :: i
+    text = 'beamwave: bending waves in a rotating beam struck at its tip'//nl//nl
+    flags = ''
+    do i = 1, size(rows)
+      if (rows(i)%flags == '') text = text//column('  beamwave '//usage(rows(i)), 32)//trim(rows(i)%help)//nl
+      if (rows(i)%flags /= '') flags = flags//' | '//called(rows(i))
+    end do
+    text = text//'  beamwave '//flags(4:)//nl
+    do i = 1, size(rows)
+      if (rows(i)%shared) text = text//'  mpirun -n N beamwave-mpi '//usage(rows(i))// &
+        '   shares the cases of sweeps among N processes; the same words'//nl
+    end do
+    text = text//nl//'  '//options_heading(rows)//nl
+    do i = 1, size(options)
+      text = text//column('    '//trim(options(i)%name)//' '//options(i)%value, 23)//trim(options(i)%help)//nl
+    end do
+    text = text//nl// &
+      '  exit status: 0 done, 2 bad command line or scene, 3 a file or memory was refused, 4 some numbers'//nl// &
+      '  cannot be trusted, 5 stopped in order, 70 a fault in the program'
+  end function help_text
+
+  pure function usage(row) result(text)
+    !! A command and its words.
+    type(command_row), intent(in) :: row
+    character(:), allocatable :: text
+    text = trim(trim(row%name)//' '//row%words%usage)
+  end function usage
+
+  pure function column(text, width) result(wide)
+    !! Text filled up with blanks, of which there is at least one.
+    character(*), intent(in) :: text
+    integer, intent(in) :: width
+    character(:), allocatable :: wide
+    wide = trim(text)//repeat(' ', max(1, width - len_trim(text)))
+  end function column
+
+  pure function options_heading(rows) result(text)
+    !! Which commands take which of the options that stand below it, those that take fewest first.
+    type(command_row), intent(in) :: rows(:)
+    character(:), allocatable :: text
+    integer :: number, i, j
+    text = ''
+    do number = 1, size(options)
+      do i = 1, size(rows)
+        if (count(lists(rows(i)%options, options%name)) /= number .or. any(rows(:i - 1)%options == rows(i)%options)) cycle
+        text = text//'; '//trim(rows(i)%name)
+        do j = i + 1, size(rows)
+          if (rows(j)%options == rows(i)%options) text = text//' and '//trim(rows(j)%name)
+        end do
+        if (number == size(options)) then
+          text = text//' takes'
+        else if (number == size(options) - 1 .and. .not. lists(rows(i)%options, options(size(options))%name)) then
+          text = text//' all of these but the last'
+        else
+          text = text//' takes '//trim(rows(i)%options)
+        end if
+      end do
+    end do
+    text = text(3:)
+  end function options_heading
+
+end module bw_command_table

@@ -1,0 +1,139 @@
+module bw_lapack
+  !! Interfaces of the procedures of BLAS and LAPACK that the program calls: the one place that declares their arguments, so
+  !! that the compiler checks every call. The libraries' own documentation says what each argument is; the names are theirs.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: dgemm, dtrsm
+  public :: dpotrf, dgeqrf, dgelsy, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+
+  interface
+
+    ! BLAS
+
+    pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
+      !! C ← alpha·A B + beta·C, A and B as they are or transposed.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: transa, transb
+      integer, intent(in) :: m, n, k, lda, ldb, ldc
+      real(dp), intent(in) :: alpha, beta, a(lda, *), b(ldb, *)
+      real(dp), intent(inout) :: c(ldc, *)
+    end subroutine dgemm
+
+    subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb)
+      !! B ← alpha·A⁻¹B or alpha·B A⁻¹, A triangular, as it is or transposed.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: side, uplo, transa, diag
+      integer, intent(in) :: m, n, lda, ldb
+      real(dp), intent(in) :: alpha, a(lda, *)
+      real(dp), intent(inout) :: b(ldb, *)
+    end subroutine dtrsm
+
+    ! LAPACK
+
+    subroutine dpotrf(uplo, n, a, lda, info)
+      !! Cholesky's factor of a symmetric positive definite matrix; info > 0: it is not positive definite.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotrf
+
+    subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
+      !! A = QR by Householder reflections.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: m, n, lda, lwork
+      real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dgeqrf
+
+    subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
+      !! The shortest solution of least squares for a matrix that may lack rank.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
+      real(dp), intent(inout) :: a(lda, *), b(ldb, *), work(*)
+      integer, intent(inout) :: jpvt(*)
+      real(dp), intent(in) :: rcond
+      integer, intent(out) :: rank, info
+    end subroutine dgelsy
+
+    subroutine dsterf(n, d, e, info)
+      !! All eigenvalues of a symmetric tridiagonal matrix, ascending, without vectors.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: n
+      real(dp), intent(inout) :: d(*), e(*)
+      integer, intent(out) :: info
+    end subroutine dsterf
+
+    subroutine dlabrd(m, n, nb, a, lda, d, e, tauq, taup, x, ldx, y, ldy)
+      !! The first nb rows and columns of a matrix to bidiagonal form, and the matrices X and Y that change the remaining ones.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: m, n, nb, lda, ldx, ldy
+      real(dp), intent(inout) :: a(lda, *)
+      real(dp), intent(out) :: d(*), e(*), tauq(*), taup(*), x(ldx, *), y(ldy, *)
+    end subroutine dlabrd
+
+    subroutine dgebrd(m, n, a, lda, d, e, tauq, taup, work, lwork, info)
+      !! A = Q B Pᵀ, B bidiagonal.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: m, n, lda, lwork
+      real(dp), intent(inout) :: a(lda, *), work(*)
+      real(dp), intent(out) :: d(*), e(*), tauq(*), taup(*)
+      integer, intent(out) :: info
+    end subroutine dgebrd
+
+    subroutine dormbr(vect, side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
+      !! A product with Q or P of dgebrd.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: vect, side, trans
+      integer, intent(in) :: m, n, k, lda, ldc, lwork
+      real(dp), intent(inout) :: a(lda, *), c(ldc, *), work(*)
+      real(dp), intent(in) :: tau(*)
+      integer, intent(out) :: info
+    end subroutine dormbr
+
+    subroutine dbdsdc(uplo, compq, n, d, e, u, ldu, vt, ldvt, q, iq, work, iwork, info)
+      !! All singular values of a bidiagonal matrix with their vectors, by divide and conquer.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: uplo, compq
+      integer, intent(in) :: n, ldu, ldvt
+      real(dp), intent(inout) :: d(*), e(*), u(ldu, *), vt(ldvt, *), q(*), work(*)
+      integer, intent(inout) :: iq(*), iwork(*)
+      integer, intent(out) :: info
+    end subroutine dbdsdc
+
+    subroutine zgeev(jobvl, jobvr, n, a, lda, w, vl, ldvl, vr, ldvr, work, lwork, rwork, info)
+      !! Eigenvalues of a complex matrix, and their vectors where asked for.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: jobvl, jobvr
+      integer, intent(in) :: n, lda, ldvl, ldvr, lwork
+      complex(dp), intent(inout) :: a(lda, *), w(*), vl(ldvl, *), vr(ldvr, *), work(*)
+      real(dp), intent(inout) :: rwork(*)
+      integer, intent(out) :: info
+    end subroutine zgeev
+
+    subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
+      !! All singular values of a complex matrix with their vectors.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: jobu, jobvt
+      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+      complex(dp), intent(inout) :: a(lda, *), u(ldu, *), vt(ldvt, *), work(*)
+      real(dp), intent(inout) :: s(*), rwork(*)
+      integer, intent(out) :: info
+    end subroutine zgesvd
+  end interface
+
+end module bw_lapack

@@ -1,0 +1,67 @@
+module bw_beam_units
+  !! The beam's own units, in which everything inside is computed: length l, time l²/h, mass m_i = ρAl.
+  !!
+  !! Units of length, time and mass changed by powers of two change these by powers of two exactly, so
+  !! numbers without dimensions keep their bits.
+  use bw_kinds, only: dp
+  use bw_beam_par, only: beam_par
+  use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
+  implicit none (type, external)
+  private
+  public :: body_inertia, slenderness, units_of
+
+  type, public :: beam_units
+    real(dp) :: length = 1.0_dp     !! l, m
+    real(dp) :: mass = 1.0_dp       !! m_i = ρAl, kg
+    type(dd) :: h                   !! h = √(EI/(ρA)), m²/s, Eq. 31
+    type(dd) :: time                !! l²/h, s
+    real(dp) :: velocity = 1.0_dp   !! h/l, m/s
+    real(dp) :: frequency = 1.0_dp  !! h/l², rad/s
+  end type beam_units
+
+contains
+
+  pure type(beam_units) function units_of(beam) result(units)
+    !! The beam's own units, from its numbers as they were read.
+    type(beam_par), intent(in) :: beam
+    type(dd) :: length
+    length = to_dd(beam%length)
+    units%length = beam%length
+    units%mass = beam%density*beam%area*beam%length
+    units%h = root_of_stiffness(beam)
+    units%time = length*length/units%h
+    units%velocity = units%h%hi/beam%length
+    units%frequency = units%velocity/beam%length
+  end function units_of
+
+  pure type(dd) function root_of_stiffness(beam) result(h)
+    !! h = (D/4)√(E/ρ) for a solid circle, where A and I would only add roundings; √(E/ρ)√(I/A) else, each root by
+    !! itself, since h² may leave the range of numbers.
+    type(beam_par), intent(in) :: beam
+    type(dd) :: sound
+    sound = sqrt(to_dd(beam%youngs_modulus)/to_dd(beam%density))
+    if (beam%round) then
+      h = sound*to_dd(0.25_dp*beam%diameter)
+    else
+      h = sound*sqrt(to_dd(beam%second_moment)/to_dd(beam%area))
+    end if
+  end function root_of_stiffness
+
+  pure real(dp) function slenderness(beam) result(r)
+    !! r = √(I/A)/l: D/(4l) for a solid circle.
+    type(beam_par), intent(in) :: beam
+    if (beam%round) then
+      r = 0.25_dp*beam%diameter/beam%length
+    else
+      r = sqrt(beam%second_moment/beam%area)/beam%length
+    end if
+  end function slenderness
+
+  pure real(dp) function body_inertia(rotary_inertia, units) result(inertia)
+    !! J in m_i l² of a body at the tip, from kg m².
+    real(dp), intent(in) :: rotary_inertia
+    type(beam_units), intent(in) :: units
+    inertia = rotary_inertia/units%mass/units%length/units%length
+  end function body_inertia
+
+end module bw_beam_units

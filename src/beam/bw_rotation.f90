@@ -1,0 +1,54 @@
+module bw_rotation
+  !! Rotation at a constant angular velocity. In plane the term −ω²v of Eq. 1 is taken off the square of every
+  !! frequency; out of plane there is no such term, and without tension or shear rotation changes nothing. In either plane
+  !! it brings a tension into the beam, which stiffens it.
+  use bw_beam_units, only: beam_units
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*)
+  use bw_kinds, only: dp, qp
+  use bw_rotation_par, only: rotation_par
+  implicit none (type, external)
+  private
+  public :: acts_in_plane, dimensionless_speed, full_speed_in_plane, speed_in_plane, tension_of
+
+contains
+
+  pure logical function acts_in_plane(rotation)
+    !! The beam moves in the plane of rotation, where the centrifugal force acts on its deflection.
+    type(rotation_par), intent(in) :: rotation
+    acts_in_plane = rotation%plane == 'in'
+  end function acts_in_plane
+
+  pure type(dd) function dimensionless_speed(rotation, units) result(omega)
+    !! |ω| l²/h.
+    type(rotation_par), intent(in) :: rotation
+    type(beam_units), intent(in) :: units
+    omega = to_dd(abs(rotation%angular_velocity))*units%time
+  end function dimensionless_speed
+
+  pure real(dp) function speed_in_plane(rotation, units) result(speed)
+    !! |ω| l²/h where rotation acts in the plane of the motion, else 0.
+    type(rotation_par), intent(in), optional :: rotation
+    type(beam_units), intent(in) :: units
+    speed = real(full_speed_in_plane(rotation, units), dp)
+  end function speed_in_plane
+
+  pure real(qp) function full_speed_in_plane(rotation, units) result(speed)
+    !! The same speed in all its digits.
+    type(rotation_par), intent(in), optional :: rotation
+    type(beam_units), intent(in) :: units
+    speed = 0.0_qp
+    if (.not. present(rotation)) return
+    if (acts_in_plane(rotation)) speed = to_quad(dimensionless_speed(rotation, units))
+  end function full_speed_in_plane
+
+  pure function tension_of(omega, hub_radius, gamma) result(tension)
+    !! The tension T(ξ) = Ω²[½(1 − ξ²) + R(1 − ξ) + γ(1 + R)] in EI/l², as the three numbers of
+    !! t_0 + t_1ξ + t_2ξ².
+    real(dp), intent(in) :: omega            !! Ω = |ω|l²/h
+    real(dp), intent(in) :: hub_radius       !! R in l
+    real(dp), intent(in) :: gamma            !! mass at the tip
+    real(dp) :: tension(3)
+    tension = omega**2*[0.5_dp + hub_radius + gamma*(1.0_dp + hub_radius), -hub_radius, -0.5_dp]
+  end function tension_of
+
+end module bw_rotation

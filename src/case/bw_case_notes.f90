@@ -1,0 +1,188 @@
+module bw_case_notes
+  !! What a case warns of, beside its numbers: a note's words before its first colon are its kind.
+  use bw_beam_units, only: beam_units
+  use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan, mode_sources
+  use bw_damping, only: law_of
+  use bw_damping_par, only: by_ratio
+  use bw_galerkin_set, only: galerkin_set
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing, scaled
+  use bw_mode_choice, only: most_modes, most_released
+  use bw_mode_set, only: mode_set
+  use bw_modes_par, only: by_tolerance, coarsest_tolerance
+  use bw_recontact, only: contacts_type
+  use bw_release, only: release_type
+  use bw_scene, only: scene_type
+  use bw_beam_operator, only: axial_strain
+  use bw_text, only: append, shortest, string, text_of
+  implicit none (type, external)
+  private
+  public :: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
+  public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
+  public :: out_of_reach
+
+  real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
+
+contains
+
+  subroutine note_coupling(scene, units, modes, notes)
+    !! Rayleigh's damping is diagonal in modes of the elastic stiffness alone, which tension and rotation change.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(mode_set), intent(in) :: modes           !! in force after t = 0
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), parameter :: nothing = 1.0e-9_dp     ! rounding of modes that are orthogonal
+    real(dp) :: ratio
+    if (.not. allocated(scene%damping)) return
+    if (by_ratio(scene%damping)) return
+    select type (modes)
+    type is (galerkin_set)
+      ratio = modes%coupling(law_of(scene%damping, units))
+      if (ratio > nothing) call append(notes, 'coupled damping: Rayleigh''s damping couples these modes and is taken '// &
+        'without that: at most '//shortest(ratio, 2)//' of what it takes from the modes themselves')
+    end select
+  end subroutine note_coupling
+
+  subroutine note_growth(units, modes, notes)
+    !! Which modes grow.
+    type(beam_units), intent(in) :: units
+    class(mode_set), intent(in) :: modes           !! in force after t = 0
+    type(string), allocatable, intent(inout) :: notes(:)
+    integer :: growing
+    growing = count(modes%beta_squared%hi < 0.0_dp)
+    if (growing == 0) return
+    call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)// &
+      ' modes grow without bound, the angular velocity being above '// &
+      shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s')
+  end subroutine note_growth
+
+  subroutine note_no_effect(notes)
+    !! Rotation acts on nothing.
+    type(string), allocatable, intent(inout) :: notes(:)
+    call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
+  end subroutine note_no_effect
+
+  subroutine note_strain(scene, units, notes)
+    !! Where rotation strains the beam beyond what linear theory holds for.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), parameter :: most = 0.1_dp
+    if (axial_strain(scene, units) <= most) return
+    call append(notes, 'outside linear theory: omega l/h sqrt(I/A) is '// &
+      shortest(axial_strain(scene, units), 3)//', above 0.1: rotation strains the beam by more than half a per cent')
+  end subroutine note_strain
+
+  subroutine note_unresolved(notes)
+    !! The modes of one of the beams, or of both, are not to be trusted.
+    type(string), allocatable, intent(inout) :: notes(:)
+    call append(notes, &
+      'not converged: the polynomials of the Galerkin basis do not resolve the modes; every number of the case is fill')
+  end subroutine note_unresolved
+
+  subroutine note_added_energy(scene, later)
+    !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.
+    type(scene_type), intent(in) :: scene
+    type(case_events), intent(inout) :: later    !! impact and capture
+    if (scene%impact%restitution == 0.0_dp) return
+    associate (impact => later%events(1), capture => later%events(2), approach => later%events(1)%energy_before)
+      if (approach == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
+      call append(later%notes, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
+        ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
+        shortest((capture%momentum_after - capture%momentum_before)/impact%momentum_before, 4)// &
+        ' and the energy '//shortest((capture%energy_after - capture%energy_before)/approach, 4)// &
+        ' of what the mass brought; beam and mass then hold '//shortest(capture%energy_after/approach, 4)// &
+        ' of its energy')
+    end associate
+  end subroutine note_added_energy
+
+  subroutine note_no_release(scene, later)
+    !! Why no release comes within the record.
+    type(scene_type), intent(in) :: scene
+    type(case_events), intent(inout) :: later
+    logical :: late
+    late = .false.
+    if (allocated(scene%response)) late = scene%release%time >= scene%response%duration
+    if (late) then
+      call append(later%notes, 'release: comes after the end of the record, which shows nothing of it')
+    else
+      call append(later%notes, 'release: by then the motion has grown out of the range of numbers')
+    end if
+  end subroutine note_no_release
+
+  subroutine note_release(scene, units, release, later)
+    !! Where the energy went.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(release_type), intent(in) :: release
+    type(case_events), intent(inout) :: later
+    character(:), allocatable :: text
+    real(dp) :: joules(4)
+    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
+                    units%mass*scene%impact%approach_velocity**2)
+    if (is_missing(joules(1))) then
+      call append(later%notes, 'energy of the release: too large for double precision')
+      return
+    end if
+    text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
+    if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with what the centrifugal force does)'
+    if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
+    if (.not. (is_missing(joules(4)) .or. by_tolerance(scene%modes))) then
+      text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
+    end if
+    call append(later%notes, text)
+  end subroutine note_release
+
+  subroutine note_rounding(later)
+    !! Energies that are the difference of far larger ones.
+    type(case_events), intent(inout) :: later
+    if (.not. any(is_missing([later%events%energy_before, later%events%energy_after]))) return
+    call append(later%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
+                'numbers; it is fill where fewer than three digits are left')
+  end subroutine note_rounding
+
+  subroutine note_contacts(scene, units, contacts, later)
+    !! How the search for contacts ended.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(contacts_type), intent(in) :: contacts
+    type(case_events), intent(inout) :: later
+    character(:), allocatable :: from_then_on
+    from_then_on = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
+      ' s on: the histories hold fill from there, and no later contact is given'
+    if (contacts%cut) call append(later%notes, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
+      ' contacts of max_contacts; what comes after the last is the motion without another')
+    if (contacts%lasting) call append(later%notes, &
+      'recontact: the last contact has not ended at the end of the record')
+    if (contacts%out_of_range) call append(later%notes, &
+      'recontact: the motion grows out of the range of numbers'//from_then_on)
+    if (later%ending == case_ill_conditioned) call append(later%notes, &
+      'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
+      'of the motion'//from_then_on)
+    if (contacts%amplification > noteworthy) call append(later%notes, &
+      'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
+      'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
+    if (any(is_missing(contacts%events%energy_after))) call append(later%notes, &
+      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
+    if (size(contacts%events) == 0 .and. later%ending == case_done) call append(later%notes, &
+      'recontact: the mass does not come back within the record')
+  end subroutine note_contacts
+
+  pure function out_of_reach(scene, sources, plan) result(text)
+    !! What to tell of a tolerance that the plan does not keep.
+    type(scene_type), intent(in) :: scene
+    type(mode_sources), intent(in) :: sources
+    type(case_plan), intent(in) :: plan
+    character(:), allocatable :: text
+    associate (highest => sources%loaded%highest)
+      text = shortest(scene%modes%tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
+      if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
+    end associate
+    if (1.05_dp*plan%reached <= coarsest_tolerance) then
+      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more'
+    else
+      text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
+    end if
+  end function out_of_reach
+
+end module bw_case_notes

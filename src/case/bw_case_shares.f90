@@ -1,0 +1,83 @@
+module bw_case_shares
+  !! How long a case takes and how its stages share that time, by a rough model: what a progress bar shows, and what `check`
+  !! goes on from where it has not the time to run a case to its end.
+  use bw_kinds, only: dp
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_scene, only: changes_shapes, scene_type
+  implicit none (type, external)
+  private
+  public :: case_seconds, case_shares, stage_part
+
+  integer, parameter, public :: modes_share = 1, events_share = 2, later_share = 3, histories_share = 4, spectrum_share = 5
+    !! events at t = 0, and later ones
+  integer, parameter :: shares = 5
+
+  ! seconds, measured on one core
+  real(dp), parameter :: mode_seconds = 2.0e-7_dp      ! a mode in closed form
+  real(dp), parameter :: cubic_seconds = 5.0e-10_dp    ! the cube of a number of functions of a Galerkin basis
+  real(dp), parameter :: handed_seconds = 3.0e-7_dp    ! a mode that hands its motion on, and one that receives it
+  real(dp), parameter :: shape_seconds = 3.3e-8_dp     ! a mode at a point
+  real(dp), parameter :: sum_seconds = 1.0e-7_dp       ! a mode, or half a sample, of a history
+
+contains
+
+  pure function case_shares(scene) result(part)
+    !! Of each stage in the time of a case, in all 1.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    real(dp) :: part(shares)
+    part = stage_seconds(scene)/case_seconds(scene)
+  end function case_shares
+
+  pure real(dp) function case_seconds(scene) result(seconds)
+    !! Of all stages.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    seconds = sum(stage_seconds(scene))
+  end function case_seconds
+
+  pure function stage_seconds(scene) result(seconds)
+    type(scene_type), intent(in) :: scene
+    real(dp) :: seconds(shares)
+    real(dp) :: before, after
+    before = scene%modes%before
+    after = scene%modes%after
+    if (.not. allocated(scene%capture)) after = 0.0_dp
+    seconds = 0.0_dp
+    seconds(modes_share) = seconds_of_modes(scene, before) + seconds_of_modes(scene, after)
+    if (allocated(scene%impact)) seconds(events_share) = shape_seconds*before*scene%impact%profile_points
+    if (allocated(scene%capture)) seconds(events_share) = seconds(events_share) + handed_seconds*(before + after)
+    if (allocated(scene%release)) seconds(later_share) = 2.0_dp*handed_seconds*(before + after)
+    if (.not. allocated(scene%response)) return
+    seconds(histories_share) = sum_seconds*(max(before, after) + 2.0_dp*scene%response%samples)
+    if (allocated(scene%spectrum)) seconds(spectrum_share) = seconds_of_spectrum(scene, max(before, after))
+  end function stage_seconds
+
+  pure real(dp) function seconds_of_modes(scene, count) result(seconds)
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: count
+    real(dp) :: functions
+    seconds = mode_seconds*count
+    if (.not. changes_shapes(scene) .or. count == 0.0_dp) return
+    functions = 30.0_dp + 1.75_dp*count
+    if (allocated(scene%shear)) functions = 2.0_dp*functions
+    seconds = cubic_seconds*functions**3
+  end function seconds_of_modes
+
+  pure real(dp) function seconds_of_spectrum(scene, count) result(seconds)
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: count
+    real(dp), parameter :: most_lines = 200.0_dp, lines_a_round = 64.0_dp
+    real(dp) :: lines, rounds
+    lines = min(most_lines, count)
+    rounds = aint(lines/lines_a_round) + 1.0_dp
+    seconds = 0.1_dp + scene%response%samples*(1.0e-7_dp*(rounds + 2.0_dp) + 4.5e-9_dp*lines*(0.5_dp*rounds + 1.5_dp))
+  end function seconds_of_spectrum
+
+  type(part_monitor) function stage_part(monitor, part, stage) result(stage_monitor)
+    !! A monitor of one stage of a case.
+    class(monitor_type), intent(inout), target :: monitor
+    real(dp), intent(in) :: part(:)                !! of `case_shares`
+    integer, intent(in) :: stage
+    stage_monitor = part_monitor(monitor, sum(part(:stage - 1)), part(stage))
+  end function stage_part
+
+end module bw_case_shares

@@ -1,0 +1,162 @@
+module bw_case_spectrum
+  !! What the histories of a case are searched for: amplitude spectra, and waves measured at tip and midpoint, checked with
+  !! the modes that move in the samples after the last event.
+  use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
+  use bw_case_histories, only: last_sample
+  use bw_case_result, only: case_done, case_motion, case_spectrum
+  use bw_double_double, only: dd, to_dd, operator(*), operator(-)
+  use bw_kinds, only: dp
+  use bw_measured, only: measure_waves
+  use bw_mode_check, only: known_modes, measuring_type
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type
+  use bw_response, only: response_type
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: changes_shapes, scene_type
+  use bw_segment, only: beam_in_contact, free_beam, loaded_beam
+  use bw_text, only: append, text_of
+  use bw_time_grid, only: time_grid, time_grid_of
+  implicit none (type, external)
+  private
+  public :: find_spectrum
+
+  integer, parameter :: most = 4096              !! modes; their images fill any record
+
+contains
+
+  subroutine find_spectrum(scene, layout, motion, response, status, monitor, plan, spectrum)
+    !! Waves measured from the tip and midpoint histories alone, and amplitude spectra of all points.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in) :: response    !! displacements at all points
+    integer, intent(in) :: status                  !! how the histories end
+    class(monitor_type), intent(inout) :: monitor  !! nothing is found where it asks to stop
+    type(spectrum_plan), intent(inout) :: plan     !! any, also one that another case has used
+    type(case_spectrum), intent(out) :: spectrum
+    integer :: p
+    if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
+    if (layout%middle == 0 .or. layout%tip == 0) then
+      call append(spectrum%notes, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
+    else
+      ! before there are spectra, for it needs more memory than they do
+      call find_waves(scene, layout, motion, response, status, monitor, spectrum)
+    end if
+    if (status /= case_done) return
+    associate (histories => response%displacement)
+      allocate (spectrum%amplitude(size(histories, 1)/2 + 1, size(histories, 2)))
+      do p = 1, size(histories, 2)
+        if (monitor%stop_requested()) return
+        call amplitude_spectrum(histories(:, p), scene%spectrum%window, plan, spectrum%amplitude(:, p))
+      end do
+    end associate
+  end subroutine find_spectrum
+
+  subroutine find_waves(scene, layout, motion, response, status, monitor, spectrum)
+    !! Of the motion after the last event.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in) :: response
+    integer, intent(in) :: status
+    class(monitor_type), intent(inout) :: monitor
+    type(case_spectrum), intent(inout) :: spectrum
+    type(measuring_type) :: told
+    integer :: first, i, samples
+    allocate (spectrum%measured)
+    samples = size(response%displacement, 1)
+    first = first_of_last(scene, motion)
+    if (first > samples) then
+      call append(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
+    else if (first > 1) then
+      call append(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
+                               ' samples after the last event')
+    end if
+    told%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
+    told%length = scene%beam%length
+    told%max_peaks = scene%spectrum%max_peaks
+    told%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
+    if (status == case_done .and. first <= samples) call know_modes(scene, motion, told%known)
+    call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), told, &
+                       spectrum%measured, monitor)
+    if (monitor%stop_requested()) return
+    do i = 1, size(spectrum%measured%notes)
+      call append(spectrum%notes, spectrum%measured%notes(i)%text)
+    end do
+  end subroutine find_waves
+
+  pure integer function first_of_last(scene, motion) result(first)
+    !! The sample, from 1, with which the last segment of a motion begins that is known to its end.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(time_grid) :: grid
+    first = 1
+    if (.not. allocated(motion%later%segments) .or. motion%later%ending /= case_done) return
+    associate (segments => motion%later%segments)
+      grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+      if (size(segments) > 1) first = last_sample(segments, size(segments) - 1, grid) + 1
+    end associate
+  end function first_of_last
+
+  pure integer function beam_at_end(motion) result(beam)
+    !! Whose modes move after the last event, a number of bw_segment.
+    type(case_motion), intent(in) :: motion
+    if (allocated(motion%later%segments)) then
+      beam = motion%later%segments(size(motion%later%segments))%modes
+    else
+      beam = merge(loaded_beam, free_beam, allocated(motion%sources%loaded))
+    end if
+  end function beam_at_end
+
+  subroutine know_modes(scene, motion, known)
+    !! The frequencies of these modes; of very many those of the first.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(known_modes), allocatable, intent(out) :: known
+    allocate (known)
+    select case (beam_at_end(motion))
+    case (beam_in_contact)
+      call know_set(motion%later%in_contact)
+    case (loaded_beam)
+      if (by_tolerance(scene%modes)) then
+        call know_first(motion%sources%loaded, motion%plan%count)
+      else
+        call know_set(motion%modes%loaded)
+      end if
+    case default
+      if (by_tolerance(scene%modes)) then
+        call know_first(motion%sources%free, motion%plan%release%count)
+      else
+        call know_set(motion%modes%free)
+      end if
+    end select
+  contains
+    subroutine know_first(source, summed)
+      class(mode_source), intent(in) :: source
+      integer, intent(in) :: summed
+      class(mode_set), allocatable :: first
+      call source%find(first_numbers(min(most, summed)), first)
+      call know_set(first)
+      known%all = first%count == summed
+    end subroutine know_first
+    subroutine know_set(modes)
+      class(mode_set), intent(in) :: modes
+      known%angular_frequency = frequencies_of(modes)*motion%units%frequency
+    end subroutine know_set
+  end subroutine know_modes
+
+  pure function frequencies_of(modes) result(frequency)
+    !! √(β² − c²/4), 0 where a mode does not oscillate, (modes).
+    class(mode_set), intent(in) :: modes
+    real(dp) :: frequency(modes%count)
+    type(dd) :: square(modes%count), rate(modes%count)
+    square = modes%beta_squared
+    if (allocated(modes%damping)) then
+      rate = to_dd(0.5_dp*modes%damping)
+      square = square - rate*rate
+    end if
+    frequency = sqrt(max(0.0_dp, square%hi))
+  end function frequencies_of
+
+end module bw_case_spectrum

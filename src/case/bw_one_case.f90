@@ -1,0 +1,163 @@
+module bw_one_case
+  !! One case from scene to result, in one line: modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each
+  !! stage takes the values of those before it and returns its own.
+  use bw_amplitude_spectrum, only: spectrum_plan
+  use bw_beam_units, only: units_of
+  use bw_case_errors, only: estimate_errors
+  use bw_case_events, only: follow_events, start_motion
+  use bw_case_histories, only: sum_histories
+  use bw_case_modes, only: case_mode_cache, find_modes
+  use bw_case_notes, only: out_of_reach
+  use bw_case_plan, only: plan_modes
+  use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
+  use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
+  use bw_case_spectrum, only: find_spectrum
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_initial_state, only: initial_state_cache
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: plan_case, run_case
+
+  type, public :: case_cache
+    !! Work that the cases of a sweep share, done once: whoever goes through the cases has it and hands it to each. It takes
+    !! a bounded amount of memory however many cases there are, and changes no bit of their results.
+    type(case_mode_cache) :: modes
+    type(initial_state_cache) :: initial
+    type(nonuniform_sum) :: sum          !! kernel, plan and grids of the last transform
+    type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
+  end type case_cache
+
+contains
+
+  subroutine run_case(scene, layout, watch, monitor, cache, result, whole)
+    !! The way the data goes.
+    type(scene_type), intent(in) :: scene            !! without sweeps
+    type(result_layout), intent(in) :: layout
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_cache), intent(inout), target :: cache !! what other cases have found
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    type(case_motion) :: motion
+    type(case_histories) :: histories
+    type(history_errors) :: errors
+    type(case_spectrum) :: spectrum
+    type(part_monitor) :: part                       ! for a stage
+    real(dp), allocatable :: share(:)
+    call watch%start()
+    share = case_shares(scene)
+    motion%units = units_of(scene%beam)
+    whole = .false.
+
+    part = stage_part(monitor, share, modes_share)
+    call find_modes(scene, motion%units, part, motion%modes, motion%sources, cache%modes)
+    if (monitor%stop_requested()) return
+    part = part_monitor(monitor, sum(share(:modes_share)), 0.0_dp)          ! how long a plan takes is not known
+    call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan)
+    if (monitor%stop_requested()) return
+    call watch%lap(stage_modes)
+
+    part = stage_part(monitor, share, events_share)
+    call start_motion(scene, motion%modes, part, cache%initial, motion%initial)
+    if (monitor%stop_requested()) return
+    part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)         ! nor how long later events do
+    call follow_events(scene, motion, part, motion%later)
+    if (monitor%stop_requested()) return
+    if (allocated(scene%impact)) call watch%lap(stage_events)
+
+    part = stage_part(monitor, share, histories_share)
+    call sum_histories(scene, motion, part, cache%sum, histories)
+    if (monitor%stop_requested()) return
+    call estimate_errors(scene, motion, histories, part, errors)
+    if (monitor%stop_requested()) return
+    if (allocated(histories%response)) then
+      call watch%lap(stage_response)
+      call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
+    end if
+
+    if (allocated(scene%spectrum)) then
+      part = stage_part(monitor, share, spectrum_share)
+      call find_spectrum(scene, layout, motion, histories%response, errors%status, part, cache%spectrum, spectrum)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_spectrum)
+    end if
+    whole = .true.
+    call compose(scene, motion, histories, errors, spectrum, result)
+  end subroutine run_case
+
+  subroutine compose(scene, motion, histories, errors, spectrum, result)
+    !! The values of all stages in one; what is large is moved, not copied.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(case_histories), intent(inout) :: histories
+    type(history_errors), intent(inout) :: errors
+    type(case_spectrum), intent(inout) :: spectrum
+    type(case_result), intent(out) :: result
+    allocate (result%notes(0))
+    call add_notes(result%notes, motion%modes%notes)
+    call add_notes(result%notes, motion%later%notes)
+    call add_notes(result%notes, histories%notes)
+    call add_notes(result%notes, errors%notes)
+    call add_notes(result%notes, spectrum%notes)
+    result%units = motion%units
+    result%can_grow = motion%modes%can_grow
+    result%mode_count = motion%plan%count
+    result%status = errors%status
+    if (allocated(motion%modes%loaded)) then
+      call move_alloc(motion%modes%loaded, result%modes)
+      call move_alloc(motion%modes%free, result%before)
+    else
+      call move_alloc(motion%modes%free, result%modes)
+    end if
+    call move_alloc(motion%later%events, result%events)
+    if (size(result%events) > 0) then
+      result%impact = motion%initial%impact
+      result%approach_velocity = scene%impact%approach_velocity
+      call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
+      call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
+    end if
+    call move_alloc(motion%plan%release, result%release)
+    call move_alloc(histories%response, result%response)
+    if (allocated(result%response)) then
+      call move_alloc(errors%displacement, result%response%displacement_error)
+      call move_alloc(errors%velocity, result%response%velocity_error)
+    end if
+    call move_alloc(spectrum%amplitude, result%amplitude)
+    call move_alloc(spectrum%measured, result%measured)
+  end subroutine compose
+
+  subroutine plan_case(scene, monitor, count, error, reached)
+    !! How many modes a scene with a tolerance will sum.
+    !! **Errors**: `status_bad_input` where the tolerance is out of reach.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
+    integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
+    type(error_type), allocatable, intent(out) :: error
+    real(dp), intent(out), optional :: reached     !! the estimated error over the peak
+    type(case_motion) :: motion
+    character(:), allocatable :: place
+    integer :: line
+    count = 0
+    motion%units = units_of(scene%beam)
+    call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
+    if (monitor%stop_requested()) return
+    call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
+    count = motion%plan%count
+    if (present(reached)) reached = motion%plan%reached
+    if (monitor%stop_requested()) return
+    if (motion%plan%reached <= scene%modes%tolerance) return
+    line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
+    place = scene%file
+    if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
+    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion%sources, motion%plan))
+  end subroutine plan_case
+
+end module bw_one_case

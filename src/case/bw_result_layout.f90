@@ -1,0 +1,127 @@
+module bw_result_layout
+  !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
+  use bw_kinds, only: dp
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count
+  use bw_scene_resolved, only: numeric_input, numeric_inputs
+  use bw_stopwatch, only: stage_count
+  implicit none (type, external)
+  private
+  public :: layout_of, has, dimension_length
+
+  character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
+    'point', 'time', 'frequency', 'peak', 'stage']
+
+  type, public :: result_layout
+    !! A length of 0 means that nothing has this dimension.
+    integer :: cases = 0              !! 0: no sweep, so no dimension `case`
+    integer :: modes = 0              !! the largest number of any case
+    integer :: modes_before = 0
+    integer :: profile = 0
+    integer :: events = 0
+    integer :: points = 0
+    integer :: samples = 0
+    integer :: frequencies = 0
+    integer :: peaks = 0
+    logical :: velocity = .false.     !! velocity histories are asked for
+    logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
+    logical :: contacts = .false.     !! histories go through contacts, which amplify errors
+    integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
+    integer :: tip = 0                !! which point is ξ = 1, 0 if none
+  end type result_layout
+
+contains
+
+  pure type(result_layout) function layout_of(scene) result(layout)
+    !! What the result of a scene holds, and how much of it.
+    type(scene_type), intent(in) :: scene
+    if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
+    call count_modes(scene, layout)
+    if (allocated(scene%impact)) then
+      layout%profile = scene%impact%profile_points
+      layout%events = 1
+      if (allocated(scene%capture)) layout%events = 2
+      if (allocated(scene%release)) layout%events = 3
+      if (allocated(scene%recontact)) layout%events = 1 + largest(scene, 'recontact', 'max_contacts', &
+                                                                  scene%recontact%max_contacts)
+    end if
+    if (.not. allocated(scene%response)) return
+    layout%points = size(scene%response%points)
+    layout%samples = scene%response%samples
+    layout%velocity = scene%response%velocity
+    layout%continuum = allocated(scene%capture)
+    layout%contacts = allocated(scene%recontact)
+    layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
+    layout%tip = findloc(scene%response%points, 1.0_dp, dim=1)
+    if (.not. allocated(scene%spectrum)) return
+    layout%frequencies = layout%samples/2 + 1
+    if (layout%middle > 0 .and. layout%tip > 0) layout%peaks = scene%spectrum%max_peaks
+  end function layout_of
+
+  pure subroutine count_modes(scene, layout)
+    !! The largest counts of any case; cases differ only if a count is swept.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(inout) :: layout
+    integer :: before, after
+    before = largest(scene, 'modes', 'before', scene%modes%before)
+    after = largest(scene, 'modes', 'after', scene%modes%after)
+    layout%modes = merge(after, before, allocated(scene%capture))
+    layout%modes_before = merge(before, 0, allocated(scene%capture))
+  end subroutine count_modes
+
+  pure integer function largest(scene, group, name, count)
+    !! The largest value of a count, which may be swept, or follow another that is.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: group, name
+    integer, intent(in) :: count                !! in the first case
+    type(numeric_input), allocatable :: inputs(:)
+    integer :: i
+    largest = count
+    inputs = numeric_inputs(scene)
+    do i = 1, size(inputs)
+      if (inputs(i)%group /= group .or. inputs(i)%name /= name .or. inputs(i)%sweep == 0) cycle
+      largest = nint(maxval(scene%sweeps(inputs(i)%sweep)%values))
+    end do
+  end function largest
+
+  pure integer function dimension_length(layout, name) result(length)
+    !! Length of a dimension by its name in the file; 0 where nothing has it.
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: name
+    select case (name)
+    case ('case'); length = layout%cases
+    case ('mode'); length = layout%modes
+    case ('mode_before'); length = layout%modes_before
+    case ('profile'); length = layout%profile
+    case ('event'); length = layout%events
+    case ('point'); length = layout%points
+    case ('time'); length = layout%samples
+    case ('frequency'); length = layout%frequencies
+    case ('peak'); length = layout%peaks
+    case ('stage'); length = stage_count
+    case default; length = 0
+    end select
+  end function dimension_length
+
+  pure recursive logical function has(layout, words) result(there)
+    !! The result has all that the words name: dimensions, `velocity` (histories of the velocity), `contacts` (histories that go
+    !! through them), `estimates` (of the errors of histories).
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
+    integer :: gap
+    gap = index(words, ' ')
+    if (gap > 0) then
+      there = has(layout, words(:gap - 1))
+      if (there) there = has(layout, words(gap + 1:))
+      return
+    end if
+    select case (words)
+    case (''); there = .true.
+    case ('velocity'); there = layout%velocity
+    case ('contacts'); there = layout%contacts
+    case ('estimates'); there = layout%continuum .or. layout%contacts
+    case default; there = dimension_length(layout, words) > 0
+    end select
+  end function has
+
+end module bw_result_layout

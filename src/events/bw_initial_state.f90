@@ -1,0 +1,164 @@
+module bw_initial_state
+  !! The state of the modes after all that happens at t = 0: the impact, and the capture if the mass stays. Without dimensions:
+  !! masses in m_i, velocities in the approach velocity V.
+  !!
+  !! It follows from the shapes of the modes, the mass ratio and the restitution alone: cases of a sweep in which these are the
+  !! same work it out once and find it in a cache.
+  use bw_double_double, only: dd
+  use bw_event, only: event_type
+  use bw_impact, only: capture_mass, capture_type, continuum_capture, continuum_impact, continuum_velocity, impact_type, strike
+  use bw_impact_par, only: impact_par
+  use bw_kinds, only: dp
+  use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_segment, only: move
+  implicit none (type, external)
+  private
+  public :: continuum_initial_state, continuum_state, find_initial_state
+
+  type, public :: initial_state
+    !! What impact and capture leave.
+    type(impact_type) :: impact
+    real(dp), allocatable :: modal_velocity(:)    !! after the last event, (modes)
+    real(dp), allocatable :: velocity_jump(:)     !! at the impact along the beam, Fig. 3, (profile)
+    type(event_type), allocatable :: events(:)
+  end type initial_state
+
+  integer, parameter :: most_states = 128         !! in the cache at a time
+  integer, parameter :: most_numbers = 4096       !! of a state in the cache: all together take less than 5 MB
+
+  type :: cached_state
+    type(initial_state) :: state
+    integer :: shapes(2) = 0                      !! `cache_key` of the modes of the beam alone, and of beam and mass
+  end type cached_state
+
+  type, public :: initial_state_cache
+    !! In the order in which they came; the oldest makes room for the newest.
+    private
+    type(cached_state), allocatable :: states(:)
+    integer :: found = 0                          !! that were ever put into it
+  end type initial_state_cache
+
+contains
+
+  subroutine work_out(free, loaded, given, monitor, state)
+    !! With finitely many modes.
+    class(mode_set), intent(in) :: free                !! modes of the beam alone
+    class(mode_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
+    type(impact_par), intent(in) :: given
+    class(monitor_type), intent(inout), target :: monitor    !! the state means nothing where it asks to stop
+    type(initial_state), intent(out) :: state
+    real(dp), parameter :: handed_on = 10.0_dp               ! a mode takes as long as its shape at so many points
+    type(capture_type) :: capture
+    type(part_monitor) :: part
+    real(dp) :: share
+    state%impact = strike(free, given%mass_ratio, given%restitution)
+    share = 0.0_dp
+    if (present(loaded)) then
+      share = handed_on*(1.0_dp + loaded%count/real(free%count, dp))
+      share = share/(share + given%profile_points)
+      part = part_monitor(monitor, 0.0_dp, share)
+      capture = capture_mass(free, state%impact, loaded, part)
+      call move_alloc(capture%modal_velocity, state%modal_velocity)
+      state%events = [state%impact%event, capture%event]
+    else
+      state%modal_velocity = state%impact%modal_velocity
+      state%events = [state%impact%event]
+    end if
+    part = part_monitor(monitor, share, 1.0_dp - share)
+    call find_jump(free, state%impact%modal_velocity, given%profile_points, part, state%velocity_jump)
+  end subroutine work_out
+
+  pure subroutine continuum_initial_state(loaded, given, state)
+    !! With infinitely many modes before the capture: only the tip jumps.
+    class(mode_set), intent(in) :: loaded              !! modes of beam and mass
+    type(impact_par), intent(in) :: given
+    type(initial_state), intent(out) :: state
+    state%impact = continuum_impact(given%mass_ratio, given%restitution)
+    state%modal_velocity = continuum_velocity(loaded, given%mass_ratio, given%restitution)
+    state%events = [state%impact%event, continuum_capture(given%mass_ratio, given%restitution)]
+    allocate (state%velocity_jump(given%profile_points), source=0.0_dp)
+    state%velocity_jump(given%profile_points) = state%impact%tip_velocity
+  end subroutine continuum_initial_state
+
+  subroutine continuum_state(source, force, time, longest, monitor, loaded, q, rate)
+    !! The first modes of beam and mass a time after that, and their state, V l²/h and V.
+    class(mode_source), intent(in) :: source        !! of beam and mass
+    real(dp), intent(in) :: force                   !! modal velocities at t = 0 are this times Φ_k(1)/M_k
+    type(dd), intent(in) :: time                    !! l²/h
+    real(dp), intent(in) :: longest                 !! the record, for which phases are to be right, l²/h
+    class(monitor_type), intent(inout) :: monitor   !! the state means nothing where it asks to stop
+    class(mode_set), allocatable, intent(out) :: loaded
+    real(dp), intent(out) :: q(:), rate(:)          !! as many as these are long
+    call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
+    q = 0.0_dp
+    rate = force*loaded%tip/loaded%modal_mass
+    call move(loaded, time, q, rate)
+  end subroutine continuum_state
+
+  subroutine find_jump(free, modal_velocity, profile_points, monitor, jump)
+    !! Σφ_i(ξ)Δq̇_i along the beam, so many shapes at a time that memory is bounded.
+    class(mode_set), intent(in) :: free
+    real(dp), intent(in) :: modal_velocity(:)
+    integer, intent(in) :: profile_points
+    class(monitor_type), intent(inout) :: monitor
+    real(dp), allocatable, intent(out) :: jump(:)      !! (profile)
+    real(dp) :: profile(profile_points)
+    integer, parameter :: most_shapes = 2000000        ! values of shapes in memory at a time
+    integer :: block, first, i, j, k, last
+    profile = [(real(j, dp)/(profile_points - 1), j=0, profile_points - 1)]
+    allocate (jump(profile_points), source=0.0_dp)
+    block = max(1, most_shapes/free%count)
+    do first = 1, profile_points, block
+      last = min(first + block - 1, profile_points)
+      do i = 1, free%count, most_shapes
+        if (monitor%stop_requested()) return
+        k = min(i + most_shapes - 1, free%count)
+        jump(first:last) = jump(first:last) + matmul(modal_velocity(i:k), free%some_shapes(i, k, profile(first:last)))
+      end do
+      call monitor%advance(real(last, dp)/profile_points)
+    end do
+  end subroutine find_jump
+
+  subroutine find_initial_state(free, loaded, given, monitor, cache, state)
+    !! With finitely many modes: from the cache, or worked out and put there where its modes can be known again.
+    class(mode_set), intent(in) :: free                !! modes of the beam alone
+    class(mode_set), intent(in), optional :: loaded    !! modes of beam and mass; absent: the mass is not captured
+    type(impact_par), intent(in) :: given
+    class(monitor_type), intent(inout) :: monitor      !! nothing is found, nor put into the cache, where it asks to stop
+    type(initial_state_cache), intent(inout) :: cache
+    type(initial_state), intent(out) :: state
+    integer :: place, shapes(2)
+    shapes = [free%cache_key, 0]
+    if (present(loaded)) shapes(2) = loaded%cache_key
+    place = place_of(cache, shapes, given)
+    if (place > 0) then
+      state = cache%states(place)%state
+      return
+    end if
+    call work_out(free, loaded, given, monitor, state)
+    if (monitor%stop_requested()) return
+    if (shapes(1) == 0 .or. (present(loaded) .and. shapes(2) == 0)) return
+    if (free%count + size(state%modal_velocity) + given%profile_points > most_numbers) return
+    if (.not. allocated(cache%states)) allocate (cache%states(most_states))
+    place = 1 + mod(cache%found, most_states)
+    cache%states(place)%state = state
+    cache%states(place)%shapes = shapes
+    cache%found = cache%found + 1
+  end subroutine find_initial_state
+
+  pure integer function place_of(cache, shapes, given) result(place)
+    !! Where a state is in the cache, 0 where it is not.
+    type(initial_state_cache), intent(in) :: cache
+    integer, intent(in) :: shapes(2)
+    type(impact_par), intent(in) :: given
+    do place = min(cache%found, most_states), 1, -1
+      if (any(cache%states(place)%shapes /= shapes)) cycle
+      associate (known => cache%states(place)%state)
+        if (known%impact%gamma == given%mass_ratio .and. known%impact%restitution == given%restitution .and. &
+            size(known%velocity_jump) == given%profile_points) return
+      end associate
+    end do
+  end function place_of
+
+end module bw_initial_state

@@ -1,0 +1,237 @@
+module bw_closed_form
+  !! The modes of a uniform clamped beam with a tip mass, rotating without tension: Eqs 7–9 and 18–21, with the velocities of
+  !! their waves, Eqs 32 and 33. Without dimensions: lengths in l, times in l²/h, velocities in h/l.
+  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
+  use bw_frequency_equation, only: root_type
+  use bw_missing, only: missing
+  use bw_mode_cache, only: cached_set
+  use bw_mode_set, only: full_numbers, mode_set
+  use bw_monitor, only: monitor_type, stops
+  use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
+  use bw_refined_root, only: is_coarse, refine_roots
+  use bw_root_list, only: batch, root_values, solve_roots
+  use bw_shape, only: shape_type, shapes_of, shape_values
+  implicit none (type, external)
+  private
+  public :: closed_form_modes, find_modes, find_cached_modes
+  public :: phase_velocity, group_velocity           ! for their own tests
+
+  type, extends(mode_set), public :: closed_form_set
+    type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
+    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
+  contains
+    procedure :: some_shapes => closed_form_shapes
+    procedure :: overlap_with_mass
+    procedure :: overlap_of_beam
+    procedure :: overlap_far_below
+    procedure :: elastic => closed_form_elastic
+    procedure :: in_full => closed_form_in_full
+  end type closed_form_set
+
+contains
+
+  type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
+    !! The first `count` modes; γ = 0 is the free beam.
+    integer, intent(in) :: count           !! ≥ 1
+    real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    integer :: k
+    call find_modes([(k, k=1, count)], to_dd(gamma), omega, longest, modes)
+  end function closed_form_modes
+
+  subroutine find_modes(number, gamma, omega, longest, modes, monitor)
+    !! Find modes of any numbers, in their order.
+    integer, intent(in) :: number(:)       !! k ≥ 1, ascending
+    type(dd), intent(in) :: gamma          !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega
+      !! in-plane angular velocity in units of h/l²; absent: no rotation acts on the modes
+    real(dp), intent(in), optional :: longest
+      !! the longest time, in l²/h, after which phases must still be right; absent: no history is asked for
+    type(closed_form_set), intent(out) :: modes
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+    type(shape_type) :: shape(batch)
+    type(dd) :: alpha(batch)
+    integer :: first, last, m
+    call allocate_set(size(number), gamma%hi, omega, modes)
+    do first = 1, size(number), batch
+      last = min(first + batch - 1, size(number))
+      m = last - first + 1
+      shape(:m) = shapes_of(solve_roots(number(first:last), gamma%hi))
+      shape(:m)%root%gamma_low = gamma%lo
+      alpha(:m) = root_values(shape(:m)%root)
+      call refine_roots(shape(:m)%root, is_coarse(shape(:m)%root%remainder, alpha(:m)%hi, omega, longest), alpha(:m))
+      call set_range(first, last, shape(:m), alpha(:m), omega, modes)
+      if (present(monitor)) call monitor%advance(real(last, dp)/size(number))
+      if (stops(monitor)) return
+    end do
+  end subroutine find_modes
+
+  pure subroutine find_cached_modes(cached, omega, longest, modes)
+    !! Find the modes of a set that is in the cache.
+    type(cached_set), intent(inout) :: cached
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    type(closed_form_set), intent(out) :: modes
+    type(dd) :: alpha(size(cached%shape))
+    integer :: first, last
+    call allocate_set(size(cached%shape), cached%gamma%hi, omega, modes)
+    modes%cache_key = cached%key
+    call cached%roots(omega, longest, alpha)
+    do first = 1, modes%count, batch
+      last = min(first + batch - 1, modes%count)
+      call set_range(first, last, cached%shape(first:last), alpha(first:last), omega, modes)
+    end do
+  end subroutine find_cached_modes
+
+  pure subroutine allocate_set(n, gamma, omega, modes)
+    !! Allocate the arrays of n modes, and set what these have in common.
+    integer, intent(in) :: n
+    real(dp), intent(in) :: gamma
+    type(dd), intent(in), optional :: omega
+    type(closed_form_set), intent(inout) :: modes
+    modes%count = n
+    modes%gamma = gamma
+    if (present(omega)) modes%omega = omega
+    allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
+    allocate (modes%phase_velocity(n), modes%group_velocity(n))
+  end subroutine allocate_set
+
+  pure subroutine set_range(first, last, shape, alpha, omega, modes)
+    !! Fill in the modes `first` … `last` of a set.
+    integer, intent(in) :: first, last
+    type(shape_type), intent(in) :: shape(:)
+    type(dd), intent(in) :: alpha(:)
+    type(dd), intent(in), optional :: omega
+    type(closed_form_set), intent(inout) :: modes
+    type(dd) :: square(last - first + 1)
+    associate (beta_squared => modes%beta_squared(first:last))
+      modes%root(first:last) = shape%root
+      modes%alpha(first:last) = shape%alpha
+      modes%tip(first:last) = shape%tip
+      modes%modal_mass(first:last) = shape%modal_mass
+      square = alpha*alpha
+      if (present(omega)) then
+        beta_squared = (square - omega)*(square + omega)   ! α⁴ − ω² without cancellation, Eq. 2
+      else
+        beta_squared = square*square                       ! Eq. 3
+      end if
+      if (first == 1) modes%critical_speed = square(1)     ! ω = hP₁², for the lowest of them
+      modes%phase_velocity(first:last) = phase_velocity(shape%alpha, beta_squared)
+      modes%group_velocity(first:last) = group_velocity(shape%alpha, beta_squared)
+    end associate
+  end subroutine set_range
+
+  ! Waves
+
+  elemental real(dp) function phase_velocity(alpha, beta_squared) result(velocity)
+    !! C_p = β/P (Eq. 32); missing for an unstable mode, 0 at its critical speed.
+    real(dp), intent(in) :: alpha           !! wave number P l > 0
+    type(dd), intent(in) :: beta_squared    !! β² = α⁴ − ω², in (h/l²)²
+    velocity = missing
+    if (beta_squared%hi < 0.0_dp) return
+    velocity = sqrt(beta_squared%hi)/alpha
+  end function phase_velocity
+
+  elemental real(dp) function group_velocity(alpha, beta_squared) result(velocity)
+    !! C_g = dβ/dP = 2α³/β (Eq. 33); missing for an unstable mode and at its critical speed.
+    real(dp), intent(in) :: alpha
+    type(dd), intent(in) :: beta_squared
+    velocity = missing
+    if (beta_squared%hi <= 0.0_dp) return
+    velocity = 2.0_dp*alpha*(alpha**2/sqrt(beta_squared%hi))
+  end function group_velocity
+
+  ! What is asked of a set
+
+  pure function closed_form_shapes(self, first, last, xi) result(values)
+    !! Φ_k(ξ) from the roots.
+    class(closed_form_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    type(shape_type) :: shape(batch)
+    integer :: k, n, p
+    do k = 1, size(values, 1), batch
+      n = min(batch, size(values, 1) - k + 1)
+      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
+      do p = 1, size(xi)
+        values(k:k + n - 1, p) = shape_values(shape(:n), xi(p))
+      end do
+    end do
+  end function closed_form_shapes
+
+  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
+    class(closed_form_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! in closed form, of the free beam
+    real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: sums(self%count)
+    select type (from)
+    class is (closed_form_set)
+      sums = overlap_with_tip_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
+    class default
+      error stop 'bw_closed_form: modes found in different ways have no overlap'
+    end select
+  end function overlap_with_mass
+
+  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    !! Σ_i a_i∫Φ_kφ_i dξ.
+    class(closed_form_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the free beam
+    real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: sums(self%count)
+    select type (from)
+    class is (closed_form_set)
+      sums = overlap_without_mass(self%root, from%root(:size(amplitude)), amplitude, monitor)
+    class default
+      error stop 'bw_closed_form: modes found in different ways have no overlap'
+    end select
+  end function overlap_of_beam
+
+  pure function overlap_far_below(self, from, amplitude) result(sums)
+    !! ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i, two terms of its series in (ᾱ_k/α_i)⁴: the force at the
+    !! tip, and how far it bends the beam.
+    class(closed_form_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! of beam and mass
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(self%count), force(from%count)
+    force = from%gamma*from%alpha**4*from%tip*amplitude
+    sums = (sum(force) + sum(force*from%alpha**4)/self%alpha**4)*self%tip/self%alpha**4
+  end function overlap_far_below
+
+  pure function closed_form_elastic(self) result(squares)
+    !! α⁴, Eq. 28, of the same roots, refined or not, as β².
+    class(closed_form_set), intent(in) :: self
+    type(dd) :: squares(self%count)
+    squares = self%beta_squared
+    if (allocated(self%omega)) squares = squares + self%omega*self%omega
+  end function closed_form_elastic
+
+  pure subroutine closed_form_in_full(self, numbers)
+    !! The numbers to the digits of double-double ones, of modes whose roots were all refined (`longest` without end). Without a
+    !! mass at the tip M = Φ(1)²/4, whatever the rounding of Φ(1).
+    class(closed_form_set), intent(in) :: self
+    type(full_numbers), intent(out) :: numbers
+    real(dp), parameter :: relative_error = 2.0e-32_dp     ! of β²; of 200 modes within 8e-32
+    type(dd) :: elastic(self%count)
+    elastic = self%elastic()
+    numbers%square = to_quad(self%beta_squared)
+    numbers%square_error = relative_error*elastic%hi
+    numbers%mass = real(self%tip, qp)**2/4
+    numbers%mass_error = 0.0_dp*self%tip
+    if (self%gamma > 0.0_dp) then
+      numbers%mass = real(self%modal_mass, qp)
+      numbers%mass_error = 1.0e-14_dp + numbers%mass_error
+    end if
+    numbers%damping = 0.0_qp*numbers%square
+    if (allocated(self%law)) then                ! α_k⁴ = β_k² + ω², and α² of the first is the critical speed
+      numbers%damping = self%law%rates(numbers%square + (to_quad(self%critical_speed)**2 - numbers%square(1)))
+    end if
+    numbers%damping_error = relative_error*real(numbers%damping, dp)
+  end subroutine closed_form_in_full
+
+end module bw_closed_form

@@ -1,0 +1,126 @@
+module bw_closed_form_source
+  !! All modes of a uniform clamped beam with a tip mass by their numbers, in closed form: whole sets, and what sums over millions
+  !! of them ask.
+  use bw_kinds, only: dp
+  use bw_closed_form, only: closed_form_set, find_cached_modes, find_modes
+  use bw_double_double, only: dd, to_dd
+  use bw_far_modes, only: far_beam, far_terms, light_modes
+  use bw_far_runs, only: far_run_terms, is_far_run
+  use bw_frequency_equation, only: highest_mode
+  use bw_mode_cache, only: mode_cache
+  use bw_mode_set, only: mode_set, mode_source, terms_of_set
+  use bw_monitor, only: monitor_type
+  use bw_root_list, only: batch, near_modes
+  implicit none (type, external)
+  private
+  public :: source_in_closed_form
+
+  type, extends(mode_source), public :: closed_form_source
+    type(dd) :: mass_ratio                         !! γ to all digits
+    type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none acts on the modes
+    type(mode_cache), pointer :: cache => null()   !! what cases share; not associated: nothing is cached
+  contains
+    procedure :: find => find_in_closed_form
+    procedure :: terms => terms_in_closed_form
+  end type closed_form_source
+
+  interface source_in_closed_form
+    module procedure :: source_of_number, source_of_ratio
+  end interface source_in_closed_form
+
+contains
+
+  pure type(closed_form_source) function source_of_number(gamma, omega) result(source)
+    !! `source_of_ratio` of a mass ratio that is a binary64 number.
+    real(dp), intent(in) :: gamma                  !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega
+    source = source_of_ratio(to_dd(gamma), omega)
+  end function source_of_number
+
+  pure type(closed_form_source) function source_of_ratio(gamma, omega) result(source)
+    !! All modes of a uniform beam with a mass at its tip, up to `highest_mode`.
+    type(dd), intent(in) :: gamma                  !! mass ratio, ≥ 0
+    type(dd), intent(in), optional :: omega        !! in-plane angular velocity in h/l²; absent: none acts on the modes
+    source%gamma = gamma%hi
+    source%mass_ratio = gamma
+    source%highest = highest_mode
+    source%quadratic = .true.
+    if (present(omega)) source%omega = omega
+  end function source_of_ratio
+
+  subroutine find_in_closed_form(self, number, modes, longest, monitor)
+    !! Find the modes of these numbers, in the cache if there is one with room for them.
+    class(closed_form_source), intent(in) :: self
+    integer, intent(in) :: number(:)
+    class(mode_set), allocatable, intent(out) :: modes
+    real(dp), intent(in), optional :: longest
+    class(monitor_type), intent(inout), optional :: monitor
+    type(closed_form_set), allocatable :: found
+    integer :: place
+    logical :: is_cached
+    allocate (found)
+    is_cached = associated(self%cache)
+    if (is_cached) is_cached = self%cache%has_room_for_set(number)
+    if (is_cached) then
+      call self%cache%find_set(size(number), self%mass_ratio, place)
+      call find_cached_modes(self%cache%sets(place), self%omega, longest, found)
+    else
+      call find_modes(number, self%mass_ratio, self%omega, longest, found, monitor)
+    end if
+    call found%damp(self%damping)
+    call move_alloc(found, modes)
+  end subroutine find_in_closed_form
+
+  subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
+    !! Find terms of runs of far modes by interpolation, of other far ones in their short form, of the others through a set.
+    class(closed_form_source), intent(in) :: self
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(in), optional :: longest
+    type(dd), intent(out) :: beta(:)
+    real(dp), intent(out) :: drive(:), shapes(:, :)
+    type(far_beam) :: beam
+    integer :: light, near
+    logical :: found
+    beam%gamma = self%mass_ratio
+    if (allocated(self%omega)) beam%omega = self%omega
+    if (present(longest)) beam%longest = longest
+    if (is_far_run(number, beam, xi)) then
+      call far_run_terms(number(1), beam, xi, beta, drive, shapes, found)
+      if (found) return
+    end if
+    near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
+    light = max(near, light_modes(number, self%gamma))
+    if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
+    call add_far(near + 1, light)
+    call add_far(light + 1, size(number))
+  contains
+    subroutine add_far(from, to)
+      !! Find terms of far modes, all light or all heavy: in the cache, if no phases are asked for and there is room.
+      integer, intent(in) :: from, to              !! places in the list
+      integer :: first, last
+      logical :: is_cached
+      do first = from, to, batch
+        last = min(first + batch - 1, to)
+        associate (k => number(first:last))
+          is_cached = associated(self%cache) .and. .not. present(longest)
+          if (is_cached) is_cached = self%cache%has_room_for_list(k, xi)
+          if (is_cached) then
+            call self%cache%far_terms(k, beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
+          else
+            call far_terms(k, beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
+          end if
+        end associate
+      end do
+    end subroutine add_far
+  end subroutine terms_in_closed_form
+
+  pure integer function modes_of_series(xi) result(k)
+    !! The highest mode that needs its power series, αξ < ½, at one of the points.
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: alpha
+    alpha = 0.5_dp/minval(xi, mask=xi > 0.0_dp)
+    k = int(min(real(highest_mode, dp), alpha/acos(-1.0_dp) + 2.0_dp))
+  end function modes_of_series
+
+end module bw_closed_form_source

@@ -1,0 +1,191 @@
+module bw_refined_root
+  !! Roots of the frequency equation to about 30 digits: one Newton step whose residual is taken in extended precision
+  !! from the exact mass ratio. Entered only for modes that need it. Far ones, of which sech α and 1 − tanh α are below that
+  !! precision, are refined many at a time in vector registers, in double-double numbers; the first few, whose exponentials
+  !! count, in binary128, which runs in software.
+  use bw_kinds, only: dp, qp
+  use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-), operator(/)
+  use bw_extended_sine, only: sine_and_versine
+  use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
+  implicit none (type, external)
+  private
+  public :: any_coarse, is_coarse, refine_roots, refined_root
+
+  real(qp), parameter :: pi = acos(-1.0_qp)
+  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
+  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
+  integer, parameter :: first_far = 25               !! mode, from which on sech α is below 2e-33
+
+contains
+
+  pure logical function any_coarse(remainder, alpha, omega, longest)
+    !! Whether any root of a list `is_coarse`, in vector registers.
+    real(dp), intent(in) :: remainder(:), alpha(:)
+    type(dd), intent(in), optional :: omega
+    real(dp), intent(in), optional :: longest
+    any_coarse = any(is_coarse(remainder, alpha, omega, longest))
+  end function any_coarse
+
+  elemental logical function is_coarse(remainder, alpha, omega, longest) result(coarse)
+    !! Whether binary64 does not carry this root: extended precision is entered for it, and for no other.
+    real(dp), intent(in) :: remainder, alpha           !! of the root
+    type(dd), intent(in), optional :: omega       !! in-plane angular velocity in h/l²; absent: none
+    real(dp), intent(in), optional :: longest     !! duration of the history in l²/h; absent: there is none
+    real(dp) :: drift
+    coarse = .false.
+    if (present(omega)) coarse = abs(alpha**2 - omega%hi) < near_critical*alpha**2
+    if (.not. present(longest)) return
+    drift = alpha*(remainder*epsilon(drift))*longest      ! of the phase: 2αδα t, δα half a unit of `remainder`
+    coarse = coarse .or. abs(drift) > phase_error
+  end function is_coarse
+
+  pure subroutine refine_roots(root, coarse, alpha)
+    !! Put α of those that are coarse in extended precision; a few hundred at a time.
+    type(root_type), intent(in) :: root(:)        !! of one mass ratio
+    logical, intent(in) :: coarse(:)              !! (roots)
+    type(dd), intent(inout) :: alpha(:)           !! as binary64 carries it, (roots)
+    logical :: far(size(root))
+    integer :: i
+    do i = 1, size(root)
+      far(i) = coarse(i) .and. root(i)%k >= first_far
+      if (coarse(i) .and. .not. far(i)) alpha(i) = refined_root(root(i))
+    end do
+    if (.not. any(far)) return
+    call refine_far(root, far .and. is_light(root), .true., alpha)
+    call refine_far(root, far .and. .not. is_light(root), .false., alpha)
+  end subroutine refine_roots
+
+  pure subroutine refine_far(root, chosen, light, alpha)
+    !! Refine the far roots that are chosen.
+    type(root_type), intent(in) :: root(:)
+    logical, intent(in) :: chosen(:), light       !! all that are chosen are light, or none
+    type(dd), intent(inout) :: alpha(:)
+    type(dd) :: batch(count(chosen))
+    real(dp) :: remainder(size(batch))
+    if (size(batch) == 0) return
+    batch = pack(alpha, chosen)
+    remainder = pack(root%remainder, chosen)
+    if (light) then
+      call refine_light(mass_ratio(root(1)), remainder, batch)
+    else
+      call refine_heavy(mass_ratio(root(1)), remainder, batch)
+    end if
+    alpha = unpack(batch, chosen, alpha)
+  end subroutine refine_far
+
+  elemental type(dd) function mass_ratio(root)
+    !! γ to all digits.
+    type(root_type), intent(in) :: root
+    mass_ratio = dd(root%gamma, root%gamma_low)
+  end function mass_ratio
+
+  ! In double-double numbers
+
+  pure subroutine refine_light(gamma, remainder, alpha)
+    !! One Newton step of sin δ (1 + c) + c cos δ = 0, c = γα, at α = (k − ½)π + δ.
+    type(dd), intent(in) :: gamma
+    real(dp), intent(in) :: remainder(:)               !! δ as binary64 has it, (modes)
+    type(dd), intent(inout) :: alpha(:)           !! the same with its whole turns; refined
+    type(dd), dimension(size(remainder)) :: sine, versine, c, residual
+    real(dp), dimension(size(remainder)) :: cosine, slope
+    call sine_and_versine(remainder, sine, versine)
+    c = alpha*gamma
+    residual = sine + c*(sine - versine + to_dd(1.0_dp))
+    cosine = 1.0_dp - versine%hi
+    slope = cosine + c%hi*(cosine - sine%hi) + gamma%hi*(sine%hi + cosine)
+    alpha = alpha + (-(residual%hi/slope))
+  end subroutine refine_light
+
+  pure subroutine refine_heavy(gamma, remainder, alpha)
+    !! One Newton step of sin δ (2 + u) − u cos δ = 0, u = 1/(γα), at α = (k − ¾)π + δ.
+    type(dd), intent(in) :: gamma
+    real(dp), intent(in) :: remainder(:)               !! as that of `refine_light`
+    type(dd), intent(inout) :: alpha(:)
+    real(dp), parameter :: heaviest = 1.0e40_dp   ! beyond it δ is below 1e-42, and γα soon overflows
+    type(dd), dimension(size(remainder)) :: sine, versine, u, residual
+    real(dp), dimension(size(remainder)) :: cosine, slope
+    type(dd) :: mass
+    mass = gamma
+    if (gamma%hi > heaviest) mass = to_dd(heaviest)
+    call sine_and_versine(remainder, sine, versine)
+    u = to_dd(1.0_dp)/(alpha*mass)
+    residual = sine*2.0_dp + u*(sine + versine - to_dd(1.0_dp))
+    cosine = 1.0_dp - versine%hi
+    slope = cosine*(2.0_dp + u%hi) + u%hi*sine%hi - (u%hi/alpha%hi)*(sine%hi - cosine)
+    alpha = alpha + (-(residual%hi/slope))
+  end subroutine refine_heavy
+
+  ! In binary128
+
+  elemental type(dd) function refined_root(root) result(alpha)
+    !! α of any root, in binary128; the step squares the relative error of the binary64 root, about 1e-16.
+    type(root_type), intent(in) :: root
+    if (root%k == 1) then
+      alpha = to_dd(refined_first(root))
+    else if (is_light(root)) then
+      alpha = to_dd(refined_light(root))
+    else
+      alpha = to_dd(refined_heavy(root))
+    end if
+  end function refined_root
+
+  elemental real(qp) function refined_first(root) result(alpha)
+    !! One Newton step of 1 + cos α cosh α − 4γxT₃(x) = 0 in x = α⁴, divided by γ where γ > 1 (see bw_frequency_equation).
+    type(root_type), intent(in) :: root
+    real(qp) :: x, free, mass
+    x = real(root%remainder, qp)**4
+    free = 1.0_qp/max(1.0_qp, to_quad(mass_ratio(root)))
+    mass = min(1.0_qp, to_quad(mass_ratio(root)))
+    x = x - (free*(1.0_qp + series(0, x)) - 4.0_qp*mass*x*series(3, x))/first_slope(root%gamma, real(x, dp))
+    alpha = sqrt(sqrt(x))
+  end function refined_first
+
+  elemental real(qp) function series(j, x) result(sum)
+    !! T_j(x) = Σ(−4x)^m/(4m+j)!, summed until nothing changes.
+    integer, intent(in) :: j
+    real(qp), intent(in) :: x
+    real(qp) :: term
+    integer :: m, n
+    term = 1.0_qp/gamma(real(j + 1, qp))
+    sum = term
+    do m = 1, 20
+      n = 4*m + j
+      term = -4.0_qp*x*term/(real(n, qp)*(n - 1)*(n - 2)*(n - 3))
+      sum = sum + term
+    end do
+  end function series
+
+  elemental real(qp) function refined_light(root) result(alpha)
+    !! One Newton step of `light_equation` with the residual in extended precision.
+    type(root_type), intent(in) :: root
+    real(qp) :: delta, c, sign
+    real(dp) :: coarse, slope
+    delta = root%remainder
+    alpha = (root%k - 0.5_qp)*pi + delta
+    c = alpha*to_quad(mass_ratio(root))
+    sign = merge(1, -1, mod(root%k, 2) == 0)
+    call light_equation(root%k, root%gamma, root%remainder, coarse, slope)
+    alpha = alpha - (sin(delta)*(1.0_qp + c*tanh(alpha)) + c*cos(delta) + sign*secant(alpha))/slope
+  end function refined_light
+
+  elemental real(qp) function refined_heavy(root) result(alpha)
+    !! One Newton step of `heavy_equation` with the residual in extended precision.
+    type(root_type), intent(in) :: root
+    real(qp) :: delta, u, tau, sign
+    real(dp) :: coarse, slope
+    delta = root%remainder
+    alpha = (root%k - 0.75_qp)*pi + delta
+    u = 1.0_qp/alpha/to_quad(mass_ratio(root))
+    tau = secant(alpha)*exp(-alpha)          ! 1 − tanh α
+    sign = merge(1, -1, mod(root%k, 2) == 0)
+    call heavy_equation(root%k, root%gamma, root%remainder, coarse, slope)
+    alpha = alpha - (sin(delta)*(2.0_qp + u - tau) - cos(delta)*(u - tau) + sqrt(2.0_qp)*sign*u*secant(alpha))/slope
+  end function refined_heavy
+
+  elemental real(qp) function secant(alpha)
+    !! sech α without overflow.
+    real(qp), intent(in) :: alpha
+    secant = 2.0_qp*exp(-alpha)/(1.0_qp + exp(-2.0_qp*alpha))
+  end function secant
+
+end module bw_refined_root

@@ -1,0 +1,135 @@
+module bw_galerkin_set
+  !! Modes that are known by the coefficients of their strains: shapes, overlaps and energies are sums of products, the
+  !! polynomials being orthonormal.
+  use bw_kinds, only: dp
+  use bw_damping, only: damping_law
+  use bw_double_double, only: dd, to_dd, operator(+)
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
+  use bw_strain_basis, only: basis_values, slope_of
+  implicit none (type, external)
+  private
+
+  type, public :: tip_body
+    !! What the energy of the body at the tip depends on, beside its mass.
+    real(dp) :: inertia = 0.0_dp                   !! J in m_i l²
+    real(dp) :: pull = 0.0_dp                      !! T(1) = Ω²γ(1 + R), tension that the body's mass brings
+    real(dp) :: compliance = 0.0_dp                !! s² of the beam
+  end type tip_body
+
+  type, extends(mode_set), public :: galerkin_set
+    !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+    real(dp), allocatable :: deflection(:, :)      !! coefficients of Φ, (functions, n)
+    real(dp), allocatable :: turning(:, :)         !! coefficients of rψ; unallocated without shear, (functions, n)
+    real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
+    real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
+    type(tip_body) :: body
+  contains
+    procedure :: some_shapes => galerkin_shapes
+    procedure :: overlap_with_mass
+    procedure :: overlap_of_beam
+    procedure :: elastic => galerkin_elastic
+    procedure :: coupling
+    procedure :: body_energy => energy_of_body
+  end type galerkin_set
+
+contains
+
+  pure function galerkin_shapes(self, first, last, xi) result(values)
+    !! Φ_k(ξ): exactly 0 at the root, exactly `tip` at the tip.
+    class(galerkin_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    integer :: p
+    values = matmul(transpose(self%deflection(:, first:last)), basis_values(size(self%deflection, 1), xi))
+    do p = 1, size(xi)
+      if (xi(p) == 0.0_dp) values(:, p) = 0.0_dp
+      if (xi(p) == 1.0_dp) values(:, p) = self%tip(first:last)
+    end do
+  end function galerkin_shapes
+
+  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    !! ∫Φ_kφ_i dξ, and with shear of rψ too, from products of coefficients, p_j being orthonormal.
+    class(galerkin_set), intent(in) :: self
+    class(mode_set), intent(in) :: from
+    real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor     ! not asked: it takes no time
+    real(dp) :: sums(self%count)
+    select type (from)
+    class is (galerkin_set)
+      sums = products(self%deflection, from%deflection, amplitude)
+      if (allocated(self%turning)) sums = sums + products(self%turning, from%turning, amplitude)
+      if (present(monitor)) continue
+    class default
+      error stop 'bw_galerkin: modes found in different ways have no overlap'
+    end select
+  end function overlap_of_beam
+
+  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    !! `overlap_of_beam` and γΣ_i a_iΦ_k(1)φ_i(1) of the mass at the tip. A body's rotary inertia has no part: it arrives
+    !! without spin.
+    class(galerkin_set), intent(in) :: self
+    class(mode_set), intent(in) :: from
+    real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: sums(self%count)
+    sums = self%overlap_of_beam(from, amplitude, monitor) &
+      + self%gamma*self%tip*sum(from%tip(:size(amplitude))*amplitude)
+  end function overlap_with_mass
+
+  pure function galerkin_elastic(self) result(squares)
+    !! λ_k, from the strains, or from β² less what rotation adds where that is sharper: exactly β² where nothing turns.
+    class(galerkin_set), intent(in) :: self
+    type(dd) :: squares(self%count)
+    squares = to_dd(sum(self%strain**2, dim=1))
+    where (abs(self%rotation) <= abs(self%beta_squared%hi)) squares = self%beta_squared + to_dd(-self%rotation)
+  end function galerkin_elastic
+
+  real(dp) function coupling(self, law) result(ratio)
+    !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj): how far the matrix that is
+    !! treated as diagonal is from being so.
+    class(galerkin_set), intent(in) :: self
+    type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
+    real(dp) :: gram(self%count, self%count), rate(self%count)
+    type(dd) :: elastic(self%count)
+    integer :: i, j
+    gram = matmul(transpose(self%strain), self%strain)
+    elastic = self%elastic()
+    rate = law%rates(elastic%hi)
+    ratio = 0.0_dp
+    do j = 1, self%count
+      do i = 1, j - 1
+        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(gram(i, j))/sqrt(rate(i)*rate(j)))
+      end do
+    end do
+    ratio = ratio*real(law%stiffness, dp)
+  end function coupling
+
+  pure function energy_of_body(self, q, rate) result(energy)
+    !! ½Jψ̇² at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards. Rotation does no
+    !! work on the turning of the body: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
+    class(galerkin_set), intent(in) :: self
+    real(dp), intent(in) :: q(:), rate(:)          !! (modes)
+    real(dp) :: energy(2)
+    real(dp) :: strain(size(self%strain, 1))
+    integer :: n
+    n = size(self%deflection, 1) - 2
+    strain = matmul(self%strain, sqrt(self%modal_mass)*q)
+    associate (body => self%body, tip_rate => dot_product(self%strain(1, :), sqrt(self%modal_mass)*rate))
+      energy(1) = 0.5_dp*body%inertia*tip_rate**2            ! ψ(1) is the first coefficient of the curvature
+      energy(2) = 0.5_dp*body%pull*sum(slope_of(n, strain, body%compliance)**2)
+    end associate
+  end function energy_of_body
+
+  pure function products(onto, from, amplitude) result(sums)
+    !! Σ_i a_i Σ_j o_jk f_ji over the coefficients that both sets have, (modes of `onto`).
+    real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
+    real(dp), intent(in) :: amplitude(:)
+    real(dp) :: sums(size(onto, 2))
+    integer :: n
+    n = min(size(onto, 1), size(from, 1))
+    sums = matmul(matmul(from(:n, :size(amplitude)), amplitude), onto(:n, :))
+  end function products
+
+end module bw_galerkin_set

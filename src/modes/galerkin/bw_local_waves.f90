@@ -1,0 +1,104 @@
+module bw_local_waves
+  !! Wave number, phase and group velocity of a mode of a beam with tension or shear: those of the propagating wave that
+  !! the beam carries, place by place, at the mode's frequency.
+  !!
+  !! With λ = β² + Ω² in plane and β² out of plane, ρ = r²β² in plane and r²(β² + Ω²) out of plane, the local wave number
+  !! p = √y solves (1 + s²T)y² + [T(1 − s²ρ) − s²λ − ρ]y − λ(1 − s²ρ) = 0 (the larger root: bending waves also where
+  !! shear waves of the thickness run too). P is the mean of p over the beam, C_p = β/P and C_g = dβ/dP. Without tension
+  !! and shear P⁴ = λ, Eq. 2; at high speeds P is that of a string.
+  use bw_kinds, only: dp
+  use bw_beam_operator, only: beam_operator, shear_numbers
+  use bw_double_double, only: dd
+  use bw_lapack, only: dsterf
+  use bw_missing, only: missing
+  use bw_strain_basis, only: basis_values
+  implicit none (type, external)
+  private
+  public :: find_waves, gauss_rule
+
+  integer, parameter :: nodes = 200
+    !! of the mean over a beam with tension: 1e-12 for Ω to 1000, where T reaches 0 at the tip
+
+contains
+
+  subroutine find_waves(operator, beta_squared, alpha, phase_velocity, group_velocity)
+    !! Find mean wave numbers over the beam, and the velocities that follow from them.
+    type(beam_operator), intent(in) :: operator
+    type(dd), intent(in) :: beta_squared(:)                    !! (modes)
+    real(dp), intent(out) :: alpha(:)                          !! P l, (modes)
+    real(dp), intent(out) :: phase_velocity(:), group_velocity(:)   !! missing where they do not exist, (modes)
+    real(dp), allocatable :: z(:), weight(:), tension(:)
+    integer :: k
+    if (allocated(operator%tension)) then
+      call gauss_rule(nodes, z, weight)
+      weight = 2.0_dp*z*weight                                 ! 1 − ξ = z²: T may vanish at the tip
+      tension = operator%tension(1) + (1.0_dp - z**2)*(operator%tension(2) + (1.0_dp - z**2)*operator%tension(3))
+    else
+      weight = [1.0_dp]
+      tension = [0.0_dp]
+    end if
+    do k = 1, size(alpha)
+      call mean_wave(operator, beta_squared(k)%hi, tension, weight, alpha(k), phase_velocity(k), group_velocity(k))
+    end do
+  end subroutine find_waves
+
+  pure subroutine mean_wave(operator, beta_squared, tension, weight, alpha, phase_velocity, group_velocity)
+    !! Find the mean wave number of one mode, and its velocities.
+    type(beam_operator), intent(in) :: operator
+    real(dp), intent(in) :: beta_squared
+    real(dp), intent(in) :: tension(:), weight(:)              !! at the nodes of a mean over the beam
+    real(dp), intent(out) :: alpha, phase_velocity, group_velocity
+    real(dp) :: p(size(tension)), slope(size(tension))         ! p and dp/dβ²
+    call local_wave(operator, beta_squared, tension, p, slope)
+    alpha = sum(weight*p)
+    phase_velocity = missing
+    group_velocity = missing
+    if (beta_squared >= 0.0_dp .and. alpha > 0.0_dp) phase_velocity = sqrt(beta_squared)/alpha
+    if (beta_squared > 0.0_dp) group_velocity = 0.5_dp/(sqrt(beta_squared)*sum(weight*slope))
+  end subroutine mean_wave
+
+  elemental subroutine local_wave(operator, beta_squared, tension, p, slope)
+    !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
+    type(beam_operator), intent(in) :: operator
+    real(dp), intent(in) :: beta_squared, tension
+    real(dp), intent(out) :: p, slope
+    type(shear_numbers) :: shear
+    real(dp) :: turning, lambda, rho, a, b, c, root, y, spin
+    if (allocated(operator%shear)) shear = operator%shear
+    spin = 0.0_dp
+    if (allocated(operator%omega)) spin = operator%omega%hi**2
+    lambda = beta_squared + merge(spin, 0.0_dp, operator%in_plane)
+    rho = shear%rotary*(beta_squared + merge(0.0_dp, spin, operator%in_plane))
+    turning = 1.0_dp - shear%compliance*rho
+    a = 1.0_dp + shear%compliance*tension
+    b = tension*turning - shear%compliance*lambda - rho
+    c = lambda*turning
+    root = sqrt(max(0.0_dp, b**2 + 4.0_dp*a*c))
+    if (b > 0.0_dp) then
+      y = 2.0_dp*c/(b + root)
+    else
+      y = (root - b)/(2.0_dp*a)
+    end if
+    y = max(y, tiny(y))
+    p = sqrt(y)
+    slope = 0.0_dp
+    if (root <= 0.0_dp) return                ! λ = 0: no wave runs, and β² < 0 asks for no velocity
+    slope = turning - shear%compliance*shear%rotary*lambda &
+      + y*(shear%compliance + shear%rotary*(1.0_dp + shear%compliance*tension))
+    slope = slope/root/(2.0_dp*p)
+  end subroutine local_wave
+
+  subroutine gauss_rule(n, node, weight)
+    !! Find nodes and weights of Gauss's rule for integrals over [0, 1], exact for polynomials up to degree 2n − 1: nodes are the
+    !! eigenvalues of the matrix of ξ in Legendre's polynomials, weights 1/Σp_j² there (Golub and Welsch 1969).
+    integer, intent(in) :: n                             !! ≥ 1
+    real(dp), allocatable, intent(out) :: node(:), weight(:)   !! ascending, (n)
+    real(dp) :: below(n)
+    integer :: j, info
+    allocate (node(n), source=0.5_dp)
+    below = [(0.5_dp*j/sqrt((2.0_dp*j - 1.0_dp)*(2.0_dp*j + 1.0_dp)), j=1, n)]
+    call dsterf(n, node, below, info)
+    weight = 1.0_dp/sum(basis_values(n, node)**2, dim=1)
+  end subroutine gauss_rule
+
+end module bw_local_waves

@@ -1,0 +1,126 @@
+module bw_hint
+  !! The line of a report that names what was left out: which absent effect would change the frequencies most, and whether
+  !! a mass that rebounded would be back. It is estimated; `beamwave effects` runs both scenes. Nothing is ever switched
+  !! on by itself.
+  use bw_kinds, only: dp, i8
+  use bw_absent_effects, only: absent_changes, absent_words
+  use bw_absent_return, only: return_time
+  use bw_error, only: error_type
+  use bw_missing, only: is_missing, missing
+  use bw_modes_par, only: by_tolerance, default_tolerance
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count, case_scene
+  use bw_text, only: percent, shortest, text_of
+  implicit none (type, external)
+  private
+  public :: estimate_absent, hint_line
+
+  integer, parameter, public :: compared_modes = 10     !! the first modes, whose frequencies effects are judged by
+
+  type, public :: estimate_type
+    !! What an absent effect would do to the frequencies, relatively; nothing where it is not absent.
+    integer :: effect = 0                !! its number
+    integer :: mode = 0                  !! of the first `compared_modes`, the one that it would change most
+    real(dp) :: change = 0.0_dp          !! of that mode
+    integer :: last = 0                  !! the last mode that was asked for
+    real(dp) :: last_change = 0.0_dp     !! of that one
+    logical :: steadies = .false.        !! mode 1 grows without bound, and would not
+  end type estimate_type
+
+contains
+
+  pure function hint_line(scene) result(text)
+    !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance and no
+    !! mass would be back within the record. Of a sweep the first and the last case are looked at.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    type(estimate_type) :: found(size(absent_words)), now(size(absent_words))
+    type(scene_type) :: one
+    type(error_type), allocatable :: error
+    real(dp) :: tolerance, back, again
+    integer :: i, e
+    tolerance = default_tolerance
+    back = missing
+    do i = 1, merge(1, 2, size(scene%sweeps) == 0)
+      call case_scene(scene, merge(1_i8, case_count(scene), i == 1), one, error)
+      if (allocated(error)) cycle
+      if (by_tolerance(one%modes)) tolerance = one%modes%tolerance
+      now = estimate_absent(one)
+      do e = 1, size(found)
+        if (weight(now(e)) > weight(found(e))) found(e) = now(e)
+      end do
+      again = return_time(one)
+      if (is_missing(back)) back = again
+      if (.not. is_missing(again)) back = min(back, again)
+    end do
+    text = frequency_words(found, tolerance)
+    if (text /= '' .and. .not. is_missing(back)) text = text//'; '
+    if (.not. is_missing(back)) text = text//'recontact: the mass would be back '//time_words(back)
+    if (text /= '') text = '  left out   '//text//new_line('a')
+  end function hint_line
+
+  pure function frequency_words(estimates, tolerance) result(text)
+    !! The two effects that would matter most, as far as they do.
+    type(estimate_type), intent(in) :: estimates(:)
+    real(dp), intent(in) :: tolerance
+    character(:), allocatable :: text
+    type(estimate_type) :: found(size(estimates))
+    text = ''
+    if (all(weight(estimates) <= tolerance)) return
+    found = estimates
+    if (weight(found(2)) > weight(found(1))) found = found([2, 1])
+    text = trim(absent_words(found(1)%effect))//' would matter most: '//words(found(1))
+    if (weight(found(2)) > tolerance) text = text//'; '//trim(absent_words(found(2)%effect))//': '//words(found(2))
+    text = text//' (frequencies, estimated)'
+  end function frequency_words
+
+  pure function time_words(seconds) result(text)
+    !! Two digits.
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: text
+    text = 'at once'
+    if (seconds > 0.0_dp) text = 'after '//shortest(1.0e3_dp*seconds, 2)//' ms (estimated)'
+  end function time_words
+
+  pure function estimate_absent(scene) result(estimates)
+    !! In the order of `absent_words`.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    type(estimate_type) :: estimates(size(absent_words))
+    real(dp), allocatable :: change(:, :)
+    integer :: i, n, last
+    last = scene%modes%before
+    if (allocated(scene%capture)) last = scene%modes%after
+    n = min(compared_modes, last)
+    allocate (change(n + 1, size(absent_words)))
+    call absent_changes(scene, [(i, i=1, n), last], change, estimates%steadies)
+    do i = 1, size(estimates)
+      estimates(i)%effect = i
+      estimates(i)%mode = maxloc(abs(change(:n, i)), dim=1)
+      estimates(i)%change = change(estimates(i)%mode, i)
+      estimates(i)%last = last
+      estimates(i)%last_change = change(n + 1, i)
+    end do
+  end function estimate_absent
+
+  elemental real(dp) function weight(estimate)
+    !! A mode that would no longer grow weighs more than any change.
+    type(estimate_type), intent(in) :: estimate
+    weight = abs(estimate%change)
+    if (estimate%steadies) weight = huge(weight)
+  end function weight
+
+  pure function words(estimate) result(text)
+    !! What an effect would do to the mode that it would change most, and to the last one where that is more.
+    type(estimate_type), intent(in) :: estimate
+    character(:), allocatable :: text
+    text = ''
+    if (estimate%steadies) text = 'mode 1 would not grow'
+    if (estimate%change == 0.0_dp) return
+    if (estimate%steadies) text = text//', '
+    text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)//' %'
+    if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) then
+      text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)//' %'
+    end if
+  end function words
+
+end module bw_hint

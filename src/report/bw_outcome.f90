@@ -1,0 +1,103 @@
+module bw_outcome
+  !! How a scene ended, and what there is to say of it.
+  use bw_error, only: status_done, status_not_trusted, status_stopped
+  use bw_kinds, only: dp, i8
+  use bw_report, only: notes_report
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_scene_summary, only: scene_heading, scene_summary
+  use bw_text, only: text_builder, text_of
+  implicit none (type, external)
+  private
+
+  character(*), parameter, public :: work_taken_away = 'unfinished work of another scene or version lay there and was taken away'
+
+  type, public :: outcome_type
+    integer :: status = status_done           !! an exit status
+    logical :: was_there = .false.            !! the finished result was there already
+    character(:), allocatable :: file         !! the result
+    character(:), allocatable :: report       !! what to print
+    character(:), allocatable :: warnings     !! lines, which the result has too
+    character(:), allocatable :: remarks      !! lines about this run, which the result has not
+    integer(i8) :: not_trusted = 0            !! cases of a result that was there already that cannot be trusted
+  contains
+    procedure :: remark
+    procedure :: set_notes
+    procedure :: notes_text
+    procedure :: set_report
+    procedure :: set_stopped
+  end type outcome_type
+
+contains
+
+  subroutine remark(self, text)
+    !! Something to say about this run, however it ends.
+    class(outcome_type), intent(inout) :: self
+    character(*), intent(in) :: text          !! a line
+    if (.not. allocated(self%remarks)) self%remarks = ''
+    self%remarks = self%remarks//text//new_line('a')
+  end subroutine remark
+
+  subroutine set_notes(self, notes, layout, not_trusted)
+    !! The warnings, and the status that they call for.
+    class(outcome_type), intent(inout) :: self
+    character(*), intent(in) :: notes         !! of the cases, put together; lines
+    type(result_layout), intent(in) :: layout
+    integer(i8), intent(in) :: not_trusted    !! cases that hold numbers that cannot be trusted
+    self%warnings = notes
+    if (not_trusted == 0) return
+    self%status = status_not_trusted
+    if (layout%cases > 0) self%warnings = self%warnings//text_of(not_trusted)//' of '//text_of(layout%cases)// &
+      ' cases hold numbers that cannot be trusted'//new_line('a')
+  end subroutine set_notes
+
+  pure function notes_text(self) result(text)
+    !! The warnings without the last line's end.
+    class(outcome_type), intent(in) :: self
+    character(:), allocatable :: text
+    text = without_last_end(self%warnings)
+  end function notes_text
+
+  pure function without_last_end(lines) result(text)
+    !! Lines without the end of the last of them.
+    character(*), intent(in) :: lines
+    character(:), allocatable :: text
+    text = lines(:max(0, len(lines) - 1))
+  end function without_last_end
+
+  subroutine set_report(self, scene, layout, body, taken_over, times)
+    !! What to print of a scene that is done.
+    class(outcome_type), intent(inout) :: self
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: body          !! the case, or the table of cases
+    integer(i8), intent(in) :: taken_over     !! cases that an earlier run had finished
+    character(*), intent(in) :: times         !! the table of stages
+    type(text_builder) :: report
+    call report%append(scene_heading(scene))
+    call report%append(scene_summary(scene, layout))
+    call report%append(body)
+    if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
+    call report%append_line('')
+    if (allocated(self%remarks)) call report%append(notes_report(without_last_end(self%remarks)))
+    if (len(self%notes_text()) > 0) then
+      call report%append_line(notes_report(self%notes_text()))
+    else if (allocated(self%remarks)) then
+      call report%append_line('')
+    end if
+    call report%append(times)
+    call report%append_line('  result     '//self%file)
+    self%report = report%text()
+  end subroutine set_report
+
+  subroutine set_stopped(self, saved, cases)
+    !! Work that is left for later.
+    class(outcome_type), intent(inout) :: self
+    integer(i8), intent(in) :: saved, cases
+    self%status = status_stopped
+    self%report = ''
+    self%warnings = self%file//': stopped with '//text_of(saved)//' of '//text_of(cases)// &
+      ' cases saved; the same command goes on from there'//new_line('a')
+  end subroutine set_stopped
+
+end module bw_outcome

@@ -1,0 +1,193 @@
+module bw_scene_describe
+  !! Every input name with its type, unit, range, default and meaning: plain text that is Markdown too.
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
+                           range_text
+  use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group
+  use bw_text, only: lower, text_builder
+  implicit none (type, external)
+  private
+  public :: describe_text
+
+  integer, parameter :: columns = 6, most_columns = 110, widest = 80
+  character(*), parameter :: heads(columns) = [character(7) :: 'name', 'type', 'unit', 'range', 'default', 'meaning']
+
+  character(*), parameter :: opening(*) = [character(120) :: &
+    '# The scene: every input name', &
+    '', &
+    'A scene is a file of Fortran namelist groups, in SI units. A group that is absent is an effect that is not', &
+    'simulated. Everything that is wrong with a file is reported at once, each error with its line.', &
+    '', &
+    '```', &
+    '&beam', &
+    '  length = 1, density = 7870, youngs_modulus = 2e11, diameter = 0.037  ! comments open with !', &
+    '/', &
+    '&rotation angular_velocity = 50 /', &
+    '```', &
+    '', &
+    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&sweep` as often as', &
+    '  needed. Between groups only comments and blanks may stand. `&end` and `$name` are not accepted.', &
+    '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
+    '  `name(1) = ...` are not accepted.', &
+    '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
+    '  A value that is left out (`1,,2`, `2*`, `name =`), which Fortran reads as "keep what was there", is an error.', &
+    '- A real is written `7870`, `.5`, `2e11` or `2d11`, a whole number with digits alone. `1/2`, `1.0-3`, NaN, Inf', &
+    '  and what does not fit into double precision are errors. A zero has no sign.', &
+    '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
+    '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
+    '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &
+    '- A file has at most 64 MB, 2^22 words and signs, and 1000 groups. Of more than 1000 errors the first 1000 are listed.']
+
+contains
+
+  function describe_text(group, error) result(text)
+    !! One group, or all of them and how a scene is written; without the last line end.
+    character(*), intent(in) :: group             !! with or without `&`, in any case; '' for all
+    character(:), allocatable :: text
+    type(error_type), allocatable, intent(out) :: error   !! `status_bad_input` for an unknown group
+    type(text_builder) :: builder
+    character(:), allocatable :: name
+    integer :: i
+    name = lower(trim(adjustl(group)))
+    if (index(name, '&') == 1) name = name(2:)
+    if (name /= '' .and. group_row(name) == 0) then
+      text = ''
+      call fail(error, status_bad_input, "'"//name//"' "//unknown_group(name))
+      return
+    end if
+    if (name == '') call put_opening(builder)
+    do i = 1, size(group_table)
+      if (name /= '' .and. name /= group_table(i)%name) cycle
+      if (name == '') call builder%append_line('')
+      call put_group(builder, group_table(i))
+    end do
+    text = builder%text()
+    text = text(:len(text) - 1)
+  end function describe_text
+
+  pure subroutine put_opening(builder)
+    !! How a scene is written.
+    type(text_builder), intent(inout) :: builder
+    integer :: i
+    do i = 1, size(opening)
+      call builder%append_line(trim(opening(i)))
+    end do
+  end subroutine put_opening
+
+  pure subroutine put_group(builder, group)
+    !! One group: what its absence means, its names as a table, its rules.
+    type(text_builder), intent(inout) :: builder
+    type(input_group), intent(in) :: group
+    integer, allocatable :: rows(:)
+    integer :: i
+    rows = rows_of(group%name)
+    call builder%append_line('## &'//trim(group%name))
+    call builder%append_line('')
+    call put_wrapped(builder, 'Absent: '//trim(group%absent)//'.'//needs_text(group))
+    if (size(rows) == 0) then
+      call builder%append_line('')
+      call builder%append_line('It has no names: being there is all that it says.')
+    else
+      call put_table(builder, rows)
+    end if
+    do i = 1, size(rows)
+      if (name_table(rows(i))%words /= '') call put_words(builder, name_table(rows(i)))
+    end do
+    if (group%rules == '' .and. .not. any(is_sweepable(name_table(rows)))) return
+    call builder%append_line('')
+    call put_wrapped(builder, trim(group%rules)//swept_text(group%rules /= '', rows))
+  end subroutine put_group
+
+  pure function needs_text(group) result(text)
+    !! ` It needs &impact.`, or nothing.
+    type(input_group), intent(in) :: group
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(group_table)
+      if (has_word(group%needs, group_table(i)%name)) text = text//' It needs `&'//trim(group_table(i)%name)//'`.'
+    end do
+  end function needs_text
+
+  pure function swept_text(goes_on, rows) result(text)
+    !! Which names of a group a sweep may vary; nothing where there are none.
+    logical, intent(in) :: goes_on                !! stands behind another sentence
+    integer, intent(in) :: rows(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(rows)
+      if (is_sweepable(name_table(rows(i)))) text = text//', `'//trim(name_table(rows(i))%name)//'`'
+    end do
+    if (text /= '') text = repeat(' ', merge(1, 0, goes_on))//'`&sweep` may vary '//text(3:)//'.'
+  end function swept_text
+
+  pure subroutine put_table(builder, rows)
+    !! A pipe table, its columns aligned.
+    type(text_builder), intent(inout) :: builder
+    integer, intent(in) :: rows(:)
+    character(widest) :: cells(columns, 0:size(rows))
+    integer :: width(columns), i
+    cells(:, 0) = heads
+    do i = 1, size(rows)
+      cells(:, i) = cells_of(name_table(rows(i)))
+    end do
+    width = maxval(len_trim(cells), dim=2)
+    call builder%append_line('')
+    call put_row(builder, cells(:, 0), width)
+    call put_row(builder, [(repeat('-', widest), i=1, columns)], width)
+    do i = 1, size(rows)
+      call put_row(builder, cells(:, i), width)
+    end do
+  end subroutine put_table
+
+  pure function cells_of(row) result(cells)
+    !! The cells of one name's line of the table.
+    type(input_name), intent(in) :: row
+    character(widest) :: cells(columns)
+    cells(1) = '`'//trim(row%name)//'`'
+    cells(2) = kind_text(row)
+    cells(3) = row%unit
+    if (.not. has_unit(row)) cells(3) = '-'
+    cells(4) = range_text(row)
+    cells(5) = row%default
+    if (row%default == '') cells(5) = '-'
+    if (row%required) cells(5) = 'required'
+    cells(6) = row%meaning
+  end function cells_of
+
+  pure subroutine put_row(builder, cells, width)
+    !! One line of a pipe table, its cells filled up to their widths.
+    type(text_builder), intent(inout) :: builder
+    character(*), intent(in) :: cells(:)
+    integer, intent(in) :: width(:)
+    integer :: i
+    do i = 1, size(cells)
+      call builder%append('| '//cells(i) (:width(i))//' ')
+    end do
+    call builder%append_line('|')
+  end subroutine put_row
+
+  pure subroutine put_words(builder, row)
+    !! The words that a text accepts.
+    type(text_builder), intent(inout) :: builder
+    type(input_name), intent(in) :: row
+    call builder%append_line('')
+    call put_wrapped(builder, '`'//trim(row%name)//'` is one of '//quoted_words(row%words)//'.')
+  end subroutine put_words
+
+  pure subroutine put_wrapped(builder, paragraph)
+    !! A paragraph over lines of at most `most_columns`, broken at blanks.
+    type(text_builder), intent(inout) :: builder
+    character(*), intent(in) :: paragraph
+    integer :: first, last
+    first = 1
+    do while (len(paragraph) - first >= most_columns)
+      last = first + index(paragraph(first:first + most_columns), ' ', back=.true.) - 2
+      call builder%append_line(paragraph(first:last))
+      first = last + 2
+    end do
+    call builder%append_line(paragraph(first:))
+  end subroutine put_wrapped
+
+end module bw_scene_describe

@@ -1,0 +1,148 @@
+module bw_scene_summary
+  !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp, i8
+  use bw_beam_units, only: beam_units, units_of
+  use bw_case_fields, only: block_capacity, case_field, case_length, fields_of, short_fields
+  use bw_hint, only: hint_line
+  use bw_modes_par, only: by_tolerance
+  use bw_result_file, only: result_bytes
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: changes_shapes, effects_text, scene_type
+  use bw_scene_cases, only: case_count
+  use bw_text, only: shortest, text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
+
+contains
+
+  pure function scene_heading(scene) result(text)
+    !! The scene's name, and its title if it has one.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    text = scene%name
+    if (scene%header%title /= '') text = text//': '//scene%header%title
+    text = text//new_line('a')
+  end function scene_heading
+
+  function scene_summary(scene, layout) result(text)
+    !! What is simulated, line by line, indented by two.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: text
+    type(text_builder) :: lines
+    type(beam_units) :: units
+    units = units_of(scene%beam)
+    call lines%append_line('  scene      '//scene%file)
+    call lines%append_line('  beam       length '//shortest(units%length, 6)//' m, mass '//shortest(units%mass, 6)// &
+                           ' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+    call lines%append_line('  effects    '//effects_text(scene))
+    call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
+    if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
+    if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
+    call lines%append(hint_line(scene))
+    text = lines%text()
+  end function scene_summary
+
+  pure function method_text(scene) result(text)
+    !! How modes are found.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    text = 'closed form'
+    if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
+  end function method_text
+
+  function modes_text(scene, layout) result(text)
+    !! How many modes are summed, or by which tolerance that is found.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: text
+    if (by_tolerance(scene%modes)) then
+      text = 'as many modes as the tolerance takes ('// &
+        scene%groups(position_of(scene%groups, 'modes'))%number_or_swept('tolerance', '')//')'
+    else if (allocated(scene%capture)) then
+      text = text_of(layout%modes_before)//' modes before the capture, '//text_of(layout%modes)//' after it'
+    else
+      text = text_of(layout%modes)//' modes'
+    end if
+  end function modes_text
+
+  function response_text(scene) result(text)
+    !! The histories, and the spectrum if there is one.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    associate (response => scene%response)
+      text = text_of(response%samples)//' samples over '//shortest(response%duration, 6)//' s at '// &
+        text_of(size(response%points))//' points, displacement'
+      if (response%velocity) text = text//' and velocity'
+    end associate
+    if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
+  end function response_text
+
+  function sweep_text(scene) result(text)
+    !! How many cases there are, and what they are the product of.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: text
+    integer :: s
+    text = text_of(case_count(scene))//' cases:'
+    do s = 1, size(scene%sweeps)
+      if (s > 1) text = text//' x'
+      text = text//' '//text_of(size(scene%sweeps(s)%values))//' of '//scene%sweeps(s)%parameter
+    end do
+  end function sweep_text
+
+  function cost_summary(scene, layout) result(text)
+    !! What `beamwave check` says of memory and of the disk.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: text
+    text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
+      '  result     '//bytes_text(result_bytes(scene, layout))
+    if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
+    text = text//new_line('a')
+  end function cost_summary
+
+  pure integer(i8) function journal_bytes(layout) result(bytes)
+    !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.
+    type(result_layout), intent(in) :: layout
+    integer(i8), parameter :: frame = 20      ! words of a record beside its numbers: header and notes
+    bytes = 8*layout%cases*(case_length(fields_of(layout)) + frame) + 5000
+  end function journal_bytes
+
+  pure integer(i8) function working_bytes(layout) result(bytes)
+    !! Memory of one case: its numbers as they are found and once more on their way to the file, shapes, what is needed to
+    !! search histories for waves, and about 25 MB of program and libraries; of a sweep also a block of cases and the list of
+    !! all of them.
+    type(result_layout), intent(in) :: layout
+    integer, parameter :: most_shapes = 2**22        ! in memory at a time
+    integer, parameter :: wave_numbers = 30          ! by frequency
+    integer(i8) :: shapes
+    shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
+    associate (fields => fields_of(layout))
+      bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+      if (layout%cases > 0) bytes = bytes + block_bytes(fields(:short_fields(fields)), layout%cases) + 6_i8*layout%cases
+    end associate
+  end function working_bytes
+
+  pure integer(i8) function block_bytes(fields, cases) result(bytes)
+    !! Memory of a block of cases, and of a field of it on its way into the file, which may be all of it.
+    type(case_field), intent(in) :: fields(:)       !! the short ones
+    integer, intent(in) :: cases                    !! of the sweep
+    bytes = 2*8*case_length(fields)*block_capacity(fields, cases)
+  end function block_bytes
+
+  pure function bytes_text(bytes) result(text)
+    !! In kB, MB or GB of 1000s, three digits.
+    integer(i8), intent(in) :: bytes
+    character(:), allocatable :: text
+    if (bytes < 1000000) then
+      text = shortest(real(bytes, dp)/1.0e3_dp, 3)//' kB'
+    else if (bytes < 1000000000) then
+      text = shortest(real(bytes, dp)/1.0e6_dp, 3)//' MB'
+    else
+      text = shortest(real(bytes, dp)/1.0e9_dp, 3)//' GB'
+    end if
+  end function bytes_text
+
+end module bw_scene_summary

@@ -1,0 +1,285 @@
+module bw_tail
+  !! Sums over the modes of a struck beam that are not summed: how far they move, without their phases (bw_coherence).
+  !!
+  !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
+  !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
+  !! and integrate cubics over it.
+  use bw_coherence, only: deviation_type, from_tip, stretch_type
+  use bw_double_double, only: dd
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: slow_exponent
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_reach, only: damped_reach, turns, undamped_reaches
+  implicit none (type, external)
+  private
+  public :: add_amplitudes, add_modes, add_tail, sample_window
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
+  integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
+  real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
+  integer, parameter :: part = 1024               !! modes whose shapes are held at a time
+  real(dp), parameter, public :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
+  real(dp), parameter :: velocities_end = 0.03_dp
+    !! the same of ΣA² of velocities, whose Σ|A| has no bound: after some thirty times the modes
+  real(dp), parameter :: unseen = 0.01_dp
+    !! of a sampled window: the rule is off by less in the steepest, and what ends the sum is less again
+
+  type, public :: moving_modes
+    !! How some modes move.
+    real(dp), allocatable :: reach(:)             !! how far, where the shape is 1, (modes)
+    real(dp), allocatable :: alpha(:)             !! wave number times length, (modes)
+    real(dp), allocatable :: tip(:)               !! |Φ(1)|, (modes)
+    logical, allocatable :: swings(:)             !! its sign is as good as random, (modes)
+  end type moving_modes
+
+contains
+
+  subroutine add_tail(count, source, force, points, stretch, velocity, sums, shown)
+    !! The continuum's modes from `count` + 1 on.
+    integer, intent(in) :: count
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
+    type(deviation_type) :: before(size(points))
+    real(dp) :: rising
+    integer :: first, last
+    if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
+    rising = falls_beyond(source%gamma, points)
+    first = count + 1
+    do while (first <= source%highest)
+      last = window_end(first, source, stretch%start)
+      before = sums
+      call add_window(source, force, first, last, points, stretch, velocity, sums, shown)
+      if (first > rising .and. adds_nothing(before, sums, velocity)) exit
+      first = last + 1
+    end do
+    if (source%decay > 0.0_dp .and. first > source%highest) then
+      call extrapolate(source, force, points, stretch, velocity, sums, shown)
+    end if
+  end subroutine add_tail
+
+  pure real(dp) function falls_beyond(gamma, points) result(number)
+    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the tip shapes rise
+    !! from Φ(1).
+    real(dp), intent(in) :: gamma, points(:)
+    real(dp), parameter :: risen = 3.0_dp         ! αd
+    real(dp) :: nearest
+    nearest = minval(1.0_dp - points, mask=points < 1.0_dp)      ! huge where there is none
+    number = max(1.0_dp/gamma, (risen/pi)/nearest)
+  end function falls_beyond
+
+  pure logical function adds_nothing(before, sums, velocity)
+    !! A window that adds so little that those beyond it need not be looked at.
+    type(deviation_type), intent(in) :: before(:) !! the sums without this window, (points)
+    type(deviation_type), intent(in) :: sums(:)
+    logical, intent(in) :: velocity
+    adds_nothing = all(sums%growing - before%growing <= negligible*sums%growing)
+    if (velocity) then
+      adds_nothing = adds_nothing .and. all(sums%square - before%square <= velocities_end*sums%square)
+    else
+      adds_nothing = adds_nothing .and. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude)
+    end if
+  end function adds_nothing
+
+  integer function window_end(first, source, elapsed) result(last)
+    !! Twice the first mode, or where damping has left much less of the last mode than of the first, no further than all modes
+    !! are looked at: a few runs of them would not see where the others end.
+    integer, intent(in) :: first
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: elapsed               !! since all modes began
+    real(dp), parameter :: steepest = 0.5_dp      ! nepers
+    real(dp), parameter :: nothing = 60.0_dp      ! nepers, of which nothing is left: windows may be as wide as they like
+    class(mode_set), allocatable :: ends
+    type(dd) :: exponent(2)
+    last = min(2*max(first, run_length), source%highest)
+    if (.not. allocated(source%damping)) return
+    do while (last - first >= 2*runs*run_length)
+      call source%find([first, last], ends)
+      exponent = slow_exponent(ends%beta_squared, ends%damping)
+      if (abs(exponent(1)%hi - exponent(2)%hi)*elapsed <= steepest .or. -exponent(1)%hi*elapsed > nothing) exit
+      last = first + (last - first)/2
+    end do
+  end function window_end
+
+  subroutine add_window(source, force, first, last, points, stretch, velocity, sums, shown)
+    !! Modes `first` … `last`: of undamped ones no more is found than is needed.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    class(mode_source), intent(in), optional :: shown
+    class(mode_set), allocatable :: modes, others
+    integer, allocatable :: number(:)
+    real(dp), allocatable :: weight(:)
+    call sample_window(first, last, number, weight)
+    if (present(shown)) then
+      call source%find(number, modes)
+      call shown%find(number, others)
+      call add_modes(others, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
+    else if (allocated(source%damping)) then
+      call source%find(number, modes)
+      call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
+    else
+      call add_terms(source, force, number, points, stretch, velocity, weight, sums)
+    end if
+  end subroutine add_window
+
+  subroutine add_terms(source, force, number, points, stretch, velocity, weight, sums)
+    !! Undamped modes.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp), intent(in) :: weight(:)
+    type(deviation_type), intent(inout) :: sums(:)
+    type(moving_modes) :: moving
+    type(dd) :: beta(size(number))
+    real(dp) :: drive(size(number)), shapes(size(number), size(points))
+    call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
+    moving = moving_modes(undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive), pi*number, abs(drive), &
+                          beta%hi > 0.0_dp)
+    call add_amplitudes(moving, shapes, points, stretch, weight, sums)
+  end subroutine add_terms
+
+  subroutine extrapolate(source, force, points, stretch, velocity, sums, shown)
+    !! The modes beyond the highest that can be found, as the last octave of those tells. Velocities fall as 1/k, whose
+    !! sum has no bound: their magnitudes then say nothing.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums(:)
+    class(mode_source), intent(in), optional :: shown
+    real(dp), parameter :: no_bound = 1.0e3_dp
+    type(deviation_type) :: octave(size(points))
+    real(dp) :: decay
+    call add_window(source, force, source%highest/2 + 1, source%highest, points, stretch, velocity, octave, shown)
+    decay = merge(1.0_dp, source%decay, velocity)
+    sums%square = sums%square + octave%square/(2.0_dp**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
+    if (velocity) then
+      sums%magnitude = sums%magnitude + no_bound*octave%magnitude
+    else
+      sums%magnitude = sums%magnitude + octave%magnitude/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
+    end if
+    sums%largest = max(sums%largest, octave%largest)
+    sums%passing = max(sums%passing, octave%passing)
+    sums%alpha = min(sums%alpha, octave%alpha)
+  end subroutine extrapolate
+
+  pure subroutine sample_window(first, last, number, weight)
+    !! All mode numbers of a short window, runs of neighbours of a long one.
+    integer, intent(in) :: first, last
+    integer, allocatable, intent(out) :: number(:)
+    real(dp), allocatable, intent(out) :: weight(:)        !! for how many modes each stands
+    real(dp) :: width, outermost, outer, each(runs)
+    integer :: i, k, start
+    if (last - first + 1 <= 2*runs*run_length) then
+      number = [(k, k=first, last)]
+      weight = spread(1.0_dp, 1, size(number))
+      return
+    end if
+    allocate (number(runs*run_length), weight(runs*run_length))
+    width = last - first + 1
+    outermost = 1.0_dp - run_length/width        ! middle of the last run, of a window from −1 to 1
+    outer = (1.0_dp/3.0_dp - 0.2_dp*outermost**2)/(0.8_dp*outermost**2)
+    each = 0.5_dp*[outer, 1.0_dp - outer, 1.0_dp - outer, outer]*(1.0_dp + unseen)*width/run_length
+    do i = 1, runs
+      start = first + nint(0.5_dp*(1.0_dp + nodes(i))*(width - run_length))
+      number((i - 1)*run_length + 1:i*run_length) = [(k, k=start, start + run_length - 1)]
+      weight((i - 1)*run_length + 1:i*run_length) = each(i)
+    end do
+  end subroutine sample_window
+
+  pure subroutine add_modes(modes, rate, points, stretch, velocity, weight, sums)
+    !! Amplitudes of modes that start with velocity `rate`.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: rate(:)               !! (modes)
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    logical, intent(in) :: velocity
+    real(dp), intent(in) :: weight(:)             !! for how many modes each stands, (modes)
+    type(deviation_type), intent(inout) :: sums(:)
+    type(moving_modes) :: moving
+    integer :: first, last
+    do first = 1, modes%count, part
+      last = min(first + part - 1, modes%count)
+      associate (square => modes%beta_squared(first:last))
+        moving%alpha = modes%alpha(first:last)
+        moving%tip = abs(modes%tip(first:last))
+        if (allocated(modes%damping)) then
+          moving%swings = turns(square, modes%damping(first:last))
+          moving%reach = abs(rate(first:last))*damped_reach(square, modes%damping(first:last), stretch, velocity)
+        else
+          moving%swings = square%hi > 0.0_dp
+          moving%reach = abs(rate(first:last)) &
+            *undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
+        end if
+      end associate
+      call add_amplitudes(moving, modes%some_shapes(first, last, points), points, stretch, weight(first:last), sums)
+    end do
+  end subroutine add_modes
+
+  pure subroutine add_amplitudes(moving, shapes, points, stretch, weight, sums)
+    !! Add how far modes that move may carry each point over a stretch of the record, one mode after the other.
+    type(moving_modes), intent(in) :: moving
+    real(dp), intent(in) :: shapes(:, :)          !! (modes, points)
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    real(dp), intent(in) :: weight(:)             !! (modes)
+    type(deviation_type), intent(inout) :: sums(:)
+    real(dp) :: amplitude, distance, peak
+    logical :: slow
+    integer :: k, p
+    do p = 1, size(sums)
+      distance = from_tip(points(p))
+      slow = run_length*min(points(p), distance) < 1.0_dp .and. points(p) < 1.0_dp
+      associate (sum => sums(p))
+        do k = 1, size(moving%reach)
+          amplitude = moving%reach(k)*abs(shapes(k, p))
+          peak = amplitude
+          if (slow .and. weight(k) > 1.0_dp) then
+            peak = moving%reach(k)*largest_shape(points(p), moving%alpha(k), moving%tip(k))
+            amplitude = max(amplitude, mean*peak)
+          end if
+          if (moving%swings(k)) then
+            sum%magnitude = sum%magnitude + weight(k)*amplitude
+            sum%square = sum%square + weight(k)*amplitude**2
+            if (peak > sum%largest) then
+              sum%largest = peak
+              sum%alpha = moving%alpha(k)
+            end if
+            if (2.0_dp*moving%alpha(k)*stretch%end >= distance) then      ! at the group velocity
+              sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
+            end if
+          else
+            sum%growing = sum%growing + weight(k)*amplitude
+          end if
+        end do
+      end associate
+    end do
+  end subroutine add_amplitudes
+
+  elemental real(dp) function largest_shape(xi, alpha, tip) result(shape)
+    !! A bound of |Φ(ξ)| near one end of the beam, where a run of modes does not see how far its shapes go: √2 and what the
+    !! end adds, and nearer to the end the first term of Taylor's series.
+    real(dp), intent(in) :: xi, alpha
+    real(dp), intent(in) :: tip                   !! |Φ(1)|
+    if (xi < 0.5_dp) then
+      shape = min(1.6_dp, (alpha*xi)**2)
+    else
+      shape = min(sqrt(2.0_dp) + 0.5_dp*tip, tip + sqrt(2.0_dp)*alpha*(1.0_dp - xi))
+    end if
+  end function largest_shape
+
+end module bw_tail

@@ -1,0 +1,135 @@
+module bw_growing_modes
+  !! Histories of modes at or beyond their critical speed, β² ≤ 0: q C + q̇ S with C = cosh|β|t, S = sinh|β|t/|β|,
+  !! and C = 1, S = t at β = 0: the same smooth functions of β² as those of the stable modes.
+  use bw_double_double, only: dd, sqrt, operator(*), operator(-)
+  use bw_kinds, only: dp
+  use bw_time_grid, only: time_grid
+  implicit none (type, external)
+  private
+  public :: add_growing_mode, find_overflow
+
+  real(dp), parameter :: log_half = log(0.5_dp)
+  real(dp), parameter :: largest_exponent = 1400.0_dp   !! of e^x taken as the square of e^(x/2)
+
+contains
+
+  pure subroutine find_overflow(beta_squared, q, q_dot, shapes, grid, limits, samples, failing)
+    !! How many samples of the sum of growing modes are, at every point, no larger than given limits. Each moves as
+    !! Φ·½(q + q̇/|β|)e^(|β|t), and a part that decays.
+    type(dd), intent(in) :: beta_squared(:)      !! β² ≤ 0, (modes)
+    real(dp), intent(in) :: q(:), q_dot(:)       !! modal displacements and velocities at t = 0, (modes)
+    real(dp), intent(in) :: shapes(:, :)         !! Φ(ξ_p), (modes, points)
+    type(time_grid), intent(in) :: grid
+    real(dp), intent(in) :: limits(:)            !! logarithms of the largest displacement and, if asked for, velocity
+    integer, intent(out) :: samples              !! all where none is larger
+    integer, intent(out) :: failing              !! the mode that is largest at the first sample beyond; 0: none
+    type(dd) :: root(size(q))
+    real(dp) :: rate(size(q)), start(size(q))    ! |β|; logarithm of the growing part of the velocity at t = 0
+    integer, allocatable :: grows(:)
+    integer :: k, above, middle
+    samples = grid%samples
+    failing = 0
+    root = sqrt(-beta_squared)
+    start = abs(root%hi*q + q_dot)*maxval(abs(shapes), 2)
+    grows = pack([(k, k=1, size(q))], root%hi > 0.0_dp .and. start > 0.0_dp)
+    rate = root%hi
+    start(grows) = log_half + log(start(grows))
+    if (size(grows) == 0 .or. excess(samples) <= 0.0_dp) return
+    samples = 1                                  ! at t = 0 nothing has grown
+    above = grid%samples
+    do while (above - samples > 1)
+      middle = samples + (above - samples)/2
+      if (excess(middle) > 0.0_dp) then
+        above = middle
+      else
+        samples = middle
+      end if
+    end do
+    failing = grows(maxloc(start(grows) + rate(grows)*time(above), 1))
+
+  contains
+
+    pure real(dp) function time(sample)
+      integer, intent(in) :: sample              ! from 1
+      time = grid%step%hi*(sample - 1)
+    end function time
+
+    pure real(dp) function excess(sample)
+      !! By how much the logarithm of the sum's bound exceeds the limits.
+      integer, intent(in) :: sample
+      real(dp), dimension(size(grows)) :: exponent, level
+      exponent = rate(grows)*time(sample)
+      level = start(grows) + exponent
+      excess = max(maxval(exponent) - largest_exponent, log_of_sum(level - log(rate(grows))) - limits(1))
+      if (size(limits) > 1) excess = max(excess, log_of_sum(level) - limits(2))
+    end function excess
+
+  end subroutine find_overflow
+
+  pure real(dp) function log_of_sum(logs)
+    !! log Σ exp(logs) where exp would overflow.
+    real(dp), intent(in) :: logs(:)
+    log_of_sum = maxval(logs)
+    log_of_sum = log_of_sum + log(sum(exp(logs - log_of_sum)))
+  end function log_of_sum
+
+  pure subroutine add_growing_mode(beta_squared, q, q_dot, shapes, grid, samples, displacement, velocity)
+    !! Adds one mode's motion to some of the samples.
+    type(dd), intent(in) :: beta_squared
+    real(dp), intent(in) :: q, q_dot
+    real(dp), intent(in) :: shapes(:)
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: samples(2)            !! first and last, at most the last of `find_overflow`
+    real(dp), intent(inout) :: displacement(:, :)          !! (samples, points)
+    real(dp), intent(inout), optional :: velocity(:, :)
+    type(dd) :: rate, time, x
+    integer :: j
+    rate = sqrt(-beta_squared)
+    do j = samples(1), samples(2)
+      time = grid%step*real(j - 1, dp)
+      x = rate*time
+      displacement(j, :) = displacement(j, :) + displacement_at(x, time%hi, rate%hi, q, q_dot, shapes)
+      if (present(velocity)) velocity(j, :) = velocity(j, :) + velocity_at(x, rate%hi, q, q_dot, shapes)
+    end do
+  end subroutine add_growing_mode
+
+  elemental real(dp) function displacement_at(x, time, rate, q, q_dot, shape) result(now)
+    !! Φ·(q C + q̇ S).
+    type(dd), intent(in) :: x                    !! |β|t
+    real(dp), intent(in) :: time, rate, q, q_dot, shape
+    if (x%hi < 1.0_dp) then
+      now = shape*(q*cosh(x%hi) + q_dot*time*mean_hyperbolic_cosine(x%hi))
+    else
+      now = exponentials(shape*(0.5_dp*(q + q_dot/rate)), shape*(0.5_dp*(q - q_dot/rate)), x)
+    end if
+  end function displacement_at
+
+  elemental real(dp) function velocity_at(x, rate, q, q_dot, shape) result(now)
+    !! Its derivative.
+    type(dd), intent(in) :: x
+    real(dp), intent(in) :: rate, q, q_dot, shape
+    if (x%hi < 1.0_dp) then
+      now = shape*(q_dot*cosh(x%hi) + q*rate*sinh(x%hi))
+    else
+      now = exponentials(shape*(0.5_dp*(rate*q + q_dot)), shape*(0.5_dp*(q_dot - rate*q)), x)
+    end if
+  end function velocity_at
+
+  elemental real(dp) function mean_hyperbolic_cosine(x) result(mean)
+    !! sinh x/x, 1 at x = 0: the mean of cosh from 0 to x.
+    real(dp), intent(in) :: x
+    mean = 1.0_dp
+    if (x > 0.0_dp) mean = sinh(x)/x
+  end function mean_hyperbolic_cosine
+
+  elemental real(dp) function exponentials(growing, decaying, x) result(value)
+    !! growing·e^x + decaying·e^(−x). As e^x may overflow where the product does not, the growing part is multiplied
+    !! by e^(x/2) twice. The part of the exponent that rounding would lose, up to 1e-13, is added to first order.
+    real(dp), intent(in) :: growing, decaying
+    type(dd), intent(in) :: x                     !! 0 ≤ x ≤ `largest_exponent`
+    real(dp) :: half
+    half = exp(0.5_dp*x%hi)*(1.0_dp + 0.5_dp*x%lo)
+    value = (growing*half)*half + (decaying/half)/half
+  end function exponentials
+
+end module bw_growing_modes

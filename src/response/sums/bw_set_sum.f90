@@ -1,0 +1,278 @@
+module bw_set_sum
+  !! Histories of the modes of one set, from any state: Eq. 29. It never asks which event left that state. Of many modes no more
+  !! at a time than whose shapes may be in memory.
+  use bw_damped_modes, only: add_damped_modes, damped_motion, grows
+  use bw_double_double, only: dd, sqrt, operator(*), operator(-)
+  use bw_growing_modes, only: add_growing_mode, find_overflow
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: fast_exponent, slow_exponent
+  use bw_modal_sum, only: add_stable_modes
+  use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
+  use bw_response, only: finish_histories, histories_of, response_type, sampling_type, start_histories, sum_tolerance, &
+    turns_in_record
+  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
+  implicit none (type, external)
+  private
+  public :: add_motion, free_motion, modes_at_once
+
+  integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
+  integer, parameter :: most_numbers = 2**22   !! values of shapes in memory at a time
+  real(dp), parameter :: log_huge = log(huge(1.0_dp))*(1.0_dp - 4*epsilon(1.0_dp))
+    !! of the largest number, less what the roundings of a logarithm may amount to
+
+contains
+
+  subroutine free_motion(modes, q_dot, sampling, monitor, response, workspace)
+    !! The motion that starts from rest position with given modal velocities.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q_dot(:)             !! modal velocities at t = 0, m/s, (modes)
+    type(sampling_type), intent(in) :: sampling
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(out) :: response
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans may serve again
+    call start_histories(sampling, response)
+    call add_motion(modes, q_dot*sampling%unit_time, monitor, response, workspace=workspace)
+    call finish_histories(response)
+  end subroutine free_motion
+
+  subroutine add_motion(modes, rate, monitor, response, displaced, workspace)
+    !! Add modes that start from any state; velocities are in m per unit of the grid's time until the histories are finished.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: rate(:)              !! modal velocities at t = 0, m per l²/h, (modes)
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type), intent(inout) :: response   !! started
+    real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! as that of `free_motion`
+    type(nonuniform_sum) :: own
+    if (allocated(modes%damping)) then
+      call add_damped(modes, displaced, rate, monitor, response)
+      response%sum_error = response%sum_error + error_of_sum(sum_choice(), response%sampling%grid%samples)
+    else
+      if (present(workspace)) then
+        call add_stable(modes, displaced, rate, monitor, workspace, response)
+      else
+        call add_stable(modes, displaced, rate, monitor, own, response)
+      end if
+      call add_growing(modes, displaced, rate, monitor, response)
+    end if
+  end subroutine add_motion
+
+  subroutine add_stable(modes, displaced, rate, monitor, workspace, response)
+    !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
+    !! products, whose error follows its motion and not its amplitude.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:)
+    class(monitor_type), intent(inout), target :: monitor
+    type(nonuniform_sum), intent(inout) :: workspace
+    type(response_type), intent(inout) :: response
+    type(sum_choice) :: choice
+    type(part_monitor) :: part
+    logical :: turns(modes%count), others(modes%count)
+    part = part_monitor(monitor)
+    turns = turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), response%sampling%grid)
+    choice = chosen_sum(count(turns), response%sampling%grid%samples, histories_of(response), sum_tolerance)
+    response%sum_error = response%sum_error + error_of_sum(choice, response%sampling%grid%samples)
+    if (choice%transform) then
+      response%transformed = response%transformed + count(turns)
+      call add_transformed(modes, turns, choice, displaced, rate, monitor, workspace, response)
+      if (monitor%stop_requested()) return
+      others = modes%beta_squared%hi > 0.0_dp .and. .not. turns
+      part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! of few modes
+    else
+      others = modes%beta_squared%hi > 0.0_dp
+    end if
+    if (any(others)) call add_products(modes, others, displaced, rate, part, response)
+  end subroutine add_stable
+
+  subroutine add_products(modes, chosen, displaced, rate, monitor, response)
+    !! Some of the modes, by products of matrices.
+    class(mode_set), intent(in) :: modes
+    logical, intent(in) :: chosen(:)             !! (modes)
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:)
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type), intent(inout) :: response
+    type(part_monitor) :: part
+    integer, allocatable :: k(:)
+    integer :: first, last, n
+    n = modes_at_once(size(response%sampling%points))
+    do first = 1, modes%count, n
+      last = min(first + n - 1, modes%count)
+      k = numbers_of(chosen(first:last)) + (first - 1)
+      if (size(k) == 0) cycle
+      part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
+      associate (shapes => modes%some_shapes(k(1), k(size(k)), response%sampling%points))
+        call add_stable_modes(modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), &
+                              response%sampling%grid, part, response%displacement, response%velocity)
+      end associate
+      if (monitor%stop_requested()) return
+    end do
+  end subroutine add_products
+
+  subroutine add_transformed(modes, chosen, choice, displaced, rate, monitor, workspace, response)
+    !! Some of the modes, by the transform; shapes are found for some modes and points at a time.
+    class(mode_set), intent(in) :: modes
+    logical, intent(in) :: chosen(:)             !! (modes)
+    type(sum_choice), intent(in) :: choice
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:)
+    class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: workspace
+    type(response_type), intent(inout) :: response
+    real(dp), allocatable :: shapes(:, :)
+    integer, allocatable :: k(:)
+    integer :: e, first, last, p, group
+    logical :: moved
+    moved = .false.
+    if (present(displaced)) moved = any(displaced /= 0.0_dp)
+    associate (points => response%sampling%points, grid => response%sampling%grid, with_velocity => allocated(response%velocity))
+      group = points_at_once(choice%half, grid%samples, size(points), merge(2, 1, with_velocity)*merge(2, 1, moved))
+      allocate (shapes(batch, group))
+      do p = 1, size(points), group
+        e = min(p + group - 1, size(points))
+        call workspace%open(grid, choice%width, choice%half, e - p + 1, with_velocity, moved)
+        do first = 1, modes%count, batch
+          last = min(first + batch - 1, modes%count)
+          k = numbers_of(chosen(first:last)) + (first - 1)
+          if (size(k) == 0) cycle
+          shapes(:k(size(k)) - k(1) + 1, :e - p + 1) = modes%some_shapes(k(1), k(size(k)), points(p:e))
+          if (moved) then
+            call workspace%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), displaced(k))
+          else
+            call workspace%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1))
+          end if
+          call monitor%advance((p - 1 + (e - p + 1)*(real(last, dp)/modes%count))/size(points))
+          if (monitor%stop_requested()) return
+        end do
+        if (with_velocity) then
+          call workspace%close(response%displacement(:, p:e), response%velocity(:, p:e), monitor)
+        else
+          call workspace%close(response%displacement(:, p:e), monitor=monitor)
+        end if
+      end do
+    end associate
+    call workspace%shrink()
+  end subroutine add_transformed
+
+  subroutine add_damped(modes, displaced, rate, monitor, response)
+    !! Damped modes.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:)
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type), intent(inout) :: response
+    type(part_monitor) :: part
+    integer, allocatable :: k(:)
+    integer :: first, last, n
+    n = modes_at_once(size(response%sampling%points))
+    do first = 1, modes%count, n
+      last = min(first + n - 1, modes%count)
+      k = numbers_between(first, last)
+      part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
+      call add_damped_batch(first, damped_motion(modes%beta_squared(k), modes%damping(k), state_of(k, displaced), rate(k), &
+                                                 modes%some_shapes(first, last, response%sampling%points)), part, response)
+      if (monitor%stop_requested()) return
+    end do
+  end subroutine add_damped
+
+  subroutine add_damped_batch(first, motion, monitor, response)
+    !! Of those that grow, A e^(st) is the motion of an undamped mode with β² = −s².
+    integer, intent(in) :: first                 !! number of the first of the modes
+    type(damped_motion), intent(in) :: motion
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    integer, allocatable :: k(:)
+    type(dd), allocatable :: up(:)
+    real(dp), allocatable :: down(:), growing(:), start(:), start_rate(:)
+    associate (beta_squared => motion%beta_squared, c => motion%c, q => motion%q, rate => motion%q_dot, shapes => motion%shapes, &
+               grid => response%sampling%grid)
+      start = response%displacement(1, :) + matmul(q, shapes)
+      if (allocated(response%velocity)) start_rate = response%velocity(1, :) + matmul(rate, shapes)
+      call add_damped_modes(motion, grid, monitor, response%displacement, response%velocity)
+      k = numbers_of(grows(beta_squared, c, grid%samples*grid%step%hi))
+      if (size(k) > 0) then
+        up = slow_exponent(beta_squared(k), c(k))
+        down = fast_exponent(beta_squared(k), c(k))
+        growing = (rate(k) - down*q(k))/(up%hi - down)
+        call add_growing_batch(first - 1 + k, -(up*up), growing, growing*up%hi, shapes(k, :), monitor, response)
+      end if
+    end associate
+    response%displacement(1, :) = start          ! to the last digit: of a beam at rest position zero
+    if (allocated(response%velocity)) response%velocity(1, :) = start_rate
+  end subroutine add_damped_batch
+
+  subroutine add_growing(modes, displaced, rate, monitor, response)
+    !! Modes at or beyond their critical speed.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in), optional :: displaced(:)
+    real(dp), intent(in) :: rate(:)
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    real(dp), allocatable :: shapes(:, :)
+    integer, allocatable :: k(:)
+    if (.not. any(modes%beta_squared%hi <= 0.0_dp)) return
+    k = numbers_of(modes%beta_squared%hi <= 0.0_dp)
+    shapes = modes%some_shapes(k(1), k(size(k)), response%sampling%points)
+    call add_growing_batch(k, modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), monitor, response)
+  end subroutine add_growing
+
+  subroutine add_growing_batch(number, beta_squared, q, rate, shapes, monitor, response)
+    !! Up to the first sample at which their sum overflows, or a velocity in m/s.
+    integer, intent(in) :: number(:)             !! of the modes
+    type(dd), intent(in) :: beta_squared(:)      !! none above 0
+    real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    real(dp), allocatable :: limits(:)           ! logarithms of the largest displacement and velocity
+    integer, parameter :: block = 4096           ! samples
+    integer :: first, k, finite, failing
+    limits = [log_huge]
+    if (allocated(response%velocity)) limits = [log_huge, log_huge + min(0.0_dp, log(response%sampling%unit_time))]
+    call find_overflow(beta_squared, q, rate, shapes, response%sampling%grid, limits, finite, failing)
+    if (finite < response%finite_samples) then
+      response%finite_samples = finite
+      response%failing_mode = number(failing)
+    end if
+    do first = 1, response%finite_samples, block
+      do k = 1, size(q)
+        if (monitor%stop_requested()) return
+        call add_growing_mode(beta_squared(k), q(k), rate(k), shapes(k, :), response%sampling%grid, &
+                              [first, min(first + block - 1, response%finite_samples)], response%displacement, response%velocity)
+      end do
+    end do
+  end subroutine add_growing_batch
+
+  pure integer function modes_at_once(points) result(modes)
+    !! A bound of the memory that shapes take.
+    integer, intent(in) :: points                !! how many
+    modes = max(batch, most_numbers/max(64, points))
+  end function modes_at_once
+
+  pure function state_of(k, displaced) result(q)
+    !! Modal displacements of some modes at t = 0.
+    integer, intent(in) :: k(:)
+    real(dp), intent(in), optional :: displaced(:)   !! of all; absent: none are displaced
+    real(dp) :: q(size(k))
+    q = 0.0_dp
+    if (present(displaced)) q = displaced(k)
+  end function state_of
+
+  pure function numbers_between(first, last) result(k)
+    !! first, first + 1, … last.
+    integer, intent(in) :: first, last
+    integer :: k(last - first + 1)
+    integer :: i
+    k = [(i, i=first, last)]
+  end function numbers_between
+
+  pure function numbers_of(chosen) result(k)
+    !! The places of what is true, ascending.
+    logical, intent(in) :: chosen(:)
+    integer, allocatable :: k(:)
+    k = pack(numbers_between(1, size(chosen)), chosen)
+  end function numbers_of
+
+end module bw_set_sum

@@ -1,0 +1,103 @@
+module bw_spread
+  !! Carries modes onto a grid of frequencies: the innermost loop of the non-uniform transform.
+  use bw_kinds, only: dp
+  use bw_spreading_kernel, only: cells, high_degree, low_degree, spreading_kernel, vector
+  implicit none (type, external)
+  private
+  public :: spread_modes, rows_of
+
+  integer, parameter :: group = 8             !! tuned: modes whose weights are made before any is put to use
+
+contains
+
+  elemental integer function rows_of(width) result(rows)
+    !! Grid points that a mode touches: those of the kernel in whole vectors, the weights beyond it 0.
+    integer, intent(in) :: width
+    rows = vector*((width + vector - 1)/vector)
+  end function rows_of
+
+  pure subroutine spread_modes(kernel, first, offset, coefficients, grid)
+    !! Adds every mode, times its coefficients and the kernel around its frequency, to the grids.
+    type(spreading_kernel), intent(in) :: kernel
+    integer, intent(in), contiguous :: first(:)
+      !! place, from 1, of the first grid point that a mode reaches, (modes)
+    real(dp), intent(in) :: offset(:)
+      !! where in the spacing left of the middle of those points it lies, 0 … 1, (modes)
+    real(dp), intent(in), contiguous :: coefficients(:, :)   !! (modes, grids)
+    real(dp), intent(inout), contiguous :: grid(:, :)        !! (grid points, grids)
+    real(dp) :: place(group), weights(vector, group)
+    integer :: b, cell(group), k, n
+    do k = 0, size(first) - 1, group
+      n = min(group, size(first) - k)
+      cell(:n) = min(cells, int(offset(k + 1:k + n)*cells) + 1)
+      place(:n) = 2.0_dp*(offset(k + 1:k + n)*cells - (cell(:n) - 1)) - 1.0_dp
+      do b = 1, rows_of(kernel%width)/vector
+        if (kernel%degree == low_degree) then
+          call low_weights(kernel%table(:, :, :, b), n, cell, place, weights)
+        else
+          call high_weights(kernel%table(:, :, :, b), n, cell, place, weights)
+        end if
+        call spread_group(n, weights, k, first, (b - 1)*vector, coefficients, grid)
+      end do
+    end do
+  end subroutine spread_modes
+
+  ! Horner's rule is written out: as a loop the compiler takes it apart.
+
+  pure subroutine low_weights(t, n, cell, x, weights)
+    !! One vector of the weights of `n` modes, by polynomials of the lower degree.
+    real(dp), intent(in) :: t(vector, 0:low_degree, cells)           !! of the kernel
+    integer, intent(in) :: n, cell(n)
+    real(dp), intent(in) :: x(n)                                     !! place in the cell, −1 … 1
+    real(dp), intent(inout) :: weights(vector, group)
+    integer :: c, i, k
+    do k = 1, n
+      c = cell(k)
+      !GCC$ unroll 1
+      do i = 1, vector
+        weights(i, k) = (((t(i, 4, c)*x(k) + t(i, 3, c))*x(k) + t(i, 2, c))*x(k) + t(i, 1, c))*x(k) + t(i, 0, c)
+      end do
+    end do
+  end subroutine low_weights
+
+  pure subroutine high_weights(t, n, cell, x, weights)
+    !! The same by those of the higher degree.
+    real(dp), intent(in) :: t(vector, 0:high_degree, cells)
+    integer, intent(in) :: n, cell(n)
+    real(dp), intent(in) :: x(n)
+    real(dp), intent(inout) :: weights(vector, group)
+    integer :: c, i, k
+    do k = 1, n
+      c = cell(k)
+      !GCC$ unroll 1
+      do i = 1, vector
+        weights(i, k) = ((((((t(i, 7, c)*x(k) + t(i, 6, c))*x(k) + t(i, 5, c))*x(k) + t(i, 4, c))*x(k) + t(i, 3, c))*x(k) &
+                          + t(i, 2, c))*x(k) + t(i, 1, c))*x(k) + t(i, 0, c)
+      end do
+    end do
+  end subroutine high_weights
+
+  pure subroutine spread_group(n, weights, done, first, beyond, coefficients, grid)
+    !! One vector of the weights of the next `n` modes is put to use.
+    integer, intent(in) :: n
+    real(dp), intent(in) :: weights(vector, group)
+    integer, intent(in) :: done                                      !! modes before them
+    integer, intent(in), contiguous :: first(:)                      !! of all modes, as in `spread_modes`
+    integer, intent(in) :: beyond                                    !! grid points before this vector
+    real(dp), intent(in), contiguous :: coefficients(:, :)
+    real(dp), intent(inout), contiguous :: grid(:, :)
+    real(dp) :: coefficient
+    integer :: i, k, low, p
+    do k = 1, n
+      do p = 1, size(grid, 2)
+        coefficient = coefficients(done + k, p)
+        low = first(done + k) + beyond - 1
+        !GCC$ unroll 1
+        do i = 1, vector
+          grid(low + i, p) = grid(low + i, p) + weights(i, k)*coefficient
+        end do
+      end do
+    end do
+  end subroutine spread_group
+
+end module bw_spread

@@ -1,0 +1,233 @@
+module bw_streamed_modes
+  !! Histories of more modes than are in memory at a time: batch by batch they are solved, spread onto the grids of the
+  !! transform and forgotten, and the grids are turned into samples once.
+  use bw_double_double, only: dd
+  use bw_kinds, only: dp
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
+  use bw_response, only: histories_of, response_type, turns_in_record
+  use bw_set_sum, only: add_motion, modes_at_once
+  use bw_stopwatch, only: wall_seconds
+  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice, sum_seconds
+  use bw_time_grid, only: time_grid
+  use bw_truncation, only: tail_error
+  implicit none (type, external)
+  private
+  public :: add_modes_in_parts, add_modes_of_source
+
+  integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
+  real(dp), parameter :: fewer_or_more(2) = [1.0_dp/3.0_dp, 8.0_dp]
+    !! tuned: times the modes before the remainder, which may be summed to all digits instead of these
+  real(dp), parameter :: loosest = 1.0e-4_dp   !! tolerance of a sum, over its own peak
+
+  type, public :: remainder_type
+    !! What all modes after the first are estimated to add to a displacement.
+    integer :: after = 0                       !! how many the first ones are
+    real(dp) :: share = 1.0_dp                 !! over the peak, at most 1
+    real(dp) :: tail = 0.0_dp                  !! `tail_error` with a force of 1, l²/h; 0: not known
+  end type remainder_type
+
+contains
+
+  subroutine add_modes_in_parts(source, force, count, remainder, tolerances, monitor, response, workspace)
+    !! Add the first `count` modes in one sum, or the first ones, which make the motion, apart from the many that add little
+    !! and need fewer digits: whichever is faster.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force                !! as that of `add_modes_of_source`, also what follows
+    integer, intent(in) :: count                 !! > `remainder%after`
+    type(remainder_type), intent(in) :: remainder
+    real(dp), intent(in) :: tolerances(2)        !! over the peak: of the first ones, and of what the others add to them
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type), intent(inout) :: response    !! started
+    type(nonuniform_sum), intent(inout) :: workspace
+    real(dp) :: error, share
+    integer :: first
+    first = faster_part(count, remainder, response, tolerances)
+    if (first == count) then
+      call add(1, count, tolerances(1))
+    else
+      share = remainder%share
+      if (first /= remainder%after) share = share_after(first, source, remainder, response)
+      call add(1, first, tolerances(1))
+      error = response%sum_error
+      call add(first + 1, count, coarse(share, tolerances))
+      response%sum_error = error + share*(response%sum_error - error)
+    end if
+  contains
+    subroutine add(first, last, tolerance)
+      integer, intent(in) :: first, last
+      real(dp), intent(in) :: tolerance
+      type(part_monitor) :: part_of_it
+      part_of_it = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
+      call add_modes_of_source(source, force, first, last, tolerance, part_of_it, response, workspace)
+    end subroutine add
+  end subroutine add_modes_in_parts
+
+  pure integer function faster_part(count, remainder, response, tolerances) result(first)
+    !! How many modes to sum to all digits: those before the remainder, fewer, several times as many, or all.
+    integer, intent(in) :: count
+    type(remainder_type), intent(in) :: remainder
+    type(response_type), intent(in) :: response
+    real(dp), intent(in) :: tolerances(2)
+    real(dp) :: seconds(4)
+    integer :: histories, parts(4), samples
+    samples = response%sampling%grid%samples
+    histories = histories_of(response)
+    parts = [count, remainder%after, max(1, nint(fewer_or_more*remainder%after))]
+    seconds(1) = sum_seconds(count, samples, histories, tolerances(1))
+    seconds(2) = seconds_of_parts(remainder%after)
+    seconds(3:) = huge(seconds)
+    if (remainder%tail > 0.0_dp) then
+      seconds(3) = seconds_of_parts(parts(3))
+      if (parts(4) < count) seconds(4) = seconds_of_parts(parts(4))
+    end if
+    first = parts(minloc(seconds, dim=1))
+  contains
+    pure real(dp) function seconds_of_parts(part)
+      integer, intent(in) :: part
+      real(dp) :: share                          ! what the others add: amplitudes fall about as k⁻³ (Eqs 18 and 21)
+      share = min(1.0_dp, remainder%share*(real(remainder%after, dp)/part)**2)
+      seconds_of_parts = sum_seconds(part, samples, histories, tolerances(1)) &
+        + sum_seconds(count - part, samples, histories, coarse(share, tolerances))
+    end function seconds_of_parts
+  end function faster_part
+
+  pure real(dp) function coarse(share, tolerances) result(tolerance)
+    !! The tolerance of a sum over its own peak that keeps the one over the peak of the whole motion.
+    real(dp), intent(in) :: share                !! the peak of the sum over that of the whole motion
+    real(dp), intent(in) :: tolerances(2)
+    tolerance = min(loosest, max(tolerances(1), tolerances(2)/share))
+  end function coarse
+
+  real(dp) function share_after(first, source, remainder, response) result(share)
+    !! What the modes after any number of first ones add, over the peak.
+    integer, intent(in) :: first
+    class(mode_source), intent(in) :: source
+    type(remainder_type), intent(in) :: remainder
+    type(response_type), intent(in) :: response
+    associate (grid => response%sampling%grid)
+      share = maxval(tail_error(first, source, 1.0_dp, response%sampling%points, grid%samples*grid%step%hi, grid%samples, .false.))
+    end associate
+    share = max(epsilon(share), min(1.0_dp, remainder%share*(share/remainder%tail)))
+  end function share_after
+
+  subroutine add_modes_of_source(source, force, first, last, tolerance, monitor, response, workspace)
+    !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform
+    !! where that is faster, but for those that turn less than once in the record and for damped ones.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force                !! velocities in m per l²/h, as in `add_motion`
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: tolerance            !! of the transform, over the peak of what it adds
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response   !! started
+    type(nonuniform_sum), intent(inout), optional :: workspace    !! of another motion, whose plans may serve again
+    type(nonuniform_sum) :: own
+    type(sum_choice) :: choice
+    integer :: samples, turning
+    samples = response%sampling%grid%samples
+    turning = last + 1
+    if (.not. allocated(source%damping)) then
+      choice = chosen_sum(last - first + 1, samples, histories_of(response), tolerance)
+      if (choice%transform) turning = first_turning(source, first, last, response%sampling%grid)
+    end if
+    call add_sets(source, force, first, turning - 1, monitor, response)
+    if (turning > last) return
+    if (monitor%stop_requested()) return
+    if (present(workspace)) then
+      call transform_source(source, force, turning, last, choice, monitor, workspace, response)
+    else
+      call transform_source(source, force, turning, last, choice, monitor, own, response)
+    end if
+    response%sum_error = response%sum_error + error_of_sum(choice, samples)
+    response%transformed = response%transformed + (last - turning + 1)
+  end subroutine add_modes_of_source
+
+  integer function first_turning(source, first, last, grid) result(k)
+    !! The first mode of those that turns at least once in the record; `last` + 1 where none does.
+    class(mode_source), intent(in) :: source
+    integer, intent(in) :: first, last
+    type(time_grid), intent(in) :: grid
+    integer, parameter :: step = 16              ! all but short records end with the first
+    type(dd) :: beta(step)
+    real(dp) :: drive(step), shapes(step, 0)
+    integer :: i, n, slow
+    k = first
+    do while (k <= last)
+      n = min(step, last - k + 1)
+      call source%terms([(i, i=k, k + n - 1)], [real(dp) ::], record_of(source, grid), beta(:n), drive(:n), shapes(:n, :))
+      slow = count(.not. turns_in_record(beta(:n)%hi, grid))
+      k = k + slow
+      if (slow < n) return
+    end do
+  end function first_turning
+
+  subroutine add_sets(source, force, first, last, monitor, response)
+    !! Modes in sets of bounded size.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: first, last
+    class(monitor_type), intent(inout) :: monitor
+    type(response_type), intent(inout) :: response
+    class(mode_set), allocatable :: modes
+    real(dp) :: started
+    integer :: at_once, i, k
+    at_once = modes_at_once(size(response%sampling%points))
+    do k = first, last, at_once
+      started = wall_seconds()
+      call source%find([(i, i=k, min(k + at_once - 1, last))], modes, record_of(source, response%sampling%grid))
+      response%mode_seconds = response%mode_seconds + (wall_seconds() - started)
+      call add_motion(modes, force*modes%tip/modes%modal_mass, monitor, response)
+      if (monitor%stop_requested()) return
+    end do
+  end subroutine add_sets
+
+  subroutine transform_source(source, force, first, last, choice, monitor, workspace, response)
+    !! Where the grids of all points are too many to hold, all modes are solved again for every group of points.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: first, last
+    type(sum_choice), intent(in) :: choice
+    class(monitor_type), intent(inout) :: monitor
+    type(nonuniform_sum), intent(inout) :: workspace
+    type(response_type), intent(inout) :: response
+    real(dp) :: drive(batch), started
+    real(dp), allocatable :: shapes(:, :)
+    type(dd) :: beta(batch)
+    integer :: e, group, i, k, n, p
+    logical :: with_velocity
+    with_velocity = allocated(response%velocity)
+    associate (points => response%sampling%points, grid => response%sampling%grid)
+      group = points_at_once(choice%half, grid%samples, size(points), merge(2, 1, with_velocity))
+      allocate (shapes(batch, group))
+      do p = 1, size(points), group
+        e = min(p + group - 1, size(points))
+        call workspace%open(grid, choice%width, choice%half, e - p + 1, with_velocity, moved=.false.)
+        do k = first, last, batch
+          n = min(batch, last - k + 1)
+          started = wall_seconds()
+          call source%terms([(i, i=k, k + n - 1)], points(p:e), record_of(source, grid), beta(:n), drive(:n), &
+                            shapes(:n, :e - p + 1))
+          response%mode_seconds = response%mode_seconds + (wall_seconds() - started)
+          call workspace%add(beta(:n), force*drive(:n), shapes(:n, :e - p + 1))
+          call monitor%advance((p - 1 + (e - p + 1)*real(k - first + n, dp)/(last - first + 1))/size(points))
+          if (monitor%stop_requested()) return
+        end do
+        if (with_velocity) then
+          call workspace%close(response%displacement(:, p:e), response%velocity(:, p:e), monitor)
+        else
+          call workspace%close(response%displacement(:, p:e), monitor=monitor)
+        end if
+      end do
+    end associate
+    call workspace%shrink()
+  end subroutine transform_source
+
+  pure real(dp) function record_of(source, grid) result(longest)
+    !! For how long the phases of modes are to be right, in l²/h.
+    class(mode_source), intent(in) :: source
+    type(time_grid), intent(in) :: grid
+    longest = source%stretch*(grid%samples*grid%step%hi)
+  end function record_of
+
+end module bw_streamed_modes

@@ -1,0 +1,157 @@
+module bw_scene_messages
+  !! All that is wrong with a scene, collected while it is read and shown in the order of its lines; how messages show pieces
+  !! of a scene, and what they say of products of inputs that do not fit into double precision.
+  use bw_kinds, only: dp, qp
+  use bw_scene_tokens, only: is_utf8, name_characters
+  use bw_text, only: text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: check_product, settle_product, shortened, shown
+
+  integer, parameter :: most_messages = 1000  !! nobody reads more, and memory is bounded
+
+  type :: located_message
+    integer :: line = 0
+    character(:), allocatable :: text
+  end type located_message
+
+  type, public :: message_list
+    character(:), allocatable :: file         !! the scene's path, as the user wrote it
+    integer :: count = 0                      !! of all errors, listed or not
+    logical :: cut = .false.                  !! more is wrong than is listed: whoever reads on may stop
+    type(located_message), allocatable, private :: items(:)
+  contains
+    procedure :: add
+    procedure :: text => text_of_list
+  end type message_list
+
+contains
+
+  pure subroutine add(self, line, place, what)
+    !! Add `FILE:LINE: place: what`.
+    class(message_list), intent(inout) :: self
+    integer, intent(in) :: line               !! 0 for something absent: `FILE: place: what`
+    character(*), intent(in) :: place         !! `group%name` or `&group`
+    character(*), intent(in) :: what          !! what is wrong, and what would be accepted
+    self%count = self%count + 1
+    self%cut = self%count > most_messages
+    if (self%cut) return
+    if (.not. allocated(self%items)) allocate (self%items(8))
+    if (self%count > size(self%items)) call grow(self%items)
+    self%items(self%count)%line = line
+    if (line > 0) then
+      self%items(self%count)%text = self%file//':'//text_of(line)//': '//place//': '//what
+    else
+      self%items(self%count)%text = self%file//': '//place//': '//what
+    end if
+  end subroutine add
+
+  pure subroutine grow(items)
+    !! Twice as much room.
+    type(located_message), allocatable, intent(inout) :: items(:)
+    type(located_message), allocatable :: more(:)
+    integer :: i
+    allocate (more(2*size(items)))
+    do i = 1, size(items)
+      more(i)%line = items(i)%line
+      call move_alloc(items(i)%text, more(i)%text)
+    end do
+    call move_alloc(more, items)
+  end subroutine grow
+
+  pure function text_of_list(self) result(text)
+    !! One message per line, by line of the scene; what is absent comes last.
+    class(message_list), intent(in) :: self
+    character(:), allocatable :: text
+    type(text_builder) :: builder
+    integer :: order(min(self%count, most_messages)), i
+    order = by_line(self%items(:size(order))%line)
+    do i = 1, size(order)
+      if (i > 1) call builder%append(new_line('a'))
+      call builder%append(self%items(order(i))%text)
+    end do
+    if (self%cut) call builder%append(new_line('a')//self%file//': text: more is wrong than these '//text_of(most_messages)// &
+                                      ' errors; what else there is was not looked at')
+    text = builder%text()
+  end function text_of_list
+
+  pure function by_line(lines) result(order)
+    !! Stable insertion sort; line 0 counts as the last. The lists are short or nearly in order.
+    integer, intent(in) :: lines(:)
+    integer :: order(size(lines))
+    integer :: i, j
+    do i = 1, size(lines)
+      j = i
+      do while (j > 1)
+        if (key(lines(order(j - 1))) <= key(lines(i))) exit
+        order(j) = order(j - 1)
+        j = j - 1
+      end do
+      order(j) = i
+    end do
+  end function by_line
+
+  pure integer function key(line)
+    !! What messages are sorted by.
+    integer, intent(in) :: line
+    key = merge(huge(line), line, line == 0)
+  end function key
+
+  pure subroutine settle_product(product, value, line, place, what, messages)
+    !! Round a product to double precision; where it overflows or loses digits to underflow, say so.
+    real(qp), intent(in) :: product
+    real(dp), intent(out) :: value
+    integer, intent(in) :: line
+    character(*), intent(in) :: place, what
+    type(message_list), intent(inout) :: messages
+    integer :: before
+    before = messages%count
+    call check_product(product, line, place, what, messages)
+    value = 0.0_dp
+    if (messages%count == before) value = real(product, dp)
+  end subroutine settle_product
+
+  pure subroutine check_product(product, line, place, what, messages)
+    !! The product is zero or a normal number of double precision.
+    real(qp), intent(in) :: product
+    integer, intent(in) :: line
+    character(*), intent(in) :: place          !! an input that it depends on
+    character(*), intent(in) :: what           !! what the product is
+    type(message_list), intent(inout) :: messages
+    if (abs(product) > huge(1.0_dp)) then
+      call messages%add(line, place, what//' is too large for double precision; accepted: at most 1.79e308')
+    else if (product /= 0.0_qp .and. abs(product) < tiny(1.0_dp)) then
+      call messages%add(line, place, what//' is too small for double precision; accepted: at least 2.23e-308')
+    end if
+  end subroutine check_product
+
+  pure function shortened(name) result(piece)
+    !! A name as a message may show it.
+    character(*), intent(in) :: name          !! ASCII
+    character(:), allocatable :: piece
+    integer, parameter :: most = 80
+    piece = name(:min(len(name), most))
+    if (len(name) > most) piece = piece//'...'
+  end function shortened
+
+  pure function shown(text) result(piece)
+    !! A piece of the scene, shortened, as a message may show it.
+    character(*), intent(in) :: text
+    character(:), allocatable :: piece
+    integer, parameter :: most = 40
+    integer :: i, last
+    last = min(len(text), most)
+    if (last < len(text)) last = scan(text(:last), name_characters//' .,+-', back=.true.)
+    if (.not. is_utf8(text(:last))) then
+      piece = '(not UTF-8)'
+      return
+    end if
+    piece = text(:last)
+    do i = 1, last
+      if (iachar(piece(i:i)) < 32) piece(i:i) = ' '
+    end do
+    if (last < len(text)) piece = piece//'...'
+    piece = "'"//piece//"'"
+  end function shown
+
+end module bw_scene_messages

@@ -1,0 +1,154 @@
+module bw_scene_reader
+  !! From a file, or its text, to a scene: all that is wrong with it is reported at once. A file may be what stands for one: a
+  !! pipe, as a shell makes it of `<(command)`.
+  !!
+  !! The way is text ► tokens (bw_scene_lexer) ► groups and statements (bw_scene_parser) ► values (bw_scene_fill, each statement
+  !! by bw_scene_entries and bw_scene_scalars) ► the scene.
+  use, intrinsic :: iso_c_binding, only: c_int, c_loc
+  use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input
+  use bw_files, only: cannot_be_read, path_state
+  use bw_kinds, only: i1, i8
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: check_corners, complete
+  use bw_scene_checks, only: check_groups
+  use bw_scene_fill, only: fill_groups
+  use bw_scene_lexer, only: tokenise
+  use bw_scene_messages, only: message_list
+  use bw_scene_parser, only: parse, parsed_scene
+  use bw_scene_sweeps, only: extract_sweeps
+  use bw_scene_tokens, only: token
+  use bw_system_calls, only: bw_listen, is_directory, is_file
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: read_scene, read_scene_text, stem
+
+  integer(i8), parameter :: most_bytes = 2_i8**26   !! a scene of 64 MB holds more values than a sweep may have
+  integer(i8), parameter :: most_piped = 2_i8**20
+  integer, parameter :: patience = 5000             !! ms without a word from a pipe
+
+contains
+
+  subroutine read_scene(path, scene, error)
+    !! Read, check and complete the scene in a file.
+    character(*), intent(in) :: path
+    type(scene_type), intent(out) :: scene
+    type(error_type), allocatable, intent(out) :: error
+      !! `status_bad_file` where the file cannot be read; `status_bad_input` where the scene is wrong, with one line
+      !! `FILE:LINE: group%name: what is wrong, what would be accepted` for each error
+    character(:), allocatable :: text
+    call read_scene_bytes(path, text, error)
+    if (.not. allocated(error)) call read_scene_text(text, path, scene, error)
+  end subroutine read_scene
+
+  pure subroutine read_scene_text(text, path, scene, error)
+    !! The same for a text; `path` names it in messages.
+    character(*), intent(in) :: text
+    character(*), intent(in) :: path
+    type(scene_type), intent(out) :: scene
+    type(error_type), allocatable, intent(out) :: error
+    type(token), allocatable :: tokens(:)
+    type(parsed_scene) :: parsed
+    type(message_list) :: messages
+    messages%file = path
+    scene%file = path
+    scene%name = stem(path)
+    call tokenise(text, .false., tokens, messages)
+    call parse(text, tokens, parsed, messages)
+    if (.not. messages%cut) then
+      call fill_groups(text, tokens, parsed, scene%groups, messages)
+      call extract_sweeps(scene%groups, scene%sweeps, messages)
+      call check_groups(scene%groups, messages)
+      call complete(scene, messages)
+    end if
+    if (messages%count == 0) call check_corners(scene, messages)
+    if (messages%count > 0) call fail(error, status_bad_input, messages%text())
+  end subroutine read_scene_text
+
+  pure function stem(path) result(name)
+    !! `runs/fig2.nml` → `fig2`.
+    character(*), intent(in) :: path
+    character(:), allocatable :: name
+    integer :: point
+    name = path(index(path, '/', back=.true.) + 1:)
+    point = index(name, '.', back=.true.)
+    if (point > 1) name = name(:point - 1)
+  end function stem
+
+  subroutine read_scene_bytes(path, text, error)
+    !! The text of a file or a pipe.
+    !! **Errors**: `status_bad_file` where there is no such file, or it cannot be read, or is larger than any scene.
+    character(*), intent(in) :: path
+    character(:), allocatable, intent(out) :: text
+    type(error_type), allocatable, intent(out) :: error
+    type(path_state) :: state
+    integer :: descriptor, ignored, problem
+    problem = open_file(path, to_read, descriptor)
+    if (problem == 0) problem = look_at_open(descriptor, state)
+    if (problem /= 0) then
+      call cannot_be_read(error, path, problem)
+    else if (state%kind == is_directory) then
+      call fail(error, status_bad_file, path//': is a directory')
+    else if (state%kind == is_file) then
+      call read_file(path, descriptor, state%bytes, text, error)
+    else
+      call read_pipe(path, descriptor, text, error)
+    end if
+    ignored = close_file(descriptor)
+  end subroutine read_scene_bytes
+
+  subroutine read_file(path, descriptor, bytes, text, error)
+    !! A file at once; it is refused where it is larger than any scene.
+    character(*), intent(in) :: path
+    integer, intent(in) :: descriptor
+    integer(i8), intent(in) :: bytes                !! that it has
+    character(:), allocatable, intent(out) :: text
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i1), allocatable :: buffer(:)
+    integer(i8) :: have
+    integer :: problem
+    if (bytes > most_bytes) then
+      call fail(error, status_bad_file, path//': larger than '//text_of(most_bytes)//' bytes, which no scene is')
+      return
+    end if
+    allocate (buffer(bytes))
+    problem = read_bytes(descriptor, 0_i8, buffer, have)
+    if (problem /= 0) call cannot_be_read(error, path, problem)
+    text = text_from(buffer(:have))
+  end subroutine read_file
+
+  subroutine read_pipe(path, descriptor, text, error)
+    !! To its end, as it comes. Nothing is waited for long: a pipe may have nobody who writes.
+    character(*), intent(in) :: path
+    integer, intent(in) :: descriptor
+    character(:), allocatable, intent(out) :: text
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i1), allocatable, target :: buffer(:)
+    integer(i8) :: have, more
+    allocate (buffer(most_piped + 1))
+    have = 0
+    do
+      more = bw_listen(int(descriptor, c_int), c_loc(buffer(have + 1)), size(buffer, kind=i8) - have, int(patience, c_int))
+      if (more < 0) call fail(error, status_bad_file, path//': is no file, and nothing comes out of it')
+      if (more <= 0) exit
+      have = have + more
+      if (have <= most_piped) cycle
+      call fail(error, status_bad_file, path//': is no file, and more than '//text_of(most_piped)//' bytes come out of it')
+      exit
+    end do
+    text = text_from(buffer(:have))
+  end subroutine read_pipe
+
+  pure function text_from(bytes) result(text)
+    !! Bytes as the characters that they are.
+    integer(i1), intent(in) :: bytes(:)
+    character(:), allocatable :: text
+    integer :: i
+    allocate (character(size(bytes)) :: text)
+    do i = 1, size(bytes)
+      text(i:i) = transfer(bytes(i), 'a')
+    end do
+  end function text_from
+
+end module bw_scene_reader

@@ -1,0 +1,199 @@
+module bw_accuracy
+  !! What accuracy costs on a scene: tolerances and fixed counts, each with its true error and its seconds.
+  use bw_kinds, only: dp, i8
+  use bw_accuracy_ladder, only: ladder_of, leave_out_of_reach, scene_of_rung, take_errors, take_seconds
+  use bw_case_result, only: case_done, case_result
+  use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
+  use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
+  use bw_missing, only: is_missing
+  use bw_model_error, only: model_errors
+  use bw_monitor, only: part_monitor, progress_type
+  use bw_outcome, only: outcome_type
+  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
+  use bw_price_report, only: price_report
+  use bw_scene, only: changes_shapes, scene_type
+  use bw_study_frame, only: study_frame
+  use bw_text, only: append, string
+  use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run
+  implicit none (type, external)
+  private
+  public :: measure_accuracy
+
+  real(dp), parameter :: budget = 0.5_dp       !! s of repeats for each rung
+  real(dp), parameter :: patience = 3.0_dp     !! s; a rung that takes longer is run once, and finer ones are left out
+  real(dp), parameter :: steepest_count = 3.0_dp   !! of seconds over the number of modes, as a power: LAPACK's
+  real(dp), parameter :: measuring = 0.4_dp    !! share of the first runs in the progress that is shown
+
+  type :: study_state
+    type(converged_run) :: converged
+    type(timed_run), allocatable :: runs(:)    !! of the rungs
+    type(price_list) :: list
+    type(string), allocatable :: notes(:)
+  end type study_state
+
+contains
+
+  subroutine measure_accuracy(scene, directory, overwrite, progress, outcome, error)
+    !! Measure, write DIRECTORY/<scene>.accuracy.nc, and say what was found.
+    !! **Errors**: `status_bad_input` where nothing can be measured on the scene, `status_bad_file` where a file cannot be
+    !! read or written or is another scene's.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: directory
+    logical, intent(in) :: overwrite
+    class(progress_type), intent(inout) :: progress
+    type(outcome_type), intent(out) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(study_state) :: state
+    type(study_frame) :: frame
+    logical :: whole
+    call refuse(scene, error)
+    frame%study = 'accuracy'
+    if (.not. allocated(error)) call frame%begin(scene, directory, overwrite, outcome, error)
+    if (allocated(error) .or. outcome%was_there) return
+    call progress%begin(scene%name, 1_i8, 0_i8)
+    call measure(frame%scene, progress, state, whole, error)
+    call progress%end()
+    if (allocated(error) .or. .not. whole) then
+      call frame%leave(outcome)
+    else
+      if (state%converged%result%status /= case_done) outcome%status = status_not_trusted
+      call frame%end(scene, state%list, price_report(state%list), state%notes, outcome, error)
+    end if
+  end subroutine measure_accuracy
+
+  subroutine refuse(scene, error)
+    !! Accuracy is measured against the answer of infinitely many modes, so a scene needs a history that has one.
+    !! **Errors**: `status_bad_input` where it has none.
+    type(scene_type), intent(in) :: scene
+    type(error_type), allocatable, intent(out) :: error
+    character(*), parameter :: accepted = '; accepted: a scene with &impact, &capture and &response'
+    if (.not. allocated(scene%response)) then
+      call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
+                'could be measured'//accepted)
+    else if (.not. allocated(scene%capture)) then
+      call fail(error, status_bad_input, scene%file//': &capture: is absent: a rebound belongs to its truncation (its '// &
+                'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted//'; instead: '// &
+                '&sweep parameter=''modes%before'', which shows what changes with their number')
+    end if
+  end subroutine refuse
+
+  subroutine measure(scene, progress, state, whole, error)
+    !! Make the converged run, find the error of each rung, then run all rungs in turn for their seconds.
+    type(scene_type), intent(in) :: scene
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole                !! false where the monitor asked to stop
+    type(error_type), allocatable, intent(out) :: error
+    type(part_monitor) :: part
+    integer :: i
+    allocate (state%notes(0))
+    part = part_monitor(progress, 0.0_dp, 0.5_dp*measuring)
+    call converge(scene, part, state%converged, whole, error)
+    if (allocated(error) .or. .not. whole) return
+    state%list%rungs = ladder_of(state%converged%tolerance, .not. changes_shapes(scene))
+    allocate (state%runs(size(state%list%rungs)))
+    do i = 1, size(state%runs)
+      state%runs(i)%scene = scene_of_rung(scene, state%list%rungs(i))
+    end do
+    call leave_out_of_reach(state%converged, part, state%runs, state%list%rungs)
+    call run_rungs(progress, state, whole)
+    if (.not. whole) return
+    part = part_monitor(progress, measuring, 1.0_dp - measuring)
+    call repeat_runs(state%runs, budget, part, whole)
+    if (whole) call take_account(scene, state)
+  end subroutine measure
+
+  subroutine run_rungs(progress, state, whole)
+    !! Run each rung once, for its error. These runs find cold caches: their time counts only where it is too long.
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole
+    type(case_result) :: result
+    type(part_monitor) :: part
+    type(timed_run) :: first
+    type(foresight) :: foreseen
+    integer :: i
+    whole = .true.
+    do i = 1, size(state%runs)
+      associate (rung => state%list%rungs(i), run => state%runs(i))
+        if (i > 1) then
+          if (rung%ladder /= state%list%rungs(i - 1)%ladder) foreseen = foresight()
+        end if
+        if (run%is_timed .and. next_seconds(foreseen, rung) > patience) call leave_out(state, i)
+        if (.not. run%is_timed) cycle
+        part = part_monitor(progress, measuring*(0.5_dp + 0.5_dp*i/size(state%runs)), 0.0_dp)
+        first = timed_run(run%scene)
+        call run_once(first, part, result, whole)
+        if (whole) whole = .not. progress%stop_requested()
+        if (.not. whole) return
+        call take_errors(run%scene, result, state%converged, rung)
+        run%is_timed = rung%status /= rung_out_of_reach
+        call foreseen%book(fineness(rung), first%seconds%total())
+        if (first%seconds%total() <= patience) cycle
+        if (run%is_timed) run = first            ! it is not run again
+        run%is_timed = .false.
+        call leave_out(state, i + 1)
+      end associate
+    end do
+  end subroutine run_rungs
+
+  pure real(dp) function next_seconds(foreseen, rung) result(seconds)
+    !! How long the run of a rung will take, s, by those of the coarser rungs of its ladder; 0 for the first.
+    type(foresight), intent(in) :: foreseen
+    type(rung_type), intent(in) :: rung
+    seconds = foreseen%next_seconds(fineness(rung), merge(steepest_count, steepest_tolerance, is_missing(rung%tolerance)))
+  end function next_seconds
+
+  pure real(dp) function fineness(rung)
+    !! A measure of how fine a rung is, which grows along its ladder.
+    type(rung_type), intent(in) :: rung
+    if (is_missing(rung%tolerance)) then
+      fineness = rung%mode_count
+    else
+      fineness = 1.0_dp/rung%tolerance
+    end if
+  end function fineness
+
+  pure subroutine leave_out(state, first)
+    !! Leave out a rung and the finer ones of its ladder, which would take too long.
+    type(study_state), intent(inout) :: state
+    integer, intent(in) :: first
+    integer :: i
+    do i = first, size(state%runs)
+      if (state%list%rungs(i)%ladder /= state%list%rungs(max(1, first - 1))%ladder) exit
+      if (state%runs(i)%is_timed) state%list%rungs(i)%status = rung_too_long
+      state%runs(i)%is_timed = .false.
+    end do
+  end subroutine leave_out
+
+  pure subroutine take_account(scene, state)
+    !! Put everything that was measured into the list.
+    type(scene_type), intent(in) :: scene
+    type(study_state), intent(inout) :: state
+    integer :: i
+    do i = 1, size(state%runs)
+      call take_seconds(state%runs(i), state%list%rungs(i))
+    end do
+    associate (list => state%list, converged => state%converged)
+      list%peak = converged%peak
+      list%converged_count = converged%result%mode_count
+      list%converged_error = converged%error
+      list%converged_difference = converged%difference
+      list%checked_samples = converged%checked_samples
+      list%converged_tolerance = converged%tolerance
+      if (converged%reach > converged_tolerance) list%reachable = converged%reach
+      associate (result => converged%result)
+        list%model_errors = model_errors(scene, result%modes, result%modal_velocity*result%approach_velocity, &
+                                         result%response%displacement(:result%response%finite_samples, :))
+      end associate
+      do i = 1, size(converged%result%notes)
+        call append(state%notes, converged%result%notes(i)%text)
+      end do
+      if (any(list%rungs%status == rung_measured .and. list%rungs%estimate < list%rungs%error .and. &
+              is_resolved(list%rungs, list%converged_error))) then
+        call append(state%notes, 'estimate: a true error is above its estimate')
+      end if
+    end associate
+  end subroutine take_account
+
+end module bw_accuracy

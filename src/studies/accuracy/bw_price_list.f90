@@ -1,0 +1,225 @@
+module bw_price_list
+  !! What accuracy costs on a scene: rungs of two ladders, one of tolerances, one of fixed counts of modes, each with its
+  !! error and its seconds; what can be read off them; and the variables of DIR/<scene>.accuracy.nc.
+  use bw_kinds, only: dp
+  use bw_absent_effects, only: absent_words
+  use bw_error, only: error_type
+  use bw_missing, only: is_missing, missing
+  use bw_stopwatch, only: processor_name, stage_words
+  use bw_study_file, only: study_file, study_values
+  implicit none (type, external)
+  private
+  public :: beyond_model, price_digits, work_slope, is_resolved
+
+  integer, parameter, public :: by_tolerances = 1, by_counts = 2, all_extended = 3
+  character(*), parameter, public :: ladder_words(3) = [character(9) :: 'tolerance', 'counts', 'extended']   !! by number
+
+  integer, parameter, public :: rung_measured = 1, rung_out_of_reach = 2, rung_too_long = 3, rung_diverged = 4
+  character(*), parameter, public :: rung_words(4) = &
+    [character(12) :: 'measured', 'out_of_reach', 'too_long', 'diverged']   !! by number
+
+  integer, parameter, public :: by_products = 1, by_transform = 2, not_summed = 3
+  character(*), parameter, public :: method_words(3) = [character(9) :: 'products', 'transform', 'none']   !! by number
+
+  integer, parameter, public :: priced_stages = 3      !! modes, events, response
+
+  type, public :: rung_type
+    integer :: ladder = by_tolerances
+    integer :: status = rung_measured
+    real(dp) :: tolerance = missing       !! that was asked for; missing on the ladder of counts
+    integer :: mode_count = 0             !! modes that were summed; 0 where none were
+    integer :: refined_count = 0          !! of these, roots solved in extended precision
+    integer :: method = not_summed
+    real(dp) :: error = missing           !! largest |displacement − converged displacement| over the samples, over the peak
+    real(dp) :: estimate = missing        !! the largest `displacement_error` over the peak
+    integer :: repeats = 0
+    real(dp) :: seconds = missing         !! median
+    real(dp) :: lower = missing, upper = missing        !! quartiles, s
+    real(dp) :: stages(priced_stages) = missing         !! medians, s
+  end type rung_type
+
+  type, extends(study_values), public :: price_list
+    type(rung_type), allocatable :: rungs(:)   !! ladder by ladder, from coarse to fine
+    real(dp) :: peak = 0.0_dp                  !! largest displacement of the converged run, m
+    real(dp) :: converged_tolerance = missing  !! that the converged run keeps
+    integer :: converged_count = 0             !! modes of the converged run
+    real(dp) :: converged_error = missing      !! its own estimate, over the peak: no smaller error is measured
+    real(dp) :: converged_difference = missing !! largest difference from the direct sum over the peak; missing: not taken
+    integer :: checked_samples = 0             !! samples at which it was taken
+    real(dp) :: model_errors(size(absent_words)) = 0.0_dp
+      !! what each effect that the scene leaves out would change, over the peak; estimates
+    real(dp) :: reachable = missing            !! the smallest tolerance in reach; missing: all that were tried
+  contains
+    procedure :: put => put_prices
+  end type price_list
+
+contains
+
+  elemental logical function is_resolved(rung, converged_error)
+    !! Whether the measured error is the rung's own, and not the converged run's.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: converged_error
+    is_resolved = .false.
+    if (is_missing(rung%error) .or. rung%error == 0.0_dp) return
+    is_resolved = rung%error > converged_error
+  end function is_resolved
+
+  elemental logical function beyond_model(rung, model_error)
+    !! Whether the rung's numbers are nearer to the model's answer than the model is to the beam.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: model_error       !! the largest of the list's
+    beyond_model = .false.
+    if (.not. is_missing(rung%error)) beyond_model = rung%error < model_error
+  end function beyond_model
+
+  pure integer function next_rung(rungs, i)
+    !! The next timed rung of the same ladder; 0 where there is none.
+    type(rung_type), intent(in) :: rungs(:)
+    integer, intent(in) :: i
+    next_rung = 0
+    if (i == size(rungs) .or. is_missing(rungs(i)%seconds)) return
+    if (rungs(i + 1)%ladder /= rungs(i)%ladder .or. is_missing(rungs(i + 1)%seconds)) return
+    next_rung = i + 1
+  end function next_rung
+
+  pure subroutine price_digits(rungs, seconds, growth)
+    !! What the next digit costs, from a tolerance to the next one: further seconds per factor of ten, and the same as a part
+    !! of the seconds at hand (0.25 is a quarter more time for each); missing where there is no next one, and on the ladder
+    !! of counts.
+    type(rung_type), intent(in) :: rungs(:)
+    real(dp), intent(out) :: seconds(:), growth(:)      !! (rungs)
+    real(dp) :: digits
+    integer :: i, next
+    seconds = missing
+    growth = missing
+    do i = 1, size(rungs)
+      next = next_rung(rungs, i)
+      if (next == 0 .or. is_missing(rungs(i)%tolerance)) cycle
+      digits = log10(rungs(i)%tolerance/rungs(next)%tolerance)
+      seconds(i) = (rungs(next)%seconds - rungs(i)%seconds)/digits
+      growth(i) = (rungs(next)%seconds/rungs(i)%seconds)**(1.0_dp/digits) - 1.0_dp
+    end do
+  end subroutine price_digits
+
+  pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
+    !! d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means that a
+    !! tenth of the error takes 10^0.05 times as long. Missing for fewer than two errors.
+    type(rung_type), intent(in) :: rungs(:)
+    integer, intent(in) :: ladder
+    real(dp), intent(in) :: converged_error
+    real(dp), allocatable :: x(:), y(:)
+    logical :: used(size(rungs))
+    used = rungs%ladder == ladder .and. .not. is_missing(rungs%seconds) .and. is_resolved(rungs, converged_error)
+    x = log(pack(rungs%error, used))
+    y = log(pack(rungs%seconds, used))
+    slope = missing
+    if (size(x) < 2) return
+    x = x - sum(x)/size(x)
+    if (maxval(abs(x)) < 0.01_dp) return       ! one error, but for rounding
+    slope = sum(x*y)/sum(x**2)
+  end function work_slope
+
+  subroutine put_prices(self, file, error)
+    !! Put everything that was measured into the file.
+    class(price_list), intent(in) :: self
+    type(study_file), intent(in) :: file
+    type(error_type), allocatable, intent(inout) :: error
+    call file%put_text('machine', processor_name(), error)
+    call file%put_axis('rung', size(self%rungs), 'number of the rung', error)
+    call file%put_axis('stage', priced_stages, 'stage of the work', error, stage_words(:priced_stages))
+    call put_rungs(file, self, error)
+    call put_errors(file, self, error)
+    call put_seconds(file, self, error)
+    call put_converged(file, self, error)
+  end subroutine put_prices
+
+  subroutine put_rungs(file, list, error)
+    !! Put what each rung is.
+    type(study_file), intent(in) :: file
+    class(price_list), intent(in) :: list
+    type(error_type), allocatable, intent(inout) :: error
+    associate (rungs => list%rungs)
+      call file%put_flags('ladder', 'rung', 'what the rungs of a ladder are made by', rungs%ladder, ladder_words, error)
+      call file%put_flags('rung_status', 'rung', 'how the rung ended', rungs%status, rung_words, error)
+      call file%put_numbers('tolerance', 'rung', '1', 'largest error that was asked for, over the peak', rungs%tolerance, error)
+      call file%put_counts('mode_count', 'rung', 'number of modes that were summed', rungs%mode_count, error)
+      call file%put_counts('refined_count', 'rung', 'number of modes whose root was solved in extended precision', &
+                           rungs%refined_count, error)
+      call file%put_flags('method', 'rung', 'how the modes were summed', rungs%method, method_words, error)
+    end associate
+  end subroutine put_rungs
+
+  subroutine put_errors(file, list, error)
+    !! Put the true errors, the estimated ones, and their ratios.
+    type(study_file), intent(in) :: file
+    class(price_list), intent(in) :: list
+    type(error_type), allocatable, intent(inout) :: error
+    associate (rungs => list%rungs)
+      call file%put_numbers('true_error', 'rung', '1', &
+                            'largest difference of the displacement from the converged run, over the peak', rungs%error, error)
+      call file%put_numbers('estimated_error', 'rung', '1', 'the run''s own estimate of that error', rungs%estimate, error)
+      call file%put_numbers('error_ratio', 'rung', '1', 'estimated over true error', &
+                            ratio(rungs%estimate, rungs%error), error)
+    end associate
+  end subroutine put_errors
+
+  subroutine put_seconds(file, list, error)
+    !! Put the times, and what follows from them.
+    type(study_file), intent(in) :: file
+    class(price_list), intent(in) :: list
+    type(error_type), allocatable, intent(inout) :: error
+    real(dp), dimension(size(list%rungs)) :: seconds, growth
+    integer :: i
+    call price_digits(list%rungs, seconds, growth)
+    associate (rungs => list%rungs)
+      call file%put_counts('repeats', 'rung', 'number of runs that were timed', rungs%repeats, error)
+      call file%put_numbers('seconds', 'rung', 's', 'wall time, median of the repeats', rungs%seconds, error)
+      call file%put_numbers('seconds_lower', 'rung', 's', 'wall time, a quarter of the repeats are faster', rungs%lower, error)
+      call file%put_numbers('seconds_upper', 'rung', 's', 'wall time, a quarter of the repeats are slower', rungs%upper, error)
+      call file%put_numbers('stage_seconds', 'rung stage', 's', 'wall time of the stage, median of the repeats', &
+                            [(rungs(i)%stages, i=1, size(rungs))], error)
+      call file%put_numbers('digit_seconds', 'rung', 's', 'further wall time for a tenth of the tolerance', &
+                            seconds, error)
+      call file%put_numbers('digit_growth', 'rung', '1', &
+                            'further wall time for a tenth of the tolerance, as a part of the rung''s', growth, error)
+      call file%put_numbers('work_slope', '', '1', 'd log(seconds)/d log(true error) over the tolerances', &
+                            [work_slope(rungs, by_tolerances, list%converged_error)], error)
+      call file%put_numbers('work_slope_of_counts', '', '1', 'd log(seconds)/d log(true error) over the fixed counts', &
+                            [work_slope(rungs, by_counts, list%converged_error)], error)
+    end associate
+  end subroutine put_seconds
+
+  subroutine put_converged(file, list, error)
+    !! Put what the errors are measured against.
+    type(study_file), intent(in) :: file
+    class(price_list), intent(in) :: list
+    type(error_type), allocatable, intent(inout) :: error
+    call file%put_numbers('peak_displacement', '', 'm', 'largest displacement of the converged run', [list%peak], error)
+    call file%put_numbers('converged_tolerance', '', '1', 'tolerance of the converged run', [list%converged_tolerance], error)
+    call file%put_counts('converged_mode_count', '', 'number of modes of the converged run', [list%converged_count], error)
+    call file%put_numbers('converged_error', '', '1', &
+                          'the converged run''s estimate of its own error, over the peak: smaller errors are not resolved', &
+                          [list%converged_error], error)
+    call file%put_numbers('converged_difference', '', '1', &
+                          'largest difference of the converged run from a direct sum in extended precision, over the peak', &
+                          [list%converged_difference], error)
+    call file%put_counts('converged_samples', '', 'number of samples at which that difference was taken', &
+                         [list%checked_samples], error)
+    call file%put_numbers('model_error', '', '1', &
+                          'estimate of what the effects that are left out would change of the displacement, over the peak', &
+                          [maxval(list%model_errors)], error)
+    call file%put_counts('beyond_model', 'rung', '1 where the true error is smaller than that of the model', &
+                         merge(1, 0, beyond_model(list%rungs, maxval(list%model_errors))), error)
+    call file%put_numbers('reachable_tolerance', '', '1', 'smallest tolerance in reach, where one that was tried is not', &
+                          [list%reachable], error)
+  end subroutine put_converged
+
+  elemental real(dp) function ratio(estimate, error)
+    !! The estimated error over the true one; missing where one of them is missing, or the true one is zero.
+    real(dp), intent(in) :: estimate, error
+    ratio = missing
+    if (is_missing(estimate) .or. is_missing(error)) return
+    if (error > 0.0_dp) ratio = estimate/error
+  end function ratio
+
+end module bw_price_list

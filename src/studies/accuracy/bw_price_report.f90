@@ -1,0 +1,213 @@
+module bw_price_report
+  !! The printed list of what accuracy costs.
+  use bw_kinds, only: dp
+  use bw_absent_effects, only: absent_words
+  use bw_columns, only: right
+  use bw_missing, only: is_missing
+  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, method_words, price_digits, &
+    price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
+  use bw_stopwatch, only: processor_name, stage_words
+  use bw_text, only: shortest, text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: price_report
+
+  character(*), parameter :: heading = &
+    '                 modes  summed by  true error  estimate  ratio        ms    +/-  modes  events  response      next digit'
+
+contains
+
+  function price_report(list) result(text)
+    !! The tables of the study as they are printed.
+    type(price_list), intent(in) :: list
+    character(:), allocatable :: text
+    type(text_builder) :: lines
+    call lines%append_line('')
+    call report_converged(list, lines)
+    call lines%append_line('')
+    call lines%append_line('  Runs on '//processor_name()//'; medians, and the half of what the middle half of the repeats spans')
+    call report_ladder(list, by_tolerances, 'tolerance', lines)
+    call report_ladder(list, all_extended, 'the finest of them with every root in extended precision', lines)
+    call report_ladder(list, by_counts, 'before = after', lines)
+    call report_slopes(list, lines)
+    call report_model(list, lines)
+    text = lines%text()
+  end function price_report
+
+  subroutine report_converged(list, lines)
+    !! Say what the errors are measured against.
+    type(price_list), intent(in) :: list
+    type(text_builder), intent(inout) :: lines
+    call lines%append_line('  Errors are the largest of the displacement over its peak, '//shortest(list%peak, 4)//' m, against a')
+    call lines%append_line('  converged run of '//text_of(list%converged_count)//' modes, tolerance '// &
+                           shortest(list%converged_tolerance, 2)//', whose own error is estimated at '// &
+                           small(list%converged_error)//';')
+    call lines%append_line('  what is below that stands as <')
+    if (is_missing(list%converged_difference)) return
+    call lines%append_line('  At '//text_of(list%checked_samples)//' samples it is within '//small(list%converged_difference)// &
+                           ' of a direct sum of the same modes in extended precision')
+  end subroutine report_converged
+
+  subroutine report_model(list, lines)
+    !! Say from which tolerance on the model's error is larger than the numerical one.
+    type(price_list), intent(in) :: list
+    type(text_builder), intent(inout) :: lines
+    integer :: largest, i
+    largest = maxloc(list%model_errors, dim=1)
+    if (list%model_errors(largest) == 0.0_dp) return
+    call lines%append_line('')
+    call lines%append_line('  The model: '//trim(absent_words(largest))//', which the scene leaves out, would change the '// &
+                           'displacement by about '//shortest(list%model_errors(largest), 2))
+    i = findloc(list%rungs%ladder == by_tolerances .and. beyond_model(list%rungs, list%model_errors(largest)), .true., &
+                dim=1)
+    if (i == 0) then
+      call lines%append_line('  times its peak (estimated). No tolerance has a true error as small as that.')
+    else
+      call lines%append_line('  times its peak (estimated). From tolerance '//shortest(list%rungs(i)%tolerance, 2)// &
+                             ' on the numerical error is smaller than the model''s.')
+    end if
+  end subroutine report_model
+
+  subroutine report_ladder(list, ladder, title, lines)
+    !! Print the rungs of one ladder, if it has any.
+    type(price_list), intent(in) :: list
+    integer, intent(in) :: ladder
+    character(*), intent(in) :: title
+    type(text_builder), intent(inout) :: lines
+    real(dp), dimension(size(list%rungs)) :: seconds, growth
+    integer :: i
+    if (.not. any(list%rungs%ladder == ladder)) return
+    call price_digits(list%rungs, seconds, growth)
+    call lines%append_line('')
+    call lines%append_line('  '//title)
+    if (ladder == by_tolerances) call lines%append_line(heading)
+    do i = 1, size(list%rungs)
+      if (list%rungs(i)%ladder /= ladder) cycle
+      call lines%append_line(rung_line(list, list%rungs(i))//next_text(seconds(i), growth(i)))
+    end do
+  end subroutine report_ladder
+
+  function rung_line(list, rung) result(text)
+    !! The line of a rung, but for what the next digit costs.
+    type(price_list), intent(in) :: list
+    type(rung_type), intent(in) :: rung
+    character(:), allocatable :: text
+    integer :: i
+    if (rung%ladder == by_counts) then
+      text = right(text_of(rung%mode_count), 11)
+    else
+      text = right(shortest(rung%tolerance, 2), 11)
+    end if
+    if (is_missing(rung%seconds)) then
+      text = text//'  '//reason(list, rung)
+      return
+    end if
+    text = text//right(text_of(rung%mode_count), 11)//right(trim(method_words(rung%method)), 11)// &
+      right(error_text(rung%error, list%converged_error), 12)//right(small(rung%estimate), 10)// &
+      right(ratio_text(rung, list%converged_error), 7)//right(milliseconds(rung%seconds), 10)// &
+      right(milliseconds(0.5_dp*(rung%upper - rung%lower)), 7)
+    do i = 1, priced_stages
+      text = text//right(percent(rung%stages(i)/sum(rung%stages)), len_trim(stage_words(i)) + 2)
+    end do
+    if (rung%refined_count > 0) text = text//'  '//percent(real(rung%refined_count, dp)/rung%mode_count)//' extended'
+  end function rung_line
+
+  pure function reason(list, rung) result(text)
+    !! The words that stand in the place of a rung's numbers where it was not run.
+    type(price_list), intent(in) :: list
+    type(rung_type), intent(in) :: rung
+    character(:), allocatable :: text
+    select case (rung%status)
+    case (rung_out_of_reach)
+      text = 'out of reach'
+      if (.not. is_missing(list%reachable)) text = text//'; '//shortest(list%reachable, 2)//' can be reached'
+    case (rung_too_long)
+      text = 'left out: it would take too long'
+    case default
+      text = 'the motion overflows'
+    end select
+  end function reason
+
+  subroutine report_slopes(list, lines)
+    !! Say what a further digit costs, by the straight line through all errors.
+    type(price_list), intent(in) :: list
+    type(text_builder), intent(inout) :: lines
+    real(dp) :: slope
+    real(dp), dimension(size(list%rungs)) :: seconds, growth
+    call price_digits(list%rungs, seconds, growth)
+    call lines%append_line('')
+    slope = work_slope(list%rungs, by_tolerances, list%converged_error)
+    if (.not. is_missing(slope)) call lines%append_line('  By tolerance a tenth of the error takes '// &
+      percent(10.0_dp**(-slope) - 1.0_dp)//' more time (seconds ~ error^'//shortest(slope, 2)//'), a step down '// &
+      percent(maxval(growth, mask=.not. is_missing(growth)))//' at most')
+    slope = work_slope(list%rungs, by_counts, list%converged_error)
+    if (.not. is_missing(slope)) call lines%append_line('  By counts a tenth of the error takes '// &
+      percent(10.0_dp**(-slope) - 1.0_dp)//' more time (seconds ~ error^'//shortest(slope, 2)//')')
+  end subroutine report_slopes
+
+  pure function next_text(seconds, growth) result(text)
+    !! The columns on what the next digit costs; empty where that is not known.
+    real(dp), intent(in) :: seconds, growth
+    character(:), allocatable :: text
+    text = ''
+    if (is_missing(seconds)) return
+    text = right(signed(milliseconds(abs(seconds)), seconds)//' ms', 11)//right(signed(percent(abs(growth)), growth), 7)
+  end function next_text
+
+  pure function signed(text, value) result(with_sign)
+    !! The text of a magnitude with the sign of its value.
+    character(*), intent(in) :: text
+    real(dp), intent(in) :: value
+    character(:), allocatable :: with_sign
+    with_sign = merge('-', '+', value < 0.0_dp)//text
+  end function signed
+
+  pure function error_text(error, least) result(text)
+    !! A true error; below the converged run's own it is only known to be smaller.
+    real(dp), intent(in) :: error, least
+    character(:), allocatable :: text
+    if (.not. is_missing(error) .and. error <= least .and. least > 0.0_dp) then
+      text = '<'//small(least)
+    else
+      text = small(error)
+    end if
+  end function error_text
+
+  pure function ratio_text(rung, least) result(text)
+    !! The estimate over the true error; a dash where that is not resolved.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: least
+    character(:), allocatable :: text
+    text = '-'
+    if (is_missing(rung%estimate) .or. is_missing(rung%error)) return
+    if (rung%error > least) text = shortest(rung%estimate/rung%error, 2)
+  end function ratio_text
+
+  pure function small(value) result(text)
+    !! A small number with two digits and a power of ten; a dash for one that does not exist.
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    character(12) :: buffer
+    text = '-'
+    if (is_missing(value)) return
+    text = '0'
+    if (value == 0.0_dp) return
+    write (buffer, '(es12.1e2)') value
+    text = trim(adjustl(buffer))
+  end function small
+
+  pure function milliseconds(seconds) result(text)
+    !! Seconds as milliseconds with three digits.
+    real(dp), intent(in) :: seconds
+    character(:), allocatable :: text
+    text = shortest(1000.0_dp*seconds, 3)
+  end function milliseconds
+
+  pure function percent(part) result(text)
+    !! A part of the whole in whole per cents.
+    real(dp), intent(in) :: part
+    character(:), allocatable :: text
+    text = text_of(nint(100.0_dp*min(part, 1.0e6_dp)))//' %'
+  end function percent
+
+end module bw_price_report

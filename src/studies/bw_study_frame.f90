@@ -1,0 +1,114 @@
+module bw_study_frame
+  !! What studies of a scene have in common: where their result lies, and how they begin and end.
+  use bw_child_process, only: child_process
+  use bw_error, only: error_type, status_stopped
+  use bw_existing_result, only: look_at_existing
+  use bw_kinds, only: i8
+  use bw_outcome, only: outcome_type
+  use bw_report, only: notes_report
+  use bw_result_layout, only: layout_of
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count, case_scene
+  use bw_scene_summary, only: scene_heading, scene_summary
+  use bw_study_file, only: create_study, study_file, study_values
+  use bw_text, only: append, string, text_of
+  use bw_work_directory, only: work_directory
+  implicit none (type, external)
+  private
+
+  character(*), parameter :: nl = new_line('a')
+
+  type, public :: study_frame
+    type(scene_type) :: scene                       !! the case that is studied: of a sweep the first
+    character(:), allocatable :: study              !! the command
+    type(work_directory) :: work
+  contains
+    procedure :: begin
+    procedure :: end => end_study
+    procedure :: leave
+    procedure, private :: write_file
+  end type study_frame
+
+contains
+
+  subroutine begin(self, scene, directory, overwrite, outcome, error)
+    !! Look at what is there, and hold the place of DIRECTORY/<scene>.<study>.nc before any work is done: one that refuses the
+    !! result refuses it now.
+    !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
+    class(study_frame), intent(inout) :: self       !! with `study`
+    type(scene_type), intent(in) :: scene           !! as it was read
+    character(*), intent(in) :: directory
+    logical, intent(in) :: overwrite
+    type(outcome_type), intent(inout) :: outcome    !! `was_there` where there is nothing to do
+    type(error_type), allocatable, intent(out) :: error
+    integer(i8) :: ignored
+    call case_scene(scene, 1_i8, self%scene, error)
+    if (allocated(error)) return
+    outcome%file = directory//'/'//scene%name//'.'//self%study//'.nc'
+    call self%work%plan(outcome%file, overwrite)
+    call look_at_existing(outcome%file, self%scene, overwrite, outcome%was_there, ignored, error, self%study)
+    if (outcome%was_there) call self%work%clear()
+    if (.not. (allocated(error) .or. outcome%was_there)) call self%work%begin(error)
+  end subroutine begin
+
+  subroutine end_study(self, scene, values, body, notes, outcome, error)
+    !! Write the file, give it its final name, and say what was found; after a failure nothing is left.
+    class(study_frame), intent(inout) :: self
+    type(scene_type), intent(in) :: scene           !! as it was read
+    class(study_values), intent(in) :: values
+    character(*), intent(in) :: body                !! of the report
+    type(string), intent(in), optional :: notes(:)
+    type(outcome_type), intent(inout) :: outcome
+    type(error_type), allocatable, intent(inout) :: error
+    type(string), allocatable :: lines(:)
+    integer :: i
+    allocate (lines(0))
+    if (present(notes)) lines = notes
+    if (size(scene%sweeps) > 0) call append(lines, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
+    outcome%warnings = ''
+    do i = 1, size(lines)
+      outcome%warnings = outcome%warnings//lines(i)%text//nl
+    end do
+    call self%write_file(values, outcome%notes_text(), error)
+    call self%work%leave()
+    if (allocated(error)) return
+    outcome%report = scene_heading(self%scene)//scene_summary(self%scene, layout_of(self%scene))//body//nl// &
+      notes_report(outcome%notes_text())//'  result     '//outcome%file//nl
+  end subroutine end_study
+
+  subroutine write_file(self, values, notes, error)
+    !! Write the file in a process of its own, and give it its final name.
+    !! **Errors**: it cannot be written.
+    class(study_frame), intent(in) :: self
+    class(study_values), intent(in) :: values
+    character(*), intent(in) :: notes
+    type(error_type), allocatable, intent(inout) :: error
+    type(child_process) :: child
+    type(study_file) :: file
+    type(string), allocatable :: texts(:)
+    character(:), allocatable :: draft
+    logical :: whole
+    draft = self%work%new_draft()
+    call child%begin()
+    if (child%is_here()) then
+      allocate (texts(0))
+      call create_study(draft, self%scene, self%study, file, error)
+      call values%put(file, error)
+      call file%finish(notes, error)
+      call child%tell(texts, error)
+    end if
+    call child%hear(texts, whole, error)
+    if (.not. allocated(error)) call self%work%publish(draft, error)
+  end subroutine write_file
+
+  subroutine leave(self, outcome)
+    !! End a study that was stopped in order: nothing is left of it.
+    class(study_frame), intent(inout) :: self
+    type(outcome_type), intent(inout) :: outcome
+    call self%work%leave()
+    outcome%status = status_stopped
+    outcome%report = ''
+    outcome%warnings = outcome%file//': stopped; seconds cannot be taken up again, so the same command starts anew'//nl
+  end subroutine leave
+
+end module bw_study_frame

@@ -1,0 +1,255 @@
+module bw_effect_pairs
+  !! For each effect two scenes, one with it and one without, all else as in the scene that is studied. One of the two is
+  !! that scene itself wherever it can be. An effect that is off is tried with a value that follows from the scene, which
+  !! the row's remark says.
+  use bw_kinds, only: dp
+  use bw_beam_units, only: beam_units, units_of
+  use bw_effect_list, only: effect_off, effect_on, effect_row
+  use bw_frequency_equation, only: root_type, solve_root
+  use bw_modes_par, only: by_tolerance
+  use bw_scene, only: scene_type
+  use bw_scene_resolved, only: resolved_text
+  use bw_scene_variant, only: has_group, scene_variants, with_group, with_value, without_group
+  use bw_text, only: shortest, text_of
+  implicit none (type, external)
+  private
+  public :: pairs_of
+
+  real(dp), parameter :: tried_speed = 0.4_dp      !! of the speed at which mode 1 would be unstable
+  real(dp), parameter :: tried_damping = 0.01_dp   !! ratio
+  real(dp), parameter :: tried_release = 0.5_dp    !! of the duration
+  real(dp), parameter :: tried_shear = 0.85_dp     !! coefficient of a section whose shape is not known: a rectangle's
+
+  type, public :: compared_scenes
+    !! All rows, and every scene that they take, each once; the first is the one that is studied.
+    type(effect_row), allocatable :: rows(:)       !! in the order in which they are shown
+    type(scene_variants) :: variants
+  end type compared_scenes
+
+contains
+
+  subroutine pairs_of(scene, list)
+    !! Find the pair of scenes for each effect. A new effect is a call here.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    type(compared_scenes), intent(out) :: list
+    character(:), allocatable :: text, never
+    integer :: place
+    allocate (list%rows(0))
+    text = without_group(resolved_text(scene), 'spectrum')
+    list%variants%file = scene%file
+    call list%variants%find(text, place, never)    ! the scene that is studied has been read before and is not refused now
+    call pair_rotation(scene, text, list)
+    call pair_stiffening(text, list)
+    call pair_shear(scene, text, list)
+    call pair_group(text, 'damping', 'ratio = '//text_of(tried_damping), list, &
+                    'tried with ratio = '//text_of(tried_damping))
+    call pair_body(scene, text, list)
+    call pair_capture(scene, text, list)
+    call pair_release(scene, text, list)
+    call pair_recontact(text, list)
+  end subroutine pairs_of
+
+  subroutine leave_out(list, effect, reason)
+    !! A row of an effect that cannot be tried beside this scene.
+    type(compared_scenes), intent(inout) :: list
+    character(*), intent(in) :: effect             !! what it is called
+    character(*), intent(in) :: reason
+    type(effect_row) :: row
+    row%effect = effect
+    row%remark = reason
+    call add_row(list, row)
+  end subroutine leave_out
+
+  subroutine add_pair(list, effect, is_on, with, without, remark)
+    !! A row of an effect, whose two texts are read. Where one is refused the row is left out, with the first of the reader's
+    !! reasons.
+    type(compared_scenes), intent(inout) :: list
+    character(*), intent(in) :: effect             !! what it is called
+    logical, intent(in) :: is_on                   !! in the scene that is studied
+    character(*), intent(in) :: with, without, remark
+    type(effect_row) :: row
+    character(:), allocatable :: reason
+    row%effect = effect
+    row%state = merge(effect_on, effect_off, is_on)
+    row%remark = remark
+    call list%variants%find(with, row%place_with, reason)
+    call list%variants%find(without, row%place_without, reason)
+    if (allocated(reason)) then
+      call leave_out(list, effect, reason)
+    else
+      call add_row(list, row)
+    end if
+  end subroutine add_pair
+
+  pure subroutine add_row(list, row)
+    !! One more row. (Array constructors of such types leak in gfortran 12.)
+    type(compared_scenes), intent(inout) :: list
+    type(effect_row), intent(in) :: row
+    type(effect_row), allocatable :: rows(:)
+    integer :: i
+    allocate (rows(size(list%rows) + 1))
+    do i = 1, size(list%rows)
+      rows(i) = list%rows(i)
+    end do
+    rows(size(rows)) = row
+    call move_alloc(rows, list%rows)
+  end subroutine add_row
+
+  subroutine pair_group(text, group, values, list, remark)
+    !! A row of an effect that is a group: it is taken out where the scene has it, else tried with some values.
+    character(*), intent(in) :: text
+    character(*), intent(in) :: group
+    character(*), intent(in) :: values             !! to try; empty: all defaults
+    type(compared_scenes), intent(inout) :: list
+    character(*), intent(in) :: remark             !! on what is tried
+    if (has_group(text, group)) then
+      call add_pair(list, group, .true., text, without_group(text, group), '')
+    else
+      call add_pair(list, group, .false., with_group(text, group, values), text, remark)
+    end if
+  end subroutine pair_group
+
+  subroutine pair_rotation(scene, text, list)
+    !! Pair rotation without tension, with it, and in the other plane.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    character(:), allocatable :: turning, resting, remark
+    logical :: is_on
+    is_on = has_group(text, 'rotation')
+    resting = without_group(without_group(text, 'stiffening'), 'rotation')
+    turning = without_group(text, 'stiffening')
+    remark = 'without tension'
+    if (.not. is_on) then
+      turning = with_group(resting, 'rotation', 'angular_velocity = '//text_of(usual_speed(scene)))
+      remark = 'tried in plane at '//shortest(usual_speed(scene), 6)//' rad/s, '//text_of(tried_speed)// &
+        ' of the speed at which mode 1 would be unstable'
+    end if
+    call add_pair(list, 'rotation', is_on, turning, resting, remark)
+    remark = 'rotation and stiffening, beside neither of them'
+    if (.not. has_group(text, 'stiffening')) then
+      turning = with_group(turning, 'stiffening', '')
+      remark = remark//'; the tension is that of a hub without radius'
+    else
+      turning = text
+    end if
+    call add_pair(list, 'rotation_with_tension', is_on .and. has_group(text, 'stiffening'), turning, resting, remark)
+    if (.not. is_on) then
+      call leave_out(list, 'out_of_plane', 'needs &rotation')
+    else
+      call add_pair(list, 'out_of_plane', scene%rotation%plane == 'out', with_value(text, 'rotation', 'plane', "'out'"), &
+                    with_value(text, 'rotation', 'plane', "'in'"), 'the rotation, out of the plane of the motion beside in it')
+    end if
+  end subroutine pair_rotation
+
+  pure real(dp) function usual_speed(scene) result(speed)
+    !! An angular velocity to try, rad/s, with three digits.
+    type(scene_type), intent(in) :: scene
+    type(beam_units) :: units
+    type(root_type) :: root
+    character(:), allocatable :: digits
+    real(dp) :: gamma
+    gamma = 0.0_dp
+    if (allocated(scene%capture)) gamma = scene%impact%mass_ratio
+    units = units_of(scene%beam)
+    root = solve_root(1, gamma)
+    digits = shortest(tried_speed*root%remainder**2*units%frequency, 3)
+    read (digits, *) speed
+  end function usual_speed
+
+  subroutine pair_stiffening(text, list)
+    !! Pair the tension beside the same rotation without it.
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    if (has_group(text, 'rotation')) then
+      call pair_group(text, 'stiffening', '', list, 'tried with hub_radius = 0')
+    else
+      call leave_out(list, 'stiffening', 'needs &rotation')
+    end if
+  end subroutine pair_stiffening
+
+  subroutine pair_shear(scene, text, list)
+    !! Pair a beam that shears with one that does not.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    character(*), parameter :: remark = 'tried with poisson_ratio = 0.3 and '
+    if (scene%beam%round) then
+      call pair_group(text, 'shear', '', list, remark//'the shear_coefficient of a solid circle')
+    else
+      call pair_group(text, 'shear', 'shear_coefficient = '//text_of(tried_shear), list, &
+                      remark//'shear_coefficient = '//text_of(tried_shear)//', a rectangle''s')
+    end if
+  end subroutine pair_shear
+
+  subroutine pair_body(scene, text, list)
+    !! Pair a captured body that has rotary inertia with a point mass.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    character(:), allocatable :: inertia
+    if (.not. has_group(text, 'capture')) then
+      call leave_out(list, 'body_inertia', 'needs &capture')
+    else if (scene%capture%rotary_inertia > 0.0_dp) then
+      call add_pair(list, 'body_inertia', .true., text, with_value(text, 'capture', 'rotary_inertia', '0'), '')
+    else
+      inertia = shortest(sphere_inertia(scene), 3)
+      call add_pair(list, 'body_inertia', .false., with_value(text, 'capture', 'rotary_inertia', inertia), text, &
+                    'tried with rotary_inertia = '//inertia//' kg m2, a solid sphere of the beam''s density')
+    end if
+  end subroutine pair_body
+
+  pure real(dp) function sphere_inertia(scene) result(inertia)
+    !! The rotary inertia ⅖m_jR² of the mass as a solid sphere of the beam's density, kg m².
+    type(scene_type), intent(in) :: scene
+    real(dp), parameter :: pi = acos(-1.0_dp)
+    associate (mass => scene%impact%mass)
+      inertia = 0.4_dp*mass*(0.75_dp*mass/pi/scene%beam%density)**(2.0_dp/3.0_dp)
+    end associate
+  end function sphere_inertia
+
+  subroutine pair_capture(scene, text, list)
+    !! Pair a mass that stays with one that rebounds.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    if (.not. has_group(text, 'impact')) then
+      call leave_out(list, 'capture', 'needs &impact')
+    else if (.not. has_group(text, 'capture')) then
+      call add_pair(list, 'capture', .false., with_group(without_group(text, 'recontact'), 'capture', ''), text, '')
+    else if (by_tolerance(scene%modes)) then
+      call leave_out(list, 'capture', 'a rebound beside it needs counts of modes, its impulse going to 0 as modes are added')
+    else
+      call add_pair(list, 'capture', .true., text, &
+                    with_value(without_group(without_group(text, 'release'), 'capture'), 'modes', 'after', ''), &
+                    'beside a rebound of as many modes as before the capture')
+    end if
+  end subroutine pair_capture
+
+  subroutine pair_release(scene, text, list)
+    !! Pair a mass that leaves with one that stays.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    if (has_group(text, 'capture') .and. has_group(text, 'response')) then
+      call pair_group(text, 'release', 'time = '//text_of(tried_release*scene%response%duration), list, &
+                      'tried at half of the duration')
+    else
+      call leave_out(list, 'release', 'needs &capture and &response')
+    end if
+  end subroutine pair_release
+
+  subroutine pair_recontact(text, list)
+    !! Pair a mass that returns with one that does not.
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    if (has_group(text, 'capture')) then
+      call leave_out(list, 'recontact', 'excludes &capture')
+    else if (has_group(text, 'impact') .and. has_group(text, 'response')) then
+      call pair_group(text, 'recontact', '', list, '')
+    else
+      call leave_out(list, 'recontact', 'needs &impact and &response')
+    end if
+  end subroutine pair_recontact
+
+end module bw_effect_pairs

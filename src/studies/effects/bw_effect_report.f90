@@ -1,0 +1,202 @@
+module bw_effect_report
+  !! What effects change, as a printed table and as the variables of DIR/<scene>.effects.nc.
+  use bw_kinds, only: dp
+  use bw_columns, only: right
+  use bw_effect_list, only: effect_list, effect_not_combined, effect_on, effect_row, largest_change, state_words
+  use bw_error, only: error_type
+  use bw_hint, only: compared_modes
+  use bw_missing, only: is_missing, missing
+  use bw_stopwatch, only: processor_name
+  use bw_study_file, only: study_file, study_values
+  use bw_text, only: percent, shortest, text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: effect_report
+
+  integer, parameter :: middle = 3         !! a mode between the first and the last that is shown
+  character(*), parameter :: by_mode = 'effect mode'   !! dimensions in the file
+
+  type, extends(study_values), public :: effect_values
+    type(effect_list) :: list
+  contains
+    procedure :: put => put_effects
+  end type effect_values
+
+contains
+
+  function effect_report(list) result(text)
+    !! The table as it is printed.
+    type(effect_list), intent(in) :: list
+    character(:), allocatable :: text
+    type(text_builder) :: lines
+    integer :: i
+    call lines%append_line('')
+    call lines%append_line('  Each effect: the scene run with it beside the scene without it, all else alike. Of the wave')
+    call lines%append_line('  velocities the largest change in '//text_of(list%mode_count)// &
+                           ' modes, of the response the largest difference over its peak.')
+    call lines%append_line('')
+    call lines%append_line('                                     frequency of mode              wave velocity')
+    call lines%append_line('  effect                 state        1'//right(text_of(min(middle, list%mode_count)), 9)// &
+                           right(text_of(list%mode_count), 9)//'    phase    group  response    time  verdict')
+    do i = 1, size(list%rows)
+      call lines%append_line(row_line(list%rows(i), list%mode_count))
+    end do
+    call lines%append_line('')
+    call lines%append_line('  An effect matters from the first mode on whose frequency it changes by more than '// &
+                           shortest(list%tolerance, 2)//',')
+    call lines%append_line('  '//list%tolerance_source//'.')
+    do i = 1, size(list%rows)
+      if (list%rows(i)%state /= effect_not_combined .and. list%rows(i)%remark /= '') then
+        call lines%append_line('  '//name_of(list%rows(i))//': '//list%rows(i)%remark)
+      end if
+    end do
+    text = lines%text()
+  end function effect_report
+
+  function row_line(row, last) result(text)
+    !! The line of an effect: what it changes and costs, or why it is not combined with the scene.
+    type(effect_row), intent(in) :: row
+    integer, intent(in) :: last                    !! the last mode that is compared
+    character(:), allocatable :: text
+    character(21) :: name
+    character(3) :: state
+    name = name_of(row)
+    text = '  '//name
+    if (row%state == effect_not_combined) then
+      text = text//'  -        '//row%remark
+      return
+    end if
+    state = merge('on ', 'off', row%state == effect_on)
+    text = text//'  '//state//'   '//right(signed(row%frequency_change(1)), 9)// &
+      right(signed(row%frequency_change(min(middle, last))), 9)//right(signed(row%frequency_change(last)), 9)// &
+      right(signed(largest_change(row%phase_velocity_change)), 9)//right(signed(largest_change(row%group_velocity_change)), 9)// &
+      right(part(row%response_change), 10)//right(times(row%seconds_with, row%seconds_without), 8)//'  '//verdict(row)
+  end function row_line
+
+  pure function name_of(row) result(name)
+    !! The name of an effect in words.
+    type(effect_row), intent(in) :: row
+    character(:), allocatable :: name
+    integer :: i
+    name = trim(row%effect)
+    do i = 1, len(name)
+      if (name(i:i) == '_') name(i:i) = ' '
+    end do
+  end function name_of
+
+  pure function verdict(row) result(text)
+    !! The words on whether an effect matters.
+    type(effect_row), intent(in) :: row
+    character(:), allocatable :: text
+    if (row%matters_from > 0) then
+      text = 'matters from mode '//text_of(row%matters_from)//' on'
+    else if (.not. is_missing(row%response_change) .and. row%response_change > 0.0_dp) then
+      text = 'changes the response alone'
+    else
+      text = 'does not matter'
+    end if
+  end function verdict
+
+  pure function signed(change) result(text)
+    !! A relative change in per cent, with two digits and a sign; 0 for the rounding of two ways to find the same; a dash for
+    !! what does not exist.
+    real(dp), intent(in) :: change
+    character(:), allocatable :: text
+    real(dp), parameter :: rounding = 1.0e-12_dp
+    text = '-'
+    if (is_missing(change)) return
+    text = '0'
+    if (abs(change) > rounding) text = percent(change)//'%'
+  end function signed
+
+  pure function part(change) result(text)
+    !! A change as a part of the peak, without a sign, since it has no direction.
+    real(dp), intent(in) :: change
+    character(:), allocatable :: text
+    text = signed(change)
+    if (text(1:1) == '+') text = text(2:)
+  end function part
+
+  pure function times(above, below) result(text)
+    !! How many times as long the scene takes with the effect; a dash where that is not known.
+    real(dp), intent(in) :: above, below
+    character(:), allocatable :: text
+    text = '-'
+    if (.not. is_missing(ratio(above, below))) text = 'x '//shortest(ratio(above, below), 2)
+  end function times
+
+  subroutine put_effects(self, file, error)
+    !! Put all rows into the file.
+    class(effect_values), intent(in) :: self
+    type(study_file), intent(in) :: file
+    type(error_type), allocatable, intent(inout) :: error
+    call file%put_text('machine', processor_name(), error)
+    call file%put_text('remarks', remarks_of(self%list%rows), error)
+    call file%put_axis('effect', size(self%list%rows), 'effect', error, self%list%rows%effect)
+    call file%put_axis('mode', compared_modes, 'mode number k', error)
+    call file%put_flags('effect_state', 'effect', 'whether the scene has the effect', self%list%rows%state, state_words, error)
+    call file%put_counts('matters_from_mode', 'effect', &
+                         'first mode whose frequency the effect changes by more than the tolerance; 0 where none', &
+                         self%list%rows%matters_from, error)
+    call file%put_numbers('frequency_tolerance', '', '1', 'change of a frequency above which an effect matters', &
+                          [self%list%tolerance], error)
+    call put_modes(file, self%list%rows, error)
+    call put_costs(file, self%list%rows, error)
+  end subroutine put_effects
+
+  subroutine put_modes(file, rows, error)
+    !! Put the frequencies with and without each effect, and what it changes.
+    type(study_file), intent(in) :: file
+    type(effect_row), intent(in) :: rows(:)
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    call file%put_numbers('angular_frequency_with', by_mode, 'rad s-1', 'angular frequency with the effect', &
+                          [(rows(i)%with%angular_frequency, i=1, size(rows))], error)
+    call file%put_numbers('angular_frequency_without', by_mode, 'rad s-1', 'angular frequency without the effect', &
+                          [(rows(i)%without%angular_frequency, i=1, size(rows))], error)
+    call file%put_numbers('frequency_change', by_mode, '1', 'relative change of the angular frequency by the effect', &
+                          [(rows(i)%frequency_change, i=1, size(rows))], error)
+    call file%put_numbers('phase_velocity_change', by_mode, '1', 'relative change of the phase velocity by the effect', &
+                          [(rows(i)%phase_velocity_change, i=1, size(rows))], error)
+    call file%put_numbers('group_velocity_change', by_mode, '1', 'relative change of the group velocity by the effect', &
+                          [(rows(i)%group_velocity_change, i=1, size(rows))], error)
+  end subroutine put_modes
+
+  subroutine put_costs(file, rows, error)
+    !! Put what each effect changes in the response, and what it costs.
+    type(study_file), intent(in) :: file
+    type(effect_row), intent(in) :: rows(:)
+    type(error_type), allocatable, intent(inout) :: error
+    call file%put_numbers('response_change', 'effect', '1', &
+                          'largest change of the displacement by the effect over the peak of the scene''s own', &
+                          rows%response_change, error)
+    call file%put_numbers('seconds_with', 'effect', 's', 'wall time of a case with the effect, median of the repeats', &
+                          rows%seconds_with, error)
+    call file%put_numbers('seconds_without', 'effect', 's', 'wall time of a case without the effect, median of the repeats', &
+                          rows%seconds_without, error)
+    call file%put_numbers('cost', 'effect', '1', 'wall time with the effect over that without it', &
+                          ratio(rows%seconds_with, rows%seconds_without), error)
+  end subroutine put_costs
+
+  elemental real(dp) function ratio(above, below)
+    !! One time over another; missing where one of them is missing, or the second is not positive.
+    real(dp), intent(in) :: above, below
+    ratio = missing
+    if (is_missing(above) .or. is_missing(below)) return
+    if (below > 0.0_dp) ratio = above/below
+  end function ratio
+
+  pure function remarks_of(rows) result(text)
+    !! The remarks, one line for each effect that has one.
+    type(effect_row), intent(in) :: rows(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(rows)
+      if (rows(i)%remark == '') cycle
+      if (text /= '') text = text//new_line('a')
+      text = text//trim(rows(i)%effect)//': '//rows(i)%remark
+    end do
+  end function remarks_of
+
+end module bw_effect_report

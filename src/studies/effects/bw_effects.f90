@@ -1,0 +1,230 @@
+module bw_effects
+  !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
+  use bw_kinds, only: dp, i8
+  use bw_case_fields, only: named_value
+  use bw_case_result, only: case_done, case_result
+  use bw_effect_list, only: compare_frequencies, compared_case, effect_list
+  use bw_effect_pairs, only: compared_scenes, pairs_of
+  use bw_effect_report, only: effect_report, effect_values
+  use bw_error, only: error_type, status_not_trusted
+  use bw_hint, only: compared_modes
+  use bw_modes_par, only: by_tolerance, default_tolerance
+  use bw_monitor, only: part_monitor, progress_type
+  use bw_outcome, only: outcome_type
+  use bw_scene, only: scene_type
+  use bw_study_frame, only: study_frame
+  use bw_text, only: append, string
+  use bw_timed_runs, only: repeat_runs, run_once, timed_run
+  implicit none (type, external)
+  private
+  public :: compare_effects
+
+  real(dp), parameter :: budget = 0.5_dp         !! s of repeats for each scene
+  real(dp), parameter :: patience = 10.0_dp      !! s; a scene that takes longer is timed once
+  real(dp), parameter :: comparing = 0.5_dp      !! share of the first runs in the progress that is shown
+
+  type :: study_state
+    type(timed_run), allocatable :: runs(:)      !! of the scenes that are compared, the first of which is studied
+    type(case_result), allocatable :: results(:) !! of the same scenes, as long as they are needed
+    type(effect_list) :: list
+    type(string), allocatable :: notes(:)
+    logical :: trusted = .true.
+  end type study_state
+
+contains
+
+  subroutine compare_effects(scene, directory, overwrite, progress, outcome, error)
+    !! Compare, write DIRECTORY/<scene>.effects.nc, and say what was found.
+    !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: directory
+    logical, intent(in) :: overwrite
+    class(progress_type), intent(inout) :: progress
+    type(outcome_type), intent(out) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(study_state) :: state
+    type(study_frame) :: frame
+    logical :: whole
+    frame%study = 'effects'
+    call frame%begin(scene, directory, overwrite, outcome, error)
+    if (allocated(error) .or. outcome%was_there) return
+    call progress%begin(scene%name, 1_i8, 0_i8)
+    call compare(frame%scene, progress, state, whole)
+    call progress%end()
+    if (.not. whole) then
+      call frame%leave(outcome)
+      return
+    end if
+    call frame%end(scene, effect_values(state%list), effect_report(state%list), state%notes, outcome, error)
+    if (.not. state%trusted) outcome%status = status_not_trusted
+  end subroutine compare_effects
+
+  subroutine compare(scene, progress, state, whole)
+    !! Run every scene once, for what it yields, then all in turn for their seconds.
+    type(scene_type), intent(in) :: scene
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole                !! false where the monitor asked to stop
+    type(compared_scenes) :: scenes
+    type(part_monitor) :: part
+    integer :: i
+    call pairs_of(scene, scenes)
+    state%list%rows = scenes%rows
+    allocate (state%runs(size(scenes%variants%scenes)), state%results(size(scenes%variants%scenes)))
+    do i = 1, size(state%runs)
+      state%runs(i)%scene = scenes%variants%scenes(i)
+    end do
+    call run_scene_once(1, progress, state, whole)
+    if (.not. whole) return
+    call start_list(scene, state)
+    do i = 1, size(state%list%rows)
+      call compare_pair(i, progress, state, whole)
+      if (.not. whole) return
+      call forget(i, state)
+    end do
+    part = part_monitor(progress, comparing, 1.0_dp - comparing)
+    call repeat_runs(state%runs, budget, part, whole)
+    if (whole) call take_seconds(state)
+  end subroutine compare
+
+  subroutine start_list(scene, state)
+    !! Choose which modes are compared, and what their changes are measured against.
+    type(scene_type), intent(in) :: scene
+    type(study_state), intent(inout) :: state
+    associate (list => state%list, result => state%results(1))
+      list%mode_count = min(compared_modes, result%modes%count)
+      list%tolerance = default_tolerance
+      list%tolerance_source = 'the default of modes%tolerance'
+      if (by_tolerance(scene%modes)) then
+        list%tolerance = scene%modes%tolerance
+        list%tolerance_source = 'the tolerance of the scene'
+      else if (left_by_counts(result) > 0.0_dp) then
+        list%tolerance = left_by_counts(result)
+        list%tolerance_source = 'which is what the scene''s counts of modes leave as error in its displacement, over the peak'
+      end if
+    end associate
+  end subroutine start_list
+
+  pure real(dp) function left_by_counts(result) result(error)
+    !! The error that a scene's counts leave in its displacement, over the peak; 0 where there is no estimate.
+    type(case_result), intent(in) :: result
+    error = 0.0_dp
+    if (.not. allocated(result%response)) return
+    if (.not. allocated(result%response%displacement_error)) return
+    if (peak_of(result) > 0.0_dp) error = maxval(result%response%displacement_error)/peak_of(result)
+  end function left_by_counts
+
+  pure real(dp) function peak_of(result) result(peak)
+    !! The largest displacement, m; 0 without a history.
+    type(case_result), intent(in) :: result
+    peak = 0.0_dp
+    if (.not. allocated(result%response)) return
+    if (result%response%finite_samples > 0) then
+      peak = maxval(abs(result%response%displacement(:result%response%finite_samples, :)))
+    end if
+  end function peak_of
+
+  subroutine compare_pair(row, progress, state, whole)
+    !! Fill a row from its two scenes.
+    integer, intent(in) :: row
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole
+    whole = .true.
+    associate (i => state%list%rows(row)%place_with, j => state%list%rows(row)%place_without)
+      if (i == 0) return
+      call run_scene_once(i, progress, state, whole)
+      if (whole) call run_scene_once(j, progress, state, whole)
+      if (.not. whole) return
+      associate (with => state%results(i), without => state%results(j))
+        state%list%rows(row)%with = compared(with)
+        state%list%rows(row)%without = compared(without)
+        call compare_frequencies(state%list%rows(row), state%list%tolerance)
+        call compare_responses(with, without, peak_of(state%results(1)), state%list%rows(row)%response_change)
+        call note_untrusted(row, with, without, state)
+      end associate
+    end associate
+  end subroutine compare_pair
+
+  subroutine run_scene_once(place, progress, state, whole)
+    !! Run a scene, unless its result is there. This run finds cold caches: its time counts only where it is too long.
+    integer, intent(in) :: place
+    class(progress_type), intent(inout), target :: progress
+    type(study_state), intent(inout) :: state
+    logical, intent(out) :: whole
+    type(part_monitor) :: part
+    type(timed_run) :: first
+    whole = .true.
+    if (allocated(state%results(place)%modes)) return
+    part = part_monitor(progress, comparing*place/size(state%runs), 0.0_dp)
+    first = timed_run(state%runs(place)%scene)
+    call run_once(first, part, state%results(place), whole)
+    if (whole) whole = .not. progress%stop_requested()
+    if (first%seconds%total() < patience) return
+    state%runs(place)%seconds = first%seconds
+    state%runs(place)%is_timed = .false.
+  end subroutine run_scene_once
+
+  pure type(compared_case) function compared(result) result(numbers)
+    !! What is compared of a case: the modes in force after the last event at t = 0.
+    type(case_result), intent(in) :: result
+    integer :: n
+    n = min(compared_modes, result%modes%count)
+    associate (frequency => named_value(result, 'angular_frequency'), phase => named_value(result, 'phase_velocity'), &
+               group => named_value(result, 'group_velocity'))
+      numbers%angular_frequency(:n) = frequency(:n)
+      numbers%phase_velocity(:n) = phase(:n)
+      numbers%group_velocity(:n) = group(:n)
+    end associate
+  end function compared
+
+  pure subroutine compare_responses(with, without, peak, change)
+    !! The largest difference of two displacements over the peak, at the samples that are finite in both.
+    type(case_result), intent(in) :: with, without
+    real(dp), intent(in) :: peak                   !! of the scene's own, m
+    real(dp), intent(inout) :: change              !! stays missing where there are no two histories
+    integer :: finite
+    if (.not. (allocated(with%response) .and. allocated(without%response))) return
+    finite = min(with%response%finite_samples, without%response%finite_samples)
+    if (finite == 0) return
+    change = 0.0_dp
+    if (peak > 0.0_dp) change = maxval(abs(with%response%displacement(:finite, :)/peak &
+                                           - without%response%displacement(:finite, :)/peak))
+  end subroutine compare_responses
+
+  subroutine note_untrusted(row, with, without, state)
+    !! Note that one of the two runs of a row has numbers that cannot be trusted.
+    integer, intent(in) :: row
+    type(case_result), intent(in) :: with, without
+    type(study_state), intent(inout) :: state
+    if (with%status == case_done .and. without%status == case_done) return
+    call append(state%notes, 'not trusted: '//trim(state%list%rows(row)%effect)// &
+                ': numbers of one of its two runs are not finished')
+    if (state%results(1)%status /= case_done) state%trusted = .false.
+  end subroutine note_untrusted
+
+  subroutine forget(row, state)
+    !! Drop the histories that no later row needs: they may be large.
+    integer, intent(in) :: row
+    type(study_state), intent(inout) :: state
+    integer :: place
+    do place = 2, size(state%results)
+      if (any([state%list%rows(row + 1:)%place_with, state%list%rows(row + 1:)%place_without] == place)) cycle
+      if (allocated(state%results(place)%response)) deallocate (state%results(place)%response)
+    end do
+  end subroutine forget
+
+  pure subroutine take_seconds(state)
+    !! Put the median times into the rows.
+    type(study_state), intent(inout) :: state
+    integer :: i
+    do i = 1, size(state%list%rows)
+      associate (row => state%list%rows(i))
+        if (row%place_with == 0) cycle
+        row%seconds_with = state%runs(row%place_with)%seconds%median()
+        row%seconds_without = state%runs(row%place_without)%seconds%median()
+      end associate
+    end do
+  end subroutine take_seconds
+
+end module bw_effects

@@ -1,0 +1,118 @@
+module bw_assembly
+  !! The result of a sweep from the journals of all its cases, by NetCDF alone.
+  use bw_case_fields, only: block_for, case_block, case_field, field_of, fields_of, short_fields
+  use bw_case_result, only: case_done
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_journal_reader, only: journal_reader
+  use bw_kinds, only: dp, i1, i8
+  use bw_notes, only: notes_type
+  use bw_result_file, only: create_result, result_file
+  use bw_result_layout, only: result_layout
+  use bw_scene, only: scene_type
+  use bw_sweep_table, only: sweep_table
+  use bw_text, only: string, text_of
+  implicit none (type, external)
+  private
+
+  type, public :: assembly_type
+    !! A sweep's result, and what there is to say of it.
+    type(sweep_table) :: table
+    type(notes_type) :: notes
+    integer(i8) :: not_trusted = 0                       !! cases
+    type(result_file), private :: file
+    type(case_field), allocatable, private :: fields(:)
+    integer(i8), private :: at_status = 0                !! where a case's status stands among its numbers
+    integer(i1), allocatable, private :: done(:)         !! (cases) 1: it is in the file
+    type(case_block), private :: block                   !! what is not long of neighbouring cases, not written yet
+    integer(i8), private :: first = 1                    !! the first of them
+  contains
+    procedure :: begin
+    procedure :: take_journal
+    procedure :: finish
+    procedure, private :: take_case
+    procedure, private :: write_block
+  end type assembly_type
+
+contains
+
+  subroutine begin(self, path, scene, layout, error)
+    !! Create a result without cases.
+    class(assembly_type), intent(inout) :: self
+    character(*), intent(in) :: path                     !! where it is made
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(error_type), allocatable, intent(out) :: error
+    call create_result(path, scene, layout, self%file, error)
+    self%fields = fields_of(layout)
+    associate (status => field_of(self%fields, 'case_status'))
+      self%at_status = status%first
+    end associate
+    self%block = block_for(self%fields(:short_fields(self%fields)), layout%cases)
+    self%table = sweep_table(scene, layout)
+    allocate (self%done(layout%cases), source=0_i1)
+  end subroutine begin
+
+  subroutine take_journal(self, path, work, error)
+    !! Read a journal, and put all of its cases that are not there yet into the result: whoever did one, it has the same bits.
+    !! **Errors**: the journal cannot be read, or the result not written.
+    class(assembly_type), intent(inout) :: self
+    character(*), intent(in) :: path
+    integer(i8), intent(in) :: work                      !! sum of the text of the work that the cases have to belong to
+    type(error_type), allocatable, intent(inout) :: error
+    type(journal_reader) :: reader
+    logical :: found
+    call reader%open(path, error)
+    do
+      call reader%next(found, error)
+      if (.not. found) exit
+      if (reader%work /= work .or. reader%case < 1 .or. reader%case > size(self%done, kind=i8)) cycle
+      if (self%done(reader%case) == 0) call self%take_case(reader%case, reader%numbers, reader%notes, error)
+    end do
+    call reader%close()
+  end subroutine take_journal
+
+  subroutine take_case(self, index, numbers, notes, error)
+    !! Put a case into the result, its long fields at once and the others into the block of its neighbours.
+    class(assembly_type), intent(inout) :: self
+    integer(i8), intent(in) :: index
+    real(dp), intent(in), contiguous :: numbers(:)
+    type(string), intent(in) :: notes(:)
+    type(error_type), allocatable, intent(inout) :: error
+    if (self%block%count == self%block%capacity .or. index /= self%first + self%block%count) then
+      call self%write_block(error)                       ! it is full, or does not reach up to this case
+      self%first = index
+    end if
+    call self%block%add(self%fields(:short_fields(self%fields)), numbers)
+    call self%file%put_long_fields(index, numbers, error)
+    if (nint(numbers(self%at_status)) /= case_done) self%not_trusted = self%not_trusted + 1
+    self%done(index) = 1_i1
+    call self%notes%add(index, notes)
+    if (self%table%shows(index)) call self%table%add(index, numbers)
+  end subroutine take_case
+
+  subroutine write_block(self, error)
+    !! Write the block, and begin an empty one.
+    class(assembly_type), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    if (self%block%count > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
+    self%block%count = 0
+  end subroutine write_block
+
+  subroutine finish(self, notes, seconds, error)
+    !! Put the notes and the times of the stages, and close the file.
+    !! **Errors**: cases are missing, or the file cannot be written.
+    class(assembly_type), intent(inout) :: self
+    character(*), intent(in) :: notes
+    real(dp), intent(in) :: seconds(:)                   !! (stages)
+    type(error_type), allocatable, intent(inout) :: error
+    call self%write_block(error)
+    if (allocated(error)) return
+    if (any(self%done == 0)) then
+      call fail(error, status_bad_file, text_of(count(self%done == 0))//' finished cases cannot be found in their journals '// &
+                'any more; the same command does them again')
+    else
+      call self%file%finish(notes, seconds, error)
+    end if
+  end subroutine finish
+
+end module bw_assembly

@@ -1,0 +1,182 @@
+module bw_run_scene
+  !! A scene from what is there already to its finished file. A scene without sweeps has one case, which goes straight into its
+  !! file; the cases of sweeps are `bw_run_sweep`'s.
+  use bw_case_fields, only: case_field, fields_of
+  use bw_case_result, only: case_done, case_result
+  use bw_child_process, only: child_process
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_existing_result, only: look_at_existing
+  use bw_kinds, only: i1, i4, i8
+  use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type, progress_type
+  use bw_notes, only: notes_type
+  use bw_one_case, only: case_cache, plan_case, run_case
+  use bw_outcome, only: outcome_type, work_taken_away
+  use bw_process_group, only: process_group
+  use bw_report, only: case_report, stage_table
+  use bw_result_file, only: create_result, result_file
+  use bw_result_header, only: source_text
+  use bw_result_layout, only: layout_of
+  use bw_run_sweep, only: run_sweep
+  use bw_scene, only: scene_type
+  use bw_scene_resolved, only: resolved_text
+  use bw_scene_summary, only: bytes_text, working_bytes
+  use bw_stopwatch, only: stage_write, stopwatch
+  use bw_text, only: string, text_of
+  use bw_unfinished_work, only: unfinished_work
+  implicit none (type, external)
+  private
+  public :: run_scene
+
+contains
+
+  subroutine run_scene(scene, directory, overwrite, group, progress, outcome, error)
+    !! Run all cases of a scene, write DIRECTORY/<scene>.nc, and say how it went. Called by all processes; the leader gets
+    !! the outcome.
+    !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: directory
+    logical, intent(in) :: overwrite
+    class(process_group), intent(inout) :: group
+    class(progress_type), intent(inout) :: progress
+    type(outcome_type), intent(out) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(unfinished_work) :: work
+    logical :: is_sweep
+    integer(i4), allocatable :: go(:)           ! its size: 1 where there is work to do
+    work%scene = scene
+    work%layout = layout_of(scene)
+    is_sweep = work%layout%cases > 0
+    if (.not. (is_sweep .or. group%leads())) return
+    outcome%file = directory//'/'//scene%name//'.nc'
+    outcome%warnings = ''
+    call work%plan(outcome%file, overwrite)
+    work%identity = source_text()//new_line('a')//resolved_text(scene)//new_line('a')//fields_text(fields_of(work%layout))
+    allocate (go(0))
+    if (group%leads()) call look_first(work, progress, outcome, go, error)
+    if (is_sweep) call group%share(go)
+    if (size(go) == 0) return
+    if (is_sweep) then
+      call run_sweep(work, group, progress, outcome, error)
+    else
+      call run_single(work, progress, outcome, error)
+    end if
+  end subroutine run_scene
+
+  pure function fields_text(fields) result(text)
+    !! The numbers of a case in their order, as a journal has them, as text: their names and lengths.
+    type(case_field), intent(in) :: fields(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(fields)
+      text = text//trim(fields(i)%name)//' '//text_of(fields(i)%length)//new_line('a')
+    end do
+  end function fields_text
+
+  subroutine look_first(work, monitor, outcome, go, error)
+    !! Find out whether there is something to do, and room to do it; then take the lock of the work.
+    type(unfinished_work), intent(inout) :: work
+    class(monitor_type), intent(inout) :: monitor
+    type(outcome_type), intent(inout) :: outcome
+    integer(i4), allocatable, intent(inout) :: go(:)
+    type(error_type), allocatable, intent(out) :: error
+    associate (file => outcome%file, was_there => outcome%was_there)
+      call look_at_existing(file, work%scene, work%overwrite, was_there, outcome%not_trusted, error)
+      if (was_there) call work%clear()
+      if (was_there .or. allocated(error)) return
+      call refuse_out_of_reach(work%scene, monitor, error)
+      if (.not. allocated(error)) call ask_for_memory(work, error)
+      if (.not. allocated(error)) call work%begin(error)
+      if (allocated(error)) return
+      ! a run may have ended just now
+      call look_at_existing(file, work%scene, work%overwrite, was_there, outcome%not_trusted, error)
+      if (was_there .or. allocated(error)) call work%leave()
+      if (.not. (was_there .or. allocated(error))) go = [1_i4]
+    end associate
+  end subroutine look_first
+
+  subroutine refuse_out_of_reach(scene, monitor, error)
+    !! A single case whose tolerance is out of reach is refused before anything is written; in a sweep such a case is
+    !! recorded and the others go on.
+    type(scene_type), intent(in) :: scene
+    class(monitor_type), intent(inout) :: monitor
+    type(error_type), allocatable, intent(out) :: error
+    integer :: ignored
+    if (by_tolerance(scene%modes) .and. size(scene%sweeps) == 0) call plan_case(scene, monitor, ignored, error)
+  end subroutine refuse_out_of_reach
+
+  subroutine ask_for_memory(work, error)
+    !! Ask for the memory that a case takes, and give it back.
+    !! **Errors**: `status_bad_file` where it is refused, before any work is done.
+    type(unfinished_work), intent(in) :: work
+    type(error_type), allocatable, intent(out) :: error
+    integer(i1), allocatable :: room(:)
+    integer :: stat
+    allocate (room(working_bytes(work%layout)), stat=stat)
+    if (stat /= 0) call fail(error, status_bad_file, work%scene%file//': memory was refused: a case takes about '// &
+                             bytes_text(working_bytes(work%layout)))
+  end subroutine ask_for_memory
+
+  subroutine run_single(work, progress, outcome, error)
+    !! Run the only case. After an error, or when it is stopped, nothing is left of it.
+    type(unfinished_work), intent(inout) :: work          !! locked
+    class(progress_type), intent(inout) :: progress
+    type(outcome_type), intent(inout) :: outcome
+    type(error_type), allocatable, intent(out) :: error
+    type(case_result) :: result
+    type(case_cache) :: cache
+    type(stopwatch) :: watch
+    integer(i1) :: none(0)
+    logical :: whole
+    call work%survey(0_i8, none, error)
+    if (.not. allocated(error) .and. work%has_others()) call outcome%remark(work_taken_away)
+    if (.not. allocated(error)) call work%remove_others(error)
+    whole = .true.
+    if (.not. allocated(error)) then
+      call progress%begin(work%scene%name, 1_i8, 0_i8)
+      call run_case(work%scene, work%layout, watch, progress, cache, result, whole)
+      if (whole) call write_result(work, result, watch, progress, outcome, whole, error)
+      call progress%end()
+    end if
+    if (.not. whole) call outcome%set_stopped(0_i8, 1_i8)
+    call work%discard()
+  end subroutine run_single
+
+  subroutine write_result(work, result, watch, progress, outcome, whole, error)
+    !! Write the file, give it its final name, and collect what there is to say of it.
+    !! **Errors**: it cannot be written.
+    type(unfinished_work), intent(in) :: work
+    type(case_result), intent(in) :: result
+    type(stopwatch), intent(inout) :: watch
+    class(progress_type), intent(inout) :: progress       !! may ask to stop
+    type(outcome_type), intent(inout) :: outcome
+    logical, intent(out) :: whole                         !! false where the monitor asked to stop
+    type(error_type), allocatable, intent(inout) :: error
+    type(child_process) :: child
+    type(result_file) :: file
+    type(notes_type) :: notes
+    type(string), allocatable :: texts(:)
+    character(:), allocatable :: draft
+    call notes%add(1_i8, result%notes)
+    call outcome%set_notes(notes%lines(work%layout%cases), work%layout, merge(0_i8, 1_i8, result%status == case_done))
+    draft = work%new_draft()
+    call child%begin()
+    if (child%is_here()) then
+      allocate (texts(0))
+      call create_result(draft, work%scene, work%layout, file, error)
+      if (.not. allocated(error)) call file%put_case(result, error)
+      call watch%lap(stage_write)
+      call file%finish(outcome%notes_text(), watch%seconds, error)
+      call child%tell(texts, error)
+    end if
+    call child%hear(texts, whole, error, progress)
+    if (.not. whole .or. allocated(error)) return
+    call work%publish(draft, error)
+    call watch%lap(stage_write)
+    call watch%add_cpu(stage_write, child%seconds)
+    if (.not. allocated(error)) call outcome%set_report(work%scene, work%layout, case_report(result), 0_i8, &
+      stage_table(watch, sum(watch%seconds), 1, 1_i8))
+  end subroutine write_result
+
+end module bw_run_scene

@@ -1,0 +1,104 @@
+module bw_descriptors
+  !! Open files by the system's descriptors: what a call has written lies with the system and survives the process. A
+  !! `problem` is that of `bw_files`.
+  use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_char
+  use bw_files, only: path_state
+  use bw_kinds, only: i1, i8
+  use bw_system_calls, only: bw_close, bw_flush, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, is_file, &
+    new_file, to_lock, to_read, to_read_itself
+  implicit none (type, external)
+  private
+  public :: open_file, close_file, read_words, read_bytes, write_words, write_text, flush_file, flush_path, look_at_open
+  public :: is_terminal
+  public :: is_file, new_file, to_lock, to_read, to_read_itself
+
+  integer, parameter, public :: standard_output = 1, standard_error = 2
+  integer(i8), parameter :: word = 8       !! bytes
+
+contains
+
+  integer function open_file(path, way, descriptor) result(problem)
+    !! Open a file. The `way` is `to_read`, `to_read_itself` (where the path is a link, that is a problem), `new_file` (which
+    !! must not be there) or `to_lock`.
+    character(*), intent(in) :: path
+    integer, intent(in) :: way
+    integer, intent(out) :: descriptor     !! −1 where there is a problem
+    integer(c_int) :: opened
+    problem = bw_open(path//c_null_char, int(way, c_int), opened)
+    descriptor = int(opened)
+  end function open_file
+
+  integer function close_file(descriptor) result(problem)
+    !! Close a file. Some file systems tell only now that what was written could not be kept.
+    integer, intent(inout) :: descriptor   !! −1 afterwards; nothing is done with −1
+    problem = 0
+    if (descriptor >= 0) problem = bw_close(int(descriptor, c_int))
+    descriptor = -1
+  end function close_file
+
+  integer function read_words(descriptor, offset, words, have) result(problem)
+    !! Read words of eight bytes from any place.
+    integer, intent(in) :: descriptor
+    integer(i8), intent(in) :: offset      !! bytes, from 0
+    integer(i8), intent(inout), contiguous, target :: words(:)
+    integer(i8), intent(out) :: have       !! whole words that there are
+    problem = bw_read(int(descriptor, c_int), c_loc(words), word*size(words, kind=i8), offset, have)
+    have = have/word
+  end function read_words
+
+  integer function read_bytes(descriptor, offset, bytes, have) result(problem)
+    !! Read bytes from any place.
+    integer, intent(in) :: descriptor
+    integer(i8), intent(in) :: offset      !! from 0
+    integer(i1), intent(inout), contiguous, target :: bytes(:)
+    integer(i8), intent(out) :: have       !! how many there are
+    problem = bw_read(int(descriptor, c_int), c_loc(bytes), size(bytes, kind=i8), offset, have)
+  end function read_bytes
+
+  integer function write_words(descriptor, words) result(problem)
+    !! Write words behind what was written before, at once and whole.
+    integer, intent(in) :: descriptor
+    integer(i8), intent(in), contiguous, target :: words(:)
+    problem = bw_write(int(descriptor, c_int), c_loc(words), word*size(words, kind=i8))
+  end function write_words
+
+  integer function write_text(descriptor, text) result(problem)
+    !! Write text behind what was written before, at once. gfortran's own units forget a failure of their last buffer.
+    integer, intent(in) :: descriptor      !! `standard_output`, `standard_error`, or an open file's
+    character(*), intent(in), target :: text
+    problem = 0
+    if (len(text) > 0) problem = bw_write(int(descriptor, c_int), c_loc(text), len(text, i8))
+  end function write_text
+
+  integer function flush_file(descriptor) result(problem)
+    !! Flush all of a file onto the disk, so that it outlives the machine.
+    integer, intent(in) :: descriptor
+    problem = bw_flush(int(descriptor, c_int))
+  end function flush_file
+
+  integer function flush_path(path) result(problem)
+    !! Flush a file that is not open onto the disk.
+    character(*), intent(in) :: path
+    integer :: descriptor, closed
+    problem = open_file(path, to_read, descriptor)
+    if (problem == 0) problem = flush_file(descriptor)
+    closed = close_file(descriptor)
+    if (problem == 0) problem = closed
+  end function flush_path
+
+  integer function look_at_open(descriptor, state) result(problem)
+    !! Find out which file a descriptor is.
+    integer, intent(in) :: descriptor
+    type(path_state), intent(out) :: state
+    integer(c_int64_t) :: found(5)
+    problem = bw_look_at_open(int(descriptor, c_int), found)
+    if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
+  end function look_at_open
+
+  logical function is_terminal(descriptor)
+    !! Whether a stream goes to a terminal, where somebody may be reading along.
+    integer, intent(in) :: descriptor      !! `standard_output` or `standard_error`
+    is_terminal = bw_is_terminal(int(descriptor, c_int)) == 1
+  end function is_terminal
+
+end module bw_descriptors

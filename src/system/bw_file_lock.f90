@@ -1,0 +1,249 @@
+module bw_file_lock
+  !! A lock: a file that one process at a time has. It comes into being with its text, which names the holder: host, process and
+  !! beginning. Where the file system has `flock`, the lock ends with its holder, however that ends. Where it has none, as
+  !! Lustre by default, the file is the lock: a holder of this host that is no longer there is found out, and a word in the
+  !! message says how to remove the lock of another host.
+  use, intrinsic :: iso_c_binding, only: c_int, c_null_char
+  use bw_descriptors, only: close_file, look_at_open, new_file, open_file, read_bytes, to_lock, write_text
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_files, only: cannot_be_written, directory_of, link_file, look_at, make_directory, path_state, remove_file, &
+    rename_file, same_file
+  use bw_kinds, only: i1, i8
+  use bw_system_calls, only: bw_beginning_of, bw_host, bw_is_there, bw_kind_of_error, bw_lock, bw_process, error_is_held, &
+    error_is_there, error_not_offered, error_not_there
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: draft_suffix, is_locked_to_write, is_unique_name, unique_name
+
+  character(*), parameter :: draft_suffix = '.lock'
+  integer, parameter :: attempts = 100       !! at a lock whose holder takes it away meanwhile, or its directory
+  integer, parameter :: longest = 1000       !! letters of a lock's text
+  integer(c_int), parameter :: to_write = 0, to_read = 1
+
+  type, public :: file_lock
+    character(:), allocatable :: path
+    integer, private :: descriptor = -1      !! of this process's lock
+  contains
+    procedure :: take
+    procedure :: is_held
+    procedure :: give_back
+    procedure, private :: write_draft
+    procedure, private :: place_draft
+    procedure, private :: take_over
+  end type file_lock
+
+contains
+
+  function unique_name() result(name)
+    !! A name that nothing else has, now or later: host, process and the time to the millisecond.
+    character(:), allocatable :: name
+    character(8) :: date
+    character(10) :: time
+    call date_and_time(date, time)
+    name = own_host()//'-'//text_of(bw_process())//'-'//date//'T'//time
+  end function unique_name
+
+  pure logical function is_unique_name(name)
+    !! Whether a name is one that `unique_name` may have given to any process.
+    character(*), intent(in) :: name
+    character(*), parameter :: digits = '0123456789', form = '-00000000T000000.000'
+    integer :: start, i
+    start = len(name) - len(form)                      ! the letter before '-date'
+    is_unique_name = start > 1
+    if (.not. is_unique_name) return
+    do i = 1, len(form)
+      if (form(i:i) == '0') then
+        is_unique_name = is_unique_name .and. index(digits, name(start + i:start + i)) > 0
+      else
+        is_unique_name = is_unique_name .and. name(start + i:start + i) == form(i:i)
+      end if
+    end do
+    i = verify(name(:start), digits, back=.true.)      ! the '-' before the process
+    if (i < 1 .or. i == start) then
+      is_unique_name = .false.
+    else
+      is_unique_name = is_unique_name .and. name(i:i) == '-'
+    end if
+  end function is_unique_name
+
+  function own_host() result(name)
+    !! The name of this host.
+    character(:), allocatable :: name
+    character(256) :: buffer
+    call bw_host(buffer, int(len(buffer), c_int))
+    name = buffer(:index(buffer, c_null_char) - 1)
+  end function own_host
+
+  subroutine take(self, path, error)
+    !! Make the lock's directory, and hold the lock from now on. **Errors**: another run holds it, or the system refuses it.
+    class(file_lock), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(out) :: error
+    character(:), allocatable :: draft
+    logical :: taken
+    integer :: problem, ignored, i
+    self%path = path
+    draft = directory_of(path)//unique_name()//draft_suffix
+    taken = .false.
+    do i = 1, attempts
+      problem = make_directory(directory_of(path))
+      if (problem == 0) call self%write_draft(draft, problem)
+      if (problem == 0) call self%place_draft(draft, problem)
+      taken = problem == 0
+      if (bw_kind_of_error(problem) == error_is_there) call self%take_over(draft, taken, problem, error)
+      ignored = remove_file(draft)
+      if (taken) return
+      ignored = close_file(self%descriptor)
+      if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_written(error, path, problem)
+      if (allocated(error)) return
+    end do
+    call fail(error, status_bad_file, path//': other runs take and leave this lock all the time')
+  end subroutine take
+
+  subroutine write_draft(self, draft, problem)
+    !! Write the lock under a name of its own, with its text, and lock it where that is possible.
+    class(file_lock), intent(inout) :: self
+    character(*), intent(in) :: draft
+    integer, intent(out) :: problem
+    problem = open_file(draft, new_file, self%descriptor)
+    if (problem == 0) problem = write_text(self%descriptor, own_host()//' '//text_of(bw_process())//' '// &
+      text_of(bw_beginning_of(bw_process()))//new_line('a')//'host, process and beginning (in ticks of /proc) of a run '// &
+      'of beamwave; once it is no longer there, this file may be removed'//new_line('a'))
+    if (problem == 0) problem = bw_lock(int(self%descriptor, c_int), to_write)
+    if (bw_kind_of_error(problem) == error_not_offered) problem = 0
+  end subroutine write_draft
+
+  subroutine place_draft(self, draft, problem)
+    !! Give the draft the lock's name, unless it is taken.
+    class(file_lock), intent(inout) :: self
+    character(*), intent(in) :: draft
+    integer, intent(out) :: problem
+    integer :: descriptor, ignored
+    problem = link_file(draft, self%path)
+    if (bw_kind_of_error(problem) /= error_not_offered) return
+    problem = open_file(self%path, new_file, descriptor)     ! a file has one name only here: the name is taken first
+    if (problem == 0) problem = rename_file(draft, self%path)
+    ignored = close_file(descriptor)
+  end subroutine place_draft
+
+  subroutine take_over(self, draft, taken, problem, error)
+    !! Put the draft into the place of a lock whose holder is gone. **Errors**: it is not, or that cannot be told.
+    class(file_lock), intent(inout) :: self
+    character(*), intent(in) :: draft
+    logical, intent(out) :: taken            !! false without an error: the lock has changed meanwhile, and is to be tried again
+    integer, intent(out) :: problem          !! of the system
+    type(error_type), allocatable, intent(inout) :: error
+    type(path_state) :: opened, named
+    integer :: descriptor, locked, ignored
+    taken = .false.
+    problem = open_file(self%path, to_lock, descriptor)
+    if (problem == 0) problem = look_at_open(descriptor, opened)
+    if (problem == 0) then
+      locked = bw_lock(int(descriptor, c_int), to_write)
+      select case (bw_kind_of_error(locked))
+      case (error_is_held)
+        call refuse(self%path, descriptor, '', error)
+      case (error_not_offered)
+        if (holder_is_gone(descriptor)) then
+          call bury(self%path, draft//'.old', opened)
+        else
+          call refuse(self%path, descriptor, '; this file system has no locks: if it is no longer there, remove this file', error)
+        end if
+      case default                           ! nobody holds it: it is replaced as long as it is still the one that was opened
+        problem = locked
+        if (problem == 0) problem = look_at(self%path, named)
+        taken = problem == 0 .and. same_file(named, opened)
+        if (taken) problem = rename_file(draft, self%path)
+        taken = taken .and. problem == 0
+      end select
+    end if
+    ignored = close_file(descriptor)
+    if (bw_kind_of_error(problem) == error_not_there) problem = 0
+  end subroutine take_over
+
+  subroutine refuse(path, descriptor, advice, error)
+    !! Say that another run has the lock, and which one, as far as the text of the lock tells.
+    character(*), intent(in) :: path
+    integer, intent(in) :: descriptor
+    character(*), intent(in) :: advice
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: host
+    integer(i8) :: process, beginning
+    call read_holder(descriptor, host, process, beginning)
+    if (host == '') host = 'somewhere'
+    call fail(error, status_bad_file, path//': another run is at work on this scene: process '//text_of(process)// &
+              ' on host '//host//advice)
+  end subroutine refuse
+
+  logical function holder_is_gone(descriptor)
+    !! Whether the holder was a process of this host that has ended.
+    integer, intent(in) :: descriptor
+    character(:), allocatable :: host
+    integer(i8) :: process, beginning
+    call read_holder(descriptor, host, process, beginning)
+    holder_is_gone = .false.
+    if (host /= own_host() .or. process <= 0) return
+    holder_is_gone = bw_is_there(process) == 0
+    if (.not. holder_is_gone .and. beginning > 0) holder_is_gone = bw_beginning_of(process) /= beginning
+  end function holder_is_gone
+
+  logical function is_locked_to_write(descriptor)
+    !! Whether another program says by a lock that it changes this file.
+    integer, intent(in) :: descriptor
+    is_locked_to_write = bw_kind_of_error(bw_lock(int(descriptor, c_int), to_read)) == error_is_held
+  end function is_locked_to_write
+
+  subroutine read_holder(descriptor, host, process, beginning)
+    !! Read what the text of a lock says; host is empty and process 0 where it says nothing.
+    integer, intent(in) :: descriptor
+    character(:), allocatable, intent(out) :: host
+    integer(i8), intent(out) :: process, beginning
+    integer(i1) :: bytes(longest)
+    character(longest) :: text
+    character(256) :: name
+    integer(i8) :: have
+    integer :: stat
+    host = ''
+    process = 0
+    beginning = 0
+    if (read_bytes(descriptor, 0_i8, bytes, have) /= 0) return
+    text = transfer(bytes(:have), text(:have))
+    text(have + 1:) = ''
+    read (text, *, iostat=stat) name, process, beginning
+    if (stat == 0) host = trim(name)
+  end subroutine read_holder
+
+  subroutine bury(path, grave, dead)
+    !! Take a dead lock away. What another run has put there meanwhile gets its name back.
+    character(*), intent(in) :: path, grave
+    type(path_state), intent(in) :: dead
+    type(path_state) :: taken
+    integer :: ignored
+    if (rename_file(path, grave) /= 0) return
+    ignored = look_at(grave, taken)
+    if (.not. same_file(taken, dead)) ignored = link_file(grave, path)
+    ignored = remove_file(grave)
+  end subroutine bury
+
+  logical function is_held(self)
+    !! Whether the lock still has its name: nobody has taken it away or over.
+    class(file_lock), intent(in) :: self
+    type(path_state) :: mine, named
+    integer :: problem
+    is_held = self%descriptor >= 0
+    if (.not. is_held) return
+    problem = look_at_open(self%descriptor, mine)
+    if (problem == 0) problem = look_at(self%path, named)
+    is_held = problem == 0 .and. same_file(mine, named)
+  end function is_held
+
+  subroutine give_back(self)
+    !! Take the lock away, if this process still has it.
+    class(file_lock), intent(inout) :: self
+    integer :: ignored
+    if (self%is_held()) ignored = remove_file(self%path)
+    ignored = close_file(self%descriptor)
+  end subroutine give_back
+
+end module bw_file_lock

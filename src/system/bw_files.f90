@@ -1,0 +1,167 @@
+module bw_files
+  !! Files and directories by their names. What fails gives a `problem`, the system's error number, which `reason` puts into
+  !! words; 0 means that all is well. That nothing of a name is there is told from not being able to know.
+  use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_null_char, c_ptr
+  use bw_error, only: error_type, fail, status_bad_file, why_not_written
+  use bw_kinds, only: i8
+  use bw_system_calls, only: bw_error_text, bw_flush_directory, bw_kind_of_error, bw_link, bw_list, bw_look_at, bw_look_at_itself, &
+    bw_make_directory, bw_release, bw_remove, bw_remove_directory, bw_rename, error_not_there, is_directory
+  use bw_text, only: append, string
+  implicit none (type, external)
+  private
+  public :: look_at, directory_is_there, same_file, files_in, make_directory, remove_file, remove_directory, rename_file
+  public :: link_file, flush_directory, directory_of, reason, cannot_be_read, cannot_be_written
+
+  integer, parameter :: longest_reason = 200
+
+  type, public :: path_state
+    !! What a path names.
+    integer :: kind = 0               !! is_file, is_directory, or above: something else; 0: nothing is there
+    integer(i8) :: device = 0, inode = 0     !! which file it is, whatever its name
+    integer(i8) :: links = 0          !! how many names it has
+    integer(i8) :: bytes = 0
+  end type path_state
+
+contains
+
+  integer function look_at(path, state, itself) result(problem)
+    !! Find out what a path names; that nothing is there is no problem.
+    character(*), intent(in) :: path
+    type(path_state), intent(out) :: state
+    logical, intent(in), optional :: itself      !! a link is looked at, not what it leads to
+    integer(c_int64_t) :: found(5)
+    logical :: follows
+    follows = .true.
+    if (present(itself)) follows = .not. itself
+    if (follows) then
+      problem = bw_look_at(path//c_null_char, found)
+    else
+      problem = bw_look_at_itself(path//c_null_char, found)
+    end if
+    if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
+    if (bw_kind_of_error(problem) == error_not_there) problem = 0
+  end function look_at
+
+  logical function directory_is_there(path)
+    !! Whether a directory of that name is there, as far as can be seen.
+    character(*), intent(in) :: path
+    type(path_state) :: state
+    integer :: problem
+    problem = look_at(path, state)
+    directory_is_there = problem == 0 .and. state%kind == is_directory
+  end function directory_is_there
+
+  pure logical function same_file(one, other)
+    !! Whether two names, or a name and an open file, mean the same file.
+    type(path_state), intent(in) :: one, other
+    same_file = one%kind > 0 .and. one%device == other%device .and. one%inode == other%inode
+  end function same_file
+
+  integer function files_in(directory, suffix, names) result(problem)
+    !! List the names in a directory that end so, in their order; hidden ones are left out.
+    character(*), intent(in) :: directory, suffix
+    type(string), allocatable, intent(out) :: names(:)
+    type(c_ptr) :: address
+    integer(c_int64_t) :: length
+    character(c_char), pointer :: letters(:)
+    character(:), allocatable :: name
+    integer(i8) :: i, first
+    allocate (names(0))
+    problem = bw_list(directory//c_null_char, suffix//c_null_char, address, length)
+    if (problem /= 0) return
+    call c_f_pointer(address, letters, [length])
+    first = 1
+    do i = 1, length
+      if (letters(i) /= c_null_char) cycle
+      name = repeat(' ', int(i - first))
+      name = transfer(letters(first:i - 1), name)
+      call append(names, name)
+      first = i + 1
+    end do
+    call bw_release(address)
+  end function files_in
+
+  integer function make_directory(path) result(problem)
+    !! Make a directory and its parents, where they are not there, so that they outlive the machine.
+    character(*), intent(in) :: path
+    integer :: last
+    problem = 0
+    do last = 1, len(path)
+      if (last < len(path)) then
+        if (path(last + 1:last + 1) /= '/' .or. path(last:last) == '/') cycle
+      end if
+      problem = bw_make_directory(path(:last)//c_null_char)
+      if (problem == 0) problem = flush_directory(directory_of(path(:last)))
+    end do
+    if (directory_is_there(path)) problem = 0
+  end function make_directory
+
+  pure function directory_of(path) result(directory)
+    !! The directory in which a path lies; slashes at its end mean nothing.
+    character(*), intent(in) :: path
+    character(:), allocatable :: directory
+    integer :: last
+    last = verify(path, '/', back=.true.)
+    last = index(path(:last), '/', back=.true.)
+    if (last == 0) directory = '.'
+    if (last > 0) directory = path(:last)
+  end function directory_of
+
+  integer function remove_file(path) result(problem)
+    !! Remove a file; that nothing is there is no problem.
+    character(*), intent(in) :: path
+    problem = bw_remove(path//c_null_char)
+    if (bw_kind_of_error(problem) == error_not_there) problem = 0
+  end function remove_file
+
+  integer function remove_directory(path) result(problem)
+    !! Remove a directory if it is empty.
+    character(*), intent(in) :: path
+    problem = bw_remove_directory(path//c_null_char)
+  end function remove_directory
+
+  integer function rename_file(from, to) result(problem)
+    !! Give a file another name at once, within one file system; what has that name is replaced.
+    character(*), intent(in) :: from, to
+    problem = bw_rename(from//c_null_char, to//c_null_char)
+  end function rename_file
+
+  integer function link_file(from, to) result(problem)
+    !! Give a file one more name, which nothing may have.
+    character(*), intent(in) :: from, to
+    problem = bw_link(from//c_null_char, to//c_null_char)
+  end function link_file
+
+  integer function flush_directory(path) result(problem)
+    !! Flush the names in a directory onto the disk.
+    character(*), intent(in) :: path
+    problem = bw_flush_directory(path//c_null_char)
+  end function flush_directory
+
+  function reason(problem) result(text)
+    !! The system's words for an error.
+    integer, intent(in) :: problem
+    character(:), allocatable :: text
+    character(longest_reason) :: buffer
+    call bw_error_text(int(problem, c_int), buffer, int(len(buffer), c_int))
+    text = buffer(:index(buffer, c_null_char) - 1)
+  end function reason
+
+  subroutine cannot_be_read(error, path, problem)
+    !! Fill `error` with the system's reason why a path cannot be read, unless there is an error already.
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in) :: path
+    integer, intent(in) :: problem
+    if (.not. allocated(error)) call fail(error, status_bad_file, path//': cannot be read: '//reason(problem))
+  end subroutine cannot_be_read
+
+  subroutine cannot_be_written(error, path, problem)
+    !! Fill `error` with the system's reason why a path cannot be written, unless there is an error already.
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), intent(in) :: path
+    integer, intent(in) :: problem
+    if (allocated(error)) return
+    call fail(error, status_bad_file, path//': cannot be written: '//why_not_written//' ('//reason(problem)//')')
+  end subroutine cannot_be_written
+
+end module bw_files

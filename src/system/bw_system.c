@@ -1,0 +1,398 @@
+/* What Fortran lacks of the operating system, taken from the system's own headers: files, locks, processes, signals.
+   bw_system_calls.f90 has the Fortran interfaces. Unless said otherwise a function returns 0, or the system's error number;
+   a call that a signal interrupts is made again. */
+#define _GNU_SOURCE
+#include <dirent.h>
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+#define AGAIN_WHERE_INTERRUPTED(call) \
+  do { errno = 0; } while ((call) < 0 && errno == EINTR)
+
+/* ---- errors ------------------------------------------------------------------------------------------------------- */
+
+/* What a program can do about an error: the numbers are those of bw_system_calls.f90. */
+int bw_kind_of_error(int number)
+{
+  switch (number) {
+  case ENOENT: case ENOTDIR: return 1;                       /* nothing of that name is there */
+  case EEXIST: case ENOTEMPTY: return 2;                     /* something of that name is there */
+  case EWOULDBLOCK: return 3;                                /* somebody else holds it */
+  case ENOSYS: case ENOLCK: case EOPNOTSUPP: case EINVAL: case EPERM: case EMLINK: return 4;  /* this file system lacks it */
+  case EPIPE: return 5;                                      /* nobody reads any more */
+  default: return 0;
+  }
+}
+
+void bw_error_text(int number, char *text, int length)
+{
+  snprintf(text, (size_t)length, "%s", strerror(number));
+}
+
+/* ---- files by descriptors ------------------------------------------------------------------------------------------ */
+
+enum { TO_READ = 1, TO_READ_ITSELF = 2, NEW = 3, TO_LOCK = 4 };
+
+/* No way empties a file. A pipe or a device is not waited for: whoever opens looks at what it is. */
+int bw_open(const char *path, int way, int *descriptor)
+{
+  const int always = O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+  const int flags[] = {0, O_RDONLY, O_RDONLY | O_NOFOLLOW, O_RDWR | O_CREAT | O_EXCL, O_RDWR | O_NOFOLLOW};
+  AGAIN_WHERE_INTERRUPTED(*descriptor = open(path, flags[way] | always, 0666));
+  return *descriptor < 0 ? errno : 0;
+}
+
+/* An interrupted close has closed. */
+int bw_close(int descriptor)
+{
+  return close(descriptor) < 0 && errno != EINTR ? errno : 0;
+}
+
+/* As many bytes as there are up to `count`. */
+int bw_read(int descriptor, void *bytes, int64_t count, int64_t offset, int64_t *have)
+{
+  for (*have = 0; *have < count;) {
+    ssize_t more;
+    AGAIN_WHERE_INTERRUPTED(more = pread(descriptor, (char *)bytes + *have, (size_t)(count - *have), offset + *have));
+    if (more < 0) return errno;
+    if (more == 0) break;
+    *have += more;
+  }
+  return 0;
+}
+
+/* All bytes. A stream that is full for the moment is waited for. */
+int bw_write(int descriptor, const void *bytes, int64_t count)
+{
+  for (int64_t have = 0; have < count;) {
+    ssize_t more;
+    AGAIN_WHERE_INTERRUPTED(more = write(descriptor, (const char *)bytes + have, (size_t)(count - have)));
+    if (more < 0 && errno == EAGAIN) {
+      struct pollfd stream = {descriptor, POLLOUT, 0};
+      poll(&stream, 1, 1000);
+    } else if (more <= 0) {
+      return more < 0 ? errno : EIO;
+    } else {
+      have += more;
+    }
+  }
+  return 0;
+}
+
+/* Onto the disk, so that it outlives the machine. */
+int bw_flush(int descriptor)
+{
+  int result;
+  AGAIN_WHERE_INTERRUPTED(result = fsync(descriptor));
+  return result < 0 ? errno : 0;
+}
+
+int bw_flush_directory(const char *path)
+{
+  int descriptor, number;
+  AGAIN_WHERE_INTERRUPTED(descriptor = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (descriptor < 0) return errno == EACCES ? 0 : errno;    /* who may not read it cannot do this */
+  number = bw_flush(descriptor);
+  if (number == EINVAL || number == EBADF) number = 0;       /* a file system that has no such thing */
+  bw_close(descriptor);
+  return number;
+}
+
+static void tell(const struct stat *found, int64_t state[5])
+{
+  state[0] = S_ISREG(found->st_mode) ? 1 : S_ISDIR(found->st_mode) ? 2 : 3;
+  state[1] = (int64_t)found->st_dev;
+  state[2] = (int64_t)found->st_ino;
+  state[3] = (int64_t)found->st_nlink;
+  state[4] = (int64_t)found->st_size;
+}
+
+/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes. */
+int bw_look_at(const char *path, int64_t state[5])
+{
+  struct stat found;
+  if (stat(path, &found) < 0) return errno;
+  tell(&found, state);
+  return 0;
+}
+
+/* The same of a link itself, where the path is one. */
+int bw_look_at_itself(const char *path, int64_t state[5])
+{
+  struct stat found;
+  if (lstat(path, &found) < 0) return errno;
+  tell(&found, state);
+  return 0;
+}
+
+int bw_look_at_open(int descriptor, int64_t state[5])
+{
+  struct stat found;
+  if (fstat(descriptor, &found) < 0) return errno;
+  tell(&found, state);
+  return 0;
+}
+
+/* ---- files by names ------------------------------------------------------------------------------------------------ */
+
+int bw_rename(const char *from, const char *to) { return rename(from, to) < 0 ? errno : 0; }
+int bw_link(const char *from, const char *to) { return link(from, to) < 0 ? errno : 0; }
+int bw_remove(const char *path) { return unlink(path) < 0 ? errno : 0; }
+int bw_make_directory(const char *path) { return mkdir(path, 0777) < 0 ? errno : 0; }
+int bw_remove_directory(const char *path) { return rmdir(path) < 0 ? errno : 0; }
+
+static int by_name(const void *one, const void *other)
+{
+  return strcmp(*(char *const *)one, *(char *const *)other);
+}
+
+/* The names in a directory that end so, hidden ones apart, in their order, each with a NUL behind it; free() what is given. */
+int bw_list(const char *path, const char *suffix, char **text, int64_t *length)
+{
+  char **names = NULL;
+  size_t count = 0, total = 0;
+  int number = 0;
+  DIR *directory = opendir(path);
+  *text = NULL;
+  *length = 0;
+  if (!directory) return errno;
+  for (struct dirent *entry; errno = 0, (entry = readdir(directory));) {
+    size_t letters = strlen(entry->d_name), tail = strlen(suffix);
+    if (entry->d_name[0] == '.' || letters < tail || strcmp(entry->d_name + letters - tail, suffix)) continue;
+    char **longer = count % 64 ? names : realloc(names, (count + 64) * sizeof *names);
+    if (longer) names = longer;
+    if (!longer || !(names[count] = strdup(entry->d_name))) { errno = ENOMEM; break; }
+    count++;
+    total += letters + 1;
+  }
+  number = errno;
+  closedir(directory);
+  if (!number && !(*text = malloc(total + 1))) number = ENOMEM;
+  if (!number && count) qsort(names, count, sizeof *names, by_name);
+  for (size_t i = 0; i < count; i++) {
+    if (!number) {
+      strcpy(*text + *length, names[i]);
+      *length += (int64_t)strlen(names[i]) + 1;
+    }
+    free(names[i]);
+  }
+  free(names);
+  return number;
+}
+
+void bw_release(void *memory) { free(memory); }
+
+/* ---- locks and their holders ----------------------------------------------------------------------------------------- */
+
+/* At once or not at all; a lock to read bears others of its kind. */
+int bw_lock(int descriptor, int reading)
+{
+  int result;
+  AGAIN_WHERE_INTERRUPTED(result = flock(descriptor, (reading ? LOCK_SH : LOCK_EX) | LOCK_NB));
+  return result < 0 ? errno : 0;
+}
+
+void bw_host(char *name, int length)
+{
+  if (gethostname(name, (size_t)length) < 0) snprintf(name, (size_t)length, "unknown");
+  name[length - 1] = 0;
+}
+
+int64_t bw_process(void) { return (int64_t)getpid(); }
+
+/* When a process began, in the system's ticks, which tells it from a later one of the same number; 0: not known. */
+int64_t bw_beginning_of(int64_t process)
+{
+  char path[64], line[1024];
+  unsigned long long ticks = 0;
+  snprintf(path, sizeof path, "/proc/%lld/stat", (long long)process);
+  FILE *file = fopen(path, "re");
+  if (!file) return 0;
+  if (fgets(line, sizeof line, file)) {
+    char *place = strrchr(line, ')');                        /* the name in parentheses may hold anything */
+    if (place) sscanf(place + 1, " %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %*u %*u %*d %*d %*d %*d %*d %*d %llu", &ticks);
+  }
+  fclose(file);
+  return (int64_t)ticks;
+}
+
+/* Whether a process of this machine is there; one that may not be asked is. */
+int bw_is_there(int64_t process) { return kill((pid_t)process, 0) == 0 || errno != ESRCH; }
+
+/* ---- how this process ends ------------------------------------------------------------------------------------------- */
+
+static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
+static volatile sig_atomic_t received, is_child;
+static const char *fault_message, *memory_message;
+static int fault_status, memory_status;
+
+static void on_stop(int number)
+{
+  if (received) _exit(128 + number);                         /* a second signal is obeyed at once */
+  received = number;
+}
+
+/* Nothing here may allocate: the heap may be what is broken. */
+static void end_in_fault(int is_refusal)
+{
+  const char *message = is_refusal ? memory_message : fault_message;
+  int status = is_refusal ? memory_status : fault_status;
+  if (!is_child && write(STDERR_FILENO, message, strlen(message)) < 0) _exit(status);
+  _exit(status);
+}
+
+/* A fault just after memory was refused comes of that. */
+static void on_fault(int number)
+{
+  (void)number;
+  end_in_fault(errno == ENOMEM);
+}
+
+/* Libraries exit with 1 or −1 where memory is refused (Fortran's, FFTW; HDF5); Fortran's has 2 for errors of the program. */
+#ifdef __GLIBC__
+static void on_end(int status, void *unused)
+{
+  (void)unused;
+  end_in_fault(status == 1 || status == -1 || status == 255);
+}
+#else
+static void on_end(void) { end_in_fault(errno == ENOMEM); }
+#define on_exit(handler, unused) atexit(handler)
+#endif
+
+/* Standard streams that are closed go nowhere: the first file that is opened would take their place. */
+void bw_open_standard_streams(void)
+{
+  for (int stream = 0; stream <= 2; stream++)
+    if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", stream ? O_WRONLY : O_RDONLY) < 0) return;
+}
+
+/* The messages stay where they are. */
+void bw_watch(const char *of_fault, int fault, const char *of_memory, int memory)
+{
+  static char room[65536];
+  const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
+  struct sigaction action = {.sa_handler = on_stop, .sa_flags = SA_RESTART};
+  fault_message = of_fault;
+  fault_status = fault;
+  memory_message = of_memory;
+  memory_status = memory;
+  on_exit(on_end, NULL);
+  for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) sigaction(stops[i], &action, NULL);
+  sigaltstack(&stack, NULL);                                 /* for the fault of a stack that is full */
+  action = (struct sigaction){.sa_handler = on_fault, .sa_flags = SA_ONSTACK};
+  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) sigaction(faults[i], &action, NULL);
+  signal(SIGXFSZ, SIG_IGN);                                  /* `ulimit -f`: the write fails, as on a full disk */
+  signal(SIGPIPE, SIG_IGN);                                  /* nobody reads any more: the write fails */
+}
+
+int bw_stop_signal(void) { return (int)received; }
+void bw_leave(int status) { _exit(status); }
+
+/* ---- another process -------------------------------------------------------------------------------------------------- */
+
+/* Fork: the child gets 0 and a pipe to write, the parent its number and the pipe to read; −1: the system refuses it. The
+   child dies with its parent, and does not mind signals that are meant for it. */
+int64_t bw_fork(int *channel)
+{
+  int ends[2];
+  pid_t parent = getpid(), child = -1;
+  if (pipe2(ends, O_CLOEXEC) < 0) return -1;
+  child = fork();
+  if (child < 0) close(ends[1]);
+  if (child != 0) {
+    if (child < 0) close(ends[0]); else close(ends[1]);
+    *channel = ends[0];
+    return child;
+  }
+  is_child = 1;
+  close(ends[0]);
+  *channel = ends[1];
+  for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) signal(stops[i], SIG_IGN);
+  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) signal(faults[i], SIG_DFL);   /* the parent will see */
+  setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  if (getppid() != parent) _exit(1);
+  return 0;
+}
+
+/* More of what the child tells, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
+int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
+{
+  struct pollfd stream = {channel, POLLIN, 0};
+  ssize_t have;
+  if (poll(&stream, 1, milliseconds) <= 0) return -1;
+  AGAIN_WHERE_INTERRUPTED(have = read(channel, bytes, (size_t)most));
+  return have < 0 ? 0 : have;
+}
+
+void bw_kill(int64_t child) { kill((pid_t)child, SIGKILL); }
+
+/* Its exit status, or below 0 the signal that ended it; and its processor time in seconds. */
+int bw_wait(int64_t child, double *seconds)
+{
+  int status = 0;
+  pid_t ended;
+  struct rusage used = {0};
+  AGAIN_WHERE_INTERRUPTED(ended = wait4((pid_t)child, &status, 0, &used));
+  *seconds = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+  if (ended < 0) return -SIGKILL;
+  return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+/* ---- machine and terminal ---------------------------------------------------------------------------------------------- */
+
+int bw_is_terminal(int descriptor) { return isatty(descriptor); }
+
+void bw_pause(int microseconds) { usleep((useconds_t)microseconds); }
+
+/* Bytes of stack that this process may have; below 0: no limit. */
+int64_t bw_stack_limit(void)
+{
+  struct rlimit limit;
+  if (getrlimit(RLIMIT_STACK, &limit) < 0 || limit.rlim_cur == RLIM_INFINITY) return -1;
+  return (int64_t)limit.rlim_cur;
+}
+
+/* Where LAPACK is OpenBLAS, it works with one thread, and claims the memory of so many bytes that it takes at its first call:
+   refused at that call it would ask again without end. Elsewhere nothing is done. ENOMEM: it is refused. */
+int bw_settle_openblas(int64_t bytes)
+{
+  void (*set_threads)(int);
+  void (*dsyrk)(const char *, const char *, const int *, const int *, const double *, const double *, const int *, const double *,
+                double *, const int *, size_t, size_t);
+  const int one = 1;
+  const double number = 1.0;
+  double sum = 0.0;
+  *(void **)&set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
+  *(void **)&dsyrk = dlsym(RTLD_DEFAULT, "dsyrk_");
+  if (!set_threads || !dsyrk) return 0;
+  void *room = mmap(NULL, (size_t)bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (room == MAP_FAILED) return ENOMEM;
+  munmap(room, (size_t)bytes);
+  set_threads(1);
+  dsyrk("U", "N", &one, &one, &number, &number, &one, &number, &sum, &one, 1, 1);
+  return 0;
+}
+
+/* What is set already stays. */
+void bw_set_environment(const char *name, const char *value) { setenv(name, value, 0); }

@@ -1,0 +1,212 @@
+module bw_system_calls
+  !! The functions of bw_system.c, which says what each does. A path ends with `c_null_char`; an integer result is 0, or the
+  !! number of the system's error.
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_int, c_int64_t, c_ptr
+  implicit none (type, external)
+  public
+
+  integer(c_int), parameter :: error_not_there = 1, error_is_there = 2, error_is_held = 3, error_not_offered = 4
+  integer(c_int), parameter :: error_nobody_reads = 5
+    !! what `bw_kind_of_error` tells of an error: nothing of that name, something of that name, another process holds it,
+    !! the file system does not offer it, the other end of a pipe is closed; 0: anything else
+  integer(c_int), parameter :: to_read = 1, to_read_itself = 2, new_file = 3, to_lock = 4
+    !! ways of `bw_open`: to read; the same, and no link is followed; a file that must not be there yet; an existing file
+  integer, parameter :: is_file = 1, is_directory = 2      !! kinds of what a path names; anything else is above
+
+  interface
+    pure integer(c_int) function bw_kind_of_error(number) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: number
+    end function bw_kind_of_error
+    subroutine bw_error_text(number, text, length) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      integer(c_int), value :: number, length
+      character(c_char), intent(out) :: text(*)
+    end subroutine bw_error_text
+    integer(c_int) function bw_open(path, way, descriptor) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+      integer(c_int), value :: way
+      integer(c_int), intent(out) :: descriptor
+    end function bw_open
+    integer(c_int) function bw_close(descriptor) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+    end function bw_close
+    integer(c_int) function bw_read(descriptor, bytes, count, offset, have) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+      type(c_ptr), value :: bytes
+      integer(c_int64_t), value :: count, offset
+      integer(c_int64_t), intent(out) :: have
+    end function bw_read
+    integer(c_int) function bw_write(descriptor, bytes, count) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+      type(c_ptr), value :: bytes
+      integer(c_int64_t), value :: count
+    end function bw_write
+    integer(c_int) function bw_flush(descriptor) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+    end function bw_flush
+    integer(c_int) function bw_flush_directory(path) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+    end function bw_flush_directory
+    integer(c_int) function bw_look_at(path, state) bind(c)
+      import :: c_char, c_int, c_int64_t
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+      integer(c_int64_t), intent(out) :: state(5)
+    end function bw_look_at
+    integer(c_int) function bw_look_at_itself(path, state) bind(c)
+      import :: c_char, c_int, c_int64_t
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+      integer(c_int64_t), intent(out) :: state(5)
+    end function bw_look_at_itself
+    integer(c_int) function bw_look_at_open(descriptor, state) bind(c)
+      import :: c_int, c_int64_t
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+      integer(c_int64_t), intent(out) :: state(5)
+    end function bw_look_at_open
+    integer(c_int) function bw_rename(from, to) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: from(*), to(*)
+    end function bw_rename
+    integer(c_int) function bw_link(from, to) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: from(*), to(*)
+    end function bw_link
+    integer(c_int) function bw_remove(path) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+    end function bw_remove
+    integer(c_int) function bw_make_directory(path) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+    end function bw_make_directory
+    integer(c_int) function bw_remove_directory(path) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+    end function bw_remove_directory
+    integer(c_int) function bw_list(path, suffix, text, length) bind(c)
+      import :: c_char, c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*), suffix(*)
+      type(c_ptr), intent(out) :: text
+      integer(c_int64_t), intent(out) :: length
+    end function bw_list
+    subroutine bw_release(memory) bind(c)
+      import :: c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: memory
+    end subroutine bw_release
+    integer(c_int) function bw_lock(descriptor, reading) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor, reading
+    end function bw_lock
+    subroutine bw_host(name, length) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(out) :: name(*)
+      integer(c_int), value :: length
+    end subroutine bw_host
+    integer(c_int64_t) function bw_process() bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+    end function bw_process
+    integer(c_int64_t) function bw_beginning_of(process) bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+      integer(c_int64_t), value :: process
+    end function bw_beginning_of
+    integer(c_int) function bw_is_there(process) bind(c)
+      import :: c_int, c_int64_t
+      implicit none (type, external)
+      integer(c_int64_t), value :: process
+    end function bw_is_there
+    subroutine bw_open_standard_streams() bind(c)
+      implicit none (type, external)
+    end subroutine bw_open_standard_streams
+    subroutine bw_watch(of_fault, fault, of_memory, memory) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: of_fault(*), of_memory(*)
+      integer(c_int), value :: fault, memory
+    end subroutine bw_watch
+    integer(c_int) function bw_stop_signal() bind(c)
+      import :: c_int
+      implicit none (type, external)
+    end function bw_stop_signal
+    subroutine bw_leave(status) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: status
+    end subroutine bw_leave
+    integer(c_int64_t) function bw_fork(channel) bind(c)
+      import :: c_int, c_int64_t
+      implicit none (type, external)
+      integer(c_int), intent(out) :: channel
+    end function bw_fork
+    integer(c_int64_t) function bw_listen(channel, bytes, most, milliseconds) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      integer(c_int), value :: channel, milliseconds
+      type(c_ptr), value :: bytes
+      integer(c_int64_t), value :: most
+    end function bw_listen
+    subroutine bw_kill(child) bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+      integer(c_int64_t), value :: child
+    end subroutine bw_kill
+    integer(c_int) function bw_wait(child, seconds) bind(c)
+      import :: c_double, c_int, c_int64_t
+      implicit none (type, external)
+      integer(c_int64_t), value :: child
+      real(c_double), intent(out) :: seconds
+    end function bw_wait
+    integer(c_int) function bw_is_terminal(descriptor) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+    end function bw_is_terminal
+    subroutine bw_pause(microseconds) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: microseconds
+    end subroutine bw_pause
+    integer(c_int64_t) function bw_stack_limit() bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+    end function bw_stack_limit
+    integer(c_int) function bw_settle_openblas(bytes) bind(c)
+      import :: c_int, c_int64_t
+      implicit none (type, external)
+      integer(c_int64_t), value :: bytes
+    end function bw_settle_openblas
+    subroutine bw_set_environment(name, value) bind(c)
+      import :: c_char
+      implicit none (type, external)
+      character(c_char), intent(in) :: name(*), value(*)
+    end subroutine bw_set_environment
+  end interface
+
+end module bw_system_calls

@@ -1,0 +1,32 @@
+# beamwave_show_modules(<folder>): every program of a subfolder sees the modules of the rooms that it
+# links, directly or through other rooms. Works on finished targets, whichever add_pfunit_ctest made
+# them.
+function(beamwave_show_modules folder)
+  get_property(targets DIRECTORY "${folder}" PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(type ${target} TYPE)
+    if(NOT type STREQUAL "EXECUTABLE")
+      continue()
+    endif()
+    get_target_property(linked ${target} LINK_LIBRARIES)
+    beamwave_modules_of(modules ${linked})
+    target_include_directories(${target} PRIVATE ${modules})
+  endforeach()
+endfunction()
+
+# <out> becomes the module directories of these libraries and of all that they link in turn.
+function(beamwave_modules_of out)
+  set(found "")
+  foreach(library IN LISTS ARGN)
+    if(TARGET ${library})
+      get_target_property(own ${library} BEAMWAVE_MODULES)
+      if(own)
+        get_target_property(linked ${library} INTERFACE_LINK_LIBRARIES)
+        beamwave_modules_of(others ${linked})
+        list(APPEND found "${own}" ${others})
+      endif()
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES found)
+  set(${out} "${found}" PARENT_SCOPE)
+endfunction()

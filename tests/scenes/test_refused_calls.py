@@ -1,0 +1,120 @@
+"""Whatever call the system refuses, and wherever the program is killed, a run ends with the right bits or with 3, keeps every
+finished case, and the same command goes on from there. Here a sample of all calls; BEAMWAVE_FAULTS sets how many for each
+situation, and 'all' takes every one."""
+
+import errno
+import os
+import random
+import shutil
+
+import pytest
+import results
+from faults import KINDS, OF_BYTES
+from journals import cases_in
+from workplace import captured_beam
+
+SEED = int(os.environ.get("BEAMWAVE_SEED", "20261122"))
+FAULTS = os.environ.get("BEAMWAVE_FAULTS", "16")
+SCENE = captured_beam(modes={"before": 6, "after": 6}, response={"duration": 0.2, "samples": 600}, spectrum={})
+SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 6}
+ERRORS = {
+    **{kind: [errno.EIO, errno.EMFILE] for kind in KINDS},
+    **{kind: [errno.EIO, errno.ENOSPC] for kind in ("write", "pwrite", "close", "fsync", "ftruncate", "link", "mkdir")},
+    "flock": [errno.EIO, errno.ENOSYS, errno.ENOLCK],
+    "fork": [errno.EAGAIN],
+    "malloc": [errno.ENOMEM],
+}
+# name: command, whether the scene sweeps, what lies there before, processes
+SITUATIONS = {
+    "a run": ("run", True, None, 1),
+    "a run that is taken up": ("run", True, "killed", 1),
+    "a run of one case": ("run", False, None, 1),
+    "a finished run": ("run", True, "finished", 1),
+    "effects": ("effects", False, None, 1),
+    "two processes": ("run", True, None, 2),
+}
+
+
+@pytest.fixture(scope="module")
+def prepared(shared, injector):
+    """Directories as they are before the command, and what it gives: made once."""
+    made = {}
+
+    def prepare(name):
+        if name not in made:
+            command, sweeps, before, _ = SITUATIONS[name]
+            clean, place = shared("clean"), shared("place")
+            for here in (clean, place):
+                here.scene("a", SCENE, *([SPEEDS] if sweeps else []))
+            assert clean.beamwave(command, "a.nml").returncode == 0
+            if before == "killed":
+                injector.run(place, "run", "a.nml", fault="write:6:torn")  # lock, text of the work, three cases, half a case
+                assert cases_in(place.directory / "output/a.partial") == {1, 2, 3}
+            if before == "finished":
+                place.run("a")
+            made[name] = clean, place
+        return made[name]
+
+    return prepare
+
+
+def ways_of(kind):
+    """How a call of this kind can go wrong."""
+    ways = [f"{sign}{number}" for number in ERRORS[kind] for sign in ("", "+")]
+    if kind == "malloc":
+        return ways
+    ways += [str(errno.EINTR)] if kind in OF_BYTES | {"open", "fsync", "flock"} else []
+    ways += ["short"] if kind in OF_BYTES else []
+    return ways + ["kill"] + (["torn"] if kind == "write" else [])
+
+
+def faults_of(counts, dice, number):
+    """All faults, or a sample of them: the kinds have equal shares of it, however many calls there are of each."""
+    kinds = [kind for kind in KINDS if counts[kind] and not (kind == "malloc" and number > 1)]  # MPI hangs where it has none
+    if FAULTS == "all":
+        return [f"{kind}:{call}:{way}" for kind in kinds for way in ways_of(kind) for call in range(1, counts[kind] + 1)]
+    drawn = [kinds[i % len(kinds)] for i in range(int(FAULTS) // (1 if number == 1 else 4))]
+    return [f"{kind}:{dice.randint(1, counts[kind])}:{dice.choice(ways_of(kind))}" for kind in drawn]
+
+
+@pytest.mark.parametrize("name", SITUATIONS)
+def test_a_refused_call_costs_no_finished_case(processes, prepared, injector, name):
+    command, _, _, number = SITUATIONS[name]
+    clean, place = prepared(name)
+    here = processes(number)
+    result = f"output/a.{'effects.' if command == 'effects' else ''}nc"
+    expected = results.read(clean.directory / result)
+    shutil.copytree(place.directory, here.directory, dirs_exist_ok=True)
+    saved = cases_in(here.directory / "output/a.partial")
+    _, counts = injector.run(here, command, "a.nml")
+    faults = faults_of(counts, random.Random(f"{SEED} {name}"), number)
+    print(f"seed {SEED}: {len(faults)} faults in {counts}")
+    for fault in faults:
+        shutil.rmtree(here.directory)
+        shutil.copytree(place.directory, here.directory)
+        check(here, injector, (command, fault), here.directory / result, expected, saved)
+
+
+def check(here, injector, trial, result, expected, saved):
+    """One fault, and the same command again."""
+    command, fault = trial
+    ended, _ = injector.run(here, command, "a.nml", "--quiet", fault=fault)
+    is_kill = fault.endswith(("kill", "torn"))
+    assert ended.returncode in (0, 3) or (is_kill and ended.returncode not in (2, 4, 5, 70)), (fault, ended)
+    assert ended.returncode != 3 or ended.stderr, fault
+    if result.exists():
+        assert_same(result, expected, fault)
+    else:
+        assert ended.returncode != 0, fault
+        assert cases_in(here.directory / "output/a.partial") >= saved, fault
+    again = here.beamwave(command, "a.nml", "--quiet")
+    assert again.returncode == 0, (fault, again)
+    assert_same(result, expected, fault)
+    assert here.left() == [result.name], fault
+
+
+def assert_same(path, expected, fault):
+    """The same bits, but for the seconds that a study measures."""
+    found = results.read(path)
+    seconds = {name for name in expected.variables if "seconds" in name or name == "cost"}
+    assert set(results.differences(found, expected)) <= seconds, fault

@@ -1,0 +1,47 @@
+"""Tolerances are kept and no error is above its estimate: a few scenes of every class, others with BEAMWAVE_SEED.
+
+All classes with many scenes, whose figures docs/equations.md gives: `python tests/scenes/tails.py`.
+"""
+
+import os
+
+import numpy as np
+import pytest
+import tails
+from continuum import Modes, Motion
+
+SEED = int(os.environ.get("BEAMWAVE_SEED", "1"))
+DRAWS = int(os.environ.get("BEAMWAVE_DRAWS", "1"))  # of every class
+LEAST, MOST = 1e-5, 1000  # tolerance and samples, so that 30 times the modes cost little
+
+
+@pytest.mark.parametrize("kind", tails.KINDS)
+def test_tolerances_and_estimates_hold_against_thirty_times_the_modes(here, kind):
+    compared = 0
+    for i, record in enumerate(tails.RECORDS):
+        for number, scene, *ways in tails.scenes(SEED, kind, record, range(DRAWS), LEAST, MOST):
+            modes = ways[(i + number + tails.KINDS.index(kind)) % 2]  # a tolerance and counts in turns
+            found = tails.compare(here, scene, modes)
+            if found is not None:
+                row = tails.Row(kind, record, number, *found)
+                assert not tails.broken(row), f"seed {SEED}: {row.text()}, {modes}"
+                compared += 1
+    assert compared >= (len(tails.RECORDS) - 1) * DRAWS  # a tolerance may be out of reach
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-4])
+def test_rounding_is_counted_where_every_sample_is_near_a_zero_of_the_first_mode(here, ratio):
+    rng = np.random.default_rng([SEED, 17])
+    samples, half_periods = 400, 5
+    for _ in range(3):
+        gamma = tails.log_between(rng, 1, 10)
+        motion = Motion(gamma, ratio=ratio)
+        step = half_periods * np.pi / float(Modes(motion, gamma, 1).alpha[0] ** 2)
+        groups = {"beam": tails.PAPER_BEAM, "impact": {"mass_ratio": gamma}, "capture": {}}
+        if ratio:
+            groups["damping"] = {"ratio": ratio}
+        duration = samples * step * (1 + 1e-9) / float(tails.H)
+        groups["response"] = {"duration": duration, "samples": samples, "points": [0.3, 0.5, 1.0], "velocity": True}
+        found = tails.compare(here, tails.Scene(groups, motion), {"tolerance": 1e-3})
+        assert found is not None
+        assert min(found[2] + found[3]) >= 1, f"seed {SEED}: {gamma}, {found}"
