@@ -15,6 +15,7 @@ module bw_mode_cluster
     integer :: first = 0, last = -1              !! numbers of the modes
     type(dd), allocatable :: lambda(:)           !! λ, ascending
     real(dp), allocatable :: motion(:, :, :)     !! amplitudes, (4, pieces, modes)
+    real(dp), allocatable :: drive(:, :, :, :)   !! what drives them, (3, 2, 0:pieces, modes)
   end type mode_cluster
 
   interface
@@ -43,6 +44,7 @@ contains
     cluster%first = first
     cluster%last = last
     allocate (cluster%lambda(last - first + 1), cluster%motion(4, size(probe%ends), last - first + 1))
+    allocate (cluster%drive(3, 2, 0:size(probe%ends), last - first + 1))
     do i = 1, last - first + 1
       call start_anew(i, probe)
       drive(:, :, :, i) = probe%drive
@@ -60,7 +62,7 @@ contains
     !! What so many drives give, mixed into modes.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda
-    real(dp), intent(in) :: drive(:, :, 0:, :)
+    real(dp), intent(inout) :: drive(:, :, 0:, :)  !! of each; then of the modes
     type(mode_probe), intent(inout) :: probe
     type(mode_cluster), intent(inout) :: cluster
     real(dp) :: motion(4, size(probe%ends), size(drive, 4))
@@ -75,32 +77,38 @@ contains
       motion(:, :, i) = probe%amplitude/sqrt(probe%mass)
       left(:, :, i) = left_vector(system%beam, probe)/sqrt(probe%mass)
       lack(:, :, i) = driven(system%beam, probe)/sqrt(probe%mass)
+      drive(:, :, :, i) = probe%drive/sqrt(probe%mass)
     end do
     do j = 1, n
       do i = 1, n
         form(i, j) = 0.5_dp*(sum(left(:, :, i)*lack(:, :, j)) + sum(left(:, :, j)*lack(:, :, i)))
-        gram(i, j) = mass_product(system, probe, motion(:, :, i), motion(:, :, j))
+        gram(i, j) = mass_product(system, probe, motion(:, :, [i, j]), drive(:, :, :, [i, j]))
       end do
     end do
     call dsygv(1, 'V', 'U', n, form, n, gram, n, correction, work, size(work), info)
     do j = 1, n
       cluster%lambda(j) = lambda + correction(j)
       cluster%motion(:, :, j) = 0.0_dp
+      cluster%drive(:, :, :, j) = 0.0_dp
       do i = 1, n
         cluster%motion(:, :, j) = cluster%motion(:, :, j) + form(i, j)*motion(:, :, i)
+        cluster%drive(:, :, :, j) = cluster%drive(:, :, :, j) + form(i, j)*drive(:, :, :, i)
       end do
     end do
   end subroutine find_span
 
-  real(dp) function mass_product(system, probe, one, other) result(product)
+  real(dp) function mass_product(system, probe, motion, drive) result(product)
     !! ⟨u, w⟩ from the masses of u + w and u − w.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
-    real(dp), intent(in) :: one(:, :), other(:, :)   !! amplitudes
-    probe%amplitude = one + other
+    real(dp), intent(in) :: motion(:, :, :)        !! amplitudes of u and w
+    real(dp), intent(in) :: drive(:, :, 0:, :)     !! what drives them
+    probe%amplitude = motion(:, :, 1) + motion(:, :, 2)
+    probe%drive = drive(:, :, :, 1) + drive(:, :, :, 2)
     call weigh(system, probe)
     product = 0.25_dp*probe%mass
-    probe%amplitude = one - other
+    probe%amplitude = motion(:, :, 1) - motion(:, :, 2)
+    probe%drive = drive(:, :, :, 1) - drive(:, :, :, 2)
     call weigh(system, probe)
     product = product - 0.25_dp*probe%mass
   end function mass_product
@@ -113,6 +121,7 @@ contains
     type(mode_probe), intent(inout) :: probe
     call set_frequency(system, cluster%lambda(k - cluster%first + 1), probe)
     probe%amplitude = cluster%motion(:, :, k - cluster%first + 1)
+    probe%drive = cluster%drive(:, :, :, k - cluster%first + 1)
     call weigh(system, probe)
     call improve_drive(probe)
   end subroutine take

@@ -33,6 +33,7 @@ module bw_mode_probe
     type(joint_loads), allocatable :: loads(:)     !! (0:n)
     type(elimination) :: factors
     real(dp), allocatable :: unit(:, :)            !! sizes of v, ψ, M and N at the joints, whatever is attached, (4, 0:n)
+    real(dp), allocatable :: push(:, :)            !! sizes of N and M that drive a joint, larger where a body has to be moved, (2, 0:n)
     real(dp), allocatable :: drive(:, :, :)
       !! what drives the inverse iteration, in these units: jump before, force, jump after; of v and N, of ψ and M, (3, 2, 0:n)
     real(dp), allocatable :: amplitude(:, :)       !! of the motions of each piece, (4, n)
@@ -56,7 +57,7 @@ contains
     integer :: n
     n = size(system%piece)
     allocate (probe%ends(n), probe%loads(0:n), probe%unit(4, 0:n), probe%drive(3, 2, 0:n), probe%amplitude(4, n))
-    allocate (probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
+    allocate (probe%push(2, 0:n), probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
     allocate (probe%factors%inside(4, 2, n), probe%factors%upper(8, 4, n), probe%factors%right(4, n))
     allocate (probe%factors%row_size(4, 0:n))
     call start_anew(1, probe)
@@ -94,6 +95,11 @@ contains
         probe%unit(q, i) = max(abs(probe%ends(max(i, 1))%outer(q, 1)), abs(probe%ends(max(i, 1))%outer(q, 2)), &
                                abs(probe%ends(max(i, 1))%outer(q, 3)), abs(probe%ends(max(i, 1))%outer(q, 4)))
       end do
+      probe%push(:, i) = probe%unit([4, 3], i)
+      if (i == 0) cycle
+      associate (joint => system%beam%joint(i), square => max(abs(probe%frequency%lambda%hi), abs(probe%frequency%rho%hi)))
+        probe%push(:, i) = probe%push(:, i) + square*[joint%mass%hi, joint%inertia%hi]*probe%unit(1:2, i)
+      end associate
     end do
     call find_loads(system%beam, probe%frequency, probe%loads)
   end subroutine set_frequency
@@ -105,11 +111,11 @@ contains
     real(dp) :: lack(4, 0:size(probe%ends))
     integer :: i
     do i = 0, size(probe%ends)
-      associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
+      associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), push => probe%push(:, i), load => probe%loads(i))
         lack(1, i) = unit(1)*(d(1, 1) + d(3, 1))
         lack(2, i) = unit(2)*(d(1, 2) + d(3, 2))
-        lack(3, i) = unit(3)*d(2, 2) - load%turning*unit(2)*d(3, 2)
-        lack(4, i) = unit(4)*d(2, 1) - load%deflection*unit(1)*d(3, 1)
+        lack(3, i) = push(2)*d(2, 2) - load%turning*unit(2)*d(3, 2)
+        lack(4, i) = push(1)*d(2, 1) - load%deflection*unit(1)*d(3, 1)
       end associate
     end do
     call mask_ends(beam, lack)
@@ -220,10 +226,9 @@ contains
     do i = 0, n
       after = 0.0_dp
       if (i < n) call end_states(probe%ends(i + 1), probe%amplitude(:, i + 1), after, next)
-      if (i == 0) before(1:2) = after(1:2)
       probe%before(:, i) = before([4, 3])
       probe%after(:, i) = after([4, 3])
-      probe%motion(:, i) = joint_motion(probe%loads(i), probe%unit(:, i), before, after)
+      probe%motion(:, i) = joint_motion(probe, i, before, after)
       if (i > 0) then
         probe%mass = probe%mass + system%beam%joint(i)%mass%hi*probe%motion(1, i)**2 &
           + system%beam%joint(i)%inertia%hi*probe%motion(2, i)**2
@@ -235,16 +240,24 @@ contains
     end do
   end subroutine weigh
 
-  pure function joint_motion(load, unit, before, after) result(motion)
-    !! Deflection and turning of a joint: those of the piece before it or, where what is attached hardly lets it move, those
-    !! that the jumps of force and moment take.
-    type(joint_loads), intent(in) :: load
-    real(dp), intent(in) :: unit(4)                !! sizes of v, ψ, M and N
+  pure function joint_motion(probe, i, before, after) result(motion)
+    !! Deflection and turning of joint i with what is attached to it: those of a piece next to it less the jump that drives
+    !! them apart or, where what is attached hardly lets it move, those that the forces take.
+    type(mode_probe), intent(in) :: probe
+    integer, intent(in) :: i
     real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; no forces beyond root and tip
     real(dp) :: motion(2)
-    motion = before(1:2)
-    if (abs(load%deflection)*unit(1) > unit(4)) motion(1) = (after(4) - before(4))/load%deflection
-    if (abs(load%turning)*unit(2) > unit(3)) motion(2) = (after(3) - before(3))/load%turning
+    associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), push => probe%push(:, i), load => probe%loads(i))
+      if (i == 0) then
+        motion = after(1:2) + d(3, :)*unit(1:2)
+      else if (i == size(probe%ends)) then
+        motion = before(1:2) + d(3, :)*unit(1:2)
+      else
+        motion = before(1:2) - d(1, :)*unit(1:2)
+      end if
+      if (abs(load%deflection)*unit(1) > unit(4)) motion(1) = (after(4) - before(4) + push(1)*d(2, 1))/load%deflection
+      if (abs(load%turning)*unit(2) > unit(3)) motion(2) = (after(3) - before(3) + push(2)*d(2, 2))/load%turning
+    end associate
   end function joint_motion
 
   pure subroutine end_states(ends, amplitude, inner, outer)
