@@ -1,17 +1,17 @@
 module bw_joint_elimination
   !! Amplitudes of all pieces from the conditions at their joints, by elimination from the root outwards.
   !!
-  !! Unknown are the amplitudes of the four motions of each piece. At a joint deflection and turning are continuous, moment
-  !! and shear force jump by what is attached there: four conditions on eight amplitudes; the root and the tip give two
-  !! each. The matrix has no poles; where a mode is, it is singular. Its rows are divided by their largest elements, rows
-  !! are exchanged as they are eliminated, and a solution takes time in proportion to the pieces. Solving with any right
-  !! side near a mode gives the mode (inverse iteration).
+  !! All that is inside of a piece puts two conditions on its four amplitudes: two motions are free. At its outer joint
+  !! deflection and turning are continuous, moment and shear force jump by what is attached there: four conditions on the
+  !! two and on the next piece's four, of which two remain for that piece. The matrix of all conditions has no poles; where a
+  !! mode is, it is singular, and solving with any right side gives the mode (inverse iteration). Rows are divided by their
+  !! largest elements, the largest element is the pivot, and a solution takes time in proportion to the pieces.
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_root
-  use bw_piece_ends, only: inner_row, piece_ends
+  use bw_piece_ends, only: inner_states, piece_ends
   implicit none (type, external)
   private
-  public :: eliminate, solve
+  public :: eliminate, solve, size_elimination
 
   real(dp), parameter :: least_pivot = 1.0e-17_dp  !! of rows of size 1: below it is rounding
 
@@ -22,19 +22,20 @@ module bw_joint_elimination
   end type joint_loads
 
   type, public :: elimination
-    real(dp), allocatable :: inside(:, :, :)     !! two conditions on each piece from all that is inside of it, (4, 2, n)
-    real(dp), allocatable :: upper(:, :, :)      !! rows of the triangle: each piece and the next, (8, 4, n)
-    real(dp), allocatable :: right(:, :)         !! their right sides, (4, n)
-    real(dp), allocatable :: row_size(:, :)      !! what rows were divided by, (4, 0:n): of v, ψ, M, N at each joint
+    real(dp), allocatable :: free(:, :, :)       !! amplitudes of the two free motions of each piece, (4, 2, n)
+    real(dp), allocatable :: forced(:, :)        !! amplitudes that the right sides ask for, (4, n)
+    real(dp), allocatable :: state(:, :, :)      !! v, ψ, M and N of the free motions at the outer end, (4, 2, n)
+    real(dp), allocatable :: next(:, :, :)       !! the free motions' shares by the amplitudes of the next piece, (4, 2, n)
+    real(dp), allocatable :: share(:, :)         !! and by the right sides, (2, n)
   end type elimination
 
-  type :: panel_type
-    !! Six conditions on a piece and the next.
-    real(dp) :: row(8, 6) = 0.0_dp
-    real(dp) :: right(6) = 0.0_dp
-  end type panel_type
-
 contains
+
+  pure subroutine size_elimination(n, factors)
+    integer, intent(in) :: n                     !! pieces
+    type(elimination), intent(out) :: factors
+    allocate (factors%free(4, 2, n), factors%forced(4, n), factors%state(4, 2, n), factors%next(4, 2, n), factors%share(2, n))
+  end subroutine size_elimination
 
   pure subroutine eliminate(root, loads, ends, right, factors)
     type(beam_root), intent(in) :: root
@@ -42,172 +43,195 @@ contains
     type(piece_ends), intent(in) :: ends(:)      !! (n)
     real(dp), intent(in) :: right(:, 0:)         !! right side of each condition, (4, 0:n)
     type(elimination), intent(inout) :: factors  !! allocated for n pieces
-    type(panel_type) :: panel
-    integer :: i, n
+    real(dp) :: condition(4, 2), rest(2), row(6, 4), side(4), forced(4)
+    integer :: i, n, q
     n = size(ends)
-    call set_root(root, loads(0), ends(1), right(:, 0), panel, factors%row_size(:, 0))
+    call set_root(root, loads(0), inner_states(ends(1)), right(:, 0), condition, rest)
     do i = 1, n
-      call part(panel%row, panel%right)
-      factors%inside(:, :, i) = panel%row(1:4, 1:2)
+      call solve_conditions(condition, rest, factors%free(:, :, i), factors%forced(:, i))
+      do q = 1, 4
+        row(1, q) = dot_product(ends(i)%outer(q, :), factors%free(:, 1, i))
+        row(2, q) = dot_product(ends(i)%outer(q, :), factors%free(:, 2, i))
+        forced(q) = dot_product(ends(i)%outer(q, :), factors%forced(:, i))
+        factors%state(q, :, i) = row(1:2, q)
+      end do
+      side = right(:, i) - forced
       if (i < n) then
-        call set_joint(loads(i), ends(i), ends(i + 1), right(:, i), panel, factors%row_size(:, i))
-        call eliminate_piece(6, panel%row, panel%right)
+        call set_joint(loads(i), inner_states(ends(i + 1)), row, side)
+        call eliminate_shares(row, side)
+        condition = row(3:6, 3:4)
+        rest = side(3:4)
       else
-        call set_tip(loads(n), ends(n), right(:, n), panel, factors%row_size(:, n))
-        call eliminate_piece(4, panel%row, panel%right)
+        call set_tip(loads(n), right(:, n), forced, row, side)
+        call eliminate_shares(row, side)
       end if
-      factors%upper(:, :, i) = panel%row(:, 1:4)
-      factors%right(:, i) = panel%right(1:4)
-      panel%row(1:4, 1:2) = panel%row(5:8, 5:6)
-      panel%row(5:8, 1:2) = 0.0_dp
-      panel%right(1:2) = panel%right(5:6)
+      call keep_shares(row, side, factors%next(:, :, i), factors%share(:, i))
     end do
   end subroutine eliminate
 
-  pure subroutine set_root(root, load, first, right, panel, row_size)
-    !! v = 0 or N = k_v v; ψ = 0 or M = k_θψ: the first two rows.
+  pure subroutine set_root(root, load, inner, right, condition, rest)
+    !! v = 0 or N = k_v v; ψ = 0 or M = k_θψ.
     type(beam_root), intent(in) :: root
     type(joint_loads), intent(in) :: load
-    type(piece_ends), intent(in) :: first
+    real(dp), intent(in) :: inner(4, 4)          !! (motion, state)
     real(dp), intent(in) :: right(4)
-    type(panel_type), intent(inout) :: panel
-    real(dp), intent(out) :: row_size(4)
-    integer :: v, psi
-    v = merge(1, 4, root%holds_deflection)
-    psi = merge(2, 3, root%holds_turning)
-    row_size = 1.0_dp
+    real(dp), intent(out) :: condition(4, 2), rest(2)
     if (root%holds_deflection) then
-      panel%row(1:4, 1) = -inner_row(first, 1)
+      condition(:, 1) = -inner(:, 1)
     else
-      panel%row(1:4, 1) = load%deflection*inner_row(first, 1) - inner_row(first, 4)
+      condition(:, 1) = load%deflection*inner(:, 1) - inner(:, 4)
     end if
     if (root%holds_turning) then
-      panel%row(1:4, 2) = -inner_row(first, 2)
+      condition(:, 2) = -inner(:, 2)
     else
-      panel%row(1:4, 2) = load%turning*inner_row(first, 2) - inner_row(first, 3)
+      condition(:, 2) = load%turning*inner(:, 2) - inner(:, 3)
     end if
-    call divide_row(panel%row(:, 1), row_size(v))
-    call divide_row(panel%row(:, 2), row_size(psi))
-    panel%right(1:2) = [right(v)/row_size(v), right(psi)/row_size(psi)]
+    rest = [right(merge(1, 4, root%holds_deflection)), right(merge(2, 3, root%holds_turning))]
   end subroutine set_root
 
-  pure subroutine set_joint(load, before, after, right, panel, row_size)
-    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached: rows 3 … 6. The body
-    !! moves with the piece after: beside a load that is large the forces of the piece before keep their digits.
+  pure subroutine set_joint(load, inner, row, side)
+    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached. The body moves with the
+    !! piece after: beside a load that is large the forces of the piece before keep their digits.
     type(joint_loads), intent(in) :: load
-    type(piece_ends), intent(in) :: before, after
-    real(dp), intent(in) :: right(4)
-    type(panel_type), intent(inout) :: panel
-    real(dp), intent(out) :: row_size(4)
+    real(dp), intent(in) :: inner(4, 4)          !! of the piece after, (motion, state)
+    real(dp), intent(inout) :: row(6, 4), side(4)
     integer :: q
+    row(3:6, 1:2) = -inner(:, 1:2)
+    row(3:6, 3) = load%turning*inner(:, 2) - inner(:, 3)
+    row(3:6, 4) = load%deflection*inner(:, 1) - inner(:, 4)
     do q = 1, 4
-      panel%row(1:4, q + 2) = before%outer(q, :)
-      panel%row(5:8, q + 2) = -inner_row(after, q)
-    end do
-    panel%row(5:8, 5) = panel%row(5:8, 5) + load%turning*inner_row(after, 2)
-    panel%row(5:8, 6) = panel%row(5:8, 6) + load%deflection*inner_row(after, 1)
-    do q = 1, 4
-      call divide_row(panel%row(:, q + 2), row_size(q))
-      panel%right(q + 2) = right(q)/row_size(q)
+      call divide_row(row(:, q), side(q))
     end do
   end subroutine set_joint
 
-  pure subroutine set_tip(load, last, right, panel, row_size)
-    !! No moment and no shear force beyond what is attached: rows 3 and 4.
+  pure subroutine set_tip(load, right, forced, row, side)
+    !! No moment and no shear force beyond what is attached.
     type(joint_loads), intent(in) :: load
-    type(piece_ends), intent(in) :: last
-    real(dp), intent(in) :: right(4)
-    type(panel_type), intent(inout) :: panel
-    real(dp), intent(out) :: row_size(4)
-    row_size = 1.0_dp
-    panel%row(:, 3:4) = 0.0_dp
-    panel%row(1:4, 3) = last%outer(3, :) + load%turning*last%outer(2, :)
-    panel%row(1:4, 4) = last%outer(4, :) + load%deflection*last%outer(1, :)
-    call divide_row(panel%row(:, 3), row_size(3))
-    call divide_row(panel%row(:, 4), row_size(4))
-    panel%right(3:4) = right(3:4)/row_size(3:4)
+    real(dp), intent(in) :: right(4), forced(4)
+    real(dp), intent(inout) :: row(6, 4), side(4)
+    row(1:2, 3) = row(1:2, 3) + load%turning*row(1:2, 2)
+    row(1:2, 4) = row(1:2, 4) + load%deflection*row(1:2, 1)
+    side(3:4) = right(3:4) - forced(3:4) - [load%turning*forced(2), load%deflection*forced(1)]
+    row(:, 1:2) = 0.0_dp
+    row(3:6, :) = 0.0_dp
+    side(1:2) = 0.0_dp
+    call divide_row(row(:, 3), side(3))
+    call divide_row(row(:, 4), side(4))
   end subroutine set_tip
 
-  pure subroutine divide_row(row, row_size)
+  pure subroutine divide_row(row, side)
     !! By its largest element.
-    real(dp), intent(inout) :: row(8)
-    real(dp), intent(out) :: row_size
-    row_size = max(max(abs(row(1)), abs(row(2)), abs(row(3)), abs(row(4))), &
-                   max(abs(row(5)), abs(row(6)), abs(row(7)), abs(row(8))))
-    row = row*(1.0_dp/row_size)
+    real(dp), intent(inout) :: row(6), side
+    real(dp) :: factor
+    factor = 1.0_dp/max(max(abs(row(1)), abs(row(2)), abs(row(3))), max(abs(row(4)), abs(row(5)), abs(row(6))))
+    row = row*factor
+    side = side*factor
   end subroutine divide_row
 
-  pure subroutine part(row, right)
-    !! Take out of one of two conditions what the other says too, and make both of size 1: from piece to piece they would
-    !! become parallel, and rows that became small would never be pivots.
-    real(dp), intent(inout) :: row(8, 6), right(6)
-    real(dp) :: row_size, factor
-    integer :: c, i, j
-    do j = 1, 2
-      call divide_row(row(:, j), row_size)
-      right(j) = right(j)/row_size
+  pure subroutine solve_conditions(condition, rest, free, forced)
+    !! Two independent solutions of two conditions on four amplitudes, and one of the conditions with right sides. The
+    !! second condition is taken as what it says beyond the first, however little that is: from piece to piece they would
+    !! become parallel.
+    real(dp), intent(in) :: condition(4, 2), rest(2)
+    real(dp), intent(out) :: free(4, 2), forced(4)
+    real(dp) :: a(4), b(4), sides(2)
+    integer :: first, second, i, n
+    a = condition(:, 1)/largest(condition(:, 1))
+    b = condition(:, 2)/largest(condition(:, 2))
+    sides = rest/[largest(condition(:, 1)), largest(condition(:, 2))]
+    first = place_of_largest(a)
+    sides(1) = sides(1)/a(first)
+    a = a/a(first)
+    sides(2) = sides(2) - b(first)*sides(1)
+    b = b - b(first)*a
+    b(first) = 0.0_dp
+    second = place_of_largest(b)
+    if (abs(b(second)) < least_pivot) then       ! all inside moves alone: any condition serves
+      second = mod(first, 4) + 1
+      b(second) = least_pivot
+    end if
+    sides(2) = sides(2)/b(second)
+    b = b/b(second)
+    sides(1) = sides(1) - a(second)*sides(2)
+    a = a - a(second)*b
+    forced = 0.0_dp
+    forced(first) = sides(1)
+    forced(second) = sides(2)
+    free = 0.0_dp
+    n = 0
+    do i = 1, 4
+      if (i == first .or. i == second) cycle
+      n = n + 1
+      free(i, n) = 1.0_dp
+      free(first, n) = -a(i)
+      free(second, n) = -b(i)
     end do
-    c = 1
-    do i = 2, 4
-      if (abs(row(i, 1)) > abs(row(c, 1))) c = i
-    end do
-    factor = row(c, 2)/row(c, 1)
-    row(:, 2) = row(:, 2) - factor*row(:, 1)
-    row(c, 2) = 0.0_dp
-    right(2) = right(2) - factor*right(1)
-    i = mod(c, 4) + 1
-    if (maxval(abs(row(:, 2))) < least_pivot) row(i, 2) = least_pivot     ! all inside moves alone: any condition serves
-    call divide_row(row(:, 2), row_size)
-    right(2) = right(2)/row_size
-  end subroutine part
+  end subroutine solve_conditions
 
-  pure subroutine eliminate_piece(m, row, right)
-    !! Take the four amplitudes of a piece out of m rows; rows 1 … 4 are then the triangle's.
-    integer, intent(in) :: m
-    real(dp), intent(inout) :: row(8, 6), right(6)
-    real(dp) :: pivot(8), pivot_right, factor
-    integer :: c, i, j, place
-    do c = 1, 4
+  pure real(dp) function largest(values)
+    real(dp), intent(in) :: values(4)
+    largest = max(abs(values(1)), abs(values(2)), abs(values(3)), abs(values(4)))
+  end function largest
+
+  pure integer function place_of_largest(values) result(place)
+    real(dp), intent(in) :: values(4)
+    integer :: i
+    place = 1
+    do i = 2, 4
+      if (abs(values(i)) > abs(values(place))) place = i
+    end do
+  end function place_of_largest
+
+  pure subroutine eliminate_shares(row, side)
+    !! Take the shares of the two free motions out of four conditions; rows 1 and 2 are then the triangle's.
+    real(dp), intent(inout) :: row(6, 4), side(4)
+    real(dp) :: pivot(6), pivot_side, factor
+    integer :: c, j, place
+    do c = 1, 2
       place = c
-      do j = c + 1, m
+      do j = c + 1, 4
         if (abs(row(c, j)) > abs(row(c, place))) place = j
       end do
       pivot = row(:, place)
-      pivot_right = right(place)
+      pivot_side = side(place)
       row(:, place) = row(:, c)
-      right(place) = right(c)
+      side(place) = side(c)
       if (abs(pivot(c)) < least_pivot) pivot(c) = sign(least_pivot, pivot(c))
       row(:, c) = pivot
-      right(c) = pivot_right
-      do j = c + 1, m
+      side(c) = pivot_side
+      do j = c + 1, 4
         factor = row(c, j)/pivot(c)
-        !GCC$ unroll 1
-        do i = 1, 8          ! written out by the compiler it would leave vector registers
-          row(i, j) = row(i, j) - factor*pivot(i)
-        end do
-        right(j) = right(j) - factor*pivot_right
+        row(:, j) = row(:, j) - factor*pivot
+        side(j) = side(j) - factor*pivot_side
       end do
     end do
-  end subroutine eliminate_piece
+  end subroutine eliminate_shares
+
+  pure subroutine keep_shares(row, side, next, share)
+    !! Shares = share − Σ next·(amplitudes of the next piece), from the triangle.
+    real(dp), intent(in) :: row(6, 4), side(4)
+    real(dp), intent(out) :: next(4, 2), share(2)
+    real(dp) :: factor
+    factor = 1.0_dp/row(2, 2)
+    next(:, 2) = row(3:6, 2)*factor
+    share(2) = side(2)*factor
+    factor = 1.0_dp/row(1, 1)
+    next(:, 1) = (row(3:6, 1) - row(2, 1)*next(:, 2))*factor
+    share(1) = (side(1) - row(2, 1)*share(2))*factor
+  end subroutine keep_shares
 
   pure subroutine solve(factors, amplitude)
     !! From the tip back to the root.
     type(elimination), intent(in) :: factors
     real(dp), intent(out) :: amplitude(:, :)     !! (4, n)
-    real(dp) :: rest(4), x(4), next(4)
-    integer :: c, i, n
-    n = size(amplitude, 2)
+    real(dp) :: share(2), next(4)
+    integer :: i
     next = 0.0_dp                                ! beyond the tip there is nothing
-    do i = n, 1, -1
-      do c = 1, 4
-        rest(c) = factors%right(c, i) - sum(factors%upper(5:8, c, i)*next)
-      end do
-      x(4) = rest(4)/factors%upper(4, 4, i)
-      x(3) = (rest(3) - factors%upper(4, 3, i)*x(4))/factors%upper(3, 3, i)
-      x(2) = (rest(2) - sum(factors%upper(3:4, 2, i)*x(3:4)))/factors%upper(2, 2, i)
-      x(1) = (rest(1) - sum(factors%upper(2:4, 1, i)*x(2:4)))/factors%upper(1, 1, i)
-      amplitude(:, i) = x
-      next = x
+    do i = size(amplitude, 2), 1, -1
+      share(1) = factors%share(1, i) - sum(factors%next(:, 1, i)*next)
+      share(2) = factors%share(2, i) - sum(factors%next(:, 2, i)*next)
+      next = factors%forced(:, i) + share(1)*factors%free(:, 1, i) + share(2)*factors%free(:, 2, i)
+      amplitude(:, i) = next
     end do
   end subroutine solve
 

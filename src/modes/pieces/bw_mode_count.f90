@@ -22,15 +22,14 @@ contains
     type(elimination), intent(in) :: factors     !! of this frequency
     integer, intent(out) :: number
     real(dp), intent(out) :: regular             !! below 1e-3 a piece is too near a clamped mode of its own: cut it
-    real(dp) :: d(2, 2), f(2, 2), k(2, 2), motion(4, 2), own
+    real(dp) :: d(2, 2), f(2, 2), k(2, 2), own
     integer :: clamped, i
     call inner_stiffness(ends(1), k, number, regular)
     call root_motions(root, loads(0), d, f)
     number = number + negatives(d, f, k)
     do i = 1, size(ends)
-      motion = allowed(factors%inside(:, :, i))
-      d = matmul(ends(i)%outer(1:2, :), motion)
-      f = matmul(ends(i)%outer([4, 3], :), motion)
+      d = factors%state(1:2, :, i)
+      f = factors%state([4, 3], :, i)
       k = 0.0_dp
       if (i < size(ends)) then
         call inner_stiffness(ends(i + 1), k, clamped, own)
@@ -55,47 +54,6 @@ contains
     f(1, 1) = load%deflection*d(1, 1)
     f(2, 2) = load%turning*d(2, 2)
   end subroutine root_motions
-
-  pure function allowed(condition) result(motion)
-    !! Two independent solutions of two conditions on four amplitudes.
-    real(dp), intent(in) :: condition(4, 2)
-    real(dp) :: motion(4, 2)
-    real(dp) :: a(4), b(4)
-    integer :: first, second, i, n
-    a = condition(:, 1)
-    b = condition(:, 2)
-    first = largest_place(a)
-    second = largest_place(b)
-    if (abs(b(second)) > abs(a(first))) then
-      a = condition(:, 2)
-      b = condition(:, 1)
-      first = second
-    end if
-    a = a/a(first)
-    b = b - b(first)*a
-    b(first) = 0.0_dp
-    second = largest_place(b)
-    b = b/b(second)
-    a = a - a(second)*b
-    motion = 0.0_dp
-    n = 0
-    do i = 1, 4
-      if (i == first .or. i == second) cycle
-      n = n + 1
-      motion(i, n) = 1.0_dp
-      motion(first, n) = -a(i)
-      motion(second, n) = -b(i)
-    end do
-  end function allowed
-
-  pure integer function largest_place(values) result(place)
-    real(dp), intent(in) :: values(4)
-    integer :: i
-    place = 1
-    do i = 2, 4
-      if (abs(values(i)) > abs(values(place))) place = i
-    end do
-  end function largest_place
 
   pure integer function negatives(deflections, forces, load) result(number)
     !! Of the negative eigenvalues of DᵀF + DᵀLD. The motions are mixed so that only one of them moves what L holds the

@@ -9,7 +9,7 @@ module bw_mode_probe
   !! body in the proportion of its forces, on either side of each body. A jump outside of a body is e_v with
   !! e_N = −(load)e_v: the body stays at rest, however heavy it is.
   use bw_double_double, only: dd, operator(-), operator(*)
-  use bw_joint_elimination, only: eliminate, elimination, joint_loads, solve
+  use bw_joint_elimination, only: eliminate, elimination, joint_loads, size_elimination, solve
   use bw_kinds, only: dp
   use bw_mode_count, only: modes_below
   use bw_piece_beam, only: piece_beam
@@ -58,8 +58,7 @@ contains
     n = size(system%piece)
     allocate (probe%ends(n), probe%loads(0:n), probe%unit(4, 0:n), probe%drive(3, 2, 0:n), probe%amplitude(4, n))
     allocate (probe%push(2, 0:n), probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
-    allocate (probe%factors%inside(4, 2, n), probe%factors%upper(8, 4, n), probe%factors%right(4, n))
-    allocate (probe%factors%row_size(4, 0:n))
+    call size_elimination(n, probe%factors)
     call start_anew(1, probe)
   end function probe_for
 

@@ -7,7 +7,7 @@ module bw_piece_ends
   use bw_short_piece, only: find_series, piece_series, short_ends
   implicit none (type, external)
   private
-  public :: find_ends, inner_row, inner_stiffness
+  public :: find_ends, inner_states, inner_stiffness
 
   type, public :: piece_ends
     type(piece_waves) :: waves
@@ -42,17 +42,17 @@ contains
     end do
   end subroutine find_ends
 
-  pure function inner_row(ends, q) result(row)
-    !! One of (v, ψ, M, N) of the four motions at the inner end: v and M of even motions and ψ and N of odd ones are even.
+  pure function inner_states(ends) result(inner)
+    !! States at the inner end: v and M of even motions and ψ and N of odd ones are even.
     type(piece_ends), intent(in) :: ends
-    integer, intent(in) :: q
-    real(dp) :: row(4)
-    if (mod(q, 2) == 1) then
-      row = [ends%outer(q, 1), ends%outer(q, 2), -ends%outer(q, 3), -ends%outer(q, 4)]
-    else
-      row = [-ends%outer(q, 1), -ends%outer(q, 2), ends%outer(q, 3), ends%outer(q, 4)]
-    end if
-  end function inner_row
+    real(dp) :: inner(4, 4)                  !! (motion, state)
+    integer :: q
+    do q = 1, 4
+      inner(1:2, q) = ends%outer(q, 1:2)
+      inner(3:4, q) = -ends%outer(q, 3:4)
+      if (mod(q, 2) == 0) inner(:, q) = -inner(:, q)
+    end do
+  end function inner_states
 
   pure subroutine parity_stiffness(f, k, regular)
     !! Forces (N, M) that two motions of one parity take for deflection and turning at the outer end.
