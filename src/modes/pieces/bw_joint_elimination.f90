@@ -109,14 +109,16 @@ contains
     type(joint_loads), intent(in) :: load
     real(dp), intent(in) :: right(4), forced(4)
     real(dp), intent(inout) :: row(6, 4), side(4)
-    row(1:2, 3) = row(1:2, 3) + load%turning*row(1:2, 2)
-    row(1:2, 4) = row(1:2, 4) + load%deflection*row(1:2, 1)
-    side(3:4) = right(3:4) - forced(3:4) - [load%turning*forced(2), load%deflection*forced(1)]
-    row(:, 1:2) = 0.0_dp
+    real(dp) :: v(2)
+    v = row(1:2, 1)
+    row(1:2, 1) = row(1:2, 3) + load%turning*row(1:2, 2)
+    row(1:2, 2) = row(1:2, 4) + load%deflection*v
+    side(1:2) = right(3:4) - forced(3:4) - [load%turning*forced(2), load%deflection*forced(1)]
     row(3:6, :) = 0.0_dp
-    side(1:2) = 0.0_dp
-    call divide_row(row(:, 3), side(3))
-    call divide_row(row(:, 4), side(4))
+    row(:, 3:4) = 0.0_dp                         ! last: where the first two are singular, these are no pivots
+    side(3:4) = 0.0_dp
+    call divide_row(row(:, 1), side(1))
+    call divide_row(row(:, 2), side(2))
   end subroutine set_tip
 
   pure subroutine divide_row(row, side)

@@ -18,8 +18,8 @@ module bw_mode_probe
   use bw_piece_waves, only: frequency_at, numbers_of, piece_frequency, piece_numbers
   implicit none (type, external)
   private
-  public :: system_of, probe_for, start_anew, set_frequency, probe_at, count_below, improve, improve_drive, weigh, driven, &
-    correction_for, left_vector
+  public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve, improve_drive
+  public :: weigh, drive_of, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -33,7 +33,7 @@ module bw_mode_probe
     type(joint_loads), allocatable :: loads(:)     !! (0:n)
     type(elimination) :: factors
     real(dp), allocatable :: unit(:, :)            !! sizes of v, ψ, M and N at the joints, whatever is attached, (4, 0:n)
-    real(dp), allocatable :: push(:, :)            !! sizes of N and M that drive a joint, larger where a body has to be moved, (2, 0:n)
+    real(dp), allocatable :: push(:, :)            !! N and M that move a joint so far in a cycle, more where a body is, (2, 0:n)
     real(dp), allocatable :: drive(:, :, :)
       !! what drives the inverse iteration, in these units: jump before, force, jump after; of v and N, of ψ and M, (3, 2, 0:n)
     real(dp), allocatable :: amplitude(:, :)       !! of the motions of each piece, (4, n)
@@ -70,6 +70,14 @@ contains
     probe%drive = reshape([(sin(real(1 + 7*number*i*i, dp)), i=1, size(probe%drive))], shape(probe%drive))
   end subroutine start_anew
 
+  pure subroutine start_bodies(number, probe)
+    !! The same, but that heavy bodies are driven as much as they weigh: for modes in which hardly anything else moves.
+    integer, intent(in) :: number
+    type(mode_probe), intent(inout) :: probe       !! where a frequency is set
+    call start_anew(number, probe)
+    probe%drive(2, :, :) = probe%drive(2, :, :)*(probe%push/probe%unit(4:3:-1, :))
+  end subroutine start_bodies
+
   pure subroutine probe_at(system, lambda, probe)
     !! Set up and eliminate the conditions at a frequency.
     type(piece_system), intent(in) :: system
@@ -84,16 +92,17 @@ contains
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda
     type(mode_probe), intent(inout) :: probe
-    integer :: i, q
+    real(dp) :: sizes(4, size(system%piece))
+    integer :: i
     probe%frequency = frequency_at(system%beam, lambda)
     do i = 1, size(system%piece)
       call find_ends(system%piece(i), probe%frequency, probe%ends(i))
+      associate (outer => probe%ends(i)%outer)
+        sizes(:, i) = max(abs(outer(:, 1)), abs(outer(:, 2)), abs(outer(:, 3)), abs(outer(:, 4)))
+      end associate
     end do
     do i = 0, size(system%piece)
-      do q = 1, 4
-        probe%unit(q, i) = max(abs(probe%ends(max(i, 1))%outer(q, 1)), abs(probe%ends(max(i, 1))%outer(q, 2)), &
-                               abs(probe%ends(max(i, 1))%outer(q, 3)), abs(probe%ends(max(i, 1))%outer(q, 4)))
-      end do
+      probe%unit(:, i) = max(sizes(:, max(i, 1)), sizes(:, min(i + 1, size(system%piece))))
       probe%push(:, i) = probe%unit([4, 3], i)
       if (i == 0) cycle
       associate (joint => system%beam%joint(i), square => max(abs(probe%frequency%lambda%hi), abs(probe%frequency%rho%hi)))
@@ -110,15 +119,24 @@ contains
     real(dp) :: lack(4, 0:size(probe%ends))
     integer :: i
     do i = 0, size(probe%ends)
-      associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), push => probe%push(:, i), load => probe%loads(i))
+      associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
         lack(1, i) = unit(1)*(d(1, 1) + d(3, 1))
         lack(2, i) = unit(2)*(d(1, 2) + d(3, 2))
-        lack(3, i) = push(2)*d(2, 2) - load%turning*unit(2)*d(3, 2)
-        lack(4, i) = push(1)*d(2, 1) - load%deflection*unit(1)*d(3, 1)
+        lack(3, i) = unit(3)*d(2, 2) - load%turning*unit(2)*d(3, 2)
+        lack(4, i) = unit(4)*d(2, 1) - load%deflection*unit(1)*d(3, 1)
       end associate
     end do
     call mask_ends(beam, lack)
   end function driven
+
+  pure subroutine drive_of(lack, probe)
+    !! The drive under which a motion fails the conditions by so much: all that is attached moves with the piece after.
+    real(dp), intent(in) :: lack(:, 0:)            !! of v, ψ, M and N at each joint, (4, 0:n)
+    type(mode_probe), intent(inout) :: probe
+    probe%drive(1, :, :) = lack(1:2, :)/probe%unit(1:2, :)
+    probe%drive(2, :, :) = lack(4:3:-1, :)/probe%unit(4:3:-1, :)
+    probe%drive(3, :, :) = 0.0_dp
+  end subroutine drive_of
 
   pure subroutine mask_ends(beam, values)
     !! The root and the tip have two conditions each.
@@ -169,7 +187,7 @@ contains
     real(dp), intent(out) :: correction
     call solve(probe%factors, probe%amplitude)
     call weigh(system, probe)
-    correction = correction_for(system%beam, probe, driven(system%beam, probe))
+    correction = sum(left_vector(system%beam, probe)*driven(system%beam, probe))/probe%mass
     call improve_drive(probe)
   end subroutine improve
 
@@ -183,23 +201,13 @@ contains
     do i = 0, n
       do j = 1, 2
         probe%drive(1, j, i) = -probe%before(j, i)/probe%unit(5 - j, i)
-        probe%drive(2, j, i) = probe%motion(j, i)/probe%unit(j, i)
+        probe%drive(2, j, i) = probe%motion(j, i)/probe%unit(j, i)*(probe%push(j, i)/probe%unit(5 - j, i))
         probe%drive(3, j, i) = merge(-probe%after(j, i), probe%before(j, i), i < n)/probe%unit(5 - j, i)
         largest = max(largest, abs(probe%drive(1, j, i)), abs(probe%drive(2, j, i)), abs(probe%drive(3, j, i)))
       end do
     end do
     probe%drive = probe%drive*(1.0_dp/largest)
   end subroutine improve_drive
-
-  pure real(dp) function correction_for(beam, probe, lack) result(correction)
-    !! δ of a motion that fails the conditions.
-    type(piece_beam), intent(in) :: beam
-    type(mode_probe), intent(in) :: probe
-    real(dp), intent(in) :: lack(:, 0:)            !! e of v, ψ, M and N at each joint, (4, 0:n)
-    real(dp) :: left(4, 0:size(probe%ends))
-    left = left_vector(beam, probe)
-    correction = sum(left*lack)/probe%mass
-  end function correction_for
 
   pure function left_vector(beam, probe) result(left)
     !! The factors of what the conditions lack, (4, 0:n).
@@ -246,7 +254,7 @@ contains
     integer, intent(in) :: i
     real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; no forces beyond root and tip
     real(dp) :: motion(2)
-    associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), push => probe%push(:, i), load => probe%loads(i))
+    associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
       if (i == 0) then
         motion = after(1:2) + d(3, :)*unit(1:2)
       else if (i == size(probe%ends)) then
@@ -254,8 +262,8 @@ contains
       else
         motion = before(1:2) - d(1, :)*unit(1:2)
       end if
-      if (abs(load%deflection)*unit(1) > unit(4)) motion(1) = (after(4) - before(4) + push(1)*d(2, 1))/load%deflection
-      if (abs(load%turning)*unit(2) > unit(3)) motion(2) = (after(3) - before(3) + push(2)*d(2, 2))/load%turning
+      if (abs(load%deflection)*unit(1) > unit(4)) motion(1) = (after(4) - before(4) + unit(4)*d(2, 1))/load%deflection
+      if (abs(load%turning)*unit(2) > unit(3)) motion(2) = (after(3) - before(3) + unit(3)*d(2, 2))/load%turning
     end associate
   end function joint_motion
 

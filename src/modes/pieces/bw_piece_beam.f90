@@ -8,7 +8,7 @@ module bw_piece_beam
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: attach, cut_at, cut_all, joint_position, modes_at_rest, has_heavy_bodies
+  public :: attach, cut_at, cut_all, joint_position, modes_at_rest
 
   type, public :: uniform_piece
     type(dd) :: length = dd(1.0_dp)
@@ -130,21 +130,5 @@ contains
     end if
     number = number + 1
   end function modes_at_rest
-
-  pure logical function has_heavy_bodies(beam)
-    !! Bodies beside whose energy that of the pieces next to them has lost digits.
-    type(piece_beam), intent(in) :: beam
-    real(dp), parameter :: heavy = 30.0_dp
-    real(dp) :: mass(size(beam%piece)), inertia(size(beam%piece))
-    integer :: i, n
-    n = size(beam%piece)
-    mass = beam%piece%mass%hi*beam%piece%length%hi
-    inertia = mass*beam%piece%length%hi**2
-    has_heavy_bodies = .false.
-    do i = 1, n
-      if (beam%joint(i)%mass%hi > heavy*maxval(mass(i:min(i + 1, n)))) has_heavy_bodies = .true.
-      if (beam%joint(i)%inertia%hi > heavy*maxval(inertia(i:min(i + 1, n)))) has_heavy_bodies = .true.
-    end do
-  end function has_heavy_bodies
 
 end module bw_piece_beam

@@ -5,14 +5,40 @@ module bw_piece_dispersion
   !! z = p² solves Bz² − (R + σB)z − mλ(1 − sR) = 0, which also gives dz/dβ².
   use bw_kinds, only: dp
   use bw_missing, only: missing
-  use bw_piece_waves, only: piece_frequency, piece_numbers
+  use bw_double_double, only: to_dd
+  use bw_piece_beam, only: piece_beam
+  use bw_piece_waves, only: frequency_at, piece_frequency, piece_numbers
   implicit none (type, external)
   private
-  public :: half_waves, mean_waves
+  public :: next_half_wave, mean_waves
 
   real(dp), parameter :: pi = acos(-1.0_dp)
 
 contains
+
+  pure real(dp) function next_half_wave(beam, piece, start, more) result(x)
+    !! About the λ at which the beam holds so many half waves more.
+    type(piece_beam), intent(in) :: beam
+    type(piece_numbers), intent(in) :: piece(:)
+    real(dp), intent(in) :: start                       !! λ ≥ 0
+    real(dp), intent(in) :: more                        !! may be negative
+    real(dp), parameter :: near_enough = 0.05_dp, longest = 4.0_dp, least = 0.25_dp
+    integer, parameter :: most = 30
+    real(dp) :: number, waves, slope
+    integer :: i
+    number = more - 0.5_dp                              ! a clamped root takes half of one
+    x = 1.0_dp
+    if (start > 0.0_dp) then
+      x = start
+      call half_waves(piece, frequency_at(beam, to_dd(x)), waves, slope)
+      number = max(least*waves, waves + more)
+    end if
+    do i = 1, most
+      call half_waves(piece, frequency_at(beam, to_dd(x)), waves, slope)
+      if (abs(waves - number) < near_enough) return
+      x = x*exp(max(-longest, min(longest, (number - waves)/(slope*x))))
+    end do
+  end function next_half_wave
 
   pure subroutine half_waves(piece, frequency, number, slope)
     !! Half waves of all waves that propagate in the beam, and about their derivative by β², as if all grew at the rate of

@@ -1,14 +1,13 @@
 module bw_piece_source
   !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
-  use bw_extended_mode, only: refine
+  use bw_close_modes, only: refine
   use bw_kinds, only: dp
   use bw_mode_probe, only: mode_probe
-  use bw_mode_search, only: find_mode, inside, is_double, is_resting, mode_search, search_in, stands_alone, &
-    take_apart
+  use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: has_heavy_bodies, piece_beam
+  use bw_piece_beam, only: piece_beam
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
   use bw_piece_set, only: piece_set
@@ -61,10 +60,9 @@ contains
     type(piece_set), intent(out) :: set
     type(mode_search) :: search
     type(dd) :: lambda
-    logical :: found, heavy, alone
+    logical :: found
     integer :: j
     search = search_in(beam)
-    heavy = has_heavy_bodies(beam)
     call size_set(search, size(number), set)
     do j = 1, size(number)
       call find_mode(search, number(j), lambda, found)
@@ -72,23 +70,10 @@ contains
         set%resolved = .false.
         return
       end if
-      alone = .not. (heavy .or. number(j) <= search%growing .or. is_coarse(search, lambda, longest))
-      if (alone) call stands_alone(search, number(j), lambda, alone)
-      if (.not. (alone .or. is_resting(search, number(j)))) call refine_in(search, number(j), lambda)
+      if (is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
       call set_mode(search%probe, number(j), lambda, j, set)
     end do
   end subroutine set_of_pieces
-
-  subroutine refine_in(search, k, lambda)
-    !! Mode k in double-double. Where another was so near that the motion was rather its own, all of them are taken apart.
-    type(mode_search), intent(inout) :: search
-    integer, intent(in) :: k
-    type(dd), intent(inout) :: lambda
-    if (.not. is_double(search, k)) call refine(search%system, search%probe, lambda)
-    if (inside(search, lambda)) return
-    call take_apart(search, k, lambda)
-    if (.not. is_double(search, k)) call refine(search%system, search%probe, lambda)
-  end subroutine refine_in
 
   pure subroutine size_set(search, n, set)
     type(mode_search), intent(in) :: search
@@ -113,6 +98,8 @@ contains
     real(dp) :: alpha, phase, group
     frequency = frequency_at(search%system%beam, lambda)
     call mean_waves(search%system%piece, frequency, alpha, phase, group)
+    is_coarse = .false.
+    if (lambda%hi == 0.0_dp) return
     is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi) .or. alpha < nearly_rigid
     if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
   end function is_coarse
