@@ -3,9 +3,9 @@ module bw_close_modes
   !! motions, and what these lack in double-double tells them apart (Rayleigh and Ritz). With u_i and u_j near modes at λ_i
   !! and λ_j, the lack of u_j weighed with u_i (bw_mode_probe) is ⟨u_i, (K − λ_jM)u_j⟩.
   use bw_double_double, only: dd, operator(+), operator(-)
-  use bw_extended_residual, only: extended_lacks
+  use bw_extended_residual, only: find_drive
   use bw_kinds, only: dp
-  use bw_mode_probe, only: drive_of, improve, improve_drive, left_vector, mode_probe, piece_system, probe_at, set_frequency, &
+  use bw_mode_probe, only: improve, improve_drive, left_vector, mode_probe, piece_system, probe_at, set_frequency, &
     start_bodies, weigh
   use bw_piece_overlap, only: mass_product, piece_modes
   implicit none (type, external)
@@ -36,14 +36,12 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
-    real(dp) :: lack(4, 0:size(probe%ends))
     integer :: i
     do i = 1, 2
       call set_frequency(system, lambda, probe)
-      lack = extended_lacks(system, probe)
-      call drive_of(lack, probe)
+      call find_drive(system, probe)
       call weigh(system, probe)
-      lambda = lambda + sum(left_vector(system%beam, probe)*lack)/probe%mass
+      lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
     end do
     call set_frequency(system, lambda, probe)
   end subroutine refine
@@ -131,19 +129,25 @@ contains
         do j = 1, i - 1
           share = mass_product(modes, i, modes, j)
           modes%amplitude(:, :, i) = modes%amplitude(:, :, i) - share*modes%amplitude(:, :, j)
+          modes%deflection(:, i) = modes%deflection(:, i) - share*modes%deflection(:, j)
+          modes%turning(:, i) = modes%turning(:, i) - share*modes%turning(:, j)
         end do
+        probe%amplitude = modes%amplitude(:, :, i)
+        call weigh(modes%system, probe)
+        probe%motion(1, 1:) = modes%deflection(:, i)
+        probe%motion(2, 1:) = modes%turning(:, i)
+        probe%mass = mass_product(modes, i, modes, i)
       end associate
-      call take(group, k, probe)
+      call keep(group, k, probe)
       call improve_drive(probe)
     end do
-    call keep(group, k, probe)
   end subroutine span
 
   subroutine tell_apart(probe, modes)
     !! Mix motions into modes.
     type(mode_probe), intent(inout) :: probe
     type(piece_modes), intent(inout) :: modes
-    real(dp), dimension(4, 0:size(probe%ends), size(modes%lambda)) :: left, lack
+    real(dp), dimension(3, 2, 0:size(probe%ends), size(modes%lambda)) :: left, drive
     real(dp), dimension(size(modes%lambda), size(modes%lambda)) :: form, gram
     real(dp) :: shift(size(modes%lambda)), work(8*size(modes%lambda))
     type(dd) :: lambda, gap
@@ -151,22 +155,19 @@ contains
     n = size(modes%lambda)
     lambda = modes%lambda(1)
     do i = 1, n
-      call set_frequency(modes%system, modes%lambda(i), probe)
-      probe%amplitude = modes%amplitude(:, :, i)
-      lack(:, :, i) = extended_lacks(modes%system, probe)
-      call drive_of(lack(:, :, i), probe)
-      call weigh(modes%system, probe)
+      call put(modes, i, probe)
       modes%deflection(:, i) = probe%motion(1, 1:)
       modes%turning(:, i) = probe%motion(2, 1:)
       modes%mass(i) = probe%mass
-      left(:, :, i) = left_vector(modes%system%beam, probe)
+      drive(:, :, :, i) = probe%drive
+      left(:, :, :, i) = left_vector(probe)
     end do
     do j = 1, n
       gap = modes%lambda(j) - lambda
       do i = 1, n
         gram(i, j) = modes%mass(i)
         if (i /= j) gram(i, j) = mass_product(modes, i, modes, j)
-        form(i, j) = gap%hi*gram(i, j) + sum(left(:, :, i)*lack(:, :, j))
+        form(i, j) = gap%hi*gram(i, j) + sum(left(:, :, :, i)*drive(:, :, :, j))
       end do
     end do
     form = 0.5_dp*(form + transpose(form))
@@ -185,14 +186,20 @@ contains
     type(close_modes), intent(in) :: group
     integer, intent(in) :: k
     type(mode_probe), intent(inout) :: probe
-    real(dp) :: lack(4, 0:size(probe%ends))
-    associate (i => k - group%first + 1, modes => group%modes)
-      call set_frequency(modes%system, modes%lambda(i), probe)
-      probe%amplitude = modes%amplitude(:, :, i)
-      lack = extended_lacks(modes%system, probe)
-      call drive_of(lack, probe)
-      call weigh(modes%system, probe)
-    end associate
+    call put(group%modes, k - group%first + 1, probe)
   end subroutine take
+
+  pure subroutine put(modes, i, probe)
+    !! Put a probe where mode i is.
+    type(piece_modes), intent(in) :: modes
+    integer, intent(in) :: i
+    type(mode_probe), intent(inout) :: probe
+    call set_frequency(modes%system, modes%lambda(i), probe)
+    probe%amplitude = modes%amplitude(:, :, i)
+    probe%motion(1, 1:) = modes%deflection(:, i)
+    probe%motion(2, 1:) = modes%turning(:, i)
+    call find_drive(modes%system, probe)
+    call weigh(modes%system, probe)
+  end subroutine put
 
 end module bw_close_modes

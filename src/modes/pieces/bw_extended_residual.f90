@@ -1,59 +1,80 @@
 module bw_extended_residual
-  !! By how much a motion fails the conditions at the joints, in double-double: the amplitudes are taken as they are, and
-  !! what remains is as good as they are. With it Green's identity (bw_mode_probe) gives λ to twice the digits of a motion.
-  use bw_double_double, only: dd, operator(+), operator(-), operator(*)
+  !! What drives a motion that is no mode: by how much it fails the conditions at the joints, in double-double. Amplitudes and
+  !! motions of bodies are taken as they are, and what remains is as good as they are. With it Green's identity (bw_mode_probe)
+  !! gives λ to twice the digits of a motion.
+  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
   use bw_kinds, only: dp
   use bw_mode_probe, only: mode_probe, piece_system
   implicit none (type, external)
   private
-  public :: extended_lacks
+  public :: find_drive
 
 contains
 
-  pure function extended_lacks(system, probe) result(lack)
-    !! Of v, ψ, M and N at each joint, with a probe's amplitudes at its frequency, (4, 0:n).
+  pure subroutine find_drive(system, probe)
+    !! The drive of a probe's motion at its frequency.
     type(piece_system), intent(in) :: system
-    type(mode_probe), intent(in) :: probe
-    real(dp) :: lack(4, 0:size(system%piece))
+    type(mode_probe), intent(inout) :: probe
     type(dd), dimension(4) :: before, after, next
-    type(dd) :: rest(4)
     integer :: i, n
     n = size(system%piece)
-    lack = 0.0_dp
     before = dd()
     do i = 0, n
       after = dd()
       if (i < n) call end_states(extended_ends(system%piece(i + 1), probe%frequency), probe%amplitude(:, i + 1), after, next)
-      rest = before - after
-      call add_loads(system, probe, i, merge(before(1:2), after(1:2), i == n), rest)
-      lack(:, i) = rest%hi
+      if (i == 0) then
+        call drive_root(system, after, probe)
+      else
+        call drive_joint(system, i, before, after, probe)
+      end if
       before = next
     end do
-    associate (root => system%beam%root)
-      lack(merge(4, 1, root%holds_deflection), 0) = 0.0_dp
-      lack(merge(3, 2, root%holds_turning), 0) = 0.0_dp
-      lack(1:2, n) = 0.0_dp
-    end associate
-  end function extended_lacks
+  end subroutine find_drive
 
-  pure subroutine add_loads(system, probe, i, motion, rest)
-    !! Forces of what is attached to joint i.
+  pure subroutine drive_root(system, after, probe)
     type(piece_system), intent(in) :: system
-    type(mode_probe), intent(in) :: probe
+    type(dd), intent(in) :: after(4)
+    type(mode_probe), intent(inout) :: probe
+    type(dd) :: rest(2)
+    probe%drive(:, :, 0) = 0.0_dp
+    associate (root => system%beam%root, unit => probe%unit(:, 0))
+      rest = [after(1)*root%stiffness - after(4), after(2)*root%turning_stiffness - after(3)]
+      if (root%holds_deflection) then
+        probe%drive(3, 1, 0) = -after(1)%hi/unit(1)
+      else
+        probe%drive(2, 1, 0) = rest(1)%hi/unit(4)
+      end if
+      if (root%holds_turning) then
+        probe%drive(3, 2, 0) = -after(2)%hi/unit(2)
+      else
+        probe%drive(2, 2, 0) = rest(2)%hi/unit(3)
+      end if
+    end associate
+  end subroutine drive_root
+
+  pure subroutine drive_joint(system, i, before, after, probe)
+    type(piece_system), intent(in) :: system
     integer, intent(in) :: i
-    type(dd), intent(in) :: motion(2)            !! v and ψ
-    type(dd), intent(inout) :: rest(4)
-    if (i == 0) then
-      rest(3) = rest(3) + motion(2)*system%beam%root%turning_stiffness
-      rest(4) = rest(4) + motion(1)*system%beam%root%stiffness
-    else
-      associate (joint => system%beam%joint(i), frequency => probe%frequency)
-        rest(3) = rest(3) + motion(2)*(joint%turning_stiffness - joint%inertia*frequency%beta_squared)
-        rest(4) = rest(4) + motion(1)*(joint%stiffness - joint%mass*frequency%lambda)
-      end associate
-    end if
-  end subroutine add_loads
+    type(dd), intent(in) :: before(4), after(4)
+    type(mode_probe), intent(inout) :: probe
+    type(dd) :: load(2), rest(2)
+    associate (joint => system%beam%joint(i), frequency => probe%frequency, unit => probe%unit(:, i), d => probe%drive(:, :, i), &
+               motion => to_dd(probe%motion(:, i)))
+      load = [joint%stiffness - joint%mass*frequency%lambda, joint%turning_stiffness - joint%inertia*frequency%beta_squared]
+      rest = before(1:2) - motion
+      if (i < size(system%piece)) then
+        d(1, :) = rest%hi/unit(1:2)
+        rest = motion - after(1:2)
+        d(3, :) = rest%hi/unit(1:2)
+      else
+        d(1, :) = 0.0_dp
+        d(3, :) = -rest%hi/unit(1:2)
+      end if
+      rest = before(4:3:-1) - after(4:3:-1) + load*motion
+      d(2, :) = rest%hi/unit(4:3:-1)
+    end associate
+  end subroutine drive_joint
 
   pure subroutine end_states(outer_states, amplitude, inner, outer)
     !! The states at both ends of a piece.

@@ -19,7 +19,7 @@ module bw_mode_probe
   implicit none (type, external)
   private
   public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve, improve_drive
-  public :: weigh, drive_of, left_vector
+  public :: weigh, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -68,6 +68,7 @@ contains
     type(mode_probe), intent(inout) :: probe
     integer :: i
     probe%drive = reshape([(sin(real(1 + 7*number*i*i, dp)), i=1, size(probe%drive))], shape(probe%drive))
+    probe%drive(1, :, [0, size(probe%ends)]) = 0.0_dp      ! root and tip have a piece on one side
   end subroutine start_anew
 
   pure subroutine start_bodies(number, probe)
@@ -129,15 +130,6 @@ contains
     call mask_ends(beam, lack)
   end function driven
 
-  pure subroutine drive_of(lack, probe)
-    !! The drive under which a motion fails the conditions by so much: all that is attached moves with the piece after.
-    real(dp), intent(in) :: lack(:, 0:)            !! of v, ψ, M and N at each joint, (4, 0:n)
-    type(mode_probe), intent(inout) :: probe
-    probe%drive(1, :, :) = lack(1:2, :)/probe%unit(1:2, :)
-    probe%drive(2, :, :) = lack(4:3:-1, :)/probe%unit(4:3:-1, :)
-    probe%drive(3, :, :) = 0.0_dp
-  end subroutine drive_of
-
   pure subroutine mask_ends(beam, values)
     !! The root and the tip have two conditions each.
     type(piece_beam), intent(in) :: beam
@@ -187,7 +179,7 @@ contains
     real(dp), intent(out) :: correction
     call solve(probe%factors, probe%amplitude)
     call weigh(system, probe)
-    correction = sum(left_vector(system%beam, probe)*driven(system%beam, probe))/probe%mass
+    correction = sum(left_vector(probe)*probe%drive)/probe%mass
     call improve_drive(probe)
   end subroutine improve
 
@@ -207,18 +199,22 @@ contains
       end do
     end do
     probe%drive = probe%drive*(1.0_dp/largest)
+    probe%drive(1, :, [0, n]) = 0.0_dp
   end subroutine improve_drive
 
-  pure function left_vector(beam, probe) result(left)
-    !! The factors of what the conditions lack, (4, 0:n).
-    type(piece_beam), intent(in) :: beam
+  pure function left_vector(probe) result(left)
+    !! What each drive does work on in the motion of a probe, in the drives' units: forces on deflections, jumps on forces.
     type(mode_probe), intent(in) :: probe
-    real(dp) :: left(4, 0:size(probe%ends))
-    left(1:2, :) = -probe%before
-    left(1:2, 0) = -probe%after(:, 0)
-    left(3, :) = probe%motion(2, :)
-    left(4, :) = probe%motion(1, :)
-    call mask_ends(beam, left)
+    real(dp) :: left(3, 2, 0:size(probe%ends))
+    integer :: j, n
+    n = size(probe%ends)
+    do j = 1, 2
+      left(1, j, :) = -probe%before(j, :)*probe%unit(j, :)
+      left(2, j, :) = probe%motion(j, :)*probe%unit(5 - j, :)
+      left(3, j, :) = -probe%after(j, :)*probe%unit(j, :)
+      left(3, j, n) = probe%before(j, n)*probe%unit(j, n)
+    end do
+    left(1, :, [0, n]) = 0.0_dp
   end function left_vector
 
   pure subroutine weigh(system, probe)
@@ -236,6 +232,8 @@ contains
       probe%before(:, i) = before([4, 3])
       probe%after(:, i) = after([4, 3])
       probe%motion(:, i) = joint_motion(probe, i, before, after)
+      if (i == 0) probe%motion(:, 0) = merge(0.0_dp, probe%motion(:, 0), &
+                                             [system%beam%root%holds_deflection, system%beam%root%holds_turning])
       if (i > 0) then
         probe%mass = probe%mass + system%beam%joint(i)%mass%hi*probe%motion(1, i)**2 &
           + system%beam%joint(i)%inertia%hi*probe%motion(2, i)**2

@@ -178,6 +178,7 @@ contains
       end if
       before = abs(correction)
       lambda = middle(search%bracket)
+      if (closed_to(search%bracket, k - 1, lambda) .and. closed_to(search%bracket, k, lambda)) cycle
       found = width(search%bracket) < closest*mode_distance(k, lambda)
       if (found) return
     end do
