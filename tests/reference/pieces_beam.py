@@ -77,8 +77,7 @@ def stiffness(piece, lam, rho):
     for j in range(4):
         d[0, j], d[1, j], d[2, j], d[3, j] = near[j][0], near[j][1], far[j][0], far[j][1]
         f[0, j], f[1, j], f[2, j], f[3, j] = -near[j][3], -near[j][2], far[j][3], far[j][2]
-    k = (mp.lu_solve(d.T, f.T)).T if False else f * d ** -1
-    return k.apply(mp.re)
+    return (f * d ** -1).apply(mp.re)
 
 
 def negative(a):
@@ -199,6 +198,9 @@ def bracket(beam, k, low, high):
 def root(beam, k, low, high):
     """beta^2 of mode k between low and high, from the determinant of the conditions."""
     low, high = bracket(beam, k, low, high)
+    while high - low > mpf(10) ** -10 * abs(high):  # the determinant, which is complex, then hardly turns between them
+        middle = (low + high) / 2
+        low, high = (middle, high) if count(beam, middle) < k else (low, middle)
 
     def value(x):
         return mp.det(conditions(beam, x))

@@ -46,18 +46,11 @@ contains
 
   pure type(mode_search) function search_in(beam) result(search)
     type(piece_beam), intent(in) :: beam
-    real(dp) :: regular
     integer :: c, i
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
-    if (search%resting > 0 .or. may_grow(beam)) then
-      search%finer(1) = system_of(cut_all(beam, parts_at_rest(beam)))          ! pieces that are short where λ ≤ 0
-      search%probe = probe_for(search%finer(1))
-      call probe_at(search%finer(1), beam%spin_squared*(-1.0e-12_dp), search%probe)
-      call count_below(search%finer(1), search%probe, search%growing, regular)
-      if (.not. may_grow(beam)) search%growing = 0
-      if (search%growing + search%resting > 0) search%system = search%finer(1)
-    end if
+    if (may_grow(beam)) search%growing = growing_modes(beam, search%resting > 0)
+    if (search%growing + search%resting > 0) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
     search%probe = probe_for(search%system)
     search%scout = search%probe
     do c = 1, cuts
@@ -65,6 +58,22 @@ contains
       search%finer_probe(c) = probe_for(search%finer(c))
     end do
   end function search_in
+
+  pure integer function growing_modes(beam, floats) result(number)
+    !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
+    type(piece_beam), intent(in) :: beam
+    logical, intent(in) :: floats                  !! nothing holds its deflection
+    type(piece_beam) :: fine
+    type(piece_system) :: system
+    type(mode_probe) :: probe
+    real(dp) :: regular
+    fine = cut_all(beam, parts_at_rest(beam))
+    if (floats) fine%root%holds_deflection = .true.
+    system = system_of(fine)
+    probe = probe_for(system)
+    call probe_at(system, beam%spin_squared*(-1.0e-24_dp), probe)
+    call count_below(system, probe, number, regular)
+  end function growing_modes
 
   pure logical function may_grow(beam)
     !! Out of plane, by rotary inertia.
