@@ -5,6 +5,7 @@ module bw_close_modes
   use bw_double_double, only: dd, operator(+), operator(-)
   use bw_extended_residual, only: find_drive
   use bw_kinds, only: dp
+  use bw_lapack, only: dsygv
   use bw_mode_probe, only: improve, improve_drive, left_vector, mode_probe, piece_system, probe_at, set_frequency, &
     start_bodies, weigh
   use bw_piece_overlap, only: mass_product, piece_modes
@@ -16,18 +17,6 @@ module bw_close_modes
     integer :: first = 0, last = -1              !! numbers of the modes
     type(piece_modes) :: modes
   end type close_modes
-
-  interface
-    subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
-      import :: dp
-      implicit none (type, external)
-      integer, intent(in) :: itype, n, lda, ldb, lwork
-      character, intent(in) :: jobz, uplo
-      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
-      real(dp), intent(out) :: w(*), work(*)
-      integer, intent(out) :: info
-    end subroutine dsygv
-  end interface
 
 contains
 
@@ -59,15 +48,18 @@ contains
     !! Make modes of motions that span them.
     type(close_modes), intent(inout) :: group
     type(mode_probe), intent(inout) :: probe
-    integer :: k
+    integer, parameter :: rounds = 3               !! each finds shapes at frequencies that are better known
+    integer :: round, k
     call tell_apart(probe, group%modes)
-    do k = group%first, group%last
-      call take(group, k, probe)
-      call improve_drive(probe)
-      call iterate(group%modes%system, probe%frequency%lambda, 2, probe)
-      call keep(group, k, probe)
+    do round = 1, rounds
+      do k = group%first, group%last
+        call take(group, k, probe)
+        call improve_drive(probe)
+        call iterate(group%modes%system, probe%frequency%lambda, 2, probe)
+        call keep(group, k, probe)
+      end do
+      call tell_apart(probe, group%modes)
     end do
-    call tell_apart(probe, group%modes)
   end subroutine separate
 
   pure type(piece_modes) function room_for(system, n) result(modes)

@@ -97,7 +97,7 @@ contains
         call locate(search, k, lambda, alone, found)
         if (.not. found) return
         call surround(search, k, lambda, first, last)
-        if (first == last) return
+        if (first == last .and. alone) return
       end if
       call find_together(search, first, last, found)
       if (.not. found) return
@@ -187,8 +187,9 @@ contains
       end if
       before = abs(correction)
       lambda = middle(search%bracket)
-      if (closed_to(search%bracket, k - 1, lambda) .and. closed_to(search%bracket, k, lambda)) cycle
-      found = width(search%bracket) < closest*mode_distance(k, lambda)
+      room = closest*mode_distance(k, lambda)
+      if (closed_to(search%bracket, k - 1, lambda) .and. closed_to(search%bracket, k, lambda)) room = 1.0e-3_dp*room
+      found = width(search%bracket) < room
       if (found) return
     end do
   end subroutine locate
