@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # ./run.sh          builds, runs every scene in input/paper/ and draws the figures, into output/paper/
 # ./run.sh PATH …   builds and runs these scenes or directories: what `beamwave run PATH …` does, with its status
+# Where MPI is installed, beamwave-mpi is built as well. It is not installed here: a single run needs none.
 set -eu
 . "$(dirname -- "$0")/src/cmake/setup.sh"
 
@@ -16,7 +17,7 @@ draw_paper() {
 }
 
 lock
-set_up default --target beamwave
+set_up default --target programs
 if [ $# -gt 0 ]; then
   unlock
   exec "$beamwave" run "$@"

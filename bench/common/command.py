@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable
 
+from overview import put_overview
+
 from .document import put_section
 
 BENCH = Path(__file__).parents[1]
@@ -48,6 +50,8 @@ def main(bench: Bench) -> int:
     for row in measured["rows"]:
         if "not_measured" in row:
             print(f"{row['peer']}: not measured, {row['not_measured']}")
+    if not words.output:
+        put_overview()
     print(f"written: {data.name}, {picture} and a section of {document.name}")
     return 0
 

@@ -31,6 +31,7 @@ def table(rows: list[list[str]]) -> str:
     return "\n".join([lines[0], "| " + " | ".join("-" * width for width in widths) + " |", *lines[1:]])
 
 
-def pairs(about: dict[str, str]) -> str:
-    """A table of two columns without a head."""
-    return "\n".join(["| | |", "| --- | --- |", *(f"| {name} | {what} |" for name, what in about.items())])
+def measured_with(about: dict[str, str]) -> str:
+    """The program, the Python and the day of a section; the rest stands once in the document, where the link leads."""
+    said = [about["program"].split("; ")[0], *(f"{name} {about[name]}" for name in ("Python", "date") if name in about)]
+    return f"Measured with {'; '.join(said)}. [Machine, compiler and flags](#where-it-was-measured)."

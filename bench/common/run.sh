@@ -29,7 +29,7 @@ set_up_bench_python() {
 # run_bench MODULE [ARGUMENT …]: builds the program, and the target bench_target where a bench sets it, then runs the bench
 run_bench() {
   lock
-  set_up default --target beamwave ${bench_target:+"$bench_target"}
+  set_up default --target programs ${bench_target:+"$bench_target"}
   mkdir -p "$bench_venv"
   set_up_bench_python
   unlock

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from common.document import pairs, table
+from common.document import measured_with, table
 
 from .scenes import MODES, SAMPLES
 
@@ -13,10 +13,11 @@ FIRST = "<!-- effects: bench/effects.sh writes from here -->"
 WORDS = """\
 ## What each effect costs
 
-Made by `bench/effects.sh` ([bench/](../bench/README.md) says how): the paper's scene (γ = 0.2, ω = 50 rad/s, {modes} modes before and
-after the capture, {samples} samples at midpoint and tip), alone and with one effect more. Instructions of the whole run, those of
-`beamwave --version` taken off, counted by valgrind; seconds of all stages but writing, medians of {runs} interleaved runs.
-What a scene does not name is not entered: [a test](../tests/scenes/test_absent_effects.py) looks for it procedure by procedure.
+Made by `bench/effects.sh` ([bench/](../bench/README.md#effects) says how). The paper's scene (γ = 0.2, ω = 50 rad/s, {modes} modes
+before and after the capture, {samples} samples at midpoint and tip) is run alone and with one effect more. Valgrind counts the
+instructions of the whole run; those of `beamwave --version` are taken off. Times are those of all stages but writing, medians of
+{runs} runs in turns. The procedures of an effect that a scene does not name are not entered; [a
+test](../tests/scenes/test_absent_effects.py) looks for them one by one.
 
 ![Instructions and seconds with each effect]({picture})
 """
@@ -26,7 +27,7 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and table."""
     runs = max(row["runs"] for row in measured["rows"])
     words = WORDS.format(modes=MODES, samples=SAMPLES, runs=runs, picture=picture)
-    return "\n\n".join([words.strip(), pairs(measured["machine"]), costs(measured["rows"])])
+    return "\n\n".join([words.strip(), measured_with(measured["machine"]), costs(measured["rows"])])
 
 
 def costs(rows: list[dict[str, Any]]) -> str:
@@ -50,4 +51,4 @@ def costs(rows: list[dict[str, Any]]) -> str:
 
 def times(value: float | None, beside: float | None) -> str:
     """A ratio; a dash where one of the two is not known."""
-    return f"{value / beside:.2g}" if value and beside else "–"
+    return f"{float(f'{value / beside:.2g}'):g}" if value and beside else "–"

@@ -42,7 +42,7 @@ def draw(measured: dict[str, Any]) -> Figure:
             grid[line, 0].set_ylim(bottom=min(row[cost] for row in measured["rows"]) * scale * ROOM_FOR_WORDS)
         for axes in grid[-1]:
             words = "2 × result + 200 MB"
-            axes.text(0.03, bound({"result_bytes": 0}) * 1.35e-6, words, color=GREY, fontsize=9,
+            axes.text(0.03, bound({"result_bytes": 0}) * 3e-6, words, color=GREY, fontsize=9,
                       transform=axes.get_yaxis_transform())  # fmt: skip
     return figure
 

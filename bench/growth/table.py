@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from common.document import pairs, table
+from common.document import measured_with, table
 
 from .scenes import AXES
 from .slope import LARGEST, bound, slope
@@ -14,9 +14,10 @@ FIRST = "<!-- growth: bench/growth.sh writes from here -->"
 WORDS = """\
 ## How time and memory grow
 
-Made by `bench/growth.sh` ([bench/](../bench/README.md) says how): `beamwave run` as a process of its own, its CPU
-seconds (medians of up to {rounds} interleaved runs) and the peak of its memory. A slope is the power of the size over
-the largest {largest} sizes, start-up taken off. Memory is meant to stay below twice the result plus 200 MB.
+Made by `bench/growth.sh` ([bench/](../bench/README.md#growth) says how). Each size is a run of `beamwave run` as a process of
+its own. The tables give its CPU seconds, medians of up to {rounds} runs in turns, and the peak of its memory. A cost grows as
+the size to the power that the first table gives; it is that of the largest {largest} sizes, start-up taken off. Memory should
+stay below twice the result plus 200 MB: this is its bound.
 
 ![Time and memory against modes, samples and points]({picture})
 """
@@ -26,7 +27,8 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rounds = max(row["runs"] for row in measured["rows"])
     words = WORDS.format(rounds=rounds, largest=LARGEST, picture=picture)
-    return "\n\n".join([words.strip(), pairs(measured["machine"]), slopes(measured["rows"]), details(measured["rows"])])
+    about, rows = measured_with(measured["machine"]), measured["rows"]
+    return "\n\n".join([words.strip(), about, slopes(rows), "Every size:", details(rows)])
 
 
 def slopes(rows: list[dict[str, Any]]) -> str:

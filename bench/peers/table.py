@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from common.document import pairs, table
+from common.document import measured_with, table
 
 from .measure import PEERS
 from .summary import seconds_to_reach, text_of_seconds
@@ -15,12 +15,13 @@ LEVELS = (2e-3, 1e-6, 1e-9, 1e-10)
 WORDS = """\
 ## Against what else one could pick
 
-Made by `bench/peers.sh` ([bench/](../bench/README.md) says how). The paper's beam after the capture (γ = 0.2,
-ω = 50 rad/s): displacement at midpoint and tip over {samples} times in {duration:g} s, from the scene's numbers to the
-histories. The error is the largest of either history over its own peak (a tolerance is over the larger peak, the
-tip's, 2.5 times the midpoint's), against {reference}.
-CPU seconds of one thread, medians of up to {rounds} interleaved runs. `beamwave` is its stages without start-up and
-files, as the others have none; its whole process has its own row.
+Made by `bench/peers.sh` ([bench/](../bench/README.md#the-peers) says how). All compute the same: the displacement of the paper's
+beam after the capture (γ = 0.2, ω = 50 rad/s) at midpoint and tip, at {samples} times in {duration:g} s, from the scene's
+numbers to the histories. Times are CPU seconds of one thread, medians of up to {rounds} runs in turns. The row `beamwave` counts
+its stages without start-up and files, since the others have none; the whole process has a row of its own.
+
+The error is the largest of either history over its own peak. (A tolerance is over the larger peak, that of the tip, which is
+2.5 times the midpoint's.) It is measured against {reference}.
 
 ![Error against seconds]({picture})
 """
@@ -30,9 +31,8 @@ def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rounds = max(row.get("runs", 1) for row in measured["rows"])
     words = WORDS.format(**measured["problem"], reference=measured["reference"], rounds=rounds, picture=picture)
-    return "\n\n".join(
-        [words.strip(), pairs(measured["machine"]), summary(measured["rows"]), details(measured["rows"])]
-    )
+    about, rows = measured_with(measured["machine"]), measured["rows"]
+    return "\n\n".join([words.strip(), about, summary(rows), "Every size that was run:", details(rows)])
 
 
 def summary(rows: list[dict[str, Any]]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from common.document import pairs, table
+from common.document import measured_with, table
 
 FIRST = "<!-- price: bench/price.sh writes from here -->"
 AIM = 0.25  # of the time at hand, for a tenth of the tolerance
@@ -13,12 +13,14 @@ COARSE, FINE = 1e-3, 1e-11  # between which the aim is meant
 WORDS = """\
 ## What accuracy costs
 
-Made by `bench/price.sh` ([bench/](../bench/README.md) says how): `beamwave accuracy` on `input/spectrum.nml` and on the same with a
-short record. Errors are the largest of the displacement at midpoint and tip over the peak, against a converged run; the estimate is
-the run's own. Seconds are those of the stages up to the histories, medians of interleaved repeats, with the half of what their middle
-half spans. The aim is that from 1e-3 to 1e-11 each further digit costs at most a quarter more time.
-Few modes are summed by products, which cost as much as there are modes: down to 1e-5 that is far less than any transform, and the steps
-up to it are large for that reason.
+Made by `bench/price.sh` ([bench/](../bench/README.md#the-price-of-accuracy) says how): `beamwave accuracy` on `input/spectrum.nml`,
+and on the same scene with a short record. Errors are the largest of the displacement at midpoint and tip over the peak, against a
+converged run; the estimate is the run's own. Times are those of the stages up to the histories, medians of repeats in turns; +/- is
+half of the span of their middle half.
+
+The aim is that from 1e-3 to 1e-11 each further digit costs at most a quarter more time. Down to 1e-5 few modes are summed, term by
+term, at a cost that grows with their number. That is far less than any transform costs, and so the step from there to the transform
+is large.
 
 ![Error against seconds]({picture})
 """
@@ -26,7 +28,7 @@ up to it are large for that reason.
 
 def section(measured: dict[str, Any], picture: str) -> str:
     """Text and a table for each scene."""
-    parts = [WORDS.format(picture=picture).strip(), pairs(measured["machine"])]
+    parts = [WORDS.format(picture=picture).strip(), measured_with(measured["machine"])]
     for samples, against in measured["against"].items():
         rows = [row for row in measured["rows"] if row["samples"] == int(samples)]
         parts += [f"{int(samples)} samples. {summary(rows)} {trust(against)}", details(rows, against["converged_error"])]

@@ -10,6 +10,7 @@ from pathlib import Path
 from common.command import PROJECT, as_text
 from common.document import put_section
 from common.machine import describe
+from overview import put_overview
 
 from .compare import REPEATS, measure
 from .library import Beamwave
@@ -37,6 +38,7 @@ def main() -> None:
         return
     DATA.write_text(as_text(measured), encoding="utf-8")
     put_section(PROJECT / "docs/numbers.md", FIRST, section(measured))
+    put_overview()
 
 
 if __name__ == "__main__":

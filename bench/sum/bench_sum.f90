@@ -5,14 +5,12 @@ module bench_sum
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp
   use bw_modal_sum, only: add_stable_modes
-  use bw_mode_choice, only: first_modes
   use bw_monitor, only: silent_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
-  use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
-  use bw_streamed_modes, only: add_modes_in_parts, add_modes_of_source, remainder_type
+  use bw_response, only: response_type, sampling_type, start_histories
+  use bw_streamed_modes, only: add_modes_of_source
   use bw_sum_choice, only: chosen_sum, sum_choice
   use bw_time_grid, only: time_grid, time_grid_of
-  use bw_truncation, only: tail_error
   implicit none (type, external)
   private
 
@@ -22,42 +20,20 @@ module bench_sum
 contains
 
   subroutine whole_job(n, samples, gamma, duration, tolerance, displacement) bind(c, name='bench_whole_job')
-    !! Roots, shapes at the midpoint and the tip, and the sum of n modes of the continuum, as a run with a tolerance does it:
-    !! what modes after the first few add needs fewer digits.
+    !! Roots, shapes at the midpoint and the tip, and the sum of n modes of the continuum, as a run with a tolerance does it.
     integer(c_int), value :: n, samples
     real(c_double), value :: gamma, duration
     real(c_double), value :: tolerance                     !! of the sum
     real(c_double), intent(out) :: displacement(samples, 2)
-    type(closed_form_source) :: source
     type(nonuniform_sum) :: sum
     type(response_type) :: response
     type(time_grid) :: grid
     type(silent_monitor) :: monitor
     grid = time_grid_of(duration, samples, to_dd(1.0_dp))
     call start_histories(sampling_type(points, grid), response)
-    source = source_in_closed_form(gamma)
-    call add_modes_in_parts(source, gamma, n, remainder_of(source, gamma, grid), [tolerance, tolerance], monitor, response, sum)
+    call add_modes_of_source(source_in_closed_form(gamma), gamma, 1, n, tolerance, monitor, response, sum)
     displacement = response%displacement
   end subroutine whole_job
-
-  type(remainder_type) function remainder_of(source, gamma, grid) result(remainder)
-    !! An estimate of what the modes after the first few add, over the peak of these at some of the samples.
-    type(closed_form_source), intent(in) :: source
-    real(dp), intent(in) :: gamma
-    type(time_grid), intent(in) :: grid
-    integer, parameter :: previewed = 1000
-    type(response_type) :: response
-    type(silent_monitor) :: monitor
-    type(time_grid) :: coarse
-    integer :: stride
-    stride = (grid%samples - 1)/previewed + 1
-    coarse = time_grid((grid%samples - 1)/stride + 1, grid%step*real(stride, dp))
-    call start_histories(sampling_type(points, coarse), response)
-    call add_modes_of_source(source, gamma, 1, first_modes, sum_tolerance, monitor, response)
-    remainder%after = first_modes
-    remainder%tail = maxval(tail_error(first_modes, source, 1.0_dp, points, grid%samples*grid%step%hi, grid%samples, .false.))
-    remainder%share = gamma*remainder%tail/maxval(abs(response%displacement))
-  end function remainder_of
 
   subroutine terms(n, gamma, duration, beta, rate, shapes) bind(c, name='bench_terms')
     !! The modes alone.

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
-from common.document import pairs, table
+from common.document import measured_with, table
 
 FIRST = "<!-- sums: bench/sum.sh writes from here -->"
 
 HEAD = """## Modes and their sum beside numpy + FINUFFT
 
-Made by `bench/sum.sh` ([bench/](../bench/README.md) says how): in one process on one core, in turns; CPU seconds, medians of
-{repeats} runs. Whole job: roots, shapes at midpoint and tip, and both histories. Errors are those of the sum at some samples,
-over the largest displacement, against the same sum term by term in extended precision."""
+Made by `bench/sum.sh` ([bench/](../bench/README.md#modes-and-their-sum) says how), in one process on one core. Times are CPU time,
+medians of {repeats} runs in turns. The whole job is roots, shapes at midpoint and tip, and both histories. Errors are those of the
+sum at some samples, over the largest displacement, against the same sum term by term in extended precision. *Its way* is the
+faster of two ways to use FINUFFT: a transform for each of the two points (`pair`), or one for both points over times of either
+sign (`both sides`)."""
 
 COLUMNS = ["modes", "samples", "whole job, ms", "rival, ms", "ratio", "sum alone, ms", "FINUFFT, ms", "ratio", "its way",
            "error", "rival's error"]  # fmt: skip
@@ -24,7 +26,7 @@ def section(measured: dict[str, Any]) -> str:
     for tolerance in dict.fromkeys(row["tolerance"] for row in measured["rows"]):
         rows = [row for row in measured["rows"] if row["tolerance"] == tolerance]
         parts += [f"Accuracy of the sum {tolerance:.0e} of the peak:", table([COLUMNS, *map(cells, rows)])]
-    return "\n\n".join([*parts, pairs(measured["about"])])
+    return "\n\n".join([*parts, measured_with(measured["about"])])
 
 
 def cells(row: dict[str, Any]) -> list[str]:

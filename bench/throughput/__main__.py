@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import multiprocessing
-import os
+import resource
 import statistics
 import subprocess
 import tempfile
@@ -19,6 +19,7 @@ import numpy as np
 from common.command import PROJECT
 from common.document import put_section
 from common.machine import describe
+from overview import put_overview
 
 from . import sweeps
 from .jobs import JOBS, Job
@@ -34,10 +35,14 @@ AGREEMENT = 1e-7  # of the largest value: Gauss's rule and Newton's method in nu
 
 def cpu(work: Callable[[], Any]) -> float:
     """CPU seconds of this process and of those that it started and that have ended."""
-    before = os.times()
+    before = used()
     work()
-    after = os.times()
-    return sum(after[:4]) - sum(before[:4])
+    return used() - before
+
+
+def used() -> float:
+    """CPU seconds so far, to the microsecond."""
+    return sum(sum(resource.getrusage(who)[:2]) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
 
 
 def beamwave(program: Path, job: Job, cases: int, directory: Path) -> float:
@@ -118,6 +123,7 @@ def main() -> None:
         return
     DATA.write_text(json.dumps(measured, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     put_section(PROJECT / "docs/numbers.md", FIRST, section(measured))
+    put_overview()
     print(section(measured))
 
 

@@ -21,6 +21,7 @@ class Job:
     samples: int = 0
     duration: float = 0.2
     spectrum: bool = False
+    more: str = ""  # groups that the scene has beside these
 
     def grid(self, cases: int) -> list[tuple[float, float]]:
         """(ω, γ) of every case, γ varying slowest; the same numbers as in the scene."""
@@ -45,7 +46,7 @@ class Job:
         if self.samples:
             points = ", ".join(map(str, POINTS))
             text += f"&response duration = {self.duration}, samples = {self.samples}, points = {points} /\n"
-        return text + ("&spectrum /\n" if self.spectrum else "")
+        return text + ("&spectrum /\n" if self.spectrum else "") + self.more
 
 
 JOBS = [

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from common.document import pairs, table
+from common.document import measured_with, table
 
 FIRST = "<!-- throughput: bench/throughput.sh writes from here -->"
 WAYS = ["beamwave", "numpy loop", "by products", "pool of 2"]
 
 HEAD = """## Throughput of sweeps
 
-Made by `bench/throughput.sh` ([bench/](../bench/README.md) says how). Cases per second of a core, from CPU seconds, start-up and
-writing the result included, for which numpy has netCDF4; the pool's are those of each of its processes. The program keeps
-every case as soon as it is done, so that no kill loses it, and writes it a second time into the result."""
+Made by `bench/throughput.sh` ([bench/](../bench/README.md#throughput) says how). Rates are cases per CPU second of a core. Start-up
+and writing the result are included; numpy writes by netCDF4. The rate of the pool is that of each of its processes. beamwave writes
+every case twice: as soon as it is done, so that no kill loses it, and into the result."""
 
 
 def section(measured: dict[str, Any]) -> str:
     """All that was measured, each part with where."""
-    drawn = [(draw(measured[name]["rows"]), pairs(measured[name]["about"]))
+    drawn = [(draw(measured[name]["rows"]), measured_with(measured[name]["about"]))
              for name, draw in DRAWN.items() if measured.get(name, {}).get("rows")]  # fmt: skip
     parts = [HEAD]
     for i, (rows, about) in enumerate(drawn):
@@ -35,23 +35,26 @@ def rates(rows: list[dict[str, Any]]) -> str:
         factors = ", ".join(f"{speed[0] / other:.1f}" for other in speed[1:])
         lines.append([row["what"], *(f"{value:.0f}" for value in speed), factors])
     return (
-        "The loop takes a sine of every mode at every time, and so does the pool; *by products* is the loop with the addition "
+        "The loop computes a sine for every mode at every time, and so does the pool. *By products* is the loop with the addition "
         "theorem, so that BLAS sums the histories.\n\n" + table(lines)
     )
 
 
 def ranks(rows: list[dict[str, Any]]) -> str:
-    one = rows[0]["wall"]
-    lines = [["processes", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
-    for row in rows:
-        numbers = [row["ranks"], row["cases"], row["start_wall"], row["wall"], row["cpu"], f"{row['wall'] / one:.2f}"]
-        lines.append([str(number) for number in numbers])
-    return "Histories of 4096 samples in `beamwave-mpi`; start-up is what 20 cases take, and is taken off.\n\n" + table(lines)
+    lines = [["sweep in `beamwave-mpi`", "processes", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
+    for i, row in enumerate(rows):
+        numbers = [row[name] for name in ("what", "ranks", "cases", "start_wall", "wall", "cpu")]
+        lines.append([*map(str, numbers), f"{row['wall'] / rows[i - i % 2]['wall']:.2f}"])
+    return (
+        "Start-up, of `mpirun` above all, is what 20 cases take, and is taken off. The cases are shared; in the end one process "
+        "copies all their numbers into the result, which takes the same time however many processes there are. So a sweep with "
+        "little work for each number gains little from a second process.\n\n" + table(lines)
+    )
 
 
 def memory(rows: list[dict[str, Any]]) -> str:
     lines = [["cases", "CPU, s", "peak, MB"], *([str(row["cases"]), f"{row['cpu']:g}", f"{row['peak_mb']:g}"] for row in rows)]
-    return "Memory of a sweep of very small cases (one mode) against their number.\n\n" + table(lines)
+    return "Memory of a sweep of very small cases (one mode), against their number.\n\n" + table(lines)
 
 
 def predictions(rows: list[dict[str, Any]]) -> str:
@@ -61,15 +64,15 @@ def predictions(rows: list[dict[str, Any]]) -> str:
         ratios = [row["memory_ratio"], row["size_ratio"]]
         lines.append([row["scene"], *(f"{number:g}" for number in numbers), *(f"{ratio:.2g}" for ratio in ratios)])
     return (
-        "What `beamwave check` expects of time (on an idle core, start-up included), memory and file, over what the run takes. "
-        "On busy cores only the CPU seconds mean something.\n\n"
+        "What `beamwave check` expects, over what the run then takes: time (on an idle core, with start-up), memory and size of the "
+        "file. On busy cores only the CPU seconds mean something.\n\n"
         + table(lines)
     )
 
 
 def small_scenes(rows: list[dict[str, Any]]) -> str:
     lines = [["a small scene (20 modes, no history)", "CPU, ms"], *([row["what"], f"{row['ms']:g}"] for row in rows)]
-    return "What one of 200 small scenes costs. In one call nearly all of it is HDF5 making the file.\n\n" + table(lines)
+    return "What one of 200 small scenes costs. In one call of all, nearly all of the time is HDF5 making the files.\n\n" + table(lines)
 
 
 DRAWN = {"rows": rates, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": small_scenes}

@@ -22,7 +22,11 @@ from .jobs import JOBS, Job
 Row = dict[str, Any]
 LAUNCH = BENCH / "growth/launch.py"
 ROUNDS = 3
-RANKS = Job("ranks", "histories of 4096 samples at two points, 40 modes", modes=40, cases=10_000, samples=4096)
+RANKS = [  # with little, more and much work for each number that a case has
+    Job("ranks", "frequencies and wave velocities of 20 modes", modes=20, cases=100_000),
+    Job("ranks", "histories of 4096 samples at two points, 40 modes", modes=40, cases=10_000, samples=4096),
+    Job("ranks", "the same of a beam that tension stiffens", modes=40, cases=600, samples=4096, more="&stiffening /\n"),
+]
 TINY = Job("tiny", "one mode", modes=1, cases=0)
 CASES = [1_000, 10_000, 100_000]
 SCENES = [  # of every kind: modes alone, a history, a spectrum, sweeps, modes without a closed form, later events
@@ -70,17 +74,22 @@ def ranks(program: Path, directory: Path, small: bool) -> list[Row]:
     twin = program.with_name("beamwave-mpi")
     if not twin.exists() or shutil.which("mpirun") is None:
         return []
-    cases = 100 if small else RANKS.cases
+    return [row for job in RANKS for row in ranks_of(job, twin, directory, small)]
+
+
+def ranks_of(job: Job, twin: Path, directory: Path, small: bool) -> list[Row]:
+    cases = 100 if small else job.cases
     seconds: dict[tuple[int, int], list[tuple[float, float]]] = {}
     for _ in range(1 if small else ROUNDS):
         for count in (20, cases):
             for number in (1, 2):
-                cpu, wall, _ = launched("mpirun", "-n", number, twin, *run_words(directory, RANKS, count))
+                cpu, wall, _ = launched("mpirun", "-n", number, twin, *run_words(directory, job, count))
                 seconds.setdefault((number, count), []).append((wall, cpu))
     rows = []
     for number in (1, 2):
         wall, cpu = ([statistics.median(times[i] for times in seconds[number, count]) for count in (20, cases)] for i in (0, 1))
-        rows.append({"ranks": number, "cases": cases, "start_wall": wall[0], "wall": wall[1] - wall[0], "cpu": cpu[1] - cpu[0]})
+        row = {"what": job.what, "ranks": number, "cases": cases, "start_wall": wall[0], "wall": wall[1] - wall[0]}
+        rows.append({**row, "cpu": cpu[1] - cpu[0]})
     return [rounded(row) for row in rows]
 
 

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from .parts.labels import axis_label
+from .parts.moving import folding_note
 from .parts.pairs import Pair, common_points, head_of_both, names_of, pairs_of
 from .parts.points import FEW, point_label
 from .parts.select import chosen, spread
@@ -100,13 +101,18 @@ def histories(first: xr.Dataset, second: xr.Dataset, name: str = "displacement")
     for axes, xi in zip(sheet.axes[1::2] if alike else [], shown):
         _draw_difference(axes, pairs, name, xi, ticks)
     sheet.axes[-1].set_xlabel(axis_label(first["time"], clock))
-    sheet.axes[-1].set_xlim(0.0, ticks * max(float(ds["time"][-1]) for ds in (first, second)) or 1.0)
+    sheet.axes[-1].set_xlim(0.0, ticks * max(_end(ds["time"].values) for ds in (first, second)) or 1.0)
     notes = [
         note,
         f"{len(shown)} of {len(points)} points" if len(shown) < len(points) else "",
         "" if alike else "the times differ",
     ]
     return sheet.finish_with(head_of_both(first, second, notes))
+
+
+def _end(time: np.ndarray) -> float:
+    """End of a record, one sample after the last: a round number, and a tick there, where its length is one."""
+    return float(time[-1] + (time[-1] - time[-2] if time.size > 1 else 0.0))
 
 
 def _draw_histories(axes: Axes, pairs: list[Pair], names: tuple[str, str], name: str, xi: float, ticks: float) -> None:
@@ -154,7 +160,10 @@ def spectra(first: xr.Dataset, second: xr.Dataset) -> Figure:
     logarithmic(
         sheet.axes[0], "x", float(first["frequency"][1]), float(max(ds["frequency"][-1] for ds in (first, second)))
     )
-    return sheet.finish_with(head_of_both(first, second, [note, rf"at $\xi$ = {xi:.4g}"]))
+    sides = zip(names_of(first, second), (first, second), zip(*(pair[1:] for pair in pairs)))
+    said = [(name[0], folding_note([case.assign_attrs(ds.attrs) for case in cases])) for name, ds, cases in sides]
+    folding = [f"{letter}: {words}" for letter, words in said if words]
+    return sheet.finish_with(head_of_both(first, second, [note, rf"at $\xi$ = {xi:.4g}", *folding]))
 
 
 def _overlay(first: xr.Dataset, second: xr.Dataset, pairs: list[Pair], name: str, along: str) -> Sheet:

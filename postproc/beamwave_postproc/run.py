@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ from .result import open_result
 
 DONE, UNTRUSTED = 0, 4  # exit statuses with a result
 PROGRAM = "BEAMWAVE"  # environment variable with the program's path
+CHECKOUT = Path("postproc", "beamwave_postproc", "__init__.py")  # by which the top of a checkout is known
 Scene = Union[str, Path, Mapping[str, Any]]
 
 
@@ -39,7 +41,8 @@ def run(scene: Scene, output: str | Path | None = None, *, program: str | Path |
     `scene` is the path of a namelist file, the text of one, or its groups as a mapping, in which a group that is there
     several times is a list: {"beam": {"length": 1.0, …}, "sweep": [{…}, {…}]}. The result is kept in the directory
     `output` where given, replacing an older one. The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH,
-    else the one built in the checkout that this package lies in.
+    else the one built in the checkout: the one that this package lies in, or its Python's `.venv`, or the directory in
+    which it runs.
 
     Raises `FileNotFoundError` without a program, and `RunFailed` with the program's messages where it ends without a
     result; warns of `Untrusted` numbers (exit status 4).
@@ -65,14 +68,24 @@ def run(scene: Scene, output: str | Path | None = None, *, program: str | Path |
 
 def find_program(program: str | Path | None = None) -> str:
     """Path of the program `beamwave`; raises `FileNotFoundError`, naming where it was looked for."""
-    built = Path(__file__).resolve().parents[2] / "build" / "bin" / "beamwave"
-    for candidate in (program, os.environ.get(PROGRAM), "beamwave", built):
+    built = [checkout / "build" / "bin" / "beamwave" for checkout in _checkouts()]
+    for candidate in (program, os.environ.get(PROGRAM), "beamwave", *built):
         found = candidate and shutil.which(str(candidate))
         if found:
             return found
         if candidate is not None and candidate is program:
             raise FileNotFoundError(f"{program} is no program")
-    raise FileNotFoundError(f"no program beamwave: not in ${PROGRAM}, not on the PATH, not at {built}; give program=")
+    where = f"not at {' or '.join(map(str, built))}" if built else "in no checkout that holds this Python or directory"
+    raise FileNotFoundError(
+        f"no program beamwave: not in ${PROGRAM}, not on the PATH, {where}; build it by ./run.sh, or give program="
+    )
+
+
+def _checkouts() -> list[Path]:
+    """Checkouts of beamwave around this package, around the environment it is installed in, and around here."""
+    here = Path.cwd()
+    around = [*Path(__file__).resolve().parents, *Path(sys.prefix).absolute().parents, here, *here.parents]
+    return list(dict.fromkeys(place for place in around if (place / CHECKOUT).is_file()))
 
 
 def namelist(groups: Mapping[str, Any]) -> str:

@@ -6,7 +6,7 @@ import synthetic
 
 from beamwave_postproc import NothingToDraw, compare, open_result
 from beamwave_postproc.parts.labels import plain
-from beamwave_postproc.parts.pairs import differences, pairs_of
+from beamwave_postproc.parts.pairs import differences, head_of_both, pairs_of
 
 RESPONSE = {"duration": 0.1, "samples": 512}
 
@@ -57,6 +57,14 @@ def test_histories_stand_above_their_difference_at_the_points_of_both(two):
     np.testing.assert_allclose(difference.get_ydata(), scale * (second["displacement"][2] - first["displacement"][1]))
 
 
+def test_the_axis_of_time_ends_with_the_record_at_a_tick(two):
+    first, second = two
+    axes = compare(first, second)["displacement"].axes[-1]
+    step = float(first["time"][1] - first["time"][0])
+    factor = axes.lines[0].get_xdata()[-1] / float(first["time"][-1])
+    assert axes.get_xlim()[1] == pytest.approx(factor * first.sizes["time"] * step, rel=1e-12)
+
+
 def test_other_times_have_no_difference_and_the_head_says_so(two):
     first, second = two
     fig = compare(first, second.isel(time=slice(None, None, 2)))["displacement"]
@@ -72,6 +80,10 @@ def test_the_head_says_what_differs(two):
     assert texts[0] == "A: Beam rest; B: Beam turning"
     assert texts[1].startswith("A: beam l = 1 m") and texts[2].startswith("B: ") and "turning.nc" in texts[2]
     assert "they differ in ω = 0 and 50" in texts[3]
+    # What is the same stands in the head once.
+    assert "beam" not in texts[2] and "rotation ω = 50 rad/s" in texts[2] and texts[2].endswith("else as A")
+    without = head_of_both(first.assign_attrs(effects="rotation stiffening impact"), second, []).lines[1]
+    assert "without stiffening" in without
     assert "stiffening in B alone" in differences(
         first, second.assign_attrs(effects="rotation impact capture stiffening")
     )

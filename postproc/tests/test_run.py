@@ -103,6 +103,30 @@ def test_the_program_is_looked_for_where_the_documents_say(tmp_path, monkeypatch
         find_program(tmp_path / "absent")
 
 
+@pytest.mark.parametrize("way", ["package", "environment", "directory"])
+def test_the_program_built_in_the_checkout_is_found(tmp_path, monkeypatch, way):
+    checkout, elsewhere = tmp_path / "a checkout", tmp_path / "elsewhere"
+    package = checkout / "postproc" / "beamwave_postproc"
+    installed = elsewhere / "site-packages" / "beamwave_postproc"
+    for directory in (package, installed, checkout / "build" / "bin", checkout / "input" / "paper"):
+        directory.mkdir(parents=True)
+    (package / "__init__.py").touch()
+    program = stand_in(checkout / "build" / "bin", "exit 5")
+    module = (package if way == "package" else installed) / "run.py"
+    monkeypatch.setitem(find_program.__globals__, "__file__", str(module))
+    monkeypatch.setattr("sys.prefix", str((checkout if way == "environment" else elsewhere) / ".venv"))
+    monkeypatch.chdir(checkout / "input" / "paper" if way == "directory" else elsewhere)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv("BEAMWAVE", raising=False)
+    assert find_program() == str(program)
+    program.unlink()
+    with pytest.raises(FileNotFoundError, match=f"not at {program}"):
+        find_program()
+    (package / "__init__.py").unlink()
+    with pytest.raises(FileNotFoundError, match="in no checkout"):
+        find_program()
+
+
 def test_a_stopped_run_is_raised_with_its_status(tmp_path):
     program = stand_in(tmp_path, "echo 'stopped in order' >&2; exit 5")
     with pytest.raises(RunFailed, match="stopped in order") as failure:

@@ -1,16 +1,19 @@
 module bw_check_command
-  !! The command that says what scenes would simulate, by which method, and what that would take.
+  !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
   use bw_command_table, only: command_type
-  use bw_console, only: print_error, print_report, print_warning
-  use bw_error, only: error_type, fail, status_not_trusted, status_stopped
+  use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
+  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
+  use bw_forecast, only: few_modes, few_samples, forecast_type
   use bw_kinds, only: dp
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
+  use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
   use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
+  use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
   use bw_text, only: shortest, text_of
   use bw_time_estimate, only: estimated_seconds
@@ -30,41 +33,77 @@ contains
     type(terminal_progress) :: progress            ! shows nothing: it asks to stop after a signal
     type(result_layout) :: layout
     type(error_type), allocatable :: error
-    character(:), allocatable :: text
+    type(scene_tally) :: tally
+    character(:), allocatable :: count_line, time_line, notes
     integer :: i, count
+    logical :: seen                                ! the report has shown the warnings to the same eyes
     progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
-    call read_and_list(command%words, .true., scenes, count, status)
+    call read_and_list(command%words, .true., scenes, count, status, tally)
     do i = 1, count
       layout = layout_of(scenes(i))
-      call plan_tolerance(scenes(i), progress, text, error)
-      if (.not. allocated(error) .and. .not. command%quiet) text = scene_heading(scenes(i))// &
-        scene_summary(scenes(i), layout)//text//cost_summary(scenes(i), layout)// &
-        time_summary(scenes(i), layout, check_seconds/count, progress)
+      notes = ''
+      time_line = ''
+      call plan_tolerance(scenes(i), progress, count_line, error)
+      if (.not. allocated(error)) call try_scene(scenes(i), layout, check_seconds/count, progress, time_line, notes)
       if (progress%stop_requested()) then
         call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
         status = max(status, status_stopped)
-        return
+        exit
       else if (allocated(error)) then
         call print_error(error)
         status = max(status, error%status)
+        call tally%count_end(error%status, notes)
+        cycle
       else if (.not. command%quiet) then
-        call print_report(text)
+        call print_report(checked_text(scenes(i), layout, count_line, time_line, notes, tally%is_brief()))
       end if
+      call tally%count_end(status_done, notes)
+      seen = .false.
+      if (.not. command%quiet) seen = seen_together()
+      if (.not. seen) call print_warnings(scenes(i), notes)
     end do
+    if (.not. command%quiet) call print_report(tally%text('good'))
   end function check_command
 
-  function time_summary(scene, layout, budget, monitor) result(text)
-    !! The line of `check` that says how long the scene would take.
+  function checked_text(scene, layout, count_line, time_line, notes, brief) result(text)
+    !! What is printed of a good scene; of one of many a line.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    real(dp), intent(in) :: budget                 !! of the estimate itself, s
-    class(monitor_type), intent(inout) :: monitor
+    character(*), intent(in) :: count_line, time_line, notes     !! lines of their own; empty where there are none
+    logical, intent(in) :: brief
     character(:), allocatable :: text
-    text = '  time       about '// &
-      expected_text(estimated_seconds(scene, layout, min(budget, most_check_seconds), monitor))//' on one core'
-    if (layout%cases > 1) text = text//', shared by the processes of beamwave-mpi'
-    text = text//new_line('a')
-  end function time_summary
+    if (brief) then
+      text = scene%file//': good, takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
+      if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
+    else
+      text = scene_heading(scene)//scene_summary(scene, layout)//count_line//cost_summary(scene, layout)//time_line
+      if (notes /= '') text = text//new_line('a')//notes_report(notes(:len(notes) - 1))
+    end if
+  end function checked_text
+
+  subroutine try_scene(scene, layout, budget, monitor, time_line, notes)
+    !! Run cases of a scene, as many as there is time for: how long it would take, and what it would warn of.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    real(dp), intent(in) :: budget                 !! for that, s
+    class(monitor_type), intent(inout) :: monitor
+    character(:), allocatable, intent(out) :: time_line, notes
+    type(forecast_type) :: forecast
+    real(dp) :: seconds
+    seconds = estimated_seconds(scene, layout, min(budget, most_check_seconds), monitor, forecast)
+    time_line = '  time       about '//expected_text(seconds)//' on one core'
+    if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
+    time_line = time_line//new_line('a')
+    notes = forecast%notes%lines(merge(size(forecast%cases), 0, layout%cases > 0))
+    if (forecast%from_few) then
+      time_line = time_line//'  tried      '//text_of(few_modes)//' modes and '//text_of(few_samples)// &
+        ' samples; only a run tells the errors of histories'//new_line('a')
+    else if (layout%cases > size(forecast%cases)) then
+      time_line = time_line//'  tried      '//text_of(size(forecast%cases))//' of '//text_of(layout%cases)//' cases'
+      if (notes /= '') time_line = time_line//', of which these notes are'
+      time_line = time_line//new_line('a')
+    end if
+  end subroutine try_scene
 
   pure function expected_text(seconds) result(text)
     !! Seconds as `duration_text` writes them, with a digit more where whole seconds would be too coarse.

@@ -4,7 +4,7 @@ module bw_command_line
   use bw_command_table, only: accepted_options, command_row, command_type, commands_text, help_text, lists, options, row_of
   use bw_error, only: error_type, fail, status_bad_input
   use bw_kinds, only: dp
-  use bw_text, only: append
+  use bw_text, only: append, shortened
   implicit none (type, external)
   private
   public :: read_command_line
@@ -26,7 +26,8 @@ contains
     end if
     i = row_of(rows, argument(1))
     if (i == 0) then
-      call fail(error, status_bad_input, 'beamwave: '''//argument(1)//''' is not a command; accepted: '//commands_text(rows))
+      call fail(error, status_bad_input, 'beamwave: '''//shortened(argument(1))//''' is not a command; accepted: '// &
+                commands_text(rows))
       return
     end if
     command%row = rows(i)
@@ -63,7 +64,7 @@ contains
     else if (lists(command%row%options, name)) then
       call read_option(command, word, name, i, error)
     else
-      call fail(error, status_bad_input, 'beamwave '//trim(command%row%name)//': '''//name// &
+      call fail(error, status_bad_input, 'beamwave '//trim(command%row%name)//': '''//shortened(name)// &
                 ''' is not an option of this command'//accepted_options(command%row))
     end if
   end subroutine read_word
@@ -122,7 +123,7 @@ contains
     if (stat == 0) then
       seconds = number
     else
-      call fail(error, status_bad_input, 'beamwave: --max-seconds: '''//value// &
+      call fail(error, status_bad_input, 'beamwave: --max-seconds: '''//shortened(value)// &
                 ''' is not a number of seconds; accepted: a number >= 0')
     end if
   end subroutine read_seconds

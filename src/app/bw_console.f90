@@ -1,12 +1,15 @@
 module bw_console
   !! What the program prints: reports to standard output, warnings and errors to standard error. Every text goes out at
   !! once: what waits in a buffer is lost when a process is killed.
-  use bw_descriptors, only: standard_error, standard_output, write_text
+  use bw_descriptors, only: is_terminal, standard_error, standard_output, write_text
   use bw_error, only: error_type
+  use bw_note, only: is_remark
+  use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_nobody_reads
+  use bw_text, only: lines_of, string
   implicit none (type, external)
   private
-  public :: print_report, print_warning, print_error
+  public :: print_report, print_warning, print_warnings, print_error, seen_together
 
   logical, protected, public :: report_lost = .false.   !! standard output could not be written
 
@@ -28,6 +31,24 @@ contains
     integer :: ignored
     ignored = write_text(standard_error, whole_lines(text))
   end subroutine print_warning
+
+  subroutine print_warnings(scene, notes)
+    !! Print each warning among notes with the scene that it is about. Remarks are the report's alone.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: notes              !! lines
+    type(string), allocatable :: lines(:)
+    integer :: i
+    lines = lines_of(notes)
+    do i = 1, size(lines)
+      if (.not. is_remark(lines(i)%text)) call print_warning(scene%file//': warning: '//lines(i)%text)
+    end do
+  end subroutine print_warnings
+
+  logical function seen_together()
+    !! Whether report and warnings come to the same eyes: the report ends with the same warnings.
+    seen_together = is_terminal(standard_output)
+    if (seen_together) seen_together = is_terminal(standard_error)
+  end function seen_together
 
   subroutine print_error(error)
     !! Print the message of an error to standard error.

@@ -2,10 +2,9 @@ module bw_run_command
   !! The commands that write results: scenes are run, or one scene is studied by running it in several ways.
   use bw_accuracy, only: measure_accuracy
   use bw_command_table, only: command_type
-  use bw_console, only: print_error, print_report, print_warning
-  use bw_descriptors, only: is_terminal, standard_error, standard_output
+  use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_effects, only: compare_effects
-  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_stopped
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i4
   use bw_outcome, only: outcome_type
   use bw_process, only: pause
@@ -13,9 +12,10 @@ module bw_run_command
   use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
+  use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: terminal_progress, terminal_progress_to
-  use bw_text, only: lines_of, string, text_of
+  use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: run_command, accuracy_command, effects_command
@@ -30,6 +30,7 @@ contains
     type(command_type), intent(in) :: command
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
+    type(scene_tally) :: tally
     real(dp) :: deadline
     type(error_type), allocatable :: error
     integer(i4), allocatable :: stop(:)            ! of one number: 1 where the leader has to stop
@@ -37,7 +38,7 @@ contains
     deadline = huge(1.0_dp)
     if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
     progress = terminal_progress_to(deadline, command%quiet .or. .not. command%group%leads())
-    call read_and_list(command%words, command%group%leads(), scenes, count, status)
+    call read_and_list(command%words, command%group%leads(), scenes, count, status, tally)
     call agree_on_scenes(command%group, count, error)
     if (allocated(error)) then
       if (command%group%leads()) call print_error(error)
@@ -51,10 +52,11 @@ contains
         if (command%group%leads()) call print_warning('beamwave: stopped before '//scenes(i)%file// &
                                              '; the same command goes on from there')
         status = max(status, status_stopped)
-        return
+        exit
       end if
-      status = max(status, run_one(command, scenes(i), progress))
+      status = max(status, run_one(command, scenes(i), progress, tally))
     end do
+    if (command%group%leads() .and. .not. command%quiet) call print_report(tally%text('done'))
   end function run_command
 
   subroutine agree_on_scenes(group, count, error)
@@ -73,16 +75,20 @@ contains
     call group%collect(nothing, error)
   end subroutine agree_on_scenes
 
-  integer function run_one(command, scene, progress) result(status)
+  integer function run_one(command, scene, progress, tally) result(status)
     !! Run a scene, and say how it ended.
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
     type(terminal_progress), intent(inout) :: progress
+    type(scene_tally), intent(inout) :: tally
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
     call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
     status = outcome%status
-    if (command%group%leads()) status = print_outcome(command, scene, outcome, error)
+    if (.not. command%group%leads()) return
+    status = print_outcome(command, scene, outcome, tally%is_brief(), error)
+    call tally%count_end(status, outcome%notes)
+    if (outcome%was_there) tally%there = tally%there + 1
   end function run_one
 
   integer function accuracy_command(command) result(status)
@@ -114,62 +120,45 @@ contains
     if (count /= 1) return
     progress = terminal_progress_to(huge(1.0_dp), command%quiet)
     call study(scenes(1), command%output, command%overwrite, progress, outcome, error)
-    status = max(status, print_outcome(command, scenes(1), outcome, error))
+    status = max(status, print_outcome(command, scenes(1), outcome, .false., error))
   end function study_scene
 
-  integer function print_outcome(command, scene, outcome, error) result(status)
+  integer function print_outcome(command, scene, outcome, brief, error) result(status)
     !! Say how a scene ended.
     type(command_type), intent(in) :: command
     type(scene_type), intent(in) :: scene
     type(outcome_type), intent(in) :: outcome
+    logical, intent(in) :: brief                   !! in one line
     type(error_type), intent(in), optional :: error
     logical :: seen                                !! the report has shown the warnings to the same eyes
     status = outcome%status
     if (present(error)) then
-      if (allocated(outcome%remarks)) call print_warnings(scene, outcome%remarks)
+      if (allocated(outcome%told)) call print_warnings(scene, outcome%told)
       call print_error(error)
       status = error%status
       return
     end if
-    if (outcome%was_there) then
-      if (.not. command%quiet) call print_report(outcome%file//': nothing to do, the result of this scene is there'// &
-                                                 trust_text(outcome))
-      return
-    end if
-    if (.not. command%quiet) call print_report(outcome%report)
+    if (.not. command%quiet .and. brief) call print_report(brief_text(outcome))
+    if (.not. command%quiet .and. .not. brief) call print_report(outcome%report)
+    if (outcome%was_there) return
     seen = .false.
     if (.not. command%quiet .and. status /= status_stopped) seen = seen_together()
     if (seen) return
     if (command%group%processes > 1 .and. .not. command%quiet) call pause(between_streams)
-    if (allocated(outcome%remarks)) call print_warnings(scene, outcome%remarks)
-    call print_warnings(scene, outcome%warnings)
+    if (allocated(outcome%told)) call print_warnings(scene, outcome%told)
+    call print_warnings(scene, outcome%notes)
   end function print_outcome
 
-  pure function trust_text(outcome) result(text)
-    !! The words on a result that was there already whose numbers cannot all be trusted; empty where they can.
+  pure function brief_text(outcome) result(text)
+    !! One line of one of many scenes; none of one that was stopped, for which a warning stands.
     type(outcome_type), intent(in) :: outcome
     character(:), allocatable :: text
     text = ''
-    if (outcome%not_trusted > 0) text = '; '//text_of(outcome%not_trusted)//' of its cases '// &
-      'cannot be trusted, as its notes say'
-  end function trust_text
-
-  logical function seen_together()
-    !! Whether report and warnings come to the same eyes: the report ends with the same notes.
-    seen_together = is_terminal(standard_output)
-    if (seen_together) seen_together = is_terminal(standard_error)
-  end function seen_together
-
-  subroutine print_warnings(scene, lines)
-    !! Print each line with the scene that it is about.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: lines
-    type(string), allocatable :: warnings(:)
-    integer :: i
-    warnings = lines_of(lines)
-    do i = 1, size(warnings)
-      call print_warning(scene%file//': warning: '//warnings(i)%text)
-    end do
-  end subroutine print_warnings
+    if (outcome%status == status_stopped) return
+    text = outcome%file//': done'
+    if (outcome%was_there) text = outcome%file//': nothing to do'
+    if (outcome%status == status_not_trusted) text = text//', but some numbers cannot be trusted'
+    if (warning_kinds(outcome%notes) /= '') text = text//'; warnings: '//warning_kinds(outcome%notes)
+  end function brief_text
 
 end module bw_run_command

@@ -2,10 +2,11 @@ module bw_scene_files
   !! The scenes that a command line names: files, and directories that stand for their *.nml.
   use bw_console, only: print_warning
   use bw_error, only: error_type, status_bad_file, status_bad_input, status_done
-  use bw_files, only: directory_is_there, files_in, reason
+  use bw_files, only: directory_is_there, files_in, look_at, path_state, reason, same_file
   use bw_process, only: settle_libraries
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene, stem
+  use bw_scene_tally, only: scene_tally
   use bw_text, only: append, string
   implicit none (type, external)
   private
@@ -13,17 +14,22 @@ module bw_scene_files
 
 contains
 
-  subroutine read_and_list(words, aloud, scenes, count, status)
-    !! Read all scenes and print what is wrong with the bad ones; none is good where the system lets nothing be run.
+  subroutine read_and_list(words, aloud, scenes, count, status, tally)
+    !! Read all scenes and print what is wrong with the bad ones. None is to be run where two files would write the same result,
+    !! or the system lets nothing be run.
     type(string), intent(in) :: words(:)           !! paths, as the user wrote them
     logical, intent(in) :: aloud                   !! print it
     type(scene_type), allocatable, intent(out) :: scenes(:)
-    integer, intent(out) :: count                  !! how many of `scenes` are good
+    integer, intent(out) :: count                  !! how many of `scenes` are to be run
     integer, intent(out) :: status                 !! the highest of the errors'
+    type(scene_tally), intent(inout), optional :: tally      !! gets how many there are, and how many are wrong
     type(string), allocatable :: messages(:)
     type(error_type), allocatable :: error
+    logical :: clash
     integer :: i
-    call read_scenes(words, scenes, count, messages, status)
+    call read_scenes(words, scenes, count, messages, status, clash)
+    if (present(tally)) tally%scenes = count
+    if (clash) count = 0
     if (count > 0) call settle_libraries(scenes(1)%file, error)
     if (allocated(error)) then
       call append(messages, error%message)
@@ -33,31 +39,39 @@ contains
     do i = 1, size(messages)
       if (aloud) call print_warning(messages(i)%text)
     end do
+    if (.not. present(tally)) return
+    tally%wrong = size(messages)
+    tally%scenes = tally%scenes + tally%wrong
   end subroutine read_and_list
 
-  subroutine read_scenes(words, scenes, count, messages, status)
-    !! Read all scenes before any is run. Two scenes of one name leave no scene at all.
+  subroutine read_scenes(words, scenes, count, messages, status, clash)
+    !! Read all scenes before any is run.
     type(string), intent(in) :: words(:)                        !! as the user wrote them
     type(scene_type), allocatable, intent(out) :: scenes(:)     !! the first `count` of them are read
     integer, intent(out) :: count
     type(string), allocatable, intent(out) :: messages(:)       !! one for each bad scene or path
     integer, intent(out) :: status                              !! the highest of the bad ones', or `status_done`
+    logical, intent(out) :: clash                               !! two files would write the same result
+    integer, allocatable :: clashes(:)
     type(string), allocatable :: paths(:)
     type(error_type), allocatable :: error
-    logical :: clash
     integer :: i
     allocate (messages(0))
     count = 0
     status = status_done
     call expand(words, paths, messages)
     if (size(messages) > 0) status = status_bad_file
+    call drop_repeated(paths)
     allocate (scenes(size(paths)))
-    call find_clashes(paths, messages, clash)
-    if (clash) then
-      status = max(status, status_bad_input)
-      return
-    end if
+    clashes = clashes_of(paths)
+    clash = any(clashes > 0)
+    if (clash) status = max(status, status_bad_input)
     do i = 1, size(paths)
+      if (clashes(i) > 0) then
+        call append(messages, paths(i)%text//': has the same name as '//paths(clashes(i))%text//', and both would write '// &
+                    stem(paths(i)%text)//'.nc; accepted: different names, or separate runs')
+        cycle
+      end if
       call read_scene(paths(i)%text, scenes(count + 1), error)
       if (allocated(error)) then
         call append(messages, error%message)
@@ -101,24 +115,41 @@ contains
     if (len(path) > 1 .and. path(len(path):) == '/') text = path(:len(path) - 1)
   end function without_slash
 
-  subroutine find_clashes(paths, messages, clash)
-    !! Find scenes of one stem, which would write the same result.
-    type(string), intent(in) :: paths(:)
-    type(string), allocatable, intent(inout) :: messages(:)
-    logical, intent(out) :: clash
+  subroutine drop_repeated(paths)
+    !! Leave of each file its first path: a scene that is named twice is run once.
+    type(string), allocatable, intent(inout) :: paths(:)
+    type(string), allocatable :: kept(:)
+    type(string) :: stems(size(paths))
+    type(path_state) :: states(size(paths))
+    integer :: i, j, problem
+    allocate (kept(0))
+    do i = 1, size(paths)
+      stems(i)%text = stem(paths(i)%text)
+      problem = look_at(paths(i)%text, states(i))    ! where it cannot be looked at, reading it will say why
+      do j = 1, i - 1
+        if (stems(j)%text /= stems(i)%text) cycle
+        if (same_file(states(i), states(j)) .or. paths(i)%text == paths(j)%text) exit
+      end do
+      if (j == i) call append(kept, paths(i)%text)
+    end do
+    call move_alloc(kept, paths)
+  end subroutine drop_repeated
+
+  function clashes_of(paths) result(clashes)
+    !! For each path the first one before it whose file has the same stem, and would write the same result; 0 where there is none.
+    type(string), intent(in) :: paths(:)             !! of different files
+    integer :: clashes(size(paths))
     type(string) :: stems(size(paths))
     integer :: i, j
-    clash = .false.
+    clashes = 0
     do i = 1, size(paths)
       stems(i)%text = stem(paths(i)%text)
       do j = 1, i - 1
         if (stems(i)%text /= stems(j)%text) cycle
-        call append(messages, paths(i)%text//': has the same name as '//paths(j)%text// &
-          ', and both would write '//stems(i)%text//'.nc; accepted: different names, or separate runs')
-        clash = .true.
+        clashes(i) = j
         exit
       end do
     end do
-  end subroutine find_clashes
+  end function clashes_of
 
 end module bw_scene_files

@@ -12,18 +12,13 @@ module bw_stopwatch
   character(*), parameter, public :: stage_words(stage_count) = &
     [character(8) :: 'modes', 'events', 'response', 'spectrum', 'write']
 
-  real(dp), parameter :: cpu_step = 1.0e-3_dp     !! s between two readings of processor time at least; tuned
-
   type, public :: stopwatch
-    !! Wall and processor time by stage, summed over cases. To read processor time is a call of the system, as long as a
-    !! stage of a small case: stages shorter than `cpu_step` share it in proportion to their wall times.
+    !! Wall and processor time by stage, summed over cases.
     real(dp) :: seconds(stage_count) = 0.0_dp     !! wall time, s
     real(dp) :: cpu(stage_count) = 0.0_dp         !! processor time, s
     real(dp) :: calls(stage_count) = 0.0_dp
     real(dp), private :: last = 0.0_dp            ! of start and laps, on the clock of `wall_seconds`
-    real(dp), private :: read = 0.0_dp            ! when processor time was read last
-    real(dp), private :: last_cpu = 0.0_dp        ! what was read
-    real(dp), private :: since(0:stage_count) = 0.0_dp   ! wall time since then, of the stages and (0) of none
+    real(dp), private :: last_cpu = 0.0_dp        ! processor time then
   contains
     procedure :: start
     procedure :: lap
@@ -31,7 +26,6 @@ module bw_stopwatch
     procedure :: add_cpu
     procedure :: totals
     procedure :: set_totals
-    procedure, private :: share_cpu
   end type stopwatch
 
   type, public :: repeats_type
@@ -58,56 +52,33 @@ contains
   subroutine start(self)
     !! Time from here on belongs to the stage that the next `lap` names.
     class(stopwatch), intent(inout) :: self
-    real(dp) :: now
-    now = wall_seconds()
-    if (self%last > 0.0_dp) then
-      self%since(0) = self%since(0) + (now - self%last)
-    else
-      self%read = now
-      call cpu_time(self%last_cpu)
-    end if
-    self%last = now
+    self%last = wall_seconds()
+    call cpu_time(self%last_cpu)
   end subroutine start
 
   subroutine lap(self, stage)
     !! Book the time since `start` or the last `lap` on a stage.
     class(stopwatch), intent(inout) :: self
     integer, intent(in) :: stage          !! one of this module's stage numbers
-    real(dp) :: now
+    real(dp) :: cpu, now
     now = wall_seconds()
+    call cpu_time(cpu)
     self%seconds(stage) = self%seconds(stage) + (now - self%last)
-    self%since(stage) = self%since(stage) + (now - self%last)
+    self%cpu(stage) = self%cpu(stage) + (cpu - self%last_cpu)
     self%calls(stage) = self%calls(stage) + 1.0_dp
     self%last = now
-    if (now - self%read > cpu_step) call self%share_cpu(now)
-  end subroutine lap
-
-  subroutine share_cpu(self, now)
-    !! Book the processor time since it was read last.
-    class(stopwatch), intent(inout) :: self
-    real(dp), intent(in) :: now           !! on the clock of `wall_seconds`
-    real(dp) :: cpu
-    call cpu_time(cpu)
-    self%cpu = self%cpu + (cpu - self%last_cpu)*self%since(1:)/max(tiny(now), sum(self%since))
-    self%since = 0.0_dp
     self%last_cpu = cpu
-    self%read = now
-  end subroutine share_cpu
+  end subroutine lap
 
   pure subroutine rebook(self, from, to, seconds)
     !! Book seconds of one stage on another: what was done within it belongs there.
     class(stopwatch), intent(inout) :: self
     integer, intent(in) :: from, to
     real(dp), intent(in) :: seconds
-    real(dp) :: cpu, unread
-    self%seconds(from) = self%seconds(from) - seconds
-    self%seconds(to) = self%seconds(to) + seconds
-    unread = min(seconds, self%since(from))
-    self%since(from) = self%since(from) - unread
-    self%since(to) = self%since(to) + unread
-    cpu = min(seconds - unread, self%cpu(from))
-    self%cpu(from) = self%cpu(from) - cpu
-    self%cpu(to) = self%cpu(to) + cpu
+    real(dp) :: cpu
+    cpu = min(seconds, self%cpu(from))
+    self%seconds([from, to]) = self%seconds([from, to]) + [-seconds, seconds]
+    self%cpu([from, to]) = self%cpu([from, to]) + [-cpu, cpu]
   end subroutine rebook
 
   pure subroutine add_cpu(self, stage, seconds)
@@ -118,11 +89,10 @@ contains
     self%cpu(stage) = self%cpu(stage) + seconds
   end subroutine add_cpu
 
-  function totals(self) result(values)
+  pure function totals(self) result(values)
     !! All that was booked, as numbers that can be summed over processes.
-    class(stopwatch), intent(inout) :: self
+    class(stopwatch), intent(in) :: self
     real(dp) :: values(3*stage_count)
-    call self%share_cpu(wall_seconds())
     values = [self%seconds, self%cpu, self%calls]
   end function totals
 

@@ -4,7 +4,7 @@ module bw_text
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: append, joined, lines_of, lower, percent, shortest, string, text_of
+  public :: append, joined, lines_of, lower, percent, shortened, shortest, string, text_of
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -205,6 +205,23 @@ contains
       if (text(i:i) >= 'A' .and. text(i:i) <= 'Z') lowered(i:i) = achar(iachar(text(i:i)) + 32)
     end do
   end function lower
+
+  pure function shortened(text) result(piece)
+    !! What somebody wrote, as a message may show it: its first 80 bytes. A letter of several bytes (UTF-8) stays whole.
+    character(*), intent(in) :: text
+    character(:), allocatable :: piece
+    integer, parameter :: most = 80
+    integer :: last
+    last = min(len(text), most)
+    if (last < len(text)) then
+      do while (last > 0)
+        if (iand(iachar(text(last + 1:last + 1)), 192) /= 128) exit       ! the byte behind begins a letter
+        last = last - 1
+      end do
+    end if
+    piece = text(:last)
+    if (last < len(text)) piece = piece//'...'
+  end function shortened
 
   pure subroutine append_piece(self, piece)
     !! A piece at the end of the text.

@@ -11,12 +11,11 @@ module bw_beam_operator
   !! - tip: \( s^{-2}(v'-\psi) + Tv' = \gamma(\beta^2 [+\Omega^2])v \), \( \psi' = J\beta^2\psi \) in either plane.
   !!
   !! Without shear v' = ψ and r = 0.
-  use bw_beam_units, only: beam_units, body_inertia, slenderness
+  use bw_beam_units, only: beam_units, body_inertia, shear_numbers, shear_of, slenderness
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_rotation, only: acts_in_plane, dimensionless_speed, tension_of
   use bw_scene, only: scene_type
-  use bw_shear, only: shear_numbers, shear_of
   implicit none (type, external)
   private
   public :: axial_strain, operator_of, shear_numbers

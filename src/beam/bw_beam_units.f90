@@ -6,9 +6,11 @@ module bw_beam_units
   use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
+  use bw_missing, only: scaled
+  use bw_shear_par, only: shear_par
   implicit none (type, external)
   private
-  public :: body_inertia, slenderness, units_of
+  public :: body_inertia, in_joules, in_newton_seconds, shear_of, slenderness, units_of
 
   type, public :: beam_units
     real(dp) :: length = 1.0_dp     !! l, m
@@ -18,6 +20,11 @@ module bw_beam_units
     real(dp) :: velocity = 1.0_dp   !! h/l, m/s
     real(dp) :: frequency = 1.0_dp  !! h/l², rad/s
   end type beam_units
+
+  type, public :: shear_numbers
+    real(dp) :: compliance = 0.0_dp              !! s² = EI/(κGAl²)
+    real(dp) :: rotary = 0.0_dp                  !! r² = I/(Al²)
+  end type shear_numbers
 
 contains
 
@@ -63,5 +70,29 @@ contains
     type(beam_units), intent(in) :: units
     inertia = rotary_inertia/units%mass/units%length/units%length
   end function body_inertia
+
+  pure type(shear_numbers) function shear_of(shear, beam) result(numbers)
+    !! s² = EI/(κGAl²) = 2(1 + ν)r²/κ, the shear modulus being E/(2(1 + ν)).
+    type(shear_par), intent(in) :: shear
+    type(beam_par), intent(in) :: beam
+    numbers%rotary = slenderness(beam)**2
+    numbers%compliance = 2.0_dp*(1.0_dp + shear%poisson_ratio)/shear%shear_coefficient*numbers%rotary
+  end function shear_of
+
+  elemental real(dp) function in_newton_seconds(momentum, units, speed) result(value)
+    !! A momentum or an impulse, N s, from one in m_i V; missing where it is too large.
+    real(dp), intent(in) :: momentum
+    type(beam_units), intent(in) :: units
+    real(dp), intent(in) :: speed               !! V, m/s
+    value = scaled(scaled(momentum, speed), units%mass)
+  end function in_newton_seconds
+
+  elemental real(dp) function in_joules(energy, units, speed) result(value)
+    !! An energy, J, from one in m_i V²; missing where it is too large.
+    real(dp), intent(in) :: energy
+    type(beam_units), intent(in) :: units
+    real(dp), intent(in) :: speed               !! V, m/s
+    value = scaled(in_newton_seconds(energy, units, speed), speed)
+  end function in_joules
 
 end module bw_beam_units

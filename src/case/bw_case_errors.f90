@@ -4,9 +4,9 @@ module bw_case_errors
   !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
   use bw_case_histories, only: last_sample
   use bw_case_modes, only: largest_phase_error
-  use bw_case_plan, only: captured_samples, force_of, shows_release, stretch_after
+  use bw_case_plan, only: captured_samples, force_of, seen_after_release, seen_while_captured, shows_release
   use bw_case_result, only: case_done, case_histories, case_motion, case_not_converged, history_errors
-  use bw_coherence, only: stretch_type
+  use bw_coherence, only: observation_type, stretch_type
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_impact, only: continuum_velocity
   use bw_kinds, only: dp
@@ -25,6 +25,7 @@ module bw_case_errors
   implicit none (type, external)
   private
   public :: estimate_errors
+  public :: estimate_contacts, missing_motion, rounding_errors     ! of bending moments too
 
   type :: shapes_at_points
     !! Φ_k at the points of the histories, (modes, points).
@@ -97,20 +98,19 @@ contains
     logical, intent(in) :: velocity             !! of the velocity, else of the displacement
     class(monitor_type), intent(inout) :: monitor
     real(dp), allocatable :: values(:)
+    type(observation_type) :: seen
     type(time_grid) :: grid
-    integer :: samples
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-    samples = captured_samples(motion%plan, grid)
-    associate (gamma => scene%impact%mass_ratio, points => scene%response%points, force => force_of(scene), &
-               loaded => motion%modes%loaded, longest => samples*grid%step%hi)
-      if (by_tolerance(scene%modes)) then
-        values = tail_error(motion%plan%count, motion%sources%loaded, force, points, longest, samples, velocity)
-      else
+    seen = seen_while_captured(scene, motion%plan, grid, velocity)
+    if (by_tolerance(scene%modes)) then
+      values = tail_error(motion%plan%count, motion%sources%loaded, force_of(scene), seen)
+    else
+      associate (loaded => motion%modes%loaded, impact => scene%impact)
         values = truncation_error(loaded, motion%initial%modal_velocity &
-                                  - continuum_velocity(loaded, gamma, scene%impact%restitution), &
-                                  motion%sources%loaded, force, points, longest, samples, velocity)
-      end if
-    end associate
+                                  - continuum_velocity(loaded, impact%mass_ratio, impact%restitution), &
+                                  motion%sources%loaded, force_of(scene), seen)
+      end associate
+    end if
     if (shows_release(motion%plan, grid)) values = max(values, missing_after_release(scene, motion, grid, velocity, monitor))
   end function missing_motion
 
@@ -123,15 +123,15 @@ contains
     class(monitor_type), intent(inout) :: monitor
     real(dp), allocatable :: values(:)
     class(mode_set), allocatable :: free
-    associate (release => motion%plan%release, points => scene%response%points, sources => motion%sources, &
-               force => force_of(scene), stretch => stretch_after(motion%plan%release%time, grid))
+    type(observation_type) :: seen
+    associate (release => motion%plan%release, sources => motion%sources, force => force_of(scene))
+      seen = seen_after_release(scene, release%time, grid, velocity)
       if (by_tolerance(scene%modes)) then
         call sources%free%find(first_numbers(release%count), free)
-        values = release_tail(release%count, sources%loaded, sources%free, force, release%time, points, stretch, velocity) &
-          + sources%loaded%gamma*release%tip%uncertainty*blow_reach(free, points, stretch, velocity, sources%free%quadratic)
+        values = release_tail(release%count, sources, force, release%time, seen) &
+          + sources%loaded%gamma*release%tip%uncertainty*blow_reach(free, seen, sources%free%quadratic)
       else
-        values = release_error(motion%later%segments(2)%q, motion%later%segments(2)%rate, sources%loaded, sources%free, &
-                               motion%plan%count, force, release%time, points, stretch, velocity, monitor)
+        values = release_error(motion%later%segments(2), sources, motion%plan%count, force, seen, monitor)
       end if
     end associate
   end function missing_after_release
@@ -158,32 +158,30 @@ contains
     associate (points => scene%response%points, step => grid%step%hi, loaded => motion%modes%loaded, &
                captured => captured_samples(motion%plan, grid))
       phase = phase_error(scene, loaded, grid)
-      errors = swing_of_first(loaded, 0.0_dp, motion%initial%modal_velocity(1), points, &
-                              stretch_type(step, captured*step, step), velocity)
+      errors = swing_of_first(loaded, 0.0_dp, motion%initial%modal_velocity(1), &
+                              observation_type(points, stretch_type(step, captured*step, step), velocity))
       if (shows_release(motion%plan, grid)) then
         call motion%sources%free%find(first_numbers(1), free)
         phase = max(phase, phase_error(scene, free, grid))
         associate (after => motion%later%segments(2))
-          errors = max(errors, swing_of_first(free, after%q(1), after%rate(1), points, &
-                                              stretch_after(motion%plan%release%time, grid), velocity))
+          errors = max(errors, swing_of_first(free, after%q(1), after%rate(1), &
+                                              seen_after_release(scene, motion%plan%release%time, grid, velocity)))
         end associate
       end if
     end associate
     errors = (response%sum_error + phase)*max(peak, errors*unit)
   end function rounding_errors
 
-  function swing_of_first(modes, q, rate, points, stretch, velocity) result(swing)
+  function swing_of_first(modes, q, rate, seen) result(swing)
     !! How far the first mode moves each point, or how fast, in V l²/h or V, (points).
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q, rate                 !! its state at the start of the motion
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch       !! the record, in which it has decayed at the first sample
-    logical, intent(in) :: velocity
-    real(dp) :: swing(size(points)), c
+    type(observation_type), intent(in) :: seen      !! the record, in which it has decayed at the first sample
+    real(dp) :: swing(size(seen%points)), c
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping(1)
-    swing = amplitude_of(modes%beta_squared(1), c, q, rate, stretch, velocity)*abs(reshape(modes%some_shapes(1, 1, points), &
-                                                                                           [size(points)]))
+    swing = amplitude_of(modes%beta_squared(1), c, q, rate, seen%stretch, seen%velocity) &
+      *abs(reshape(modes%some_shapes(1, 1, seen%points), [size(seen%points)]))
   end function swing_of_first
 
   pure real(dp) function phase_error(scene, modes, grid) result(error)
@@ -236,8 +234,11 @@ contains
     if (allocated(motion%later%in_contact)) then
       rounding = rounding + growth_error(motion%later%in_contact, grid%samples*grid%step%hi)
     end if
-    errors%displacement = largest(:, 1)*(speed*motion%units%time%hi) + rounding*largest_magnitude(response%displacement(:n, :))
-    if (allocated(response%velocity)) errors%velocity = largest(:, 2)*speed + rounding*largest_magnitude(response%velocity(:n, :))
+    errors%displacement = largest(:, 1)*(speed*motion%units%time%hi) &
+      + rounding*largest_magnitude(response%displacement(:n, :))
+    if (allocated(response%velocity)) then
+      errors%velocity = largest(:, 2)*speed + rounding*largest_magnitude(response%velocity(:n, :))
+    end if
   end subroutine estimate_contacts
 
   pure function shapes_in(segment, shapes) result(values)

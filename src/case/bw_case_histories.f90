@@ -15,14 +15,12 @@ module bw_case_histories
   use bw_scene, only: scene_type
   use bw_segment, only: beam_in_contact, leaves_range, loaded_beam, move, segment_type
   use bw_set_sum, only: add_motion, free_motion
-  use bw_streamed_modes, only: add_modes_in_parts, remainder_type
+  use bw_streamed_modes, only: add_modes_of_source
   use bw_text, only: append, shortest, text_of
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
   implicit none (type, external)
   private
   public :: last_sample, sum_histories
-
-  real(dp), parameter :: sum_share = 0.01_dp     !! of a tolerance that the sum of the modes may take
 
 contains
 
@@ -125,13 +123,9 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(out) :: response
-    type(remainder_type) :: remainder
-    remainder = motion%plan%remainder
-    if (scene%response%velocity) remainder = remainder_type(remainder%after)     ! velocities of later modes are no smaller
     call start_histories(sampling_of(scene, motion%units, grid), response)
-    call add_modes_in_parts(motion%sources%loaded, force_of(scene)*(scene%impact%approach_velocity*motion%units%time%hi), &
-                            motion%plan%count, remainder, [sum_tolerance, sum_share*scene%modes%tolerance], monitor, response, &
-                            workspace)
+    call add_modes_of_source(motion%sources%loaded, force_of(scene)*(scene%impact%approach_velocity*motion%units%time%hi), &
+                             1, motion%plan%count, sum_tolerance, monitor, response, workspace)
     call finish_histories(response)
   end subroutine sum_captured
 

@@ -1,8 +1,8 @@
 module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
   use bw_beam_units, only: beam_units
-  use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
-  use bw_case_result, only: case_modes, mode_sources
+  use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_unresolved
+  use bw_case_result, only: case_modes
   use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
   use bw_double_double, only: dd
@@ -10,7 +10,7 @@ module bw_case_modes
   use bw_kinds, only: dp
   use bw_mode_cache, only: mode_cache
   use bw_mode_choice, only: first_modes
-  use bw_mode_set, only: first_numbers, mode_source
+  use bw_mode_set, only: first_numbers, mode_source, mode_sources
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_rotation, only: acts_in_plane, dimensionless_speed
@@ -115,6 +115,7 @@ contains
       allocate (found)
       found = source_in_closed_form(gamma, omega)
       if (present(cache)) found%cache => cache%closed_form
+      if (allocated(scene%response)) found%points = scene%response%points
       call move_alloc(found, source)
     end subroutine make_source
   end subroutine find_closed_form
@@ -131,7 +132,6 @@ contains
       if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
         call note_no_effect(modes%notes)
       end if
-      call note_strain(scene, units, modes%notes)
     end if
     if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), sources%loaded)
     if (monitor%stop_requested()) return

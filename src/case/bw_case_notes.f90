@@ -1,26 +1,28 @@
 module bw_case_notes
-  !! What a case warns of, beside its numbers: a note's words before its first colon are its kind.
-  use bw_beam_units, only: beam_units
-  use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan, mode_sources
+  !! What there is to say of a case beside its numbers: warnings, and remarks, which give an account of what was done.
+  use bw_beam_units, only: beam_units, in_joules
+  use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_galerkin_set, only: galerkin_set
+  use bw_input_values, only: position_of
   use bw_kinds, only: dp
-  use bw_missing, only: is_missing, scaled
+  use bw_missing, only: is_missing
   use bw_mode_choice, only: most_modes, most_released
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: mode_set, mode_sources
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
+  use bw_note, only: is_remark, kind_of, remark
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
-  use bw_beam_operator, only: axial_strain
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
-  public :: note_coupling, note_growth, note_no_effect, note_strain, note_unresolved
+  public :: note_coupling, note_growth, note_no_effect, note_unresolved
   public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
-  public :: out_of_reach
+  public :: out_of_reach, why_untrusted
 
+  real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    !! turns a minute in 1 rad/s
   real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
 
 contains
@@ -32,14 +34,21 @@ contains
     class(mode_set), intent(in) :: modes           !! in force after t = 0
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp), parameter :: nothing = 1.0e-9_dp     ! rounding of modes that are orthogonal
+    real(dp), parameter :: worth_a_warning = 0.01_dp
+    character(:), allocatable :: text
     real(dp) :: ratio
     if (.not. allocated(scene%damping)) return
     if (by_ratio(scene%damping)) return
     select type (modes)
     type is (galerkin_set)
       ratio = modes%coupling(law_of(scene%damping, units))
-      if (ratio > nothing) call append(notes, 'coupled damping: Rayleigh''s damping couples these modes and is taken '// &
-        'without that: at most '//shortest(ratio, 2)//' of what it takes from the modes themselves')
+      text = 'coupled damping: Rayleigh''s damping couples these modes and is taken without that: at most '// &
+        shortest(ratio, 2)//' of what it takes from the modes themselves'
+      if (ratio > worth_a_warning) then
+        call append(notes, text)
+      else if (ratio > nothing) then
+        call remark(notes, text)
+      end if
     end select
   end subroutine note_coupling
 
@@ -53,7 +62,8 @@ contains
     if (growing == 0) return
     call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)// &
       ' modes grow without bound, the angular velocity being above '// &
-      shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s')
+      shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s ('// &
+      shortest(modes%critical_speed%hi*units%frequency*rpm, 4)//' rpm)')
   end subroutine note_growth
 
   subroutine note_no_effect(notes)
@@ -61,17 +71,6 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
   end subroutine note_no_effect
-
-  subroutine note_strain(scene, units, notes)
-    !! Where rotation strains the beam beyond what linear theory holds for.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(string), allocatable, intent(inout) :: notes(:)
-    real(dp), parameter :: most = 0.1_dp
-    if (axial_strain(scene, units) <= most) return
-    call append(notes, 'outside linear theory: omega l/h sqrt(I/A) is '// &
-      shortest(axial_strain(scene, units), 3)//', above 0.1: rotation strains the beam by more than half a per cent')
-  end subroutine note_strain
 
   subroutine note_unresolved(notes)
     !! The modes of one of the beams, or of both, are not to be trusted.
@@ -104,7 +103,7 @@ contains
     late = .false.
     if (allocated(scene%response)) late = scene%release%time >= scene%response%duration
     if (late) then
-      call append(later%notes, 'release: comes after the end of the record, which shows nothing of it')
+      call append(later%notes, 'release: it comes after the end of the record, which shows nothing of it')
     else
       call append(later%notes, 'release: by then the motion has grown out of the range of numbers')
     end if
@@ -118,8 +117,8 @@ contains
     type(case_events), intent(inout) :: later
     character(:), allocatable :: text
     real(dp) :: joules(4)
-    joules = scaled([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
-                    units%mass*scene%impact%approach_velocity**2)
+    joules = in_joules([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
+                       units, scene%impact%approach_velocity)
     if (is_missing(joules(1))) then
       call append(later%notes, 'energy of the release: too large for double precision')
       return
@@ -130,7 +129,7 @@ contains
     if (.not. (is_missing(joules(4)) .or. by_tolerance(scene%modes))) then
       text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
     end if
-    call append(later%notes, text)
+    call remark(later%notes, text)
   end subroutine note_release
 
   subroutine note_rounding(later)
@@ -147,26 +146,47 @@ contains
     type(beam_units), intent(in) :: units
     type(contacts_type), intent(in) :: contacts
     type(case_events), intent(inout) :: later
-    character(:), allocatable :: from_then_on
-    from_then_on = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
-      ' s on: the histories hold fill from there, and no later contact is given'
     if (contacts%cut) call append(later%notes, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
       ' contacts of max_contacts; what comes after the last is the motion without another')
-    if (contacts%lasting) call append(later%notes, &
+    if (contacts%lasting) call remark(later%notes, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call append(later%notes, &
-      'recontact: the motion grows out of the range of numbers'//from_then_on)
+      'recontact: the motion grows out of the range of numbers'//from_then_on())
     if (later%ending == case_ill_conditioned) call append(later%notes, &
       'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
-      'of the motion'//from_then_on)
+      'of the motion'//from_then_on())
     if (contacts%amplification > noteworthy) call append(later%notes, &
       'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
       'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
     if (any(is_missing(contacts%events%energy_after))) call append(later%notes, &
       'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
-    if (size(contacts%events) == 0 .and. later%ending == case_done) call append(later%notes, &
+    if (size(contacts%events) == 0 .and. later%ending == case_done) call remark(later%notes, &
       'recontact: the mass does not come back within the record')
+  contains
+    pure function from_then_on() result(text)
+      !! From when on nothing is known.
+      character(:), allocatable :: text
+      text = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
+        ' s on: the histories hold fill from there, and no later contact is given'
+    end function from_then_on
   end subroutine note_contacts
+
+  pure function why_untrusted(notes) result(reason)
+    !! The first of a case's notes on why it is not done, which every such case has.
+    type(string), intent(in) :: notes(:)
+    character(:), allocatable :: reason
+    character(*), parameter :: kinds(*) = &
+      [character(15) :: 'not converged', 'tolerance', 'overflow', 'ill-conditioned', 'recontact']
+    integer :: i, k
+    do k = 1, size(kinds)
+      do i = 1, size(notes)
+        if (is_remark(notes(i)%text) .or. kind_of(notes(i)%text) /= kinds(k)) cycle
+        reason = notes(i)%text
+        return
+      end do
+    end do
+    reason = 'some of its numbers are left out'
+  end function why_untrusted
 
   pure function out_of_reach(scene, sources, plan) result(text)
     !! What to tell of a tolerance that the plan does not keep.
@@ -175,14 +195,22 @@ contains
     type(case_plan), intent(in) :: plan
     character(:), allocatable :: text
     associate (highest => sources%loaded%highest)
-      text = shortest(scene%modes%tolerance, 6)//' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
+      text = tolerance_words(scene)//' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
       if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
     end associate
     if (1.05_dp*plan%reached <= coarsest_tolerance) then
-      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more'
+      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more, or before and after, which count modes'
     else
       text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
     end if
   end function out_of_reach
+
+  pure function tolerance_words(scene) result(words)
+    !! A tolerance as a message names it: a scene that gives none has the default.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: words
+    words = shortest(scene%modes%tolerance, 6)
+    if (scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance') == 0) words = 'the default '//words
+  end function tolerance_words
 
 end module bw_case_notes

@@ -3,13 +3,13 @@ module bw_case_plan
   !! motion and of the motion after a release. A few modes show the peak that the tolerance is a part of.
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: extend_sources
-  use bw_case_result, only: case_modes, case_plan, mode_sources, release_plan
-  use bw_coherence, only: stretch_type
+  use bw_case_result, only: case_modes, case_plan, release_plan
+  use bw_coherence, only: observation_type, seen_from_blow, stretch_type
   use bw_double_double, only: dd, to_dd, operator(*), operator(/)
   use bw_initial_state, only: continuum_state
   use bw_kinds, only: dp
   use bw_mode_choice, only: first_modes, modes_for, most_released
-  use bw_mode_set, only: first_numbers, mode_set, mode_source
+  use bw_mode_set, only: first_numbers, mode_set, mode_source, mode_sources
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_release_error, only: blow_reach, release_tail
@@ -19,11 +19,11 @@ module bw_case_plan
   use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
   use bw_time_grid, only: first_sample, time_grid, time_grid_of
-  use bw_tip_rest, only: find_tip_rest
+  use bw_tip_remainder, only: find_tip_remainder
   use bw_truncation, only: tail_error
   implicit none (type, external)
   private
-  public :: captured_samples, force_of, plan_modes, shows_release, stretch_after
+  public :: captured_samples, force_of, plan_modes, seen_after_release, seen_while_captured, shows_release
 
   integer, parameter :: previewed = 1000       !! samples that show the peak well enough to plan with it
   integer, parameter :: most_previewed = 2**16 !! modes that are summed to see it
@@ -78,23 +78,20 @@ contains
     type(mode_sources), intent(inout) :: sources
     type(case_plan), intent(inout) :: plan
     type(time_grid) :: grid
-    real(dp) :: peak, tail
+    real(dp) :: peak
     logical :: extended
     plan%count = first_modes
-    plan%remainder%after = first_modes
     if (allocated(plan%release)) plan%release%count = first_modes
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     if (scene%impact%approach_velocity == 0.0_dp .or. force_of(scene) == 0.0_dp) return
     if (allocated(plan%release) .and. .not. shows_release(plan, grid)) then     ! no sample, but it takes energy along
-      call find_tip_rest(sources%loaded, force_of(scene), first_modes, plan%release%time, scene%modes%tolerance, &
+      call find_tip_remainder(sources%loaded, force_of(scene), first_modes, plan%release%time, scene%modes%tolerance, &
                          plan%release%tip, monitor=monitor)
     end if
     if (grid%samples == 1) return                   ! nothing has moved yet
-    call find_peak(scene, units, loaded, sources, monitor, plan, peak, tail)
+    call find_peak(scene, units, loaded, sources, monitor, plan, peak)
     if (monitor%stop_requested()) return
     if (peak == 0.0_dp) return
-    plan%remainder%share = min(1.0_dp, max(epsilon(1.0_dp), tail/peak))
-    if (.not. allocated(sources%loaded%damping)) plan%remainder%tail = tail/force_of(scene)   ! for the transform
     do
       call choose_within(scene%modes%tolerance*peak, scene, sources, grid, monitor, plan)
       if (plan%reached <= scene%modes%tolerance*peak) exit
@@ -104,7 +101,7 @@ contains
     plan%reached = plan%reached/peak
   end subroutine choose_counts
 
-  subroutine find_peak(scene, units, loaded, sources, monitor, plan, peak, tail)
+  subroutine find_peak(scene, units, loaded, sources, monitor, plan, peak)
     !! The largest displacement, V l²/h, at least: what few modes show of it less what the others may take off it.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -113,30 +110,24 @@ contains
     class(monitor_type), intent(inout), target :: monitor    !! the peak means nothing where it asks to stop
     type(case_plan), intent(in) :: plan
     real(dp), intent(out) :: peak
-    real(dp), intent(out) :: tail                   !! what the modes after the first may add, V l²/h
     type(time_grid) :: captured, grid
+    type(observation_type) :: seen
     real(dp) :: missing
     integer :: count
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     captured = time_grid(captured_samples(plan, grid), grid%step)
-    tail = largest_tail(first_modes)
-    missing = tail
+    seen = seen_while_captured(scene, plan, grid, .false.)
+    missing = maxval(tail_error(first_modes, sources%loaded, force_of(scene), seen))
     count = first_modes
     do
       peak = captured_peak(scene, units, count, captured, any(loaded%beta_squared%hi <= 0.0_dp), sources%loaded, monitor)
       if (monitor%stop_requested()) return
       if (missing <= 0.5_dp*peak .or. 4*count > min(most_previewed, sources%loaded%highest)) exit
       count = 4*count                               ! what is missing is all that is seen: nothing has moved far yet
-      missing = largest_tail(count)
+      missing = maxval(tail_error(count, sources%loaded, force_of(scene), seen))
     end do
     peak = max(0.5_dp*peak, peak - missing)
     if (shows_release(plan, grid)) peak = max(peak, released_peak(peak, scene, units, sources, plan%release%time, monitor))
-  contains
-    real(dp) function largest_tail(count)
-      integer, intent(in) :: count
-      largest_tail = maxval(tail_error(count, sources%loaded, force_of(scene), scene%response%points, &
-                                       captured%samples*captured%step%hi, captured%samples, .false.))
-    end function largest_tail
   end subroutine find_peak
 
   real(dp) function captured_peak(scene, units, count, grid, grows, source, monitor) result(peak)
@@ -176,8 +167,7 @@ contains
     do
       peak = first_released_peak(count, scene, grid, sources, time, units%time%hi, monitor)
       if (monitor%stop_requested()) return
-      missing = maxval(release_tail(count, sources%loaded, sources%free, force_of(scene), time, scene%response%points, &
-                                    stretch_after(time, grid), .false.))
+      missing = maxval(release_tail(count, sources, force_of(scene), time, seen_after_release(scene, time, grid, .false.)))
       if (missing <= 0.5_dp*max(peak, seen)) exit
       if (4*count > min(most_released, sources%loaded%highest, sources%free%highest)) exit
       count = 4*count
@@ -229,10 +219,7 @@ contains
     class(monitor_type), intent(inout) :: monitor
     type(case_plan), intent(inout) :: plan
     real(dp) :: errors(2)
-    associate (captured => captured_samples(plan, grid), step => grid%step%hi)
-      call modes_for(bound, first_modes, sources%loaded, force_of(scene), scene%response%points, &
-                     stretch_type(step, captured*step, step), plan%count, plan%reached)
-    end associate
+    call modes_for(bound, sources, force_of(scene), seen_while_captured(scene, plan, grid, .false.), plan%count, plan%reached)
     if (.not. shows_release(plan, grid)) return
     call choose_released(tail_share*bound)
     if (sum(errors) > bound) call choose_released(max(least_share*bound, bound - errors(2)))   ! what the tip leaves of it
@@ -255,14 +242,13 @@ contains
     real(dp), intent(out) :: errors(2)
       !! estimates: by modes of the beam alone that are left out, and by the velocity of the tip when the mass leaves, V l²/h
     class(mode_set), allocatable :: free
-    type(stretch_type) :: stretch
+    type(observation_type) :: seen
     real(dp) :: strength
-    stretch = stretch_after(release%time, grid)
-    call modes_for(bounds(1), first_modes, sources%loaded, force_of(scene), scene%response%points, stretch, release%count, &
-                   errors(1), sources%free, release%time)
+    seen = seen_after_release(scene, release%time, grid, .false.)
+    call modes_for(bounds(1), sources, force_of(scene), seen, release%count, errors(1), release%time)
     call sources%free%find(first_numbers(first_modes), free)
-    strength = sources%loaded%gamma*maxval(blow_reach(free, scene%response%points, stretch, .false., sources%free%quadratic))
-    call find_tip_rest(sources%loaded, force_of(scene), release%count, release%time, &
+    strength = sources%loaded%gamma*maxval(blow_reach(free, seen, sources%free%quadratic))
+    call find_tip_remainder(sources%loaded, force_of(scene), release%count, release%time, &
                        min(bounds(2), max(least_share*bounds(2), tip_share*errors(1)))/strength, release%tip, monitor=monitor)
     errors(2) = strength*release%tip%uncertainty
   end subroutine choose_after_release
@@ -282,14 +268,28 @@ contains
     shows_release = captured_samples(plan, grid) < grid%samples
   end function shows_release
 
-  pure type(stretch_type) function stretch_after(time, grid) result(stretch)
+  pure type(observation_type) function seen_while_captured(scene, plan, grid, velocity) result(seen)
+    !! The record up to a release, or all of it.
+    type(scene_type), intent(in) :: scene
+    type(case_plan), intent(in) :: plan
+    type(time_grid), intent(in) :: grid             !! of the whole record
+    logical, intent(in) :: velocity                 !! velocities, else displacements
+    associate (samples => captured_samples(plan, grid))
+      seen = seen_from_blow(scene%response%points, samples*grid%step%hi, samples, velocity)
+    end associate
+  end function seen_while_captured
+
+  pure type(observation_type) function seen_after_release(scene, time, grid, velocity) result(seen)
     !! The record after a release, times from there.
+    type(scene_type), intent(in) :: scene
     type(dd), intent(in) :: time                    !! of the release, l²/h
     type(time_grid), intent(in) :: grid             !! of the whole record
+    logical, intent(in) :: velocity                 !! velocities, else displacements
     associate (before => first_sample(time, grid) - 1, step => grid%step%hi)
-      stretch = stretch_type(max(0.0_dp, before*step - time%hi), grid%samples*step - time%hi, step)
+      seen = observation_type(scene%response%points, &
+                              stretch_type(max(0.0_dp, before*step - time%hi), grid%samples*step - time%hi, step), velocity)
     end associate
-  end function stretch_after
+  end function seen_after_release
 
   pure real(dp) function force_of(scene)
     !! Modal velocities of infinitely many modes are this times Φ_k(1)/M_k and the approach velocity.

@@ -8,11 +8,10 @@ module bw_case_result
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
-  use bw_mode_set, only: mode_set, mode_source
-  use bw_release, only: tip_rest
+  use bw_mode_set, only: mode_set, mode_sources
+  use bw_release, only: tip_remainder
   use bw_response, only: response_type
   use bw_segment, only: segment_type
-  use bw_streamed_modes, only: remainder_type
   use bw_text, only: append, string
   implicit none (type, external)
   private
@@ -21,12 +20,6 @@ module bw_case_result
   integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3
   character(*), parameter, public :: case_words(0:3) = &
     [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned']   !! by number
-
-  type, public :: mode_sources
-    !! Where modes of any number come from.
-    class(mode_source), allocatable :: free         !! of the beam alone
-    class(mode_source), allocatable :: loaded       !! of beam and mass; unallocated: the mass is not captured
-  end type mode_sources
 
   type, public :: case_modes
     !! The sets of modes that are in memory: those that move, or the first of them where a tolerance says how many.
@@ -40,7 +33,7 @@ module bw_case_result
   type, public :: release_plan
     type(dd) :: time                                !! when the mass leaves, l²/h
     integer :: count = 0                            !! modes of the beam alone that move after it
-    type(tip_rest) :: tip                           !! what modes that are not summed add then, with a tolerance
+    type(tip_remainder) :: tip                           !! what modes that are not summed add then, with a tolerance
   end type release_plan
 
   type, public :: case_plan
@@ -48,7 +41,6 @@ module bw_case_result
     integer :: count = 0                            !! modes that move after t = 0, before a release
     type(release_plan), allocatable :: release      !! unallocated where none comes within the record
     real(dp) :: reached = 0.0_dp                    !! with a tolerance: the estimated error of the displacement over its peak
-    type(remainder_type) :: remainder               !! with a tolerance: what the modes after the first are estimated to add
   end type case_plan
 
   type, public :: case_events
@@ -82,6 +74,7 @@ module bw_case_result
     !! Estimates of the largest error of the histories; unallocated where there is none.
     real(dp), allocatable :: displacement(:)        !! m, (points)
     real(dp), allocatable :: velocity(:)            !! m/s, (points)
+    real(dp), allocatable :: bending_moment(:)      !! N m, (points)
     integer :: status = case_done                   !! of the case, these errors considered
     type(string), allocatable :: notes(:)
   end type history_errors
@@ -97,7 +90,7 @@ module bw_case_result
     type(beam_units) :: units
     class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
     integer :: mode_count = 0                         !! how many were summed
-    class(mode_set), allocatable :: before            !! of the unloaded beam, if the mass was captured
+    class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does
     type(impact_type), allocatable :: impact
     real(dp) :: approach_velocity = 0.0_dp            !! V, m/s
@@ -109,13 +102,13 @@ module bw_case_result
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI
     integer :: status = case_done
-    type(string), allocatable :: notes(:)             !! what the report warns of
+    type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)
   end type case_result
 
 contains
 
   pure subroutine add_notes(notes, more)
-    !! The warnings of a stage, after those of the stages before it.
+    !! The notes of a stage, after those of the stages before it.
     type(string), allocatable, intent(inout) :: notes(:)
     type(string), intent(in), optional :: more(:)    !! absent: the stage has none
     integer :: i

@@ -4,13 +4,14 @@ module bw_case_spectrum
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
   use bw_case_histories, only: last_sample
   use bw_case_result, only: case_done, case_motion, case_spectrum
-  use bw_double_double, only: dd, to_dd, operator(*), operator(-)
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
-  use bw_mode_check, only: known_modes, measuring_type
+  use bw_mode_check, only: known_modes, record_facts
   use bw_mode_set, only: first_numbers, mode_set, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
+  use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
   use bw_scene, only: changes_shapes, scene_type
@@ -38,7 +39,7 @@ contains
     integer :: p
     if (status /= case_done) call append(spectrum%notes, 'no spectrum: the histories are not finished')
     if (layout%middle == 0 .or. layout%tip == 0) then
-      call append(spectrum%notes, 'measured wave numbers and velocities need the points 0.5 and 1.0, so they are left out')
+      call remark(spectrum%notes, 'measured waves: they need the points 0.5 and 1.0, so they are left out')
     else
       ! before there are spectra, for it needs more memory than they do
       call find_waves(scene, layout, motion, response, status, monitor, spectrum)
@@ -62,23 +63,23 @@ contains
     integer, intent(in) :: status
     class(monitor_type), intent(inout) :: monitor
     type(case_spectrum), intent(inout) :: spectrum
-    type(measuring_type) :: told
+    type(record_facts) :: facts
     integer :: first, i, samples
     allocate (spectrum%measured)
     samples = size(response%displacement, 1)
     first = first_of_last(scene, motion)
     if (first > samples) then
-      call append(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
+      call remark(spectrum%notes, 'measured: no sample comes after the last event, so there are no waves to measure')
     else if (first > 1) then
-      call append(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
+      call remark(spectrum%notes, 'measured: the waves are those of the '//text_of(samples - first + 1)// &
                                ' samples after the last event')
     end if
-    told%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
-    told%length = scene%beam%length
-    told%max_peaks = scene%spectrum%max_peaks
-    told%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
-    if (status == case_done .and. first <= samples) call know_modes(scene, motion, told%known)
-    call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), told, &
+    facts%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
+    facts%length = scene%beam%length
+    facts%max_peaks = scene%spectrum%max_peaks
+    facts%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
+    if (status == case_done .and. first <= samples) call know_modes(scene, motion, facts%known)
+    call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), facts, &
                        spectrum%measured, monitor)
     if (monitor%stop_requested()) return
     do i = 1, size(spectrum%measured%notes)
@@ -150,12 +151,9 @@ contains
     !! √(β² − c²/4), 0 where a mode does not oscillate, (modes).
     class(mode_set), intent(in) :: modes
     real(dp) :: frequency(modes%count)
-    type(dd) :: square(modes%count), rate(modes%count)
+    type(dd) :: square(modes%count)
     square = modes%beta_squared
-    if (allocated(modes%damping)) then
-      rate = to_dd(0.5_dp*modes%damping)
-      square = square - rate*rate
-    end if
+    if (allocated(modes%damped_squared)) square = modes%damped_squared
     frequency = sqrt(max(0.0_dp, square%hi))
   end function frequencies_of
 

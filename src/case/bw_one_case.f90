@@ -7,11 +7,13 @@ module bw_one_case
   use bw_case_events, only: follow_events, start_motion
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache, find_modes
+  use bw_case_moments, only: find_moments
   use bw_case_notes, only: out_of_reach
   use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
+  use bw_case_validity, only: note_history_errors, note_validity
   use bw_error, only: error_type, fail, status_bad_input
   use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
@@ -21,7 +23,7 @@ module bw_one_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: text_of
+  use bw_text, only: string, text_of
   implicit none (type, external)
   private
   public :: plan_case, run_case
@@ -50,6 +52,7 @@ contains
     type(case_histories) :: histories
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
+    type(string), allocatable :: validity(:)
     type(part_monitor) :: part                       ! for a stage
     real(dp), allocatable :: share(:)
     call watch%start()
@@ -79,9 +82,17 @@ contains
     call estimate_errors(scene, motion, histories, part, errors)
     if (monitor%stop_requested()) return
     if (allocated(histories%response)) then
+      if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sum, histories, errors)
+      if (monitor%stop_requested()) return
       call watch%lap(stage_response)
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
     end if
+
+    if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
+    if (allocated(histories%response)) then
+      call note_history_errors(scene%response%points, histories%response, errors, validity)
+    end if
+    call add_notes(motion%modes%notes, validity)
 
     if (allocated(scene%spectrum)) then
       part = stage_part(monitor, share, spectrum_share)
@@ -129,6 +140,7 @@ contains
     if (allocated(result%response)) then
       call move_alloc(errors%displacement, result%response%displacement_error)
       call move_alloc(errors%velocity, result%response%velocity_error)
+      call move_alloc(errors%bending_moment, result%response%bending_moment_error)
     end if
     call move_alloc(spectrum%amplitude, result%amplitude)
     call move_alloc(spectrum%measured, result%measured)

@@ -24,6 +24,7 @@ module bw_result_layout
     integer :: frequencies = 0
     integer :: peaks = 0
     logical :: velocity = .false.     !! velocity histories are asked for
+    logical :: bending_moment = .false.   !! and bending moments
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
@@ -49,6 +50,7 @@ contains
     layout%points = size(scene%response%points)
     layout%samples = scene%response%samples
     layout%velocity = scene%response%velocity
+    layout%bending_moment = scene%response%bending_moment
     layout%continuum = allocated(scene%capture)
     layout%contacts = allocated(scene%recontact)
     layout%middle = findloc(scene%response%points, 0.5_dp, dim=1)
@@ -104,8 +106,8 @@ contains
   end function dimension_length
 
   pure recursive logical function has(layout, words) result(there)
-    !! The result has all that the words name: dimensions, `velocity` (histories of the velocity), `contacts` (histories that go
-    !! through them), `estimates` (of the errors of histories).
+    !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
+    !! that go through them), `estimates` (of the errors of histories).
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -118,6 +120,7 @@ contains
     select case (words)
     case (''); there = .true.
     case ('velocity'); there = layout%velocity
+    case ('bending_moment'); there = layout%bending_moment
     case ('contacts'); there = layout%contacts
     case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0

@@ -79,6 +79,7 @@ contains
   end function pace
 
   elemental logical function is_overdamped(square, c)
+    !! Whether a mode creeps back without turning.
     real(dp), intent(in) :: square, c
     is_overdamped = square > 0.0_dp .and. square <= 0.25_dp*c**2
   end function is_overdamped

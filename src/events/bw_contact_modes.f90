@@ -25,6 +25,7 @@ module bw_contact_modes
     type(weighted_sum) :: force                !! what presses the mass against the tip (see `force_of`)
   contains
     procedure :: some_shapes => contact_shapes
+    procedure :: some_curvatures => contact_curvatures
     procedure :: overlap_with_mass => contact_overlap_with_mass
     procedure :: overlap_of_beam => contact_overlap_of_beam
     procedure :: elastic => contact_elastic
@@ -79,8 +80,10 @@ contains
     do k = 1, n
       modes%parts%c(k) = sum(motion%parts%c(:n)*modes%onto(:n, k)*modes%mixing(:, k))
     end do
-    if (allocated(modes%free%damping)) modes%damping = real(modes%parts%c, dp)
     call modes%parts%ready()
+    if (.not. allocated(modes%free%damping)) return
+    modes%damping = real(modes%parts%c, dp)
+    modes%damped_squared = to_dd(modes%parts%square - 0.25_qp*modes%parts%c**2)
   end subroutine find_damping
 
   pure subroutine find_errors(motion, modes)
@@ -173,6 +176,7 @@ contains
   end subroutine find_offset
 
   pure function contact_shapes(self, first, last, xi) result(values)
+    !! Φ_k(ξ): the shapes of the beam alone, mixed.
     class(contact_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -180,7 +184,16 @@ contains
     values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_shapes(1, self%free%count, xi))
   end function contact_shapes
 
+  pure function contact_curvatures(self, first, last, xi) result(values)
+    class(contact_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    values = matmul(transpose(real(self%mixing(:, first:last), dp)), self%free%some_curvatures(1, self%free%count, xi))
+  end function contact_curvatures
+
   function contact_overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    !! What these modes see of a motion with the beam's own weight: what those of the beam alone see, mixed.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -190,6 +203,7 @@ contains
   end function contact_overlap_of_beam
 
   function contact_overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    !! The same with the weight of the mass at the tip.
     class(contact_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
@@ -200,6 +214,7 @@ contains
   end function contact_overlap_with_mass
 
   pure function contact_elastic(self) result(squares)
+    !! K_kk/M_kk: elastic energy is that of the beam alone.
     class(contact_set), intent(in) :: self
     type(dd) :: squares(self%count), free(self%free%count)
     free = self%free%elastic()

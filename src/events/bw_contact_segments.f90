@@ -71,7 +71,7 @@ contains
     !! s²/2a; a must not change in that time.
     type(contact_motion), intent(in) :: motion
     real(dp), intent(in) :: longest               !! the whole record
-    real(qp) :: separation, pull, rest
+    real(qp) :: separation, pull, settling
     separation = motion%separation()
     pull = motion%pull()
     verdict = leaves
@@ -79,12 +79,13 @@ contains
       if (pull > 0.0_qp .or. (pull == 0.0_qp .and. motion%jerk() < 0.0_qp)) verdict = stays
       if (abs(pull) < error_of_pull(motion)) verdict = undecided
     else if (motion%restitution < 1.0_qp .and. pull > 0.0_qp) then
-      rest = 2.0_qp*separation/pull/(1.0_qp - motion%restitution)
-      if (separation*rest <= unseen*longest .and. abs(motion%jerk())*rest <= 0.5_qp*pull) verdict = stays
+      settling = 2.0_qp*separation/pull/(1.0_qp - motion%restitution)
+      if (separation*settling <= unseen*longest .and. abs(motion%jerk())*settling <= 0.5_qp*pull) verdict = stays
     end if
   end function judge_rebound
 
   pure real(dp) function error_of_pull(motion) result(error)
+    !! By how much the acceleration that presses the mass against the tip may be off, from the neighbours of the motion.
     type(contact_motion), intent(in) :: motion
     real(dp), dimension(size(motion%near%lag)) :: deviation
     integer :: p
@@ -141,9 +142,9 @@ contains
     share = real(motion%share, dp)
     change = share*separation
     if (pull > 0.0_dp .and. e < 1.0_dp) then
-      associate (square => motion%parts%beta_squared%hi, rest => 2.0_dp*separation/pull/(1.0_dp - e))
+      associate (square => motion%parts%beta_squared%hi, settling => 2.0_dp*separation/pull/(1.0_dp - e))
         change = 0.5_dp*share*(sum(real(motion%gap%a, dp)*share*square) - square) &
-          *(separation*rest**2*(1.0_dp - e)/(3.0_dp*(1.0_dp + e + e**2)))
+          *(separation*settling**2*(1.0_dp - e)/(3.0_dp*(1.0_dp + e + e**2)))
       end associate
     end if
     do p = 1, size(motion%near%lag)

@@ -106,7 +106,7 @@ contains
   end function margin_of
 
   pure subroutine spread(parts, swing, drift)
-    !! How far from the start a sum may get: what turns at once, the rest at a rate.
+    !! How far from the start a sum may get: what turns at once, what does not at a rate.
     type(instant), intent(in) :: parts
     real(dp), intent(out) :: swing, drift
     swing = 2.0_dp*sum(parts%reach, mask=parts%turning)

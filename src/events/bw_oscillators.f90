@@ -77,6 +77,7 @@ contains
   contains
 
     pure real(dp) function largest_from(state) result(largest)
+      !! The sum of the largest magnitudes of all terms, on the way from or to a state.
       type(moving_state), intent(in) :: state
       largest = sum(real(abs(weight), dp)*reach(self%beta_squared(:n)%hi, real(self%c(:n), dp), real(state%u(:n), dp), &
                                                 real(state%v(:n), dp), time))

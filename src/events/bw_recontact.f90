@@ -11,7 +11,7 @@ module bw_recontact
   use bw_contact_modes, only: contact_set, find_contact_modes
   use bw_contact_motion, only: contact_motion, motion_of
   use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, pass_contacts, slow, stays, undecided
-  use bw_event, only: contact_event, event_list, event_type
+  use bw_event, only: contact_event, event_type
   use bw_kinds, only: dp, qp
   use bw_missing, only: rounded
   use bw_mode_set, only: mode_set
@@ -23,8 +23,10 @@ module bw_recontact
   private
   public :: follow_contacts
 
-  type, extends(event_list), public :: contacts_type
+  type, public :: contacts_type
     !! What became of the mass.
+    type(event_type), allocatable :: events(:)       !! contacts, in order
+    type(segment_type), allocatable :: segments(:)   !! of the motion, in order
     type(contact_set), allocatable :: modes          !! unallocated where no contact lasted
     real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
     logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
@@ -55,6 +57,7 @@ contains
     contacts%data_error = error_from([motion%data_error()])
     last = min(longest, growth_ends(free))
     if (omega > 0.0_qp) last = min(last, largest_exponent/real(omega, dp))
+    allocate (contacts%events(0), contacts%segments(0))
     call motion%strike(impact)                    ! which is another event
     event = started_event(motion)
     verdict = judge_rebound(motion, longest)
@@ -77,15 +80,14 @@ contains
       verdict = judge_rebound(motion, longest)
       if (verdict /= leaves) cycle
       call end_event(motion, event)
-      call contacts%add_event(event)
+      contacts%events = [contacts%events, event]
     end do
     if (outcome == never .and. last < longest) then
       contacts%out_of_range = .true.
       contacts%known_until = last
-      if (contacts%lasting) contacts%event_count = contacts%event_count - 1    ! its end is beyond that
+      if (contacts%lasting) contacts%events = contacts%events(:size(contacts%events) - 1)     ! its end is beyond that
       contacts%lasting = .false.
     end if
-    call contacts%trim_to_size()
   end subroutine follow_contacts
 
   subroutine add_contact(free, motion, last, event, contacts, outcome, monitor)
@@ -117,8 +119,8 @@ contains
     event%impulse = rounded(event%impulse + impulse)
     call end_event(motion, event)
     contacts%lasting = outcome == never
-    call contacts%add_segment(segment)
-    call contacts%add_event(event)
+    call add_segment(segment, contacts%segments)
+    contacts%events = [contacts%events, event]
   end subroutine add_contact
 
   subroutine add_flight(tip, motion, opening, last, most, contacts, outcome, monitor)
@@ -135,7 +137,7 @@ contains
     type(segment_type) :: segment
     real(dp) :: sway
     logical :: is_last, worthless
-    is_last = contacts%event_count == most
+    is_last = size(contacts%events) == most
     if (is_last) before = motion
     call follow_flight(motion, opening, real(last - motion%state%time, dp), outcome, segment, sway, monitor)
     contacts%cut = is_last .and. outcome /= never
@@ -151,8 +153,27 @@ contains
       return
     end if
     if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
-    call contacts%add_segment(segment)
+    call add_segment(segment, contacts%segments)
   end subroutine add_flight
+
+  pure subroutine add_segment(segment, segments)
+    !! Add a segment to a list. The arrays of the others are handed on, not copied.
+    type(segment_type), intent(in) :: segment
+    type(segment_type), allocatable, intent(inout) :: segments(:)
+    type(segment_type), allocatable :: more(:)
+    integer :: i
+    allocate (more(size(segments) + 1))
+    do i = 1, size(segments)
+      more(i)%modes = segments(i)%modes
+      more(i)%start = segments(i)%start
+      more(i)%start_error = segments(i)%start_error
+      call move_alloc(segments(i)%q, more(i)%q)
+      call move_alloc(segments(i)%rate, more(i)%rate)
+      call move_alloc(segments(i)%error, more(i)%error)
+    end do
+    more(size(more)) = segment
+    call move_alloc(more, segments)
+  end subroutine add_segment
 
   pure integer function first_opening(motion) result(order)
     !! The first derivative of the gap that is not zero after a blow.
@@ -172,7 +193,8 @@ contains
     contacts%sway = max(contacts%sway, sway)
     error = sum(abs(tip)*segment%error(:, 1))
     worthless = error > three_digits*contacts%sway
-    if (.not. worthless) contacts%amplification = error/contacts%sway/contacts%data_error
+    if (worthless .or. contacts%sway == 0.0_dp) return                 ! below the range of numbers nothing is amplified
+    contacts%amplification = error/contacts%sway/contacts%data_error
   end subroutine judge
 
   type(event_type) function started_event(motion) result(event)

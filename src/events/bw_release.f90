@@ -18,14 +18,14 @@ module bw_release
 
   real(dp), parameter :: projection_rounding = 1.0e-13_dp   !! of integrals of two shapes, relatively
 
-  type, public :: tip_rest
+  type, public :: tip_remainder
     !! Of infinitely many modes at the release: what those that are not there add. Units of bw_segment.
     integer :: count = 0                         !! modes that were looked at
     real(dp) :: displacement = 0.0_dp            !! of the tip, by those of them that are not there
     real(dp) :: velocity = 0.0_dp
     real(dp) :: uncertainty = 0.0_dp             !! of that velocity, by modes that were not looked at
     real(dp) :: energy = 0.0_dp                  !! of beam and body, by all modes
-  end type tip_rest
+  end type tip_remainder
 
   type, public :: release_type
     !! The state just after the release; units of bw_segment.
@@ -38,15 +38,15 @@ module bw_release
 
 contains
 
-  type(release_type) function release_mass(loaded, q, rate, free, speed, rest, energy, monitor) result(release)
+  type(release_type) function release_mass(loaded, q, rate, free, speed, remainder, energy, monitor) result(release)
     !! Displacement and velocity of the beam go on as they were, the mass leaves with the tip's velocity. Where modes far
     !! above those of the beam alone are not there, all of them together are the blow −γφ_i(1) times what they add at the
-    !! tip (bw_tip_rest).
+    !! tip (bw_tip_remainder).
     class(mode_set), intent(in) :: loaded        !! modes of beam and mass
     real(dp), intent(in) :: q(:), rate(:)        !! their state
     class(mode_set), intent(in) :: free          !! modes of the beam alone
     real(dp), intent(in) :: speed                !! angular velocity in the plane of the motion, else 0
-    type(tip_rest), intent(in), optional :: rest !! absent: the modes are what there is, however few
+    type(tip_remainder), intent(in), optional :: remainder !! absent: the modes are what there is, however few
     type(energy_type), intent(in), optional :: energy    !! of beam and mass until then; absent: that of the state
     class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
     real(dp) :: tip_displacement, tip_velocity
@@ -56,17 +56,17 @@ contains
     allocate (release%q(free%count), release%rate(free%count))
     release%q = free%overlap_of_beam(loaded, q, monitor)/free%modal_mass
     release%rate = free%overlap_of_beam(loaded, rate, monitor)/free%modal_mass
-    if (present(rest)) then
-      release%q = release%q - loaded%gamma*rest%displacement*free%tip/free%modal_mass
-      release%rate = release%rate - loaded%gamma*rest%velocity*free%tip/free%modal_mass
-      tip_displacement = tip_displacement + rest%displacement
-      tip_velocity = tip_velocity + rest%velocity
+    if (present(remainder)) then
+      release%q = release%q - loaded%gamma*remainder%displacement*free%tip/free%modal_mass
+      release%rate = release%rate - loaded%gamma*remainder%velocity*free%tip/free%modal_mass
+      tip_displacement = tip_displacement + remainder%displacement
+      tip_velocity = tip_velocity + remainder%velocity
     end if
     call take_body(loaded, q, rate, tip_displacement, tip_velocity, speed, leaving, release)
     before = state_energy(loaded, q, rate)
     if (present(energy)) before = energy
     after = before                               ! infinitely many modes of the beam alone hold what is not leaving
-    if (.not. present(rest)) after = state_energy(free, release%q, release%rate, projection_rounding) + leaving
+    if (.not. present(remainder)) after = state_energy(free, release%q, release%rate, projection_rounding) + leaving
     associate (event => release%event)
       event%kind = release_event
       event%energy_before = known_energy(before)

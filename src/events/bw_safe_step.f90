@@ -74,10 +74,12 @@ contains
     step = min(step, longest)
   contains
     pure real(dp) function slope(low)
+      !! Rate of the sum without motions above number `low` that turn.
       integer, intent(in) :: low
       slope = sum(now%u_dot(:low)) + sum(now%u_dot(low + 1:), mask=.not. now%turning(low + 1:))
     end function slope
     pure real(dp) function curvature(low)
+      !! A bound of the second derivative of the same.
       integer, intent(in) :: low
       curvature = sum(now%reach(:low)*now%rate(:low)**2) &
         + sum(now%reach(low + 1:)*now%rate(low + 1:)**2, mask=.not. now%turning(low + 1:))

@@ -93,6 +93,7 @@ contains
   end function beam_energy
 
   elemental type(energy_type) function added(a, b) result(c)
+    !! The sum of two energies, with its rounding.
     type(energy_type), intent(in) :: a, b
     c = energy_type(a%value + b%value, a%rounding + b%rounding + state_rounding*abs(a%value + b%value))
   end function added

@@ -14,7 +14,7 @@ module bw_mode_set
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
     integer :: count = 0                          !! number of modes n
-    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the free beam
+    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
@@ -24,11 +24,12 @@ module bw_mode_set
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
-    integer :: cache_key = 0                      !! sets with the same key, not 0, have the same shapes (bw_mode_cache)
+    logical :: known_by_mass = .false.            !! shapes follow from γ and n alone: these are the first modes, in closed form
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
     procedure(shapes_interface), deferred :: some_shapes
+    procedure(shapes_interface), deferred :: some_curvatures      !! the same of Φ_k''(ξ); with shear ψ_k'(ξ), which bends
     procedure :: shapes => all_shapes
     procedure(overlap_interface), deferred :: overlap_with_mass   !! weight of the beam and of what its tip carries
     procedure(overlap_interface), deferred :: overlap_of_beam     !! weight of the beam alone
@@ -62,6 +63,12 @@ module bw_mode_set
     procedure(find_interface), deferred :: find
     procedure :: terms => terms_of_set
   end type mode_source
+
+  type, public :: mode_sources
+    !! Where modes of any number come from.
+    class(mode_source), allocatable :: free       !! of the beam alone
+    class(mode_source), allocatable :: loaded     !! of beam and mass; unallocated: the mass is not captured
+  end type mode_sources
 
   abstract interface
     pure function shapes_interface(self, first, last, xi) result(values)

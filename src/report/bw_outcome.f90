@@ -1,6 +1,7 @@
 module bw_outcome
   !! How a scene ended, and what there is to say of it.
   use bw_error, only: status_done, status_not_trusted, status_stopped
+  use bw_existing_result, only: existing_result
   use bw_kinds, only: dp, i8
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout
@@ -17,11 +18,11 @@ module bw_outcome
     logical :: was_there = .false.            !! the finished result was there already
     character(:), allocatable :: file         !! the result
     character(:), allocatable :: report       !! what to print
-    character(:), allocatable :: warnings     !! lines, which the result has too
-    character(:), allocatable :: remarks      !! lines about this run, which the result has not
-    integer(i8) :: not_trusted = 0            !! cases of a result that was there already that cannot be trusted
+    character(:), allocatable :: notes        !! lines, which the result has too: warnings and remarks
+    character(:), allocatable :: told         !! warnings about this run, lines, which the result has not
   contains
-    procedure :: remark
+    procedure :: tell
+    procedure :: set_found
     procedure :: set_notes
     procedure :: notes_text
     procedure :: set_report
@@ -30,32 +31,49 @@ module bw_outcome
 
 contains
 
-  subroutine remark(self, text)
+  subroutine tell(self, text)
     !! Something to say about this run, however it ends.
     class(outcome_type), intent(inout) :: self
     character(*), intent(in) :: text          !! a line
-    if (.not. allocated(self%remarks)) self%remarks = ''
-    self%remarks = self%remarks//text//new_line('a')
-  end subroutine remark
+    if (.not. allocated(self%told)) self%told = ''
+    self%told = self%told//text//new_line('a')
+  end subroutine tell
+
+  subroutine set_found(self, scene, layout, existing)
+    !! The finished result is there already: its report again.
+    class(outcome_type), intent(inout) :: self
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(existing_result), intent(in) :: existing
+    self%was_there = .true.
+    self%notes = existing%notes
+    if (self%notes /= '') self%notes = self%notes//new_line('a')
+    self%report = scene_heading(scene)//scene_summary(scene, layout)//existing%report//new_line('a')
+    if (existing%notes /= '') self%report = self%report//notes_report(existing%notes)//new_line('a')
+    self%report = self%report//'  '//self%file//': nothing to do, the result of this scene is there'
+    if (existing%not_trusted > 0) self%report = self%report//'; '//text_of(existing%not_trusted)//' of its cases '// &
+      'cannot be trusted, as its notes say'
+    self%report = self%report//new_line('a')
+  end subroutine set_found
 
   subroutine set_notes(self, notes, layout, not_trusted)
-    !! The warnings, and the status that they call for.
+    !! The notes, and the status that they call for.
     class(outcome_type), intent(inout) :: self
     character(*), intent(in) :: notes         !! of the cases, put together; lines
     type(result_layout), intent(in) :: layout
     integer(i8), intent(in) :: not_trusted    !! cases that hold numbers that cannot be trusted
-    self%warnings = notes
+    self%notes = notes
     if (not_trusted == 0) return
     self%status = status_not_trusted
-    if (layout%cases > 0) self%warnings = self%warnings//text_of(not_trusted)//' of '//text_of(layout%cases)// &
-      ' cases hold numbers that cannot be trusted'//new_line('a')
+    if (layout%cases > 0) self%notes = text_of(not_trusted)//' of '//text_of(layout%cases)// &
+      ' cases hold numbers that cannot be trusted'//new_line('a')//notes
   end subroutine set_notes
 
   pure function notes_text(self) result(text)
-    !! The warnings without the last line's end.
+    !! The notes without the last line's end.
     class(outcome_type), intent(in) :: self
     character(:), allocatable :: text
-    text = without_last_end(self%warnings)
+    text = without_last_end(self%notes)
   end function notes_text
 
   pure function without_last_end(lines) result(text)
@@ -79,10 +97,10 @@ contains
     call report%append(body)
     if (taken_over > 0) call report%append_line('  '//text_of(taken_over)//' cases were taken over from an earlier run')
     call report%append_line('')
-    if (allocated(self%remarks)) call report%append(notes_report(without_last_end(self%remarks)))
+    if (allocated(self%told)) call report%append(notes_report(without_last_end(self%told)))
     if (len(self%notes_text()) > 0) then
       call report%append_line(notes_report(self%notes_text()))
-    else if (allocated(self%remarks)) then
+    else if (allocated(self%told)) then
       call report%append_line('')
     end if
     call report%append(times)
@@ -96,7 +114,7 @@ contains
     integer(i8), intent(in) :: saved, cases
     self%status = status_stopped
     self%report = ''
-    self%warnings = self%file//': stopped with '//text_of(saved)//' of '//text_of(cases)// &
+    self%notes = self%file//': stopped with '//text_of(saved)//' of '//text_of(cases)// &
       ' cases saved; the same command goes on from there'//new_line('a')
   end subroutine set_stopped
 

@@ -4,7 +4,7 @@ module bw_scene_describe
   use bw_input_name, only: has_unit, has_word, input_group, input_name, is_sweepable, kind_text, quoted_words, &
                            range_text
   use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group
-  use bw_text, only: lower, text_builder
+  use bw_text, only: lower, shortened, text_builder
   implicit none (type, external)
   private
   public :: describe_text
@@ -18,7 +18,7 @@ module bw_scene_describe
     'A scene is a file of Fortran namelist groups, in SI units. A group that is absent is an effect that is not', &
     'simulated. Everything that is wrong with a file is reported at once, each error with its line.', &
     '', &
-    '```', &
+    '```fortran', &
     '&beam', &
     '  length = 1, density = 7870, youngs_modulus = 2e11, diameter = 0.037  ! comments open with !', &
     '/', &
@@ -31,12 +31,13 @@ module bw_scene_describe
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
     '  A value that is left out (`1,,2`, `2*`, `name =`), which Fortran reads as "keep what was there", is an error.', &
-    '- A real is written `7870`, `.5`, `2e11` or `2d11`, a whole number with digits alone. `1/2`, `1.0-3`, NaN, Inf', &
-    '  and what does not fit into double precision are errors. A zero has no sign.', &
+    '- A real is written `7870`, `.5`, `2e11` or `2d11`; a whole number has digits alone. `1/2`, `1.0-3`, NaN, Inf and', &
+    '  what does not fit into double precision are errors. -0 is read as 0.', &
     '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
     '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
     '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &
-    '- A file has at most 64 MB, 2^22 words and signs, and 1000 groups. Of more than 1000 errors the first 1000 are listed.']
+    '- A file has at most 64 MB, 2^22 words and signs, and 1000 groups. If there are more than 1000 errors, the first', &
+    '  1000 are listed.']
 
 contains
 
@@ -52,7 +53,7 @@ contains
     if (index(name, '&') == 1) name = name(2:)
     if (name /= '' .and. group_row(name) == 0) then
       text = ''
-      call fail(error, status_bad_input, "'"//name//"' "//unknown_group(name))
+      call fail(error, status_bad_input, "'"//shortened(name)//"' "//unknown_group(name))
       return
     end if
     if (name == '') call put_opening(builder)

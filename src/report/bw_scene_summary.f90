@@ -3,7 +3,7 @@ module bw_scene_summary
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_beam_units, only: beam_units, units_of
-  use bw_case_fields, only: block_capacity, case_field, case_length, fields_of, short_fields
+  use bw_case_fields, only: blocks_for, case_block, case_length, fields_of
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
   use bw_result_file, only: result_bytes
@@ -74,11 +74,30 @@ contains
     character(:), allocatable :: text
     associate (response => scene%response)
       text = text_of(response%samples)//' samples over '//shortest(response%duration, 6)//' s at '// &
-        text_of(size(response%points))//' points, displacement'
-      if (response%velocity) text = text//' and velocity'
+        places_text(response%points)//', displacement'
+      if (response%velocity .and. response%bending_moment) text = text//','
+      if (response%velocity .and. .not. response%bending_moment) text = text//' and'
+      if (response%velocity) text = text//' velocity'
+      if (response%bending_moment) text = text//' and bending moment'
     end associate
     if (allocated(scene%spectrum)) text = text//'; spectrum ('//scene%spectrum%window//' window)'
   end function response_text
+
+  pure function places_text(points) result(text)
+    !! Where the histories are: each place, of many how many there are.
+    real(dp), intent(in) :: points(:)              !! ξ
+    character(:), allocatable :: text
+    integer, parameter :: most = 4
+    integer :: p
+    if (size(points) > most) then
+      text = text_of(size(points))//' points'
+      return
+    end if
+    text = 'xi = '//shortest(points(1), 6)
+    do p = 2, size(points)
+      text = text//', '//shortest(points(p), 6)
+    end do
+  end function places_text
 
   function sweep_text(scene) result(text)
     !! How many cases there are, and what they are the product of.
@@ -112,7 +131,7 @@ contains
 
   pure integer(i8) function working_bytes(layout) result(bytes)
     !! Memory of one case: its numbers as they are found and once more on their way to the file, shapes, what is needed to
-    !! search histories for waves, and about 25 MB of program and libraries; of a sweep also a block of cases and the list of
+    !! search histories for waves, and about 25 MB of program and libraries; of a sweep also blocks of cases and the list of
     !! all of them.
     type(result_layout), intent(in) :: layout
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
@@ -121,15 +140,14 @@ contains
     shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
     associate (fields => fields_of(layout))
       bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
-      if (layout%cases > 0) bytes = bytes + block_bytes(fields(:short_fields(fields)), layout%cases) + 6_i8*layout%cases
+      if (layout%cases > 0) bytes = bytes + sum(block_bytes(blocks_for(fields, layout%cases))) + 6_i8*layout%cases
     end associate
   end function working_bytes
 
-  pure integer(i8) function block_bytes(fields, cases) result(bytes)
+  elemental integer(i8) function block_bytes(block) result(bytes)
     !! Memory of a block of cases, and of a field of it on its way into the file, which may be all of it.
-    type(case_field), intent(in) :: fields(:)       !! the short ones
-    integer, intent(in) :: cases                    !! of the sweep
-    bytes = 2*8*case_length(fields)*block_capacity(fields, cases)
+    type(case_block), intent(in) :: block
+    bytes = 2*8*case_length(block%fields)*block%capacity
   end function block_bytes
 
   pure function bytes_text(bytes) result(text)

@@ -1,7 +1,7 @@
 module bw_case_fields
   !! A case as one list of numbers. Every variable that depends on the case is a field of it, as long as its dimensions say,
   !! with fill where the case has less, so that all cases of a scene have the same length. Long histories and spectra, which
-  !! are most of a case, come last: they go into the file one by one, all else by blocks of cases.
+  !! are most of a case, come last. Cases go into the file by blocks: of the long fields a few, of the others many.
   use bw_kinds, only: dp, i8
   use bw_case_result, only: case_result
   use bw_event_variables, only: event_kinds, event_variables, impact_variables
@@ -12,11 +12,11 @@ module bw_case_fields
   use bw_result_variable, only: result_variable
   implicit none (type, external)
   private
-  public :: all_variables, block_capacity, block_for, case_length, field_of, fields_of, named_value, put_field, put_fields, &
-    short_fields, variables_of
+  public :: all_variables, blocks_for, case_length, field_of, fields_of, named_value, put_field, put_fields, variables_of
 
   integer(i8), parameter :: long = 512                  !! numbers of a history that is long: some pages of a file; tuned
-  integer(i8), parameter :: block_numbers = 1000000     !! 8 MB are written at a time; a single case may be more
+  integer(i8), parameter :: block_numbers = 1000000     !! 8 MB of short fields are written at a time; a single case may be more
+  integer(i8), parameter :: long_numbers = 65536        !! of long fields what stays in a cache; tuned
 
   integer, parameter :: no_dimension = 0, along_modes = findloc(dimension_names == 'mode', .true., dim=1), &
     along_modes_before = findloc(dimension_names == 'mode_before', .true., dim=1), &
@@ -34,12 +34,16 @@ module bw_case_fields
   end type case_field
 
   type, public :: case_block
-    !! Some neighbouring cases on their way to the result file, where they lie field by field: all numbers of a field
+    !! Some fields of some neighbouring cases on their way to the result file. They lie field by field: all numbers of a field
     !! together, as they are written.
+    type(case_field), allocatable :: fields(:)
+    integer :: before = 0              !! how many fields of a case stand before these
     integer :: capacity = 0            !! how many cases it has room for
     integer :: count = 0               !! how many there are
-    real(dp), allocatable :: numbers(:)    !! (numbers of a case · capacity)
+    integer(i8) :: first = 1           !! the number of the first of them
+    real(dp), allocatable :: numbers(:)    !! (numbers of these fields of a case · capacity)
   contains
+    procedure :: takes
     procedure :: add => add_case
     procedure :: begin_of
   end type case_block
@@ -103,12 +107,6 @@ contains
     type(case_field), intent(in) :: field
     is_long = field%rank == 2 .and. field%length >= long
   end function is_long
-
-  pure integer function short_fields(fields)
-    !! How many fields stand before the long ones.
-    type(case_field), intent(in) :: fields(:)
-    short_fields = count(.not. is_long(fields))
-  end function short_fields
 
   pure type(case_field) function field_of(fields, name) result(field)
     !! The field of a name; one of no name and one number where there is none.
@@ -192,40 +190,57 @@ contains
     call put_field(result, field, values)
   end function named_value
 
-  pure type(case_block) function block_for(fields, cases) result(block)
-    !! An empty block.
-    type(case_field), intent(in) :: fields(:)
+  pure function blocks_for(fields, cases) result(blocks)
+    !! Two empty blocks: of the short fields, and of the long ones.
+    type(case_field), intent(in) :: fields(:)             !! all of a case
     integer, intent(in) :: cases                          !! of the sweep
-    block%capacity = block_capacity(fields, cases)
-    allocate (block%numbers(case_length(fields)*block%capacity))
+    type(case_block) :: blocks(2)
+    integer :: short
+    short = count(.not. is_long(fields))
+    blocks(1) = block_for(fields(:short), 0, min(int(cases, i8), block_numbers/case_length(fields(:short))))
+    blocks(2) = block_for(fields(short + 1:), short, min(int(cases, i8), long_numbers/max(1_i8, case_length(fields(short + 1:)))))
+  end function blocks_for
+
+  pure type(case_block) function block_for(fields, before, capacity) result(block)
+    !! An empty block with room for so many cases, one at least.
+    type(case_field), intent(in) :: fields(:)
+    integer, intent(in) :: before                         !! how many fields of a case stand before these
+    integer(i8), intent(in) :: capacity
+    allocate (block%fields, source=fields)
+    block%before = before
+    block%capacity = int(max(1_i8, capacity))
   end function block_for
 
-  pure integer function block_capacity(fields, cases) result(capacity)
-    !! How many cases are written at a time.
-    type(case_field), intent(in) :: fields(:)
-    integer, intent(in) :: cases                          !! of the sweep
-    capacity = int(max(1_i8, min(int(cases, i8), block_numbers/case_length(fields))))
-  end function block_capacity
+  pure logical function takes(self, case)
+    !! Whether there is room for a case, and it follows those that are there.
+    class(case_block), intent(in) :: self
+    integer(i8), intent(in) :: case
+    takes = self%count == 0 .or. (self%count < self%capacity .and. case == self%first + self%count)
+  end function takes
 
-  pure subroutine add_case(self, fields, numbers)
-    !! Add a case, for which there must be room.
+  pure subroutine add_case(self, case, numbers)
+    !! Add a case that the block takes.
     class(case_block), intent(inout) :: self
-    type(case_field), intent(in) :: fields(:)
-    real(dp), intent(in), contiguous :: numbers(:)        !! (case_length)
+    integer(i8), intent(in) :: case
+    real(dp), intent(in), contiguous :: numbers(:)        !! of all its fields
     integer(i8) :: first
     integer :: i
-    do i = 1, size(fields)
-      first = self%begin_of(fields(i)) + self%count*fields(i)%length
-      self%numbers(first:first + fields(i)%length - 1) = numbers(fields(i)%first:fields(i)%first + fields(i)%length - 1)
+    if (.not. allocated(self%numbers)) allocate (self%numbers(case_length(self%fields)*self%capacity))
+    if (self%count == 0) self%first = case
+    do i = 1, size(self%fields)
+      associate (field => self%fields(i))
+        first = self%begin_of(field) + self%count*field%length
+        self%numbers(first:first + field%length - 1) = numbers(field%first:field%first + field%length - 1)
+      end associate
     end do
     self%count = self%count + 1
   end subroutine add_case
 
   pure integer(i8) function begin_of(self, field)
-    !! Where the numbers of a field begin, those of the first case.
+    !! Where the numbers of one of its fields begin, those of the first case.
     class(case_block), intent(in) :: self
     type(case_field), intent(in) :: field
-    begin_of = (field%first - 1)*self%capacity + 1
+    begin_of = (field%first - self%fields(1)%first)*self%capacity + 1
   end function begin_of
 
 end module bw_case_fields

@@ -2,10 +2,11 @@ module bw_event_variables
   !! What a result holds of the impact and of every event: its rows, and behind them the procedures that give their values,
   !! which are named after them. What a procedure gives is said in its row. A case itself has its masses in m_i and its
   !! velocities in the approach velocity V.
+  use bw_beam_units, only: in_joules, in_newton_seconds
   use bw_case_result, only: case_result
   use bw_event, only: event_words
   use bw_kinds, only: dp
-  use bw_missing, only: missing, scaled
+  use bw_missing, only: missing
   use bw_mode_set, only: mode_set
   use bw_netcdf, only: variable_text
   use bw_result_variable, only: case_variable, result_variable
@@ -72,7 +73,7 @@ contains
   pure subroutine impulse(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = result%impact%impulse*unit_of_momentum(result)
+    values = in_newton_seconds(result%impact%impulse, result%units, result%approach_velocity)
   end subroutine impulse
 
   pure subroutine mass_velocity(result, values)
@@ -107,18 +108,6 @@ contains
     if (result%can_grow .and. modes%critical_speed%hi > 0.0_dp) speed = modes%critical_speed%hi*result%units%frequency
   end function critical_speed
 
-  pure real(dp) function unit_of_momentum(result) result(unit)
-    !! m_i V, N s.
-    type(case_result), intent(in) :: result
-    unit = result%units%mass*result%approach_velocity
-  end function unit_of_momentum
-
-  pure real(dp) function unit_of_energy(result) result(unit)
-    !! m_i V², J.
-    type(case_result), intent(in) :: result
-    unit = unit_of_momentum(result)*result%approach_velocity
-  end function unit_of_energy
-
   pure subroutine event_time(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
@@ -152,31 +141,31 @@ contains
   pure subroutine event_impulse(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = scaled(result%events(:size(values))%impulse, unit_of_momentum(result))
+    values = in_newton_seconds(result%events(:size(values))%impulse, result%units, result%approach_velocity)
   end subroutine event_impulse
 
   pure subroutine energy_before(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = scaled(result%events(:size(values))%energy_before, unit_of_energy(result))
+    values = in_joules(result%events(:size(values))%energy_before, result%units, result%approach_velocity)
   end subroutine energy_before
 
   pure subroutine energy_after(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = scaled(result%events(:size(values))%energy_after, unit_of_energy(result))
+    values = in_joules(result%events(:size(values))%energy_after, result%units, result%approach_velocity)
   end subroutine energy_after
 
   pure subroutine momentum_before(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = scaled(result%events(:size(values))%momentum_before, unit_of_momentum(result))
+    values = in_newton_seconds(result%events(:size(values))%momentum_before, result%units, result%approach_velocity)
   end subroutine momentum_before
 
   pure subroutine momentum_after(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
-    values = scaled(result%events(:size(values))%momentum_after, unit_of_momentum(result))
+    values = in_newton_seconds(result%events(:size(values))%momentum_after, result%units, result%approach_velocity)
   end subroutine momentum_after
 
 end module bw_event_variables

@@ -20,26 +20,31 @@ module bw_existing_result
   private
   public :: look_at_existing
 
+  type, public :: existing_result
+    !! A finished result of the same scene and version, if there is one.
+    logical :: is_there = .false.                  !! there is nothing to do
+    integer(i8) :: not_trusted = 0                 !! how many of its cases hold numbers that cannot be trusted
+    character(:), allocatable :: report            !! its attributes of these names
+    character(:), allocatable :: notes
+  end type existing_result
+
   character(*), parameter :: same = 'same', other = 'other', damaged = 'damaged'     !! what it is found to be
   integer, parameter :: at_once = 65536            !! numbers, or bytes, that are read at a time
 
 contains
 
-  subroutine look_at_existing(path, scene, overwrite, was_there, not_trusted, error, study)
+  subroutine look_at_existing(path, scene, overwrite, existing, error, study)
     !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
     !! **Errors**: also where it cannot be read, or is locked.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     logical, intent(in) :: overwrite
-    logical, intent(out) :: was_there              !! there is nothing to do
-    integer(i8), intent(out) :: not_trusted        !! how many of its cases hold numbers that cannot be trusted
+    type(existing_result), intent(out) :: existing
     type(error_type), allocatable, intent(out) :: error
     character(*), intent(in), optional :: study    !! the study whose result it is; absent: a run's
     type(path_state) :: state
     character(:), allocatable :: found
     integer :: problem
-    was_there = .false.
-    not_trusted = 0
     if (has_backslash(path)) call fail(error, status_bad_input, path//': NetCDF takes a backslash for a slash, and would '// &
                                        'write elsewhere; accepted: a path without')
     if (allocated(error)) return
@@ -48,29 +53,28 @@ contains
     if (state%kind == is_directory) call fail(error, status_bad_file, path//': is a directory')
     if (state%kind > is_directory) call fail(error, status_bad_file, path//': is neither a file nor a directory')
     if (state%kind /= is_file .or. allocated(error)) return
-    call find_out(path, scene, found, not_trusted, error, study)
+    call find_out(path, scene, found, existing, error, study)
     if (allocated(error)) return
-    was_there = found == same
-    if (was_there .or. overwrite) return
+    existing%is_there = found == same
+    if (existing%is_there .or. overwrite) return
     if (found == other) call fail(error, status_bad_file, path//': is there already, of another scene or version; '// &
                                   '--overwrite replaces it')
     if (found == damaged) call fail(error, status_bad_file, path//': is damaged, cut short or no NetCDF-4 file; '// &
                                     '--overwrite replaces it')
   end subroutine look_at_existing
 
-  subroutine find_out(path, scene, found, not_trusted, error, study)
+  subroutine find_out(path, scene, found, existing, error, study)
     !! What a file is. NetCDF has one word for all that it cannot read: what the system refuses is found by reading it.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     character(:), allocatable, intent(out) :: found
-    integer(i8), intent(out) :: not_trusted
+    type(existing_result), intent(inout) :: existing
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: study
     type(child_process) :: child
     type(string), allocatable :: texts(:)
     logical :: whole
     integer :: descriptor, problem, ignored
-    not_trusted = 0
     problem = open_file(path, to_read, descriptor)
     if (problem /= 0) call cannot_be_read(error, path, problem)
     if (allocated(error)) return
@@ -87,7 +91,9 @@ contains
     end if
     if (.not. allocated(error)) then
       found = texts(1)%text
-      read (texts(2)%text, *) not_trusted
+      read (texts(2)%text, *) existing%not_trusted
+      existing%report = texts(3)%text
+      existing%notes = texts(4)%text
       if (found == damaged) call read_through(path, descriptor, error)
     end if
     ignored = close_file(descriptor)
@@ -111,15 +117,15 @@ contains
   end subroutine read_through
 
   subroutine compare(path, scene, texts, error, study)
-    !! Whether a file is the result of the same resolved scene by the same version, and how many of its cases hold numbers
-    !! that cannot be trusted. The file is not closed: the process ends.
+    !! Whether a file is the result of the same resolved scene by the same version, how many of its cases hold numbers that
+    !! cannot be trusted, its report and its notes. The file is not closed: the process ends.
     !! **Errors**: memory is refused.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(out) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: study
-    character(:), allocatable :: found, wanted
+    character(:), allocatable :: found, wanted, report, notes
     integer(i8) :: cases
     integer :: file, status
     wanted = ''
@@ -131,29 +137,45 @@ contains
     call compare_text(file, 'source', source_text(), found, status)
     call compare_text(file, 'study', wanted, found, status)
     if (found == same) call count_not_trusted(file, cases, status)
+    call read_text(file, 'report', report, status)
+    call read_text(file, 'notes', notes, status)
     if (status == nf90_enomem) call fail(error, status_bad_file, trim(nf90_strerror(status)))
     if (status /= nf90_noerr) found = damaged
     call append(texts, found)
     call append(texts, text_of(cases))
+    call append(texts, report)
+    call append(texts, notes)
   end subroutine compare
 
   subroutine compare_text(file, name, wanted, found, status)
-    !! A global attribute; one that is not there is empty.
+    !! Whether a global attribute is another.
     integer, intent(in) :: file
     character(*), intent(in) :: name, wanted
     character(:), allocatable, intent(inout) :: found
     integer, intent(inout) :: status               !! of NetCDF; nothing is done after a failure
     character(:), allocatable :: text
+    call read_text(file, name, text, status)
+    if (status == nf90_noerr .and. text /= wanted) found = other
+  end subroutine compare_text
+
+  subroutine read_text(file, name, text, status)
+    !! A global attribute; one that is not there is empty.
+    integer, intent(in) :: file
+    character(*), intent(in) :: name
+    character(:), allocatable, intent(out) :: text
+    integer, intent(inout) :: status               !! of NetCDF; nothing is done after a failure
     integer :: length
+    text = ''
     if (status /= nf90_noerr) return
     length = 0
     status = nf90_inquire_attribute(file, nf90_global, name, len=length)
     if (status == nf90_enotatt) length = 0
     if (status == nf90_enotatt) status = nf90_noerr
+    if (status /= nf90_noerr .or. length == 0) return
+    deallocate (text)
     allocate (character(length) :: text)
-    if (status == nf90_noerr .and. length > 0) status = nf90_get_att(file, nf90_global, name, text)
-    if (status == nf90_noerr .and. text /= wanted) found = other
-  end subroutine compare_text
+    status = nf90_get_att(file, nf90_global, name, text)
+  end subroutine read_text
 
   subroutine count_not_trusted(file, cases, status)
     !! How many cases have a `case_status` other than done; studies have none.

@@ -15,14 +15,17 @@ contains
 
   pure function error_variables() result(rows)
     !! Estimated errors of the histories.
-    type(result_variable) :: rows(2)
+    type(result_variable) :: rows(3)
     rows = [ &
       case_variable(variable_text('displacement_error', 'point', 'm', 'estimate of the largest error of the displacement; '// &
                                   'with a capture against infinitely many modes'), &
                     displacement_error, needs='estimates'), &
       case_variable(variable_text('velocity_error', 'point', 'm s-1', 'estimate of the largest error of the velocity; '// &
                                   'with a capture against infinitely many modes'), &
-                    velocity_error, needs='estimates velocity')]
+                    velocity_error, needs='estimates velocity'), &
+      case_variable(variable_text('bending_moment_error', 'point', 'N m', 'estimate of the largest error of the bending '// &
+                                  'moment; with a capture against infinitely many modes'), &
+                    bending_moment_error, needs='estimates bending_moment')]
   end function error_variables
 
   pure function measured_variables() result(rows)
@@ -68,12 +71,14 @@ contains
 
   pure function history_variables() result(rows)
     !! Histories and spectra, a result's large arrays.
-    type(result_variable) :: rows(3)
+    type(result_variable) :: rows(4)
     rows = [ &
       case_variable(variable_text('displacement', 'point time', 'm', 'transverse displacement in the rotating frame', &
                                   'Eqs 4, 13 and 29'), displacement), &
       case_variable(variable_text('velocity', 'point time', 'm s-1', 'transverse velocity in the rotating frame'), velocity, &
                     needs='velocity'), &
+      case_variable(variable_text('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi'''), &
+                    bending_moment, needs='bending_moment'), &
       case_variable(variable_text('amplitude', 'point frequency', 'm', 'one-sided amplitude spectrum of the displacement'), &
                     amplitude)]
   end function history_variables
@@ -102,6 +107,13 @@ contains
     values = missing
     if (allocated(result%response%velocity_error)) values = result%response%velocity_error(:size(values))
   end subroutine velocity_error
+
+  pure subroutine bending_moment_error(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = missing
+    if (allocated(result%response%bending_moment_error)) values = result%response%bending_moment_error(:size(values))
+  end subroutine bending_moment_error
 
   pure subroutine angular_frequency(result, values)
     type(case_result), intent(in) :: result
@@ -162,6 +174,12 @@ contains
     real(dp), intent(out), contiguous :: values(:)
     call flatten(result%response%velocity, values)
   end subroutine velocity
+
+  pure subroutine bending_moment(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    call flatten(result%response%bending_moment, values)
+  end subroutine bending_moment
 
   pure subroutine amplitude(result, values)
     type(case_result), intent(in) :: result

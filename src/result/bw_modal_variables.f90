@@ -5,7 +5,7 @@ module bw_modal_variables
   use bw_case_result, only: case_result
   use bw_kinds, only: dp
   use bw_missing, only: scaled
-  use bw_mode_rates, only: find_angular_frequencies, find_growth_rates
+  use bw_modal_flow, only: find_angular_frequencies, find_growth_rates
   use bw_mode_set, only: mode_set
   use bw_netcdf, only: variable_text
   use bw_result_variable, only: case_variable, modal_variable, result_variable, values_of_modes

@@ -1,9 +1,9 @@
 module bw_result_file
-  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once: long histories and spectra case by
-  !! case, all else by blocks of cases. After a failure the file is not touched any more, as HDF5 does not bear that: who writes
+  !! The result of a scene: one NetCDF-4 file. Every number of every case is written once, those of a sweep by
+  !! blocks of cases. After a failure the file is not touched any more, as HDF5 does not bear that: who writes
   !! it does so in a process of its own.
   use bw_kinds, only: dp, i4, i8
-  use bw_case_fields, only: case_block, case_field, fields_of, put_field, short_fields, variables_of
+  use bw_case_fields, only: case_block, case_field, fields_of, put_field, variables_of
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_netcdf, only: netcdf_file, variable_text
@@ -23,7 +23,6 @@ module bw_result_file
     integer, private :: seconds = 0                       !! NetCDF's number of `stage_seconds`
   contains
     procedure :: put_case
-    procedure :: put_long_fields
     procedure :: put_cases
     procedure :: finish
   end type result_file
@@ -142,32 +141,19 @@ contains
     end do
   end subroutine put_case
 
-  subroutine put_long_fields(self, index, numbers, error)
-    !! The long histories and spectra of one case of a sweep.
+  subroutine put_cases(self, block, error)
+    !! Consecutive cases of a sweep, those fields of them that the block holds; it is empty then.
     class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: index                      !! of the case
-    real(dp), intent(in), contiguous :: numbers(:)        !! all of the case
+    type(case_block), intent(inout) :: block
     type(error_type), allocatable, intent(inout) :: error
     integer :: i
-    do i = short_fields(self%fields) + 1, size(self%fields)
-      associate (first => self%fields(i)%first, length => self%fields(i)%length)
-        call put_variable(self, i, index, 1, numbers(first:first + length - 1), error)
+    if (block%count == 0) return
+    do i = 1, size(block%fields)
+      associate (begin => block%begin_of(block%fields(i)), length => block%fields(i)%length*block%count)
+        call put_variable(self, block%before + i, block%first, block%count, block%numbers(begin:begin + length - 1), error)
       end associate
     end do
-  end subroutine put_long_fields
-
-  subroutine put_cases(self, first, block, error)
-    !! The short fields of consecutive cases of a sweep.
-    class(result_file), intent(in) :: self
-    integer(i8), intent(in) :: first                      !! number of the first of them
-    type(case_block), intent(in) :: block
-    type(error_type), allocatable, intent(inout) :: error
-    integer :: i
-    do i = 1, short_fields(self%fields)
-      associate (begin => block%begin_of(self%fields(i)), length => self%fields(i)%length*block%count)
-        call put_variable(self, i, first, block%count, block%numbers(begin:begin + length - 1), error)
-      end associate
-    end do
+    block%count = 0
   end subroutine put_cases
 
   subroutine put_variable(self, i, first, cases, numbers, error)
@@ -193,13 +179,14 @@ contains
     end associate
   end subroutine put_variable
 
-  subroutine finish(self, notes, seconds, error)
-    !! The notes and stage times, then close.
+  subroutine finish(self, notes, report, seconds, error)
+    !! The notes, what is printed of the numbers, and stage times, then close.
     class(result_file), intent(inout) :: self
-    character(*), intent(in) :: notes
+    character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)        !! (stages)
     type(error_type), allocatable, intent(inout) :: error
     call self%put_text('notes', notes, error)
+    call self%put_text('report', report, error)
     if (.not. allocated(error)) call self%check(nf90_put_var(self%id, self%seconds, seconds), error)
     call self%close(error)
   end subroutine finish

@@ -46,6 +46,7 @@ contains
     call file%put_text('effects', effect_names(scene), error)
     call file%put_text('method', trim(method_name(scene)), error)
     call file%put_text('notes', '', error)
+    call file%put_text('report', '', error)
     call file%put_text('compiler', program_compiler//trim(merge(', tuned for its processor', repeat(' ', 25), program_native)), &
                        error)
     call file%put_text('libraries', program_libraries, error)

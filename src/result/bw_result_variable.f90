@@ -12,7 +12,7 @@ module bw_result_variable
   public :: case_variable, modal_variable, values_of_case, values_of_modes
 
   type, extends(variable_text), public :: result_variable
-    character(24) :: needs = ''
+    character(32) :: needs = ''
       !! what a result must have, beside the variable's dimensions, for the variable to be in it: words that `has` of
       !! bw_result_layout knows, by spaces
     procedure(values_of_case), pointer, nopass :: from_case => null()       !! where its values come from, or …

@@ -90,8 +90,10 @@ contains
     group = parameter(:mark - 1)
     name = parameter(mark + 1:)
     row = name_row(group, name)
-    if (mark == 0 .or. scan(parameter, ' ') > 0) then
-      problem = "names no input; accepted: 'group%name'"
+    if (index(parameter, '&') == 1) then
+      problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
+    else if (mark == 0 .or. scan(parameter, ' ') > 0) then
+      problem = "names no input"//likely_target(parameter)//"; accepted: 'group%name'"
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
     else if (row == 0) then
@@ -103,6 +105,22 @@ contains
     row = 0
     call messages%add(source%line_of('parameter'), 'sweep%parameter', shown(parameter)//' '//problem)
   end subroutine find_target
+
+  pure function likely_target(parameter) result(text)
+    !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing.
+    character(*), intent(in) :: parameter
+    character(:), allocatable :: text, name
+    integer :: i
+    text = ''
+    name = trim(parameter(scan(parameter, '.:/ ', back=.true.) + 1:))
+    do i = 1, size(name_table)
+      if (name_table(i)%name /= name .or. .not. is_sweepable(name_table(i))) cycle
+      if (index(parameter, trim(name_table(i)%group)) == 0 .and. len(parameter) > len(name)) cycle
+      if (text /= '') text = text//' or'
+      text = text//" '"//place_of(name_table(i))//"'"
+    end do
+    if (text /= '') text = ' (did you mean'//text//'?)'
+  end function likely_target
 
   pure function obstacle(row, groups) result(problem)
     !! Why a known name cannot be swept here; empty where it can.

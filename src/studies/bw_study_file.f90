@@ -105,12 +105,14 @@ contains
                                           first_flag=1), values, error)
   end subroutine put_flags
 
-  subroutine finish(self, notes, error)
-    !! Put the notes, and close the file.
+  subroutine finish(self, notes, report, error)
+    !! Put the notes and the tables, and close the file.
     class(study_file), intent(inout) :: self
-    character(*), intent(in) :: notes               !! what the report warned of, lines
+    character(*), intent(in) :: notes               !! lines
+    character(*), intent(in) :: report              !! what is printed of the numbers
     type(error_type), allocatable, intent(inout) :: error
     call self%put_text('notes', notes, error)
+    call self%put_text('report', report, error)
     call self%close(error)
   end subroutine finish
 

@@ -2,8 +2,9 @@ module bw_study_frame
   !! What studies of a scene have in common: where their result lies, and how they begin and end.
   use bw_child_process, only: child_process
   use bw_error, only: error_type, status_stopped
-  use bw_existing_result, only: look_at_existing
+  use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: i8
+  use bw_note, only: remark
   use bw_outcome, only: outcome_type
   use bw_report, only: notes_report
   use bw_result_layout, only: layout_of
@@ -11,7 +12,7 @@ module bw_study_frame
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_summary, only: scene_heading, scene_summary
   use bw_study_file, only: create_study, study_file, study_values
-  use bw_text, only: append, string, text_of
+  use bw_text, only: string, text_of
   use bw_work_directory, only: work_directory
   implicit none (type, external)
   private
@@ -41,14 +42,15 @@ contains
     logical, intent(in) :: overwrite
     type(outcome_type), intent(inout) :: outcome    !! `was_there` where there is nothing to do
     type(error_type), allocatable, intent(out) :: error
-    integer(i8) :: ignored
+    type(existing_result) :: existing
     call case_scene(scene, 1_i8, self%scene, error)
     if (allocated(error)) return
     outcome%file = directory//'/'//scene%name//'.'//self%study//'.nc'
     call self%work%plan(outcome%file, overwrite)
-    call look_at_existing(outcome%file, self%scene, overwrite, outcome%was_there, ignored, error, self%study)
-    if (outcome%was_there) call self%work%clear()
-    if (.not. (allocated(error) .or. outcome%was_there)) call self%work%begin(error)
+    call look_at_existing(outcome%file, self%scene, overwrite, existing, error, self%study)
+    if (existing%is_there) call self%work%clear()
+    if (existing%is_there) call outcome%set_found(self%scene, layout_of(self%scene), existing)
+    if (.not. (allocated(error) .or. existing%is_there)) call self%work%begin(error)
   end subroutine begin
 
   subroutine end_study(self, scene, values, body, notes, outcome, error)
@@ -64,24 +66,24 @@ contains
     integer :: i
     allocate (lines(0))
     if (present(notes)) lines = notes
-    if (size(scene%sweeps) > 0) call append(lines, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
-    outcome%warnings = ''
+    if (size(scene%sweeps) > 0) call remark(lines, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
+    outcome%notes = ''
     do i = 1, size(lines)
-      outcome%warnings = outcome%warnings//lines(i)%text//nl
+      outcome%notes = outcome%notes//lines(i)%text//nl
     end do
-    call self%write_file(values, outcome%notes_text(), error)
+    call self%write_file(values, outcome%notes_text(), body, error)
     call self%work%leave()
     if (allocated(error)) return
     outcome%report = scene_heading(self%scene)//scene_summary(self%scene, layout_of(self%scene))//body//nl// &
       notes_report(outcome%notes_text())//'  result     '//outcome%file//nl
   end subroutine end_study
 
-  subroutine write_file(self, values, notes, error)
+  subroutine write_file(self, values, notes, report, error)
     !! Write the file in a process of its own, and give it its final name.
     !! **Errors**: it cannot be written.
     class(study_frame), intent(in) :: self
     class(study_values), intent(in) :: values
-    character(*), intent(in) :: notes
+    character(*), intent(in) :: notes, report
     type(error_type), allocatable, intent(inout) :: error
     type(child_process) :: child
     type(study_file) :: file
@@ -94,7 +96,7 @@ contains
       allocate (texts(0))
       call create_study(draft, self%scene, self%study, file, error)
       call values%put(file, error)
-      call file%finish(notes, error)
+      call file%finish(notes, report, error)
       call child%tell(texts, error)
     end if
     call child%hear(texts, whole, error)
@@ -108,7 +110,7 @@ contains
     call self%work%leave()
     outcome%status = status_stopped
     outcome%report = ''
-    outcome%warnings = outcome%file//': stopped; seconds cannot be taken up again, so the same command starts anew'//nl
+    outcome%notes = outcome%file//': stopped; seconds cannot be taken up again, so the same command starts anew'//nl
   end subroutine leave
 
 end module bw_study_frame

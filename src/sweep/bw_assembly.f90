@@ -1,6 +1,6 @@
 module bw_assembly
   !! The result of a sweep from the journals of all its cases, by NetCDF alone.
-  use bw_case_fields, only: block_for, case_block, case_field, field_of, fields_of, short_fields
+  use bw_case_fields, only: blocks_for, case_block, field_of, fields_of
   use bw_case_result, only: case_done
   use bw_error, only: error_type, fail, status_bad_file
   use bw_journal_reader, only: journal_reader
@@ -20,17 +20,14 @@ module bw_assembly
     type(notes_type) :: notes
     integer(i8) :: not_trusted = 0                       !! cases
     type(result_file), private :: file
-    type(case_field), allocatable, private :: fields(:)
     integer(i8), private :: at_status = 0                !! where a case's status stands among its numbers
     integer(i1), allocatable, private :: done(:)         !! (cases) 1: it is in the file
-    type(case_block), private :: block                   !! what is not long of neighbouring cases, not written yet
-    integer(i8), private :: first = 1                    !! the first of them
+    type(case_block), private :: blocks(2)               !! of neighbouring cases, what is not written yet
   contains
     procedure :: begin
     procedure :: take_journal
     procedure :: finish
     procedure, private :: take_case
-    procedure, private :: write_block
   end type assembly_type
 
 contains
@@ -43,12 +40,11 @@ contains
     type(result_layout), intent(in) :: layout
     type(error_type), allocatable, intent(out) :: error
     call create_result(path, scene, layout, self%file, error)
-    self%fields = fields_of(layout)
-    associate (status => field_of(self%fields, 'case_status'))
+    self%blocks = blocks_for(fields_of(layout), layout%cases)
+    associate (status => field_of(fields_of(layout), 'case_status'))
       self%at_status = status%first
     end associate
-    self%block = block_for(self%fields(:short_fields(self%fields)), layout%cases)
-    self%table = sweep_table(scene, layout)
+    self%table = sweep_table(layout)
     allocate (self%done(layout%cases), source=0_i1)
   end subroutine begin
 
@@ -72,46 +68,41 @@ contains
   end subroutine take_journal
 
   subroutine take_case(self, index, numbers, notes, error)
-    !! Put a case into the result, its long fields at once and the others into the block of its neighbours.
+    !! Put a case into the result: into the blocks of its neighbours, which are written when they are full, or do not reach up
+    !! to this case.
     class(assembly_type), intent(inout) :: self
     integer(i8), intent(in) :: index
     real(dp), intent(in), contiguous :: numbers(:)
     type(string), intent(in) :: notes(:)
     type(error_type), allocatable, intent(inout) :: error
-    if (self%block%count == self%block%capacity .or. index /= self%first + self%block%count) then
-      call self%write_block(error)                       ! it is full, or does not reach up to this case
-      self%first = index
-    end if
-    call self%block%add(self%fields(:short_fields(self%fields)), numbers)
-    call self%file%put_long_fields(index, numbers, error)
+    integer :: i
+    do i = 1, size(self%blocks)
+      if (.not. self%blocks(i)%takes(index)) call self%file%put_cases(self%blocks(i), error)
+      call self%blocks(i)%add(index, numbers)
+    end do
     if (nint(numbers(self%at_status)) /= case_done) self%not_trusted = self%not_trusted + 1
     self%done(index) = 1_i1
     call self%notes%add(index, notes)
-    if (self%table%shows(index)) call self%table%add(index, numbers)
+    call self%table%add(index, numbers)
   end subroutine take_case
 
-  subroutine write_block(self, error)
-    !! Write the block, and begin an empty one.
-    class(assembly_type), intent(inout) :: self
-    type(error_type), allocatable, intent(inout) :: error
-    if (self%block%count > 0 .and. .not. allocated(error)) call self%file%put_cases(self%first, self%block, error)
-    self%block%count = 0
-  end subroutine write_block
-
-  subroutine finish(self, notes, seconds, error)
-    !! Put the notes and the times of the stages, and close the file.
+  subroutine finish(self, notes, report, seconds, error)
+    !! Put the notes, the table of cases and the times of the stages, and close the file.
     !! **Errors**: cases are missing, or the file cannot be written.
     class(assembly_type), intent(inout) :: self
-    character(*), intent(in) :: notes
+    character(*), intent(in) :: notes, report
     real(dp), intent(in) :: seconds(:)                   !! (stages)
     type(error_type), allocatable, intent(inout) :: error
-    call self%write_block(error)
+    integer :: i
+    do i = 1, size(self%blocks)
+      call self%file%put_cases(self%blocks(i), error)
+    end do
     if (allocated(error)) return
     if (any(self%done == 0)) then
       call fail(error, status_bad_file, text_of(count(self%done == 0))//' finished cases cannot be found in their journals '// &
                 'any more; the same command does them again')
     else
-      call self%file%finish(notes, seconds, error)
+      call self%file%finish(notes, report, seconds, error)
     end if
   end subroutine finish
 

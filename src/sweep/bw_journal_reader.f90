@@ -30,6 +30,7 @@ module bw_journal_reader
     integer(i8), pointer, contiguous, private :: buffer(:) => null()
     integer(i8), private :: origin = 0                      !! place of the buffer's first word
     integer(i8), private :: have = 0                        !! words in the buffer
+    integer(i8), private :: at_once = read_at_once          !! words that are read at a time: whole records, if all are equal
   contains
     procedure :: open => open_reader
     procedure :: next
@@ -110,6 +111,7 @@ contains
     self%numbers => numbers(2:)
     call split(words(header + count + 1:length), head(at_letters), self%notes)
     self%place = self%place + word*length
+    self%at_once = length*max(1_i8, read_at_once/length)
   end subroutine read_record
 
   subroutine fetch(self, count, words, error)
@@ -118,19 +120,16 @@ contains
     integer(i8), intent(in) :: count
     integer(i8), pointer, contiguous, intent(out) :: words(:)
     type(error_type), allocatable, intent(inout) :: error
-    integer(i8) :: first, more
+    integer(i8) :: first
     integer :: problem
     words => null()
     first = (self%place - self%origin)/word + 1
-    if (first + count - 1 > self%have) then                 ! what is there goes to the front, and more behind it
-      self%have = max(0_i8, self%have - first + 1)
-      if (self%have > 0) self%buffer(:self%have) = self%buffer(first:first + self%have - 1)
-      call make_room(self%buffer, max(count, read_at_once), self%have)
+    if (first + count - 1 > self%have) then
       self%origin = self%place
-      problem = read_words(self%descriptor, self%origin + word*self%have, self%buffer(self%have + 1:), more)
-      if (problem /= 0) call cannot_be_taken(error, self%path, problem)
-      self%have = self%have + more
       first = 1
+      call make_room(self%buffer, max(count, self%at_once), 0_i8)
+      problem = read_words(self%descriptor, self%origin, self%buffer(:max(count, self%at_once)), self%have)
+      if (problem /= 0) call cannot_be_taken(error, self%path, problem)
       if (problem /= 0 .or. count > self%have) return
     end if
     words => self%buffer(first:first + count - 1)

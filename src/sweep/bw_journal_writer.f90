@@ -31,6 +31,7 @@ module bw_journal_writer
     character(:), allocatable :: path
     character(:), allocatable :: work                       !! whose cases these are
     integer, private :: descriptor = -1
+    integer(i8), private :: sum_of_work = 0
     real(dp), private :: looked = 0.0_dp
     integer(i8), pointer, contiguous, private :: record(:) => null()
   contains
@@ -66,6 +67,7 @@ contains
     if (self%descriptor >= 0) return
     problem = open_file(self%path, new_file, self%descriptor)
     text(1)%text = self%work
+    self%sum_of_work = word_sum(words_of_text(self%work))
     if (problem == 0) call self%write_record(0_i8, 0_i8, text, problem)
     if (problem /= 0) call cannot_be_written(error, self%path, problem)
   end subroutine begin
@@ -100,7 +102,7 @@ contains
     call make_room(self%record, last, header + count)
     self%record(header + count + 1:last) = words_of_text(text)
     associate (head => self%record(:header))
-      head(:at_letters) = [mark, word_sum(words_of_text(self%work)), case, count, len(text, i8)]
+      head(:at_letters) = [mark, self%sum_of_work, case, count, len(text, i8)]
       head(at_sums:at_sums + lanes - 1) = lane_sums(self%record(header + 1:last))
       head(header) = word_sum(head(:header - 1))
     end associate

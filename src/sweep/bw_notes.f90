@@ -1,7 +1,9 @@
 module bw_notes
   !! The notes of a scene's cases, put together: in a sweep each kind of note is said once, for its first case, with the
-  !! number of others that have it too. The kind is what stands before the first colon. The cases may come in any order.
+  !! number of others that have it too and what differs in the last of them. Warnings come before remarks. The cases may come
+  !! in any order.
   use bw_kinds, only: i8
+  use bw_note, only: is_remark, kind_of, remark_mark, unmarked
   use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
   private
@@ -10,6 +12,7 @@ module bw_notes
     !! One kind of note.
     integer(i8) :: first = 0                      !! the first case that has it
     integer :: place = 0                          !! where it stands among the notes of that case
+    integer(i8) :: last = 0                       !! the last case that has it
     integer(i8) :: cases = 0                      !! how many have it
   end type kind_type
 
@@ -17,6 +20,7 @@ module bw_notes
     private
     type(kind_type), allocatable :: kinds(:)
     type(string), allocatable :: texts(:)         !! of the first case of each kind
+    type(string), allocatable :: last_texts(:)    !! of the last one
   contains
     procedure :: add
     procedure :: lines
@@ -36,48 +40,87 @@ contains
         if (kind_of(self%texts(k)%text) == kind_of(notes(n)%text)) exit
       end do
       if (k > size(self%kinds)) then
-        self%kinds = [self%kinds, kind_type(index, n, 0)]
+        self%kinds = [self%kinds, kind_type(index, n, index, 0)]
         call append(self%texts, notes(n)%text)
+        call append(self%last_texts, notes(n)%text)
       else if (index < self%kinds(k)%first) then
         self%kinds(k)%first = index
         self%kinds(k)%place = n
         self%texts(k)%text = notes(n)%text
+      else if (index > self%kinds(k)%last) then
+        self%kinds(k)%last = index
+        self%last_texts(k)%text = notes(n)%text
       end if
       self%kinds(k)%cases = self%kinds(k)%cases + 1
     end do
   end subroutine add
 
-  pure function kind_of(text) result(kind)
-    !! The kind of a note: what stands before its first colon.
-    character(*), intent(in) :: text
-    character(:), allocatable :: kind
-    kind = text(:index(text//':', ':') - 1)
-  end function kind_of
-
   pure function lines(self, cases) result(text)
-    !! The notes, one line for each kind, in the order of their first cases, with the ends of lines.
+    !! The notes, one line for each kind, warnings before remarks, in the order of their first cases, with the ends of lines.
     class(notes_type), intent(in) :: self
     integer, intent(in) :: cases           !! of the sweep; 0 where there is none
     character(:), allocatable :: text
-    type(text_builder) :: built
-    logical, allocatable :: left(:)
+    logical, allocatable :: remarks(:)
     integer :: k
     text = ''
     if (.not. allocated(self%kinds)) return
-    allocate (left(size(self%kinds)), source=.true.)
+    remarks = [(is_remark(self%texts(k)%text), k=1, size(self%kinds))]
+    text = chosen_lines(self, cases, .not. remarks)//chosen_lines(self, cases, remarks)
+  end function lines
+
+  pure function chosen_lines(self, cases, chosen) result(text)
+    !! Those of some kinds.
+    class(notes_type), intent(in) :: self
+    integer, intent(in) :: cases           !! of the sweep; 0 where there is none
+    logical, intent(in) :: chosen(:)       !! (kinds)
+    character(:), allocatable :: text
+    type(text_builder) :: built
+    logical :: left(size(chosen))
+    integer :: k
+    left = chosen
     do while (any(left))
       k = earliest(self%kinds, left)
       left(k) = .false.
+      if (is_remark(self%texts(k)%text)) call built%append(remark_mark)
       if (cases > 0) then
         call built%append('case '//text_of(self%kinds(k)%first))
-        if (self%kinds(k)%cases > 1) call built%append(' (and '//text_of(self%kinds(k)%cases - 1)//' others of '// &
+        if (self%kinds(k)%cases == 2) call built%append(' (and one other of '//text_of(cases)//')')
+        if (self%kinds(k)%cases > 2) call built%append(' (and '//text_of(self%kinds(k)%cases - 1)//' others of '// &
                                                        text_of(cases)//')')
         call built%append(': ')
       end if
-      call built%append_line(self%texts(k)%text)
+      call built%append(unmarked(self%texts(k)%text))
+      if (cases > 0 .and. self%last_texts(k)%text /= self%texts(k)%text) then
+        call built%append('; in case '//text_of(self%kinds(k)%last)//', the last: '// &
+                          what_differs(self%last_texts(k)%text, self%texts(k)%text))
+      end if
+      call built%append_line('')
     end do
     text = built%text()
-  end function lines
+  end function chosen_lines
+
+  pure function what_differs(text, first) result(rest)
+    !! A note of the same kind as the first one, without the kind and without the clauses at its end that the first one has said.
+    character(*), intent(in) :: text, first       !! not the same
+    character(:), allocatable :: rest
+    integer :: cut, at
+    cut = len(text)
+    do
+      at = index(text(:cut), '; ', back=.true.)
+      if (at == 0) exit
+      if (.not. ends_with(first, text(at:))) exit
+      cut = at - 1
+    end do
+    rest = unmarked(text(:cut))
+    rest = rest(len(kind_of(rest)) + 1:)
+    if (index(rest, ': ') == 1) rest = rest(3:)
+  end function what_differs
+
+  pure logical function ends_with(text, ending)
+    character(*), intent(in) :: text, ending
+    ends_with = len(text) >= len(ending)
+    if (ends_with) ends_with = text(len(text) - len(ending) + 1:) == ending
+  end function ends_with
 
   pure integer function earliest(kinds, left) result(k)
     !! The place of the kind that comes first among those that are left.

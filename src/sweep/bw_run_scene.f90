@@ -5,7 +5,7 @@ module bw_run_scene
   use bw_case_result, only: case_done, case_result
   use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_existing_result, only: look_at_existing
+  use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: i1, i4, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, progress_type
@@ -13,7 +13,7 @@ module bw_run_scene
   use bw_one_case, only: case_cache, plan_case, run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
-  use bw_report, only: case_report, stage_table
+  use bw_report, only: case_report
   use bw_result_file, only: create_result, result_file
   use bw_result_header, only: source_text
   use bw_result_layout, only: layout_of
@@ -21,6 +21,7 @@ module bw_run_scene
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_summary, only: bytes_text, working_bytes
+  use bw_stage_report, only: stage_report
   use bw_stopwatch, only: stage_write, stopwatch
   use bw_text, only: string, text_of
   use bw_unfinished_work, only: unfinished_work
@@ -49,7 +50,7 @@ contains
     is_sweep = work%layout%cases > 0
     if (.not. (is_sweep .or. group%leads())) return
     outcome%file = directory//'/'//scene%name//'.nc'
-    outcome%warnings = ''
+    outcome%notes = ''
     call work%plan(outcome%file, overwrite)
     work%identity = source_text()//new_line('a')//resolved_text(scene)//new_line('a')//fields_text(fields_of(work%layout))
     allocate (go(0))
@@ -81,19 +82,23 @@ contains
     type(outcome_type), intent(inout) :: outcome
     integer(i4), allocatable, intent(inout) :: go(:)
     type(error_type), allocatable, intent(out) :: error
-    associate (file => outcome%file, was_there => outcome%was_there)
-      call look_at_existing(file, work%scene, work%overwrite, was_there, outcome%not_trusted, error)
-      if (was_there) call work%clear()
-      if (was_there .or. allocated(error)) return
-      call refuse_out_of_reach(work%scene, monitor, error)
-      if (.not. allocated(error)) call ask_for_memory(work, error)
-      if (.not. allocated(error)) call work%begin(error)
-      if (allocated(error)) return
-      ! a run may have ended just now
-      call look_at_existing(file, work%scene, work%overwrite, was_there, outcome%not_trusted, error)
-      if (was_there .or. allocated(error)) call work%leave()
-      if (.not. (was_there .or. allocated(error))) go = [1_i4]
-    end associate
+    type(existing_result) :: existing
+    call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error)
+    if (existing%is_there) call work%clear()
+    if (existing%is_there) call outcome%set_found(work%scene, work%layout, existing)
+    if (existing%is_there .or. allocated(error)) return
+    call refuse_out_of_reach(work%scene, monitor, error)
+    if (.not. allocated(error)) call ask_for_memory(work, error)
+    if (.not. allocated(error)) call work%begin(error)
+    if (allocated(error)) return
+    ! a run may have ended just now
+    call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error)
+    if (existing%is_there) call outcome%set_found(work%scene, work%layout, existing)
+    if (existing%is_there .or. allocated(error)) then
+      call work%leave()
+    else
+      go = [1_i4]
+    end if
   end subroutine look_first
 
   subroutine refuse_out_of_reach(scene, monitor, error)
@@ -130,7 +135,7 @@ contains
     integer(i1) :: none(0)
     logical :: whole
     call work%survey(0_i8, none, error)
-    if (.not. allocated(error) .and. work%has_others()) call outcome%remark(work_taken_away)
+    if (.not. allocated(error) .and. work%has_others()) call outcome%tell(work_taken_away)
     if (.not. allocated(error)) call work%remove_others(error)
     whole = .true.
     if (.not. allocated(error)) then
@@ -157,7 +162,8 @@ contains
     type(result_file) :: file
     type(notes_type) :: notes
     type(string), allocatable :: texts(:)
-    character(:), allocatable :: draft
+    character(:), allocatable :: draft, report
+    report = case_report(work%scene, result)
     call notes%add(1_i8, result%notes)
     call outcome%set_notes(notes%lines(work%layout%cases), work%layout, merge(0_i8, 1_i8, result%status == case_done))
     draft = work%new_draft()
@@ -167,7 +173,7 @@ contains
       call create_result(draft, work%scene, work%layout, file, error)
       if (.not. allocated(error)) call file%put_case(result, error)
       call watch%lap(stage_write)
-      call file%finish(outcome%notes_text(), watch%seconds, error)
+      call file%finish(outcome%notes_text(), report, watch%seconds, error)
       call child%tell(texts, error)
     end if
     call child%hear(texts, whole, error, progress)
@@ -175,8 +181,8 @@ contains
     call work%publish(draft, error)
     call watch%lap(stage_write)
     call watch%add_cpu(stage_write, child%seconds)
-    if (.not. allocated(error)) call outcome%set_report(work%scene, work%layout, case_report(result), 0_i8, &
-      stage_table(watch, sum(watch%seconds), 1, 1_i8))
+    if (.not. allocated(error)) call outcome%set_report(work%scene, work%layout, report, 0_i8, &
+      stage_report(watch, sum(watch%seconds), 1, 1_i8))
   end subroutine write_result
 
 end module bw_run_scene

@@ -12,7 +12,7 @@ module bw_run_sweep
   use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
-  use bw_report, only: stage_table
+  use bw_stage_report, only: stage_report
   use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
   use bw_text, only: append, string, text_of
   use bw_unfinished_work, only: journal_suffix, unfinished_work
@@ -61,7 +61,7 @@ contains
     call progress%end()
     if (allocated(table)) then
       call outcome%set_report(work%scene, work%layout, table, saved, &
-                              stage_table(worker%watch, wall_seconds() - began, group%processes, size(left, kind=i8)))
+                              stage_report(worker%watch, wall_seconds() - began, group%processes, size(left, kind=i8)))
       call work%discard()
     else
       call leave_for_later(work, saved + done, outcome, error)
@@ -82,9 +82,9 @@ contains
     allocate (done(work%layout%cases), source=0_i1)
     allocate (run(0))
     call work%survey(case_length(fields_of(work%layout)), done, error, progress)
-    if (.not. allocated(error) .and. work%has_others()) call outcome%remark(work_taken_away)
+    if (.not. allocated(error) .and. work%has_others()) call outcome%tell(work_taken_away)
     if (.not. allocated(error)) call work%remove_others(error)
-    if (work%damaged > 0) call outcome%remark('journals of an earlier run were '// &
+    if (work%damaged > 0) call outcome%tell('journals of an earlier run were '// &
       'not as it had left them in '//text_of(work%damaged)//' places; the finished cases there are done again')
     if (allocated(error)) then
       call work%leave()
@@ -177,9 +177,9 @@ contains
     end do
     call outcome%set_notes(assembly%notes%lines(work%layout%cases), work%layout, assembly%not_trusted)
     call watch%lap(stage_write)
-    call assembly%finish(outcome%notes_text(), watch%seconds, error)
+    call assembly%finish(outcome%notes_text(), assembly%table%text(work%scene), watch%seconds, error)
     call append(texts, assembly%notes%lines(work%layout%cases))
-    call append(texts, assembly%table%text())
+    call append(texts, assembly%table%text(work%scene))
     call append(texts, text_of(assembly%not_trusted))
   end subroutine write_result
 
@@ -197,7 +197,7 @@ contains
       allocate (found(work%layout%cases), source=0_i1)
       call work%survey(case_length(fields_of(work%layout)), found, unreadable)
       text = outcome%file//': '//text_of(count(found /= 0))//' of '//text_of(work%layout%cases)//' cases are saved; '
-      if (any(found /= 0)) text = text//'the same command goes on from there'
+      if (any(found /= 0)) text = text//'the same command'//in_the_way(work)//' goes on from there'
       if (all(found == 0)) text = text//'the same command begins anew'
       if (allocated(unreadable)) text = unreadable%message
       error%message = error%message//new_line('a')//text
@@ -206,6 +206,16 @@ contains
     end if
     call work%leave()
   end subroutine leave_for_later
+
+  function in_the_way(work) result(option)
+    !! The option that the command needs beside its own, as somebody else's result lies where the work's is to be.
+    type(unfinished_work), intent(in) :: work
+    character(:), allocatable :: option
+    type(path_state) :: state
+    option = ''
+    if (work%overwrite) return
+    if (look_at(work%result, state) == 0 .and. state%kind > 0) option = ' with --overwrite'
+  end function in_the_way
 
   subroutine flush_journals(work, error)
     !! Flush the journals onto the disk: what is left for later is to outlive the machine.

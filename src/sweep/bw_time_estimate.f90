@@ -1,9 +1,10 @@
 module bw_time_estimate
-  !! How long a scene will take: samples of its cases are run for a bounded time.
+  !! How long a scene will take, and what it will warn of: samples of its cases are run for a bounded time.
   use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
+  use bw_forecast, only: forecast_type
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
   use bw_one_case, only: case_cache, run_case
@@ -46,22 +47,25 @@ module bw_time_estimate
     type(scene_type) :: one                   !! the case at hand, or the one before it
     type(case_cache) :: cache                  !! what cases share
     type(time_limit) :: limit
+    type(forecast_type) :: forecast
   contains
     procedure :: sample
   end type case_timer
 
 contains
 
-  real(dp) function estimated_seconds(scene, layout, budget, monitor) result(seconds)
+  real(dp) function estimated_seconds(scene, layout, budget, monitor, forecast) result(seconds)
     !! Wall time of all cases by one process on a core of its own, s: the processor time of some of them, which other work
     !! on the machine changes least.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     real(dp), intent(in) :: budget                !! what the estimate may take itself, s
     class(monitor_type), intent(inout), target :: monitor    !! the estimate means nothing where it asks to stop
+    type(forecast_type), intent(out) :: forecast
     type(case_timer) :: timer
     real(dp) :: spent, began, part
     logical :: whole
+    allocate (timer%forecast%cases(0))
     timer%scene = scene
     timer%layout = layout
     timer%limit%user => monitor
@@ -70,6 +74,8 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
+    if (size(timer%forecast%cases) == 0) call timer%forecast%foretell(timer%one, timer%layout, monitor)
+    forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds
 
@@ -86,6 +92,7 @@ contains
     cases = case_count(timer%scene)
     samples = 0
     seconds = 0.0_dp
+    if (is_quick) call timer%sample(cases, began + 2.0_dp*budget, part, spent)       ! what is extreme is often the last
     do while (samples < min(cases, int(most_samples, i8)))
       samples = samples + 1
       index = place(samples, cases)
@@ -134,6 +141,7 @@ contains
     call cpu_time(ended)
     spent = ended - began
     part = 1.0_dp
+    if (whole .and. .not. allocated(error)) call self%forecast%add(index, result%notes)
     if (whole) return
     associate (limit => self%limit)
       if (limit%before > 0.0_dp .and. limit%fraction > limit%first + least_part*(1.0_dp - limit%first)) then   ! what comes before the histories is not a part of them

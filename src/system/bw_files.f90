@@ -5,11 +5,11 @@ module bw_files
   use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_kinds, only: i8
   use bw_system_calls, only: bw_error_text, bw_flush_directory, bw_kind_of_error, bw_link, bw_list, bw_look_at, bw_look_at_itself, &
-    bw_make_directory, bw_release, bw_remove, bw_remove_directory, bw_rename, error_not_there, is_directory
+    bw_make_directory, bw_may_write, bw_release, bw_remove, bw_remove_directory, bw_rename, error_not_there, is_directory
   use bw_text, only: append, string
   implicit none (type, external)
   private
-  public :: look_at, directory_is_there, same_file, files_in, make_directory, remove_file, remove_directory, rename_file
+  public :: look_at, directory_is_there, same_file, files_in, make_directory, may_write, remove_file, remove_directory, rename_file
   public :: link_file, flush_directory, directory_of, reason, cannot_be_read, cannot_be_written
 
   integer, parameter :: longest_reason = 200
@@ -95,6 +95,12 @@ contains
     end do
     if (directory_is_there(path)) problem = 0
   end function make_directory
+
+  integer function may_write(directory) result(problem)
+    !! Find out whether names can be made in a directory.
+    character(*), intent(in) :: directory
+    problem = bw_may_write(directory//c_null_char)
+  end function may_write
 
   pure function directory_of(path) result(directory)
     !! The directory in which a path lies; slashes at its end mean nothing.

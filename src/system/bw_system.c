@@ -156,6 +156,7 @@ int bw_rename(const char *from, const char *to) { return rename(from, to) < 0 ? 
 int bw_link(const char *from, const char *to) { return link(from, to) < 0 ? errno : 0; }
 int bw_remove(const char *path) { return unlink(path) < 0 ? errno : 0; }
 int bw_make_directory(const char *path) { return mkdir(path, 0777) < 0 ? errno : 0; }
+int bw_may_write(const char *path) { return faccessat(AT_FDCWD, path, W_OK | X_OK, AT_EACCESS) < 0 ? errno : 0; }
 int bw_remove_directory(const char *path) { return rmdir(path) < 0 ? errno : 0; }
 
 static int by_name(const void *one, const void *other)

@@ -105,6 +105,11 @@ module bw_system_calls
       implicit none (type, external)
       character(c_char), intent(in) :: path(*)
     end function bw_remove_directory
+    integer(c_int) function bw_may_write(path) bind(c)
+      import :: c_char, c_int
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+    end function bw_may_write
     integer(c_int) function bw_list(path, suffix, text, length) bind(c)
       import :: c_char, c_int, c_int64_t, c_ptr
       implicit none (type, external)

@@ -5,7 +5,7 @@ module bw_work_directory
   use bw_error, only: error_type, fail, status_bad_file
   use bw_file_lock, only: draft_of_lock => draft_suffix, file_lock, is_unique_name, unique_name
   use bw_files, only: cannot_be_written, directory_is_there, directory_of, files_in, flush_directory, link_file, look_at, &
-    make_directory, path_state, remove_directory, remove_file, rename_file, same_file
+    make_directory, may_write, path_state, remove_directory, remove_file, rename_file, same_file
   use bw_system_calls, only: bw_kind_of_error, error_is_there, error_not_offered, is_directory
   use bw_text, only: string
   implicit none (type, external)
@@ -48,6 +48,8 @@ contains
     integer :: problem
     problem = make_directory(self%path)
     if (problem /= 0 .and. bw_kind_of_error(problem) /= error_is_there) call cannot_be_written(error, self%path, problem)
+    problem = may_write(directory_of(self%path))         ! where the result will get its name
+    if (problem /= 0) call cannot_be_written(error, directory_of(self%path), problem)
     problem = look_at(self%path, state, itself=.true.)
     if (problem == 0 .and. state%kind > 0 .and. state%kind /= is_directory .and. .not. allocated(error)) then
       call fail(error, status_bad_file, self%path//': is no directory but a link or a file, which is left as it is; remove it')

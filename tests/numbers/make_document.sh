@@ -1,8 +1,8 @@
 #!/bin/sh
-# make_document.sh PROGRAM DOCUMENT COMPILER FLAGS LIBRARIES
+# make_document.sh PROGRAM DOCUMENT COMPILER LIBRARIES
 # Measures the hard cases and puts their table into DOCUMENT, between its two marks, or makes the document.
 set -eu
-program=$1 document=$2 compiler=$3 flags=$4 libraries=$5
+program=$1 document=$2 compiler=$3 libraries=$4
 first='<!-- hard cases: numbers_document writes from here -->'
 last='<!-- to here -->'
 
@@ -20,16 +20,12 @@ section() {
 $first
 ## Hard cases
 
-Made by \`cmake --build --preset default --target numbers_document\`, after \`cmake --preset default\`. The errors are against references of
-50 digits or more, computed from the same binary64 inputs ([tests/reference](../tests/reference/README.md)); the last column says how many
-numbers were compared. \`./test.sh\` prints the table anew, optimised and with floating-point traps, and fails where a bound is missed.
+Made by \`cmake --build --preset default --target numbers_document\`, after \`cmake --preset default\`. Errors are against references of
+50 digits or more, computed from the same binary64 inputs ([tests/reference](../tests/reference/README.md)). The last column says how
+many numbers were compared. \`./test.sh\` prints the table anew, optimised and with floating-point traps, and fails where a bound is
+missed.
 
-| | |
-| --- | --- |
-| machine | $(processor), $(uname -s) |
-| compiler | $compiler |
-| flags | \`$flags\` |
-| libraries | $libraries |
+Measured on $(processor), $(uname -s), with $compiler, $libraries and the flags of the preset \`default\`.
 
 $table
 $last

@@ -3,7 +3,7 @@ module unit_numbers
   use bw_kinds, only: dp
   use bw_beam_par, only: beam_par
   use bw_measured, only: measure_waves, measured_type
-  use bw_mode_check, only: measuring_type
+  use bw_mode_check, only: record_facts
   use bw_missing, only: is_missing
   use bw_response, only: response_type
   use number_table, only: table_type
@@ -85,7 +85,7 @@ contains
                        samples=128)
     call catch_mass(beam, catch, points, .true., response)
     call measure_waves(response%displacement(:, 3), response%displacement(:, 2), &
-                       measuring_type(catch%duration, beam%length), measured)
+                       record_facts(catch%duration, beam%length), measured)
   end subroutine observe
 
 end module unit_numbers

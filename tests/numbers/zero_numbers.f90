@@ -2,7 +2,7 @@ module zero_numbers
   !! Where nothing moves: the answer is zero to the last bit, and nothing traps on the way.
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves, measured_type
-  use bw_mode_check, only: measuring_type
+  use bw_mode_check, only: record_facts
   use bw_response, only: response_type
   use number_table, only: table_type
   use paper_motion, only: catch_mass, catch_type, paper_beam
@@ -45,7 +45,7 @@ contains
     type(measured_type) :: measured
     call catch_mass(paper_beam(), catch, points, .false., response)
     call table%note(maxval(abs(response%displacement)))
-    call measure_waves(response%displacement(:, 2), response%displacement(:, 1), measuring_type(catch%duration), measured)
+    call measure_waves(response%displacement(:, 2), response%displacement(:, 1), record_facts(catch%duration), measured)
     call table%note(real(measured%peak_count, dp))
   end subroutine at_points
 

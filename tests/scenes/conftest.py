@@ -5,17 +5,9 @@ from pathlib import Path
 
 import pytest
 from faults import Injector
-from workplace import Workplace
+from workplace import MPI_ON_FEW_CORES, Workplace
 
 PROJECT = Path(__file__).parents[2]
-
-# what Open MPI has to be told, and others do not mind: more processes than cores, and root, as in a container
-MPI_ON_FEW_CORES = {
-    "OMPI_MCA_rmaps_base_oversubscribe": "1",
-    "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-}
 
 
 def pytest_addoption(parser):

@@ -48,6 +48,20 @@ def test_the_document_holds_the_committed_numbers(name):
     assert document.section(PROJECT / "docs/numbers.md", bench.first) == expected, again
 
 
+def test_the_document_opens_and_closes_with_what_the_committed_data_say():
+    overview = importlib.import_module("overview.sections")
+    document = importlib.import_module("common.document")
+    measured, text = overview.committed(), overview.DOCUMENT.read_text(encoding="utf-8")
+    expected = {overview.FIRST: overview.what_matters(measured, text), overview.LAST: overview.machines(measured)}
+    for mark, words in expected.items():
+        assert document.section(overview.DOCUMENT, mark) == words.strip(), "PYTHONPATH=bench python -m overview writes it anew"
+
+
+def test_the_flags_of_the_compiler_stand_once_in_the_document():
+    flags = [line for line in (PROJECT / "docs/numbers.md").read_text(encoding="utf-8").splitlines() if "-march" in line]
+    assert len(flags) == 1
+
+
 def test_every_peer_is_measured_or_said_not_to_be(small_run):
     printed, measured, _ = small_run("peers")
     for peer in importlib.import_module("peers.measure").PEERS:

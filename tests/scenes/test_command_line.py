@@ -33,6 +33,16 @@ def test_a_wrong_command_line_is_refused_before_anything_runs(here, words):
     assert not (here.directory / "output").exists()
 
 
+@pytest.mark.parametrize(
+    "words", [["{}"], ["run", "--{}"], ["run", "--{}=a"], ["run", "a.nml", "--max-seconds", "{}"], ["describe", "{}"]]
+)
+def test_a_message_shows_no_more_than_80_letters_of_a_word(here, words):
+    ended = here.beamwave(*[word.format("x" * 100_000) for word in words])
+    assert ended.returncode == 2
+    assert "x" * 70 in ended.stderr
+    assert "x" * 81 not in ended.stderr
+
+
 @pytest.mark.parametrize("word", ["--help", "help"])
 def test_help_names_every_command_and_status(here, word):
     ended = here.beamwave(word)
@@ -105,6 +115,37 @@ def test_a_directory_stands_for_its_scenes(here):
     ended = here.beamwave("run", "set/", "--output=results", "--quiet")
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
     assert here.left("results") == ["a.nc", "b.nc"]
+
+
+def test_a_file_that_is_named_twice_is_run_once(here):
+    here.scene("a", captured_beam())
+    for name in ["set/b", "other/b"]:
+        here.scene(name, captured_beam())
+    (here.directory / "link.nml").symlink_to("a.nml")
+    ended = here.beamwave("run", "a.nml", "./a.nml", "set", "set/b.nml", "set/../a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "2 scenes: 2 done" in ended.stdout
+    assert here.left() == ["a.nc", "b.nc"]
+    absent = here.beamwave("run", "absent.nml", "absent.nml")
+    assert absent.returncode == 3
+    assert len(absent.stderr.splitlines()) == 1
+    linked = here.beamwave("run", "a.nml", "link.nml", "--overwrite")  # another name of the file has a result of its own
+    assert (linked.returncode, linked.stderr) == (0, "")
+    assert here.left() == ["a.nc", "b.nc", "link.nc"]
+
+
+def test_two_files_of_one_name_keep_no_other_error_from_view(here):
+    for name in ["one/a", "two/a", "b"]:
+        here.scene(name, captured_beam())
+    here.scene("bad", captured_beam(beam={"length": -1.0}))
+    ended = here.beamwave("run", "one/a.nml", "b.nml", "bad.nml", "absent.nml", "two/a.nml", "one/a.nml")
+    assert ended.returncode == 3
+    errors = ended.stderr.splitlines()
+    assert len(errors) == 3
+    assert "beam%length" in errors[0] and errors[1].startswith("absent.nml: ")
+    assert errors[2].startswith("two/a.nml: has the same name as one/a.nml")
+    assert "5 scenes: 0 done, 3 wrong, 2 not begun" in ended.stdout
+    assert not (here.directory / "output").exists()
 
 
 def test_a_second_run_has_nothing_to_do(here):

@@ -7,7 +7,7 @@ from workplace import captured_beam
 
 # small cases with much to sum, and so many that any build is under way when the time is up
 ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
-CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
+CASES = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 100_000}
 CLEAR = "\r\x1b[K"
 
 
@@ -15,7 +15,7 @@ def test_a_bar_shows_on_a_terminal_and_vanishes(here):
     here.scene("a", ENDLESS, CASES)
     status, shown = ended_on_terminal(here, "run", "a.nml", "--max-seconds", "2")
     assert status == 5
-    bars = re.findall(r"\r\[#*\.*\] a  (\d+) %  case (\d+) of 20000", shown)
+    bars = re.findall(r"\r\[#*\.*\] a  (\d+) %  case (\d+) of 100000", shown)
     assert bars
     assert [int(case) for _, case in bars] == sorted(int(case) for _, case in bars)
     _, _, after = shown.rpartition(CLEAR)
@@ -53,7 +53,7 @@ def test_a_log_gets_plain_lines(here):
     lines = [line for line in ended.stderr.splitlines() if " %" in line]
     assert lines
     for line in lines:
-        assert re.fullmatch(r"a  \d+ %  case \d+ of 20000(  [\d.]+ cases/s)?(  \d+ (ms|s|min|h) left)?", line)
+        assert re.fullmatch(r"a  \d+ %  case \d+ of 100000(  [\d.]+ cases/s)?(  \d+ (ms|s|min|h) left)?", line)
     assert not re.search(r"[\r\x1b]", ended.stderr)
 
 

@@ -76,6 +76,31 @@ def test_a_read_only_file_system_is_named(here):
     assert_refused(ended, "disk/a.partial")
 
 
+def test_a_directory_that_cannot_have_the_result_is_named_before_any_work(here):
+    here.scene("a", captured_beam(), SWEEP)
+    ended = in_own_mounts(
+        here,
+        "mkdir disk && mount -t tmpfs none disk && mkdir disk/a.partial && mount -t tmpfs none disk/a.partial\n"
+        "mount -o remount,ro disk && beamwave run a.nml --output disk",
+    )
+    assert_refused(ended, "disk/: cannot be written")
+    assert "are saved" not in ended.stderr
+
+
+@pytest.mark.parametrize("kilobytes", [16, 17, 18, 19, 20, 64, 512])
+def test_a_stack_that_is_too_small_is_told(here, kilobytes):
+    here.scene("a", captured_beam(response={"duration": 0.1, "samples": 64, "points": [0.5, 1.0]}, spectrum={}), SWEEP)
+    hard = resource.getrlimit(resource.RLIMIT_STACK)[1]
+    small = {"preexec_fn": lambda: resource.setrlimit(resource.RLIMIT_STACK, (1024 * kilobytes, hard))}
+    for words in [["run", "a.nml"], ["check", "a.nml"], ["effects", "a.nml"]]:
+        ended = here.beamwave(*words, **small)
+        if kilobytes < 32 and ended.returncode == -signal.SIGSEGV:
+            continue  # the system could not even start the program
+        if words[0] == "check" and ended.returncode == 0:
+            continue  # it takes less
+        assert_refused(ended, "ulimit -s")
+
+
 @pytest.mark.parametrize("size", ["1M", "100k", "8k"])
 def test_a_full_disk_leaves_no_half_written_result(here, size):
     here.scene("a", LARGE)

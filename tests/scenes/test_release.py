@@ -186,6 +186,16 @@ def test_a_release_after_the_last_sample_is_an_event_that_no_sample_shows(here, 
     assert late["peak_count"] == 0 and "no sample comes after the last event" in late.attributes["notes"]
 
 
+@pytest.mark.parametrize(("mass_ratio", "speed"), [(0.0, 1e184), (0.2, 1e-200)])
+def test_of_no_mass_and_of_next_to_no_speed_all_energies_are_zero(here, mass_ratio, speed):
+    """Also where the square of the speed is beyond the range of numbers."""
+    here.scene("a", released_beam(impact={"mass_ratio": mass_ratio, "approach_velocity": speed}))
+    result = here.run("a")
+    for name in ["energy_before", "energy_after"]:
+        assert (result[name][:3] == 0.0).all()
+    assert np.isfinite(result["momentum_after"]).all() and np.isfinite(result["displacement"]).all()
+
+
 def test_displacement_and_velocity_go_on_where_they_were(here):
     """Just before and just after, to what 300 modes and 1e-9 s leave."""
     jumps = {}
@@ -230,11 +240,11 @@ def test_estimates_hold_against_many_more_modes(here):
 def test_the_report_says_when_events_come_where_not_all_are_at_the_start(here):
     here.scene("a", released_beam())
     lines = here.beamwave("run", "a.nml").stdout.splitlines()
-    head = next(i for i, line in enumerate(lines) if re.match(r"  event +time +energy before", line))
+    head = next(i for i, line in enumerate(lines) if re.match(r"  event +time +impulse +energy before", line))
     times = {line.split()[0]: float(line.split()[1]) for line in lines[head + 2 : head + 5]}
     assert times == {"impact": 0.0, "capture": 0.0, "release": LEAVES}
     here.scene("b", captured_beam(modes=COUNTS, response=RESPONSE))
-    assert re.search(r"^  event +energy before", here.beamwave("run", "b.nml").stdout, re.MULTILINE)
+    assert re.search(r"^  event +impulse +energy before", here.beamwave("run", "b.nml").stdout, re.MULTILINE)
 
 
 def by_tolerance(tolerance, **groups):

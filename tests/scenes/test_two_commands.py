@@ -88,7 +88,9 @@ def test_a_result_that_was_put_there_meanwhile_is_replaced_only_if_asked(here, o
     else:
         assert status == 3 and "a result was put there meanwhile; --overwrite replaces it" in said
         assert result.read_text() == "somebody's"
-        assert "400 of 400 cases are saved" in said
+        assert "400 of 400 cases are saved; the same command with --overwrite goes on from there" in said
+        assert here.beamwave("run", "a.nml", "--overwrite").returncode == 0
+        assert len(here.result("a")["case"]) == 400
 
 
 def test_a_run_whose_lock_is_taken_away_does_not_place_its_result(here):

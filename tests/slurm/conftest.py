@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "scenes"))
+for folder in ("scenes", "documents"):
+    sys.path.insert(0, str(Path(__file__).parents[1] / folder))
 
 from slurm import PROJECT, Jobs, Slurm  # noqa: E402
 from workplace import Workplace  # noqa: E402

@@ -1,20 +1,15 @@
-"""docs/cluster.md, carried out as it stands: its shell blocks and then its Python, in one directory."""
+"""docs/cluster.md, carried out as it stands: its shell blocks from `Check first` on and then its Python, in one directory."""
 
-import re
 import subprocess
 import sys
 
 import pytest
 import results
+from documents import blocks, text_of
 from slurm import PROJECT, SECONDS, needs_mpi
 
-DOCUMENT = (PROJECT / "docs/cluster.md").read_text(encoding="utf-8")
+DOCUMENT = text_of("docs/cluster.md")
 WAIT = "while squeue --noheader | grep -q .; do sleep 0.2; done\n"  # each block begins when the jobs before it ended
-
-
-def blocks(language):
-    """The code of that language, in order."""
-    return re.findall(rf"^```{language}\n(.*?)^```", DOCUMENT, flags=re.MULTILINE | re.DOTALL)
 
 
 def carry_out(place, environment, *command):
@@ -31,8 +26,8 @@ def place(jobs, shared):
     needs_mpi(jobs)
     place = shared("document")
     environment = {**jobs.environment, "BEAMWAVE": str(PROJECT)}
-    place.said = carry_out(place, environment, "bash", "-euc", WAIT.join([*blocks("sh"), ""]))
-    place.said += carry_out(place, environment, sys.executable, "-c", "\n".join(blocks("python")))
+    place.said = carry_out(place, environment, "bash", "-euc", WAIT.join([*blocks(DOCUMENT, "sh", after="Check first"), ""]))
+    place.said += carry_out(place, environment, sys.executable, "-c", "\n".join(blocks(DOCUMENT, "python")))
     return place
 
 

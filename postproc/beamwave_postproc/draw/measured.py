@@ -12,6 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..parts.curves import Curve, panels_of
 from ..parts.labels import QUANTITIES as WORDS
+from ..parts.moving import is_released, last_modes
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import unit_text, units_of
@@ -19,7 +20,7 @@ from ..result import NothingToDraw, require
 from ..style import GREY, logarithmic, styled
 
 QUANTITIES = ("angular_frequency", "wavenumber", "phase_velocity", "group_velocity")
-ROUNDING = 1e-17  # an exact agreement is drawn here, a logarithmic axis having no 0
+ROUNDING = 1e-17  # an exact agreement is drawn here, a logarithmic axis having no 0; the head says so
 CASES_WIDTH = 0.6  # taken by the cases of one mode, side by side, in modes
 
 
@@ -36,7 +37,8 @@ class Pairs(NamedTuple):
 def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Measured against computed values of `name` with error bars, and the relative differences: two axes.
 
-    An angular frequency is drawn in Hz.
+    An angular frequency is drawn in Hz. Waves are measured after the last event, so that after a release the computed
+    ones are of the beam alone; raises `NothingToDraw` where the result does not hold these.
     """
     if name not in QUANTITIES:
         raise ValueError(f"{name} is not one of {', '.join(QUANTITIES)}")
@@ -46,6 +48,9 @@ def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, 
     drawn = panels_of(ds, found, panels=1)
     curves = drawn.curves
     pairs = [_pairs(curve.data, name) for curve in curves]
+    missing = [curve for curve in curves if last_modes(curve.data) is None]
+    if len(missing) == len(curves):
+        raise NothingToDraw("waves were measured after the release, and the result lacks the modes of the beam alone")
     if not any(pair.mode.size for pair in pairs):
         raise NothingToDraw(f"no peak has a {found} that belongs to a mode")
     sheet = sheet_for(ax, columns=2, width=9.6)
@@ -61,21 +66,41 @@ def measured(ds: xr.Dataset, name: str = "wavenumber", *, cases: Chosen = None, 
     words = label[0].lower() + label[1:]
     left.set(xlabel=f"Computed {words} ({units})", ylabel=f"Measured {words} ({units})")
     right.set(xlabel="Mode", ylabel=f"Relative difference of the {words}")
-    return sheet.finish(ds, drawn.notes)
+    return sheet.finish(ds, [*drawn.notes, _about_release(curves, missing), _about_zero(pairs)])
+
+
+def _about_zero(pairs: list[Pairs]) -> str:
+    """That a place on the axis stands for zero, where a marker is on it."""
+    equal = any(((pair.measured == pair.computed) | (pair.bound == 0.0)).any() for pair in pairs)
+    return "a difference or bound at 10⁻¹⁷ stands for zero" if equal else ""
+
+
+def _about_release(curves: list[Curve], missing: list[Curve]) -> str:
+    """Which modes are computed, where a release decides that, and which cases lack them."""
+    released = [curve for curve in curves if is_released(curve.data)]
+    if not released:
+        return ""
+    of = "" if len(released) == len(curves) else f" of {len(released)} of {len(curves)} cases"
+    words = f"measured{of} after the release, computed for the beam alone"
+    gone = ", ".join(curve.label for curve in missing)
+    return f"{words}; not drawn, as its modes are not in the file: {gone}" if gone else words
 
 
 def _pairs(case: xr.Dataset, name: str) -> Pairs:
-    """Match each peak that has a measured `name` with the mode nearest in angular frequency."""
-    beta = case["angular_frequency"].values
+    """Match each peak that has a measured `name` with the mode nearest in frequency, of those that move then."""
+    empty = Pairs(*(np.empty(0),) * 4)
+    last = last_modes(case)
+    if last is None or name not in last:
+        return empty
+    beta = last["angular_frequency"].values
     measured_beta = case["measured_angular_frequency"].values
     values, bound = case[f"measured_{name}"].values, case[f"measured_{name}_error"].values
     known = np.isfinite(measured_beta) & np.isfinite(values) & np.isfinite(bound)
-    modes = np.isfinite(beta) & (case[name].values > 0.0)
+    modes = np.isfinite(beta) & (last[name].values > 0.0)
     if not (known.any() and modes.any()):
-        empty = np.empty(0)
-        return Pairs(empty, empty, empty, empty)
+        return empty
     nearest = np.abs(beta[modes][None, :] - measured_beta[known][:, None]).argmin(axis=1)
-    mode, computed = case["mode"].values[modes], case[name].values[modes]
+    mode, computed = last["mode"].values[modes], last[name].values[modes]
     scale = 1.0 / (2.0 * np.pi) if name == "angular_frequency" else 1.0
     return Pairs(mode[nearest], scale * computed[nearest], scale * values[known], scale * bound[known])
 

@@ -32,7 +32,18 @@ def work_precision(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     asked = timed.isel(rung=np.flatnonzero(timed["ladder"].values == 1))
     _draw_shares(shares, asked)
     _draw_digits(digits, asked)
-    return sheet.finish(ds, [str(ds.attrs.get("machine", ""))], legend=[above])
+    return sheet.finish(ds, [str(ds.attrs.get("machine", "")), _average(drawn)], legend=[above])
+
+
+def _average(rungs: xr.Dataset) -> str:
+    """What a digit costs on average, from the coarsest tolerance to the finest; empty where there are not two."""
+    asked = rungs.isel(rung=np.flatnonzero(rungs["ladder"].values == 1))
+    error, seconds = asked["true_error"].values, asked["seconds"].values
+    if error.size < 2 or not error[-1] < error[0]:
+        return ""
+    growth = (seconds[-1] / seconds[0]) ** (1.0 / np.log10(error[0] / error[-1])) - 1.0
+    words = f"{100.0 * abs(growth):.0f}% {'more' if growth >= 0.0 else 'less'} time"
+    return f"each digit takes on average {words}, from an error of {error[0]:.1e} to {error[-1]:.1e}"
 
 
 def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
@@ -63,7 +74,7 @@ def _draw_aim(axes: Axes, error: np.ndarray, seconds: np.ndarray, asked: np.ndar
     start = np.flatnonzero(asked)[0]
     reach = np.geomspace(error[start], error.min(), 50)
     digits = np.log10(error[start] / reach)
-    label = f"{AIM:.0%} more time for each digit"
+    label = f"the aim: on average {AIM:.0%} more time for each digit, from {error[start]:.1e} to {error.min():.1e}"
     axes.plot(reach, seconds[start] * (1.0 + AIM) ** digits, color=GREY, linewidth=0.9, linestyle=":", label=label)
 
 
@@ -85,13 +96,16 @@ def _draw_shares(axes: Axes, rungs: xr.Dataset) -> None:
 
 
 def _draw_digits(axes: Axes, rungs: xr.Dataset) -> None:
-    """Bars of the seconds of the next digit, with the growth in per cent on each."""
+    """Bars of the seconds of the next digit, with the growth in per cent on each; none where it is within the noise."""
+    noise = rungs["digit_noise"].fillna(0.0).values if "digit_noise" in rungs else 0.0
     seconds = rungs["digit_seconds"].values
+    known = seconds > noise
+    seconds = np.where(known, seconds, np.nan)
     prefix, factor = si_prefix(seconds, "s")
     places = np.arange(seconds.size)
     bars = axes.bar(places, np.nan_to_num(factor * seconds), width=0.85, color=COLOURS[1])
     growth = rungs["digit_growth"].values
-    labels = [f"{100 * part:+.0f}%" if np.isfinite(part) else "" for part in growth]
+    labels = [f"{100 * part:+.0f}%" if above else "" for part, above in zip(growth, known)]
     axes.bar_label(bars, labels, fontsize="x-small", padding=1)
     axes.margins(y=0.15)
     axes.axhline(0.0, color=GREY, linewidth=0.6)

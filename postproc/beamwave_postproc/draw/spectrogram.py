@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -13,12 +15,13 @@ from ..parts.events import ROW, mark_events
 from ..parts.growth import grows
 from ..parts.labels import axis_label
 from ..parts.level import decibels, draw_level, highest_in_rows
+from ..parts.moving import folded_frequencies, folding_note
 from ..parts.passage import MOST, arrivals, highest_frequency, way_times
 from ..parts.select import Chosen, chosen, one_case
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, units_of, with_unit
 from ..result import NothingToDraw, require, require_numbers
-from ..style import ON_IMAGE, styled
+from ..style import COLOURS, ON_IMAGE, styled
 
 RANGE, RANGE_OF_ARRIVALS = 80.0, 30.0  # decibels below the highest amplitude that are shown
 WINDOWS = 14  # of what is shown in a window's length
@@ -28,6 +31,8 @@ ROOM = 1.1  # above the highest mode
 FINER = 2  # times as many frequencies as the window resolves
 WAYS = 3  # from the blow to the point: straight, and by reflections
 MIDPOINT = 0.5
+# Beside lines that are folded back.
+FOLDED: dict[str, Any] = {"linestyle": "", "marker": "<", "markersize": 4.0, "color": COLOURS[2]}
 
 
 @styled
@@ -59,7 +64,8 @@ def spectrogram(
     sheet = sheet_for(ax, columns=len(parts), width=6.4 if len(parts) == 1 else 9.6, height=3.8)
     for axes, (until, arriving) in zip(sheet.axes, parts):
         _draw(axes, case, until, window or until / WINDOWS, arriving)
-    return sheet.finish(ds, [note, rf"acceleration at $\xi$ = {point:.4g}"])
+    folding = folding_note([case], "marked at the right" if (duration, False) in parts else "")
+    return sheet.finish(ds, [note, rf"acceleration at $\xi$ = {point:.4g}", folding])
 
 
 def _require_motion(case: xr.Dataset) -> None:
@@ -87,11 +93,13 @@ def _draw(axes: Axes, case: xr.Dataset, until: float, window: float, arriving: b
     prefix, factor = si_prefix(np.array([top]), "Hz")
     extent = (ticks * moments[0], ticks * moments[-1], 0.0, factor * frequency[-1])
     depth, words = (RANGE_OF_ARRIVALS, " of each frequency") if arriving else (RANGE, "")
-    draw_level(axes, level, extent, depth, f"dB over the highest{words}")
-    axes.set(xlim=(0.0, ticks * until), ylim=(0.0, factor * top))
+    draw_level(axes, level, extent, depth, f"dB, 0 = the highest{words}")
+    axes.set(xlim=(0.0, ticks * moments[-1]), ylim=(0.0, factor * top))
     axes.set(xlabel=axis_label(case["time"], clock), ylabel=f"Frequency ({prefix}Hz)")
     if arriving:
-        _draw_arrivals(axes, case, ticks, factor)
+        _draw_arrivals(axes, case, ticks, factor, 1.0 / window)
+    else:
+        _mark_folded(axes, factor * folded_frequencies(case), ticks * moments[-1])
     rows = mark_events(axes, [case], ticks, words=True)
     axes.set_title(f"window of {with_unit(window, 's', 2)}", pad=6.0 + ROW * rows)
 
@@ -117,10 +125,20 @@ def levels(
     return decibels(amplitude, over), frequency, moments[shown]
 
 
-def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float) -> None:
-    """Times and frequencies of the waves of the shortest ways: lines where they obey Eq. 2, else marks of modes."""
+def _draw_arrivals(axes: Axes, case: xr.Dataset, ticks: float, factor: float, lowest: float) -> None:
+    """Times and frequencies of the waves of the shortest ways: lines where they obey Eq. 2, else marks of modes.
+
+    Below the `lowest` (Hz), of which a window holds not one wave, the picture shows no arrival, and none is drawn.
+    """
     frequency, ways, smooth = way_times(case, float(case["point_position"][0]), WAYS)
+    shown = frequency >= lowest
     for number, times in enumerate(ways):
         label = "arrivals at the group velocity: straight, then by reflections" if number == 0 else None
         style = {"linestyle": "-"} if smooth else {"linestyle": "", "marker": "o", "markersize": 3}
-        axes.plot(ticks * times, factor * frequency, linewidth=1.2, label=label, **ON_IMAGE, **style)
+        axes.plot(ticks * times[shown], factor * frequency[shown], linewidth=1.2, label=label, **ON_IMAGE, **style)
+
+
+def _mark_folded(axes: Axes, places: np.ndarray, end: float) -> None:
+    """Marks at the right `end` of the axes; an empty line beyond its axes would spoil the layout."""
+    if places.size:
+        axes.plot(np.full(places.size, end), places, clip_on=False, **FOLDED)

@@ -13,6 +13,7 @@ from ..parts.growth import grows
 from ..parts.labels import axis_label
 from ..parts.level import decibels, draw_level, highest_in_rows
 from ..parts.line import beam_line, places_of_line, whole_line
+from ..parts.moving import folding_note, is_released, last_modes
 from ..parts.passage import length_of
 from ..parts.relation import relation_of
 from ..parts.select import Chosen, chosen, one_case
@@ -51,11 +52,11 @@ def wavenumber_spectrum(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = Non
     frequency, amplitude = highest_in_rows(frequency, amplitude)
     extent = (wave[0], wave[-1], 0.0, factor * frequency[-1])
     level = decibels(amplitude, amplitude.max(keepdims=True))
-    draw_level(axes, level, extent, RANGE, "Amplitude of the velocity, dB over the highest")
+    draw_level(axes, level, extent, RANGE, "Amplitude of the velocity (dB, 0 = the highest)")
     _draw_relation(axes, case, frequency, factor)
     axes.set(xlim=(-limits[0], limits[0]), ylim=(0.0, factor * limits[1]), ylabel=f"Frequency ({prefix}Hz)")
     axes.set_xlabel(f"{axis_label(ds['wavenumber'])}: to the root | to the tip")
-    return sheet.finish(ds, [note])
+    return sheet.finish(ds, [note, folding_note([case])])
 
 
 def transform(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -79,20 +80,27 @@ def transform(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 def _limits(case: xr.Dataset, wave: np.ndarray, frequency: np.ndarray) -> tuple[float, float]:
     """Largest wave number and frequency shown: those of the modes, as far as points and samples resolve them."""
     p, beta = case["wavenumber"].values, case["angular_frequency"].values / (2.0 * np.pi)
-    resolved = np.isfinite(p) & np.isfinite(beta) & (beta < frequency[-1]) & (p < wave.max())
+    widest = float(min(wave[-1], -wave[0]))  # to either side
+    resolved = np.isfinite(p) & np.isfinite(beta) & (beta < frequency[-1]) & (p < widest)
     if not resolved.any():
-        return float(wave.max()), float(frequency[-1])
-    return min(ROOM * p[resolved].max(), float(wave.max())), min(ROOM * beta[resolved].max(), float(frequency[-1]))
+        return widest, float(frequency[-1])
+    return min(ROOM * p[resolved].max(), widest), min(ROOM * beta[resolved].max(), float(frequency[-1]))
 
 
 def _draw_relation(axes: Axes, case: xr.Dataset, frequency: np.ndarray, factor: float) -> None:
-    """The dispersion relation where the modes obey it, and the modes, on both sides."""
-    p, beta = case["wavenumber"].values, case["angular_frequency"].values
+    """The dispersion relation where the modes obey it, and the modes, on both sides; after a release both sets."""
     relation = relation_of(case)
-    for side, labels in ((-1.0, (None, None)), (1.0, ("modes", "Eq. 2"))):
-        marks = {**ON_IMAGE, "linestyle": "", "marker": "o", "markersize": 5, "markerfacecolor": "none"}
-        axes.plot(side * p, factor * beta / (2.0 * np.pi), label=labels[0], **marks)
+    last = last_modes(case)
+    sets = [("modes", "o", case)]
+    if is_released(case):
+        sets = [("modes with the mass", "o", case)]
+        sets += [("modes after the release", "D", last)] if last is not None and "wavenumber" in last else []
+    for side in (-1.0, 1.0):
+        for words, marker, modes in sets:
+            p, beta = modes["wavenumber"].values, modes["angular_frequency"].values
+            marks = {**ON_IMAGE, "linestyle": "", "marker": marker, "markersize": 5, "markerfacecolor": "none"}
+            axes.plot(side * p, factor * beta / (2.0 * np.pi), label=words, **marks)
         if relation is not None:
             curve = 2.0 * np.pi * frequency[-1] * np.linspace(0.0, 1.0, 800) ** 2  # even in wave number, nearly
             line = {**ON_IMAGE, "linewidth": 0.8}
-            axes.plot(side * relation.wavenumber(curve), factor * curve / (2.0 * np.pi), label=labels[1], **line)
+            axes.plot(side * relation.wavenumber(curve), factor * curve / (2.0 * np.pi), label="Eq. 2", **line)

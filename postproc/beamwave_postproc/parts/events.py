@@ -45,17 +45,18 @@ def events_of(case: xr.Dataset) -> list[Event]:
 def mark_events(axes: Axes, cases: list[xr.Dataset], factor: float, *, words: bool) -> int:
     """Draw each event of `cases` (s, times `factor`) as a line, or as a span where it lasts.
 
-    With `words` each kind is named once above the axes; returns how many rows of words stand there.
+    With `words` each kind is named once above the axes, where it first happens; of a single case with how many there
+    are. Returns how many rows of words stand there.
     """
     first, last = axes.get_xlim()
-    starts: dict[str, float] = {}
+    marked: list[Event] = []
     events = dict.fromkeys(event for case in cases for event in events_of(case))
     for event in sorted(events, key=lambda event: event.time):
         start, end = event.time * factor, min(event.end * factor, last)
         if first <= start <= last:
             _draw(axes, start, end)
-            starts.setdefault(f"{event.kind}, lasting" if event.end > event.time else event.kind, start)
-    return _write(axes, _joined(starts)) if words else 0
+            marked.append(event)
+    return _write(axes, _names(marked, factor, counted=len(cases) == 1)) if words else 0
 
 
 def _draw(axes: Axes, start: float, end: float) -> None:
@@ -70,11 +71,19 @@ def _draw(axes: Axes, start: float, end: float) -> None:
     axes.add_artist(line)
 
 
-def _joined(starts: dict[str, float]) -> dict[float, str]:
-    """Names of kinds by the time at which each first happens."""
+def _names(events: list[Event], factor: float, *, counted: bool) -> dict[float, str]:
+    """Kinds of `events`, with their numbers where `counted`, by the place at which each first happens."""
+    kinds: dict[str, list[Event]] = {}
+    for event in events:
+        kinds.setdefault(event.kind, []).append(event)
     found: dict[float, str] = {}
-    for kind, time in starts.items():
-        found[time] = f"{found[time]}, {kind}" if time in found else kind
+    for kind, alike in kinds.items():
+        lasting = sum(event.end > event.time for event in alike)
+        name = f"{len(alike)} {kind}s" if counted and len(alike) > 1 else kind
+        some = f"{lasting} " if counted and lasting < len(alike) else ""
+        name += f" ({some}lasting)" if lasting else ""
+        place = alike[0].time * factor
+        found[place] = f"{found[place]}, {name}" if place in found else name
     return found
 
 

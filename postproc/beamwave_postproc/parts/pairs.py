@@ -61,10 +61,15 @@ def _same_sweep(first: xr.Dataset, second: xr.Dataset) -> bool:
 
 
 def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str]) -> Head:
-    """Head of a picture of two results: both titles, both descriptions, and what differs."""
+    """Head of a picture of two results: both titles, what A is, what B has else, and what differs."""
     titles = [title_of(first), title_of(second)]
     title = titles[0] if titles[0] == titles[1] else f"A: {titles[0]}; B: {titles[1]}"
-    lines = [f"{letter}: {description_of(ds)}" for letter, ds in zip("AB", (first, second))]
+    mine, others = (description_of(ds).split("; ") for ds in (first, second))
+    own = [part for part in others if part not in mine]
+    gone = [name for name in effects_of(first) if name not in effects_of(second)]
+    rest = [f"without {' and '.join(gone)}"] if gone else []
+    rest += ["else as A"] if len(own) < len(others) else []
+    lines = [f"A: {'; '.join(mine)}", f"B: {'; '.join([*own, *rest])}"]
     return Head(title, [*lines, "; ".join(filter(None, [differences(first, second), *notes]))])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from .moving import half_the_sampling_rate, last_modes, sampled_frequencies
 from .relation import relation_of
 
 PASSAGES = 1.5  # of the waves of mode 2 along the beam, that the first part of a record is long
@@ -48,11 +49,15 @@ def arrivals(case: xr.Dataset) -> float | None:
 
 
 def highest_frequency(case: xr.Dataset) -> float:
-    """Highest frequency (Hz) that a history holds: of its samples, or of its modes where those are all in the file."""
-    time, beta = case["time"].values, case["angular_frequency"].values
-    nyquist = 0.5 / float(time[1] - time[0])
-    all_there = "mode_count" in case and int(case["mode_count"]) <= beta.size
-    return min(nyquist, float(np.nanmax(beta)) / (2.0 * np.pi)) if all_there else nyquist
+    """Highest frequency (Hz) that a history holds: of its samples, or of its modes where those are all in the file.
+
+    After a release those of the beam alone count as well.
+    """
+    nyquist = half_the_sampling_rate(case)
+    frequencies = sampled_frequencies(case)
+    all_there = "mode_count" in case and int(case["mode_count"]) <= case["angular_frequency"].size
+    there = all_there and last_modes(case) is not None and frequencies.size > 0
+    return min(nyquist, float(frequencies[-1])) if there else nyquist
 
 
 def _is_resolved(case: xr.Dataset, end: float) -> bool:
@@ -81,7 +86,8 @@ def way_times(case: xr.Dataset, xi: float, ways: int) -> tuple[np.ndarray, list[
 def group_velocities(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, bool]:
     """Angular frequencies (rad/s), ascending, their group velocities (m/s), and whether they are a smooth relation's.
 
-    Of the dispersion relation where the modes obey it, up to the highest that samples can hold, else of the modes.
+    Of the dispersion relation where the modes obey it, up to the highest that samples can hold, else of the modes. The
+    relation is the beam's, whatever is at its tip: modes with the mass tell it up to a release and after it.
     """
     relation = relation_of(case)
     if relation is not None:

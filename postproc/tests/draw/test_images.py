@@ -1,14 +1,16 @@
 """The moving beam over place, time, wave number and frequency: what the images hold is what was put in."""
 
+import warnings
+
 import numpy as np
 import pytest
 import synthetic
 
 from beamwave_postproc import NothingToDraw, open_result, space_time, spectrogram, wavenumber_spectrum
-from beamwave_postproc.draw.spectrogram import levels
+from beamwave_postproc.draw.spectrogram import WINDOWS, levels
 from beamwave_postproc.draw.wavenumber import transform
 from beamwave_postproc.parts.level import ROWS, decibels, highest_in_rows
-from beamwave_postproc.parts.passage import way_times
+from beamwave_postproc.parts.passage import arrivals, way_times
 
 POINTS = [round(0.05 * i, 2) for i in range(1, 21)]
 
@@ -81,6 +83,22 @@ def test_waves_arrive_in_the_spectrogram_when_the_group_velocity_says(whole):
         )
         # The window is as long as the arrival itself, whose peak it may shift by a fifth of its length.
         assert moments[first] == pytest.approx(arrival, abs=0.2 * window)
+
+
+def test_an_image_fills_its_axes_and_arrivals_end_where_a_window_holds_no_wave(whole):
+    fig = spectrogram(whole)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of a layout that fails
+        fig.draw_without_rendering()
+    images = [axes for axes in fig.axes if axes.images and axes.get_xlabel()]
+    assert len(images) == 2
+    for axes in images:
+        assert axes.get_xlim()[1] == pytest.approx(axes.images[0].get_extent()[1])
+    window = 1e3 * arrivals(whole) / WINDOWS  # ms
+    lines = [line for line in images[0].lines if len(line.get_xdata()) > 2]
+    assert len(lines) == 3 and all(line.get_ydata().min() >= 1.0 / window for line in lines)  # kHz
+    labels = [axes.get_ylabel() for axes in fig.axes if axes not in images]
+    assert labels == ["dB, 0 = the highest of each frequency", "dB, 0 = the highest"]
 
 
 def test_amplitudes_over_the_highest_of_all_or_of_each_frequency(whole):

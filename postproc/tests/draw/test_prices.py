@@ -36,8 +36,16 @@ def test_each_ladder_is_a_curve_of_its_timed_rungs(study):
     curves = {line.get_label(): line for line in axes.lines}
     drawn = sorted(len(box.lines[0].get_xdata()) for box in axes.containers)
     assert drawn == [1, 2, 2]
-    assert "25% more time for each digit" in curves
+    assert "the aim: on average 25% more time for each digit, from 5.0e-03 to 1.0e-05" in curves
     assert axes.get_xlim()[0] > axes.get_xlim()[1]
+
+
+def test_the_head_says_what_a_digit_takes_on_average(study):
+    # A tenth of the error, from 5e-3 to 4e-4, is 1.097 digits: 1.2 to that root.
+    said = "each digit takes on average 18% more time, from an error of 5.0e-03 to 4.0e-04"
+    assert any(said in text.get_text().replace("\n", " ") for text in work_precision(study).texts)
+    one = study.isel(rung=[0, 4, 5])
+    assert not any("on average" in text.get_text() for text in work_precision(one).texts)
 
 
 def test_errors_below_the_converged_run_are_shaded(study):
@@ -54,6 +62,15 @@ def test_stage_shares_fill_the_bars_and_digits_carry_their_growth(study):
     assert shares.get_legend_handles_labels()[1] == ["modes", "events", "response"]
     assert max(bar.get_y() + bar.get_height() for bar in shares.patches) == pytest.approx(100.0)
     assert "+20%" in [text.get_text() for text in digits.texts]
+
+
+def test_a_price_within_the_noise_has_no_bar(study):
+    noisy = study.assign(digit_noise=("rung", [3e-4, *5 * [np.nan]]))
+    below = study.assign(digit_seconds=("rung", [-2e-4, *5 * [np.nan]]))
+    for measured in (noisy, below):
+        digits = work_precision(measured).axes[2]
+        assert "+20%" not in [text.get_text() for text in digits.texts]
+        assert all(bar.get_height() == 0.0 for bar in digits.patches)
 
 
 def test_without_an_error_there_is_nothing_to_draw(study, full_result):

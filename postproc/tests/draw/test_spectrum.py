@@ -5,13 +5,42 @@ import pytest
 import synthetic
 import xarray as xr
 
-from beamwave_postproc import NothingToDraw, displacement, measured, open_result, spectrum
+from beamwave_postproc import NothingToDraw, displacement, measured, open_result, spectrogram, spectrum
 from beamwave_postproc.draw.measured import QUANTITIES
+
+
+def drawn_lines(fig):
+    return [line for line in fig.axes[0].lines if len(line.get_xdata())]
+
+
+def says(fig, words):
+    return any(words in text.get_text().replace("\n", " ") for text in fig.texts)
+
+
+def test_lines_folded_back_are_marked_and_the_head_says_so(full_result):
+    with open_result(full_result) as ds:
+        ds.load()
+    frequency, rate = ds["angular_frequency"].values / (2 * np.pi), 2.0**14
+    above = frequency[frequency > rate / 2]
+    fig = spectrum(ds)
+    (marked,) = (line for line in drawn_lines(fig) if line.get_marker() == "x")
+    remainder = above % rate
+    # The remainder is of numbers up to 1e5.
+    np.testing.assert_allclose(marked.get_xdata(), np.sort(np.minimum(remainder, rate - remainder)), atol=1e-9)
+    assert says(fig, "above half the sampling rate (8.192\u00a0kHz) are folded back: × marks them")
+    assert says(spectrogram(ds), "are folded back: marked at the right")
+    few = ds.isel(mode=frequency < rate / 2)
+    few = few.assign(mode_count=few.sizes["mode"])
+    assert not any(line.get_marker() == "x" for line in drawn_lines(spectrum(few)))
+    assert not any(says(picture(few), "folded back") for picture in (spectrum, spectrogram))
+    # The file may hold fewer modes than were summed: the notes tell.
+    more = few.assign(mode_count=40).assign_attrs(notes="remark: left out: modes 9 to 40, folded back from above")
+    assert all(says(picture(more), "folded back") for picture in (spectrum, spectrogram))
 
 
 def test_a_marker_stands_on_each_measured_peak(full_result):
     with open_result(full_result) as ds:
-        row, peaks = (line for line in spectrum(ds).axes[0].lines if len(line.get_xdata()))
+        row, peaks = (line for line in drawn_lines(spectrum(ds)) if line.get_marker() != "x")
         expected = ds["measured_angular_frequency"].values / (2 * np.pi)
     np.testing.assert_array_equal(peaks.get_xdata(), expected)
     assert np.isin(peaks.get_ydata(), row.get_ydata()).all()
@@ -21,7 +50,7 @@ def test_a_marker_stands_on_each_measured_peak(full_result):
 def test_a_spectrum_without_peaks_is_drawn_alone(full_result):
     with open_result(full_result) as ds:
         fig = spectrum(ds.drop_vars("measured_angular_frequency"))
-    drawn = [line for line in fig.axes[0].lines if len(line.get_xdata())]
+    drawn = [line for line in drawn_lines(fig) if line.get_marker() != "x"]
     assert len(drawn) == 1 and not any("peaks" in text.get_text() for text in fig.texts)
 
 
@@ -49,7 +78,11 @@ def test_a_peak_without_a_wavenumber_is_left_out(full_result):
 def test_exact_agreement_has_a_place_on_the_logarithmic_axis(full_result):
     with open_result(full_result) as ds:
         exact = ds.assign(measured_wavenumber=("peak", ds["wavenumber"].values[:10]))
-        assert (measured(exact, "wavenumber").axes[1].lines[1].get_ydata() > 0.0).all()
+        fig = measured(exact, "wavenumber")
+        assert (fig.axes[1].lines[1].get_ydata() == 1e-17).all()
+        assert any("at 10⁻¹⁷ stands for zero" in text.get_text() for text in fig.texts)
+        other = measured(ds.assign(measured_wavenumber=1.001 * exact["measured_wavenumber"]), "wavenumber")
+        assert not any("stands for zero" in text.get_text() for text in other.texts)
 
 
 def test_a_record_of_two_samples_has_no_spectrum_to_draw(tmp_path):

@@ -29,14 +29,22 @@ def test_each_kind_of_event_is_named_once(full_result):
         assert [text.get_text() for text in displacement(ds).axes[0].texts] == ["impact, capture"]
         axes = displacement(with_events(ds, (0, 0, IMPACT), (0.25, 0.25, CONTACT), (0.5, 0.5, CONTACT))).axes[0]
     assert marks(axes) == ([0.0, 0.25, 0.5], [])
-    assert [text.get_text() for text in axes.texts] == ["impact", "contact"]
+    assert [text.get_text() for text in axes.texts] == ["impact", "2 contacts"]
 
 
 def test_a_contact_that_lasts_is_a_span_also_to_the_end_of_the_record(full_result):
     with open_result(full_result) as ds:
         axes = displacement(with_events(ds, (0, 0, IMPACT), (0.25, 0.5, CONTACT), (0.75, np.nan, CONTACT))).axes[0]
     assert marks(axes)[1] == [(0.25, 0.5), (0.75, pytest.approx(1.0))]
-    assert [text.get_text() for text in axes.texts] == ["impact", "contact, lasting"]
+    assert [text.get_text() for text in axes.texts] == ["impact", "2 contacts (lasting)"]
+
+
+def test_many_contacts_in_little_time_are_one_name_with_their_number(full_result):
+    many = [(0.01 + 1e-5 * i, 0.01 + 1e-5 * i, CONTACT) for i in range(30)] + [(0.011, 0.02, CONTACT)]
+    with open_result(full_result) as ds:
+        axes = displacement(with_events(ds, (0, 0, IMPACT), *many)).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["impact", "31 contacts (1 lasting)"]
+    assert len(marks(axes)[0]) == 32
 
 
 def test_words_stand_above_the_axes_and_apart(full_result):

@@ -5,13 +5,13 @@ module bw_closed_form
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
   use bw_missing, only: missing
-  use bw_mode_cache, only: cached_set
+  use bw_mode_cache, only: cached_set, shape_table
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type, stops
   use bw_overlap, only: overlap_with_tip_mass, overlap_without_mass
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: batch, root_values, solve_roots
-  use bw_shape, only: shape_type, shapes_of, shape_values
+  use bw_shape, only: curvature_values, shape_type, shapes_of, shape_values
   implicit none (type, external)
   private
   public :: closed_form_modes, find_modes, find_cached_modes
@@ -20,8 +20,10 @@ module bw_closed_form
   type, extends(mode_set), public :: closed_form_set
     type(root_type), allocatable :: root(:)        !! from which shapes follow, (n)
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none
+    type(shape_table), private :: known            !! shapes of all modes that are known already
   contains
     procedure :: some_shapes => closed_form_shapes
+    procedure :: some_curvatures => closed_form_curvatures
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: overlap_far_below
@@ -32,7 +34,7 @@ module bw_closed_form
 contains
 
   type(closed_form_set) function closed_form_modes(count, gamma, omega, longest) result(modes)
-    !! The first `count` modes; γ = 0 is the free beam.
+    !! The first `count` modes; γ = 0 is the beam alone.
     integer, intent(in) :: count           !! ≥ 1
     real(dp), intent(in) :: gamma          !! mass ratio, ≥ 0
     type(dd), intent(in), optional :: omega
@@ -55,6 +57,7 @@ contains
     type(dd) :: alpha(batch)
     integer :: first, last, m
     call allocate_set(size(number), gamma%hi, omega, modes)
+    modes%known_by_mass = maxval(number) == size(number)
     do first = 1, size(number), batch
       last = min(first + batch - 1, size(number))
       m = last - first + 1
@@ -68,21 +71,27 @@ contains
     end do
   end subroutine find_modes
 
-  pure subroutine find_cached_modes(cached, omega, longest, modes)
+  pure subroutine find_cached_modes(cached, omega, longest, points, modes)
     !! Find the modes of a set that is in the cache.
     type(cached_set), intent(inout) :: cached
     type(dd), intent(in), optional :: omega
     real(dp), intent(in), optional :: longest
+    real(dp), intent(in), optional :: points(:)    !! ξ where the shapes of all modes will be asked for
     type(closed_form_set), intent(out) :: modes
     type(dd) :: alpha(size(cached%shape))
     integer :: first, last
     call allocate_set(size(cached%shape), cached%gamma%hi, omega, modes)
-    modes%cache_key = cached%key
+    modes%known_by_mass = .true.
     call cached%roots(omega, longest, alpha)
     do first = 1, modes%count, batch
       last = min(first + batch - 1, modes%count)
       call set_range(first, last, cached%shape(first:last), alpha(first:last), omega, modes)
     end do
+    if (.not. present(points)) return
+    if (.not. cached%at_points%is_of(points)) then
+      if (cached%at_points%has_room_for(modes%count, points)) cached%at_points = shape_table(points, modes%shapes(points))
+    end if
+    modes%known = cached%at_points
   end subroutine find_cached_modes
 
   pure subroutine allocate_set(n, gamma, omega, modes)
@@ -146,26 +155,63 @@ contains
   ! What is asked of a set
 
   pure function closed_form_shapes(self, first, last, xi) result(values)
-    !! Φ_k(ξ) from the roots.
+    !! Φ_k(ξ) from the roots, unless they are known.
     class(closed_form_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    type(shape_type) :: shape(batch)
+    if (size(values, 1) == self%count .and. self%known%is_of(xi)) then
+      values = self%known%values
+    else
+      values = shapes_of_roots(self%root(first:last), xi)
+    end if
+  end function closed_form_shapes
+
+  pure function shapes_of_roots(root, xi) result(values)
+    !! Φ_k(ξ) of the modes that belong to roots.
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(size(root), size(xi))
+    type(shape_type) :: shape(min(batch, size(root)))
     integer :: k, n, p
-    do k = 1, size(values, 1), batch
-      n = min(batch, size(values, 1) - k + 1)
-      shape(:n) = shapes_of(self%root(first + k - 1:first + k + n - 2))
+    do k = 1, size(root), batch
+      n = min(batch, size(root) - k + 1)
+      shape(:n) = shapes_of(root(k:k + n - 1))
       do p = 1, size(xi)
         values(k:k + n - 1, p) = shape_values(shape(:n), xi(p))
       end do
     end do
-  end function closed_form_shapes
+  end function shapes_of_roots
+
+  pure function closed_form_curvatures(self, first, last, xi) result(values)
+    !! Φ_k''(ξ) from the roots; at the clamped end −2α² whatever the mass.
+    class(closed_form_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    values = spread(-2.0_dp*self%alpha(first:last)**2, 2, size(xi))
+    if (any(xi /= 0.0_dp)) call find_curvatures(self%root(first:last), xi, values)
+  end function closed_form_curvatures
+
+  pure subroutine find_curvatures(root, xi, values)
+    type(root_type), intent(in) :: root(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(out) :: values(:, :)
+    type(shape_type) :: shape(batch)
+    integer :: k, n, p
+    do k = 1, size(root), batch
+      n = min(batch, size(root) - k + 1)
+      shape(:n) = shapes_of(root(k:k + n - 1))
+      do p = 1, size(xi)
+        values(k:k + n - 1, p) = curvature_values(shape(:n), xi(p))*shape(:n)%alpha**2
+      end do
+    end do
+  end subroutine find_curvatures
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i(∫Φ_kφ_i dξ + γΦ_k(1)φ_i(1)), Eq. 26 times M̄_k.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form, of the free beam
+    class(mode_set), intent(in) :: from            !! in closed form, of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
@@ -180,7 +226,7 @@ contains
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! Σ_i a_i∫Φ_kφ_i dξ.
     class(closed_form_set), intent(in) :: self
-    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the free beam
+    class(mode_set), intent(in) :: from            !! in closed form; one of the two is of the beam alone
     real(dp), intent(in) :: amplitude(:)
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)

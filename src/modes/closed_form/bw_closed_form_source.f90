@@ -5,7 +5,6 @@ module bw_closed_form_source
   use bw_closed_form, only: closed_form_set, find_cached_modes, find_modes
   use bw_double_double, only: dd, to_dd
   use bw_far_modes, only: far_beam, far_terms, light_modes
-  use bw_far_runs, only: far_run_terms, is_far_run
   use bw_frequency_equation, only: highest_mode
   use bw_mode_cache, only: mode_cache
   use bw_mode_set, only: mode_set, mode_source, terms_of_set
@@ -19,6 +18,7 @@ module bw_closed_form_source
     type(dd) :: mass_ratio                         !! γ to all digits
     type(dd), allocatable :: omega                 !! in-plane angular velocity in h/l²; unallocated: none acts on the modes
     type(mode_cache), pointer :: cache => null()   !! what cases share; not associated: nothing is cached
+    real(dp), allocatable :: points(:)             !! ξ where shapes will be asked for; unallocated: nowhere
   contains
     procedure :: find => find_in_closed_form
     procedure :: terms => terms_in_closed_form
@@ -63,7 +63,7 @@ contains
     if (is_cached) is_cached = self%cache%has_room_for_set(number)
     if (is_cached) then
       call self%cache%find_set(size(number), self%mass_ratio, place)
-      call find_cached_modes(self%cache%sets(place), self%omega, longest, found)
+      call find_cached_modes(self%cache%sets(place), self%omega, longest, self%points, found)
     else
       call find_modes(number, self%mass_ratio, self%omega, longest, found, monitor)
     end if
@@ -72,7 +72,7 @@ contains
   end subroutine find_in_closed_form
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
-    !! Find terms of runs of far modes by interpolation, of other far ones in their short form, of the others through a set.
+    !! Find terms of far modes in their short form, of the others through a set.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
@@ -81,14 +81,9 @@ contains
     real(dp), intent(out) :: drive(:), shapes(:, :)
     type(far_beam) :: beam
     integer :: light, near
-    logical :: found
     beam%gamma = self%mass_ratio
     if (allocated(self%omega)) beam%omega = self%omega
     if (present(longest)) beam%longest = longest
-    if (is_far_run(number, beam, xi)) then
-      call far_run_terms(number(1), beam, xi, beta, drive, shapes, found)
-      if (found) return
-    end if
     near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
     light = max(near, light_modes(number, self%gamma))
     if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
@@ -96,21 +91,12 @@ contains
     call add_far(light + 1, size(number))
   contains
     subroutine add_far(from, to)
-      !! Find terms of far modes, all light or all heavy: in the cache, if no phases are asked for and there is room.
+      !! Find terms of far modes, all light or all heavy.
       integer, intent(in) :: from, to              !! places in the list
       integer :: first, last
-      logical :: is_cached
       do first = from, to, batch
         last = min(first + batch - 1, to)
-        associate (k => number(first:last))
-          is_cached = associated(self%cache) .and. .not. present(longest)
-          if (is_cached) is_cached = self%cache%has_room_for_list(k, xi)
-          if (is_cached) then
-            call self%cache%far_terms(k, beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
-          else
-            call far_terms(k, beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
-          end if
-        end associate
+        call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
       end do
     end subroutine add_far
   end subroutine terms_in_closed_form

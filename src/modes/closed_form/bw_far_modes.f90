@@ -11,10 +11,10 @@ module bw_far_modes
   use bw_kinds, only: dp
   use bw_double_double, only: dd, dd_pi, rounder, sqrt, two_products, operator(*), operator(+), operator(-)
   use bw_frequency_equation, only: root_type
-  use bw_refined_root, only: any_coarse, is_coarse, refine_roots
+  use bw_refined_root, only: is_coarse, refine_roots
   implicit none (type, external)
   private
-  public :: far_terms, far_shapes_and_roots, far_frequencies, far_roots, light_modes
+  public :: far_terms, far_roots, light_modes
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: nothing = 45.0_dp       !! e^(−45) is below rounding beside what it is added to
@@ -36,33 +36,20 @@ contains
     type(dd), intent(out) :: beta(:)             !! √|β²| with the sign of β², (modes)
     real(dp), intent(out) :: drive(:)            !! Φ_k(1)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)        !! Φ_k(ξ), (modes, points)
-    real(dp) :: remainder(size(k))
+    real(dp), dimension(size(k)) :: eighths, remainder, tangent, spread, turned, tip
     type(dd) :: alpha(size(k))
-    call far_shapes_and_roots(k, beam%gamma%hi, xi, remainder, alpha, drive, shapes)
-    call far_frequencies(k, beam, remainder, alpha, beta)
-  end subroutine far_terms
-
-  pure subroutine far_shapes_and_roots(k, gamma, xi, remainder, alpha, drive, shapes)
-    !! Find what of `far_terms` has nothing to do with the rotation of the beam.
-    integer, intent(in) :: k(:)                  !! as those of `far_terms`
-    real(dp), intent(in) :: gamma
-    real(dp), intent(in) :: xi(:)
-    real(dp), intent(out) :: remainder(:)        !! of the roots, as `far_roots` finds it, (modes)
-    type(dd), intent(out) :: alpha(:)            !! roots, (modes)
-    real(dp), intent(out) :: drive(:)            !! Φ_k(1)/M_k, (modes)
-    real(dp), intent(out) :: shapes(:, :)        !! Φ_k(ξ), (modes, points)
-    real(dp), dimension(size(k)) :: eighths, tangent, spread, turned, tip
     logical :: light
     integer :: p
-    light = light_modes(k(:1), gamma) == 1
+    light = light_modes(k(:1), beam%gamma%hi) == 1
     eighths = 4*k - merge(2, 3, light)
-    call far_roots(k, gamma, light, remainder, tangent, spread, turned)
+    call far_roots(k, beam%gamma%hi, light, remainder, tangent, spread, turned)
     call far_tip_and_drive(k, tangent, spread, turned, tip, drive)
     alpha = dd_pi*(0.25_dp*eighths) + remainder
     do p = 1, size(xi)
       call far_shapes(eighths, remainder, alpha%hi, tip, xi(p), shapes(:, p))
     end do
-  end subroutine far_shapes_and_roots
+    call far_frequencies(k, beam, remainder, alpha, beta)
+  end subroutine far_terms
 
   pure integer function light_modes(k, gamma) result(n)
     !! How many modes of a list have γα ≲ 1, as `solve_root` decides it: they are the first.
@@ -163,21 +150,22 @@ contains
 
   ! Frequencies
 
-  pure subroutine far_frequencies(k, beam, remainder, roots, beta)
-    !! Find β of roots that are known: in binary64 where no phases are asked for.
+  pure subroutine far_frequencies(k, beam, remainder, alpha, beta)
+    !! Find β of roots that are known: in binary64 where no phases are asked for, else from roots solved again in extended
+    !! precision where binary64 cannot carry them.
     integer, intent(in) :: k(:)                  !! as those of `far_terms`
     type(far_beam), intent(in) :: beam
-    real(dp), intent(in) :: remainder(:)         !! as those of `far_shapes_and_roots`
-    type(dd), intent(in) :: roots(:)
+    real(dp), intent(in) :: remainder(:)         !! of the roots, δ
+    type(dd), intent(inout) :: alpha(:)          !! the roots
     type(dd), intent(out) :: beta(:)
-    type(dd) :: alpha(size(k))
+    logical :: coarse(size(k))
     if (.not. allocated(beam%longest)) then
-      beta%hi = coarse_frequencies(roots%hi, beam%omega)
+      beta%hi = coarse_frequencies(alpha%hi, beam%omega)
       beta%lo = 0.0_dp
       return
     end if
-    alpha = roots
-    if (any_coarse(remainder, alpha%hi, beam%omega, beam%longest)) call refine(k, beam, remainder, alpha)
+    coarse = is_coarse(remainder, alpha%hi, beam%omega, beam%longest)
+    if (any(coarse)) call refine(k, beam, remainder, coarse, alpha)
     beta = alpha*alpha                           ! Eq. 3
     if (allocated(beam%omega)) call rotate(beam%omega, beta)
   end subroutine far_frequencies
@@ -198,11 +186,12 @@ contains
     end do
   end function coarse_frequencies
 
-  pure subroutine refine(k, beam, remainder, alpha)
-    !! Solve again in extended precision what binary64 cannot carry.
+  pure subroutine refine(k, beam, remainder, coarse, alpha)
+    !! Solve roots that are coarse again in extended precision.
     integer, intent(in) :: k(:)
     type(far_beam), intent(in) :: beam
     real(dp), intent(in) :: remainder(:)
+    logical, intent(in) :: coarse(:)
     type(dd), intent(inout) :: alpha(:)
     type(root_type) :: root(size(k))
     root%k = k
@@ -210,7 +199,7 @@ contains
     root%remainder = remainder
     root%gamma = beam%gamma%hi
     root%gamma_low = beam%gamma%lo
-    call refine_roots(root, is_coarse(remainder, alpha%hi, beam%omega, beam%longest), alpha)
+    call refine_roots(root, coarse, alpha)
   end subroutine refine
 
   pure subroutine rotate(omega, beta)

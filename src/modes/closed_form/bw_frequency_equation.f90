@@ -1,7 +1,7 @@
 module bw_frequency_equation
   !! Roots of the frequency equations 8 and 19 of a clamped beam with a tip mass,
   !! \( 1 + \cos\alpha\cosh\alpha + \alpha\gamma(\cos\alpha\sinh\alpha - \sin\alpha\cosh\alpha) = 0 \),
-  !! γ = 0 for the free beam.
+  !! γ = 0 for the beam alone.
   !!
   !! A root is an integer number of eighths of a turn and a remainder, α = q π/4 + δ, so that sin and
   !! cos of αξ lose nothing to the size of the mode number:

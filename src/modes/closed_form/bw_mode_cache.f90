@@ -4,7 +4,6 @@ module bw_mode_cache
   !! be found again, to the bit.
   use bw_kinds, only: dp, i8
   use bw_double_double, only: dd
-  use bw_far_modes, only: far_beam, far_frequencies, far_shapes_and_roots
   use bw_refined_root, only: is_coarse, refine_roots
   use bw_root_list, only: batch, root_values, solve_roots
   use bw_shape, only: shape_type, shapes_of
@@ -13,43 +12,35 @@ module bw_mode_cache
 
   integer, parameter :: most_sets = 128          !! cached at a time
   integer, parameter :: most_modes = 1024        !! of a set that is cached: all together take less than 20 MB
-  integer, parameter :: most_lists = 64          !! of far modes, cached at a time
-  integer, parameter :: most_numbers = 4096      !! of one that is cached: all together take less than 4 MB
+  integer, parameter :: most_values = 16384      !! of its shapes at points: all together take less than 20 MB
+
+  type, public :: shape_table
+    !! Shapes of some modes at some points.
+    real(dp), allocatable :: xi(:), values(:, :)     !! unallocated: of none; (points), (modes, points)
+  contains
+    procedure :: is_of
+    procedure, nopass :: has_room_for
+  end type shape_table
 
   type, public :: cached_set
     !! The first n modes of one mass ratio.
-    integer :: key = 0                           !! no other set that was ever cached has the same
     type(dd) :: gamma
     type(shape_type), allocatable :: shape(:)    !! (n)
     type(dd), allocatable :: alpha(:)            !! roots as binary64 carries them, (n)
+    type(shape_table) :: at_points               !! shapes of all of them where a case has asked for them last
     type(dd), allocatable, private :: refined(:) !! the same, in extended precision where a case has asked for it
     logical, allocatable, private :: is_refined(:)
   contains
     procedure :: roots => roots_for_case
   end type cached_set
 
-  type :: far_list
-    !! Far modes of one mass ratio, and their shapes at points.
-    real(dp) :: gamma = 0.0_dp
-    integer, allocatable :: k(:)
-    real(dp), allocatable :: xi(:), remainder(:), drive(:), shapes(:, :)
-    type(dd), allocatable :: alpha(:)
-  end type far_list
-
   type, public :: mode_cache
-    !! Sets, and lists of the far modes that estimates of errors look at, in the order in which they came; the newest replaces
-    !! the oldest.
+    !! Sets in the order in which they came; the newest replaces the oldest.
     type(cached_set), allocatable :: sets(:)
     integer, private :: found = 0                !! sets that were ever cached
-    type(far_list), allocatable, private :: lists(:)
-    integer :: found_lists = 0                   !! lists that were ever cached
-    integer, private :: last_list = 0            !! the place of the one that was asked for last
   contains
     procedure, nopass :: has_room_for_set
     procedure :: find_set
-    procedure, nopass :: has_room_for_list
-    procedure :: far_terms => cached_far_terms
-    procedure, private :: find_list
   end type mode_cache
 
 contains
@@ -77,7 +68,6 @@ contains
     place = 1 + mod(self%found, most_sets)
     self%found = self%found + 1
     call solve_set(count, gamma, self%sets(place))
-    self%sets(place)%key = self%found
   end subroutine find_set
 
   pure subroutine solve_set(count, gamma, set)
@@ -114,64 +104,22 @@ contains
     where (coarse) alpha = self%refined
   end subroutine roots_for_case
 
-  ! Far modes
+  ! Shapes at points
 
-  pure logical function has_room_for_list(k, xi)
-    !! Whether these far modes are few enough to be cached.
-    integer, intent(in) :: k(:)
+  pure logical function is_of(self, xi)
+    !! Whether the shapes at these points are known.
+    class(shape_table), intent(in) :: self
     real(dp), intent(in) :: xi(:)
-    has_room_for_list = int(size(k), i8)*(size(xi) + 5) <= most_numbers
-  end function has_room_for_list
+    is_of = .false.
+    if (allocated(self%xi)) is_of = size(self%xi) == size(xi)
+    if (is_of) is_of = all(self%xi == xi)
+  end function is_of
 
-  pure subroutine cached_far_terms(self, k, beam, xi, beta, drive, shapes)
-    !! Find the `far_terms` of bw_far_modes, of a list that the cache has room for.
-    class(mode_cache), intent(inout) :: self
-    integer, intent(in) :: k(:)                  !! as those of `far_terms`
-    type(far_beam), intent(in) :: beam
+  pure logical function has_room_for(modes, xi)
+    !! Whether so many modes have few enough shapes at these points to be cached.
+    integer, intent(in) :: modes
     real(dp), intent(in) :: xi(:)
-    type(dd), intent(out) :: beta(:)
-    real(dp), intent(out) :: drive(:), shapes(:, :)
-    integer :: place
-    call self%find_list(k, beam%gamma%hi, xi, place)
-    associate (list => self%lists(place))
-      call far_frequencies(k, beam, list%remainder, list%alpha, beta)
-      drive = list%drive
-      shapes = list%shapes
-    end associate
-  end subroutine cached_far_terms
-
-  pure subroutine find_list(self, k, gamma, xi, place)
-    !! Find the place in `lists` of far modes, which are solved if they are not there.
-    class(mode_cache), intent(inout) :: self
-    integer, intent(in) :: k(:)
-    real(dp), intent(in) :: gamma, xi(:)
-    integer, intent(out) :: place
-    integer :: cached, i
-    if (.not. allocated(self%lists)) allocate (self%lists(most_lists))
-    cached = min(self%found_lists, most_lists)
-    do i = 0, cached - 1
-      place = 1 + mod(self%last_list + i, cached)      ! cases ask for one list after the other, all in the same order
-      self%last_list = place
-      if (is_same_list(self%lists(place), k, gamma, xi)) return
-    end do
-    place = 1 + mod(self%found_lists, most_lists)
-    self%last_list = place
-    self%found_lists = self%found_lists + 1
-    self%lists(place) = far_list(gamma, k, xi)
-    associate (list => self%lists(place))
-      allocate (list%remainder(size(k)), list%drive(size(k)), list%shapes(size(k), size(xi)), list%alpha(size(k)))
-      call far_shapes_and_roots(k, gamma, xi, list%remainder, list%alpha, list%drive, list%shapes)
-    end associate
-  end subroutine find_list
-
-  pure logical function is_same_list(list, k, gamma, xi) result(same)
-    !! Whether a list is of these modes, this mass ratio and these points.
-    type(far_list), intent(in) :: list
-    integer, intent(in) :: k(:)
-    real(dp), intent(in) :: gamma, xi(:)
-    same = list%gamma == gamma .and. size(list%k) == size(k) .and. size(list%xi) == size(xi)
-    if (same) same = all(list%k == k)
-    if (same) same = all(list%xi == xi)
-  end function is_same_list
+    has_room_for = int(modes, i8)*size(xi) <= most_values
+  end function has_room_for
 
 end module bw_mode_cache

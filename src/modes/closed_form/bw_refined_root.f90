@@ -3,28 +3,32 @@ module bw_refined_root
   !! from the exact mass ratio. Entered only for modes that need it. Far ones, of which sech α and 1 − tanh α are below that
   !! precision, are refined many at a time in vector registers, in double-double numbers; the first few, whose exponentials
   !! count, in binary128, which runs in software.
-  use bw_kinds, only: dp, qp
+  !!
+  !! Sines of binary64 angles as double-double numbers come from power series of an eighth of the angle, then sin 2y =
+  !! 2 sin y (1 − v), 1 − cos 2y = 2 sin² y thrice, where v = 1 − cos y stands in the cosine's place: near 0 it has the digits
+  !! that 1 − v would lose. They are within 1e-31, absolutely.
   use bw_double_double, only: dd, to_dd, to_quad, operator(*), operator(+), operator(-), operator(/)
-  use bw_extended_sine, only: sine_and_versine
   use bw_frequency_equation, only: first_slope, heavy_equation, is_light, light_equation, root_type
+  use bw_kinds, only: dp, qp
   implicit none (type, external)
   private
-  public :: any_coarse, is_coarse, refine_roots, refined_root
+  public :: is_coarse, refine_roots, refined_root, sine_and_versine
 
   real(qp), parameter :: pi = acos(-1.0_qp)
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |α² − ω| over α² below which binary64 roots cost digits
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   integer, parameter :: first_far = 25               !! mode, from which on sech α is below 2e-33
 
-contains
+  integer, parameter :: doublings = 3
+  integer, parameter :: long_terms = 4   !! beyond the first whose 16 digits of binary64 are too few
+  integer, parameter :: all_terms = 8    !! terms beyond the first: at y = 1/8 the next is below 1e-33 of the whole
 
-  pure logical function any_coarse(remainder, alpha, omega, longest)
-    !! Whether any root of a list `is_coarse`, in vector registers.
-    real(dp), intent(in) :: remainder(:), alpha(:)
-    type(dd), intent(in), optional :: omega
-    real(dp), intent(in), optional :: longest
-    any_coarse = any(is_coarse(remainder, alpha, omega, longest))
-  end function any_coarse
+  real(qp), parameter :: sine_terms(all_terms) = 1.0_qp/[-6.0_qp, 120.0_qp, -5040.0_qp, 362880.0_qp, -39916800.0_qp, &
+    6227020800.0_qp, -1307674368000.0_qp, 355687428096000.0_qp]              !! ±1/(2m+1)!
+  real(qp), parameter :: versine_terms(all_terms) = 2.0_qp/[-24.0_qp, 720.0_qp, -40320.0_qp, 3628800.0_qp, -479001600.0_qp, &
+    87178291200.0_qp, -20922789888000.0_qp, 6402373705728000.0_qp]           !! ±2/(2m+2)!
+
+contains
 
   elemental logical function is_coarse(remainder, alpha, omega, longest) result(coarse)
     !! Whether binary64 does not carry this root: extended precision is entered for it, and for no other.
@@ -187,5 +191,43 @@ contains
     real(qp), intent(in) :: alpha
     secant = 2.0_qp*exp(-alpha)/(1.0_qp + exp(-2.0_qp*alpha))
   end function secant
+
+
+  pure subroutine sine_and_versine(angle, sine, versine)
+    !! sin x and 1 − cos x.
+    real(dp), intent(in) :: angle(:)             !! x, |x| ≤ 1
+    type(dd), intent(out) :: sine(:), versine(:) !! (size(angle))
+    type(dd), dimension(size(angle)) :: part, square
+    integer :: i
+    part%hi = angle/2.0_dp**doublings
+    part%lo = 0.0_dp
+    square = part*part
+    sine = part*sine_series(square, sine_terms)
+    versine = (square*sine_series(square, versine_terms))*0.5_dp
+    do i = 1, doublings
+      part = sine*versine
+      versine = (sine*sine)*2.0_dp
+      sine = (sine - part)*2.0_dp
+    end do
+  end subroutine sine_and_versine
+
+  pure function sine_series(square, terms) result(sum)
+    !! 1 + Σ_m terms_m·square^m, the last terms in binary64.
+    type(dd), intent(in) :: square(:)
+    real(qp), intent(in) :: terms(all_terms)
+    type(dd) :: sum(size(square))
+    real(dp) :: tail(size(square)), short(all_terms)
+    integer :: m
+    short = real(terms, dp)
+    tail = short(all_terms)
+    do m = all_terms - 1, long_terms + 1, -1
+      tail = short(m) + square%hi*tail
+    end do
+    sum = dd(short(long_terms), real(terms(long_terms) - short(long_terms), dp)) + square%hi*tail
+    do m = long_terms - 1, 1, -1
+      sum = sum*square + dd(short(m), real(terms(m) - short(m), dp))
+    end do
+    sum = sum*square + dd(1.0_dp, 0.0_dp)
+  end function sine_series
 
 end module bw_refined_root

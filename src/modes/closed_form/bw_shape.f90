@@ -2,9 +2,10 @@ module bw_shape
   !! Mode shapes in closed form, Eqs 7 and 18, in forms that keep their digits for every mode number.
   !!
   !! \( \Phi(\xi) = \cos\alpha\xi - \cosh\alpha\xi - \sigma(\sin\alpha\xi - \sinh\alpha\xi) \) is evaluated as
-  !! cos αξ − σ sin αξ − ½(1+σ)e^(−αξ) − ½(1−σ)e^α e^(−α(1−ξ)), near the root as a power series.
+  !! cos αξ − σ sin αξ − ½(1+σ)e^(−αξ) − ½(1−σ)e^α e^(−α(1−ξ)), near the root as a power series. Its curvature over α² differs in
+  !! the sign of the first two terms.
   !!
-  !! **Errors**: Φ(ξ) within 1e-14 absolutely, Φ(1), the modal mass and (1−σ)e^α within 1e-14 relatively, k to 10⁶ and
+  !! **Errors**: Φ(ξ) and Φ''(ξ)/α² within 1e-14 absolutely, Φ(1), the modal mass and (1−σ)e^α within 1e-14 relatively, k to 10⁶ and
   !! beyond, every γ ≥ 0; where σ passes through 1 (for k = 1 at γ = 2.34) (1−σ)e^α is so absolutely only.
   !! **Source**: Eqs 7, 9, 18, 20, 21.
   use bw_kinds, only: dp
@@ -13,7 +14,7 @@ module bw_shape
   use bw_root_list, only: root_values
   implicit none (type, external)
   private
-  public :: shape_of, shapes_of, shape_value, shape_values
+  public :: shape_of, shapes_of, shape_value, shape_values, curvature_values
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: series_below = 0.5_dp   !! αξ below which the closed form has lost a digit
@@ -158,15 +159,39 @@ contains
     end do
   end function shape_values
 
-  pure subroutine evaluate(shape, xi, values)
-    !! Evaluate Φ(ξ) by the closed form, for αξ not small.
+  pure function curvature_values(shape, xi) result(values)
+    !! Φ''(ξ)/α² of a list: exactly −2 at the root, exactly 0 at the tip, which carries a point mass.
+    type(shape_type), intent(in) :: shape(:)
+    real(dp), intent(in) :: xi           !! 0 ≤ ξ ≤ 1
+    real(dp) :: values(size(shape))
+    integer :: k
+    values = 0.0_dp
+    if (xi == 1.0_dp) return
+    values = -2.0_dp
+    if (xi == 0.0_dp) return
+    call evaluate(shape, xi, values, turned=-1.0_dp)
+    do k = 1, size(shape)
+      if (shape(k)%root%k > 1) cycle     ! of a heavy mass σ and e^α(1 − σ) are large, and differ by little
+      associate (z => shape(k)%alpha*xi)
+        values(k) = -(cos(z) + cosh(z)) + shape(k)%sigma*(sin(z) + sinh(z))
+      end associate
+    end do
+  end function curvature_values
+
+  pure subroutine evaluate(shape, xi, values, turned)
+    !! Evaluate Φ(ξ) by the closed form, for αξ not small; or Φ''(ξ)/α².
     type(shape_type), intent(in) :: shape(:)
     real(dp), intent(in) :: xi
     real(dp), intent(out) :: values(:)
+    real(dp), intent(in), optional :: turned   !! −1: the curvature; absent: the shape
     real(dp), dimension(size(shape)) :: angle, c, s, rising, falling
     angle = angle_at(shape%root, xi)
     c = cos(angle)
     s = sin(angle)
+    if (present(turned)) then
+      c = turned*c
+      s = turned*s
+    end if
     falling = exp(-min(shape%alpha*xi, longest_decay))
     rising = exp(-min(shape%alpha*(1.0_dp - xi), longest_decay))
     values = c - shape%sigma*s - 0.5_dp*(1.0_dp + shape%sigma)*falling - 0.5_dp*shape%grow*rising

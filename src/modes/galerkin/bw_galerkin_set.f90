@@ -26,6 +26,7 @@ module bw_galerkin_set
     type(tip_body) :: body
   contains
     procedure :: some_shapes => galerkin_shapes
+    procedure :: some_curvatures => galerkin_curvatures
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => galerkin_elastic
@@ -48,6 +49,21 @@ contains
       if (xi(p) == 1.0_dp) values(:, p) = self%tip(first:last)
     end do
   end function galerkin_shapes
+
+  pure function galerkin_curvatures(self, first, last, xi) result(values)
+    !! Φ_k''(ξ), with shear ψ_k'(ξ): the first of the strains that the modes are known by. Exactly 0 at a tip that no body turns.
+    class(galerkin_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    integer :: n, p
+    n = size(self%deflection, 1) - 2
+    values = matmul(transpose(self%strain(:n, first:last)), basis_values(n, xi))
+    do p = 1, size(xi)
+      values(:, p) = sqrt(self%modal_mass(first:last))*values(:, p)
+      if (xi(p) == 1.0_dp .and. self%body%inertia == 0.0_dp) values(:, p) = 0.0_dp
+    end do
+  end function galerkin_curvatures
 
   function overlap_of_beam(self, from, amplitude, monitor) result(sums)
     !! ∫Φ_kφ_i dξ, and with shear of rψ too, from products of coefficients, p_j being orthonormal.
@@ -79,11 +95,12 @@ contains
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)
-    !! λ_k, from the strains, or from β² less what rotation adds where that is sharper: exactly β² where nothing turns.
+    !! λ_k ≥ 0, from the strains, or from β² less what rotation adds where that is the smaller part and nothing cancels:
+    !! exactly β² where nothing turns.
     class(galerkin_set), intent(in) :: self
     type(dd) :: squares(self%count)
     squares = to_dd(sum(self%strain**2, dim=1))
-    where (abs(self%rotation) <= abs(self%beta_squared%hi)) squares = self%beta_squared + to_dd(-self%rotation)
+    where (abs(self%rotation) <= squares%hi) squares = self%beta_squared + to_dd(-self%rotation)
   end function galerkin_elastic
 
   real(dp) function coupling(self, law) result(ratio)

@@ -21,6 +21,7 @@ module bw_piece_set
   contains
     procedure :: states => states_at
     procedure :: some_shapes => piece_shapes
+    procedure :: some_curvatures => piece_curvatures
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => piece_elastic
@@ -64,6 +65,22 @@ contains
     state = self%states(first, last, xi)
     values = state(1, :, :)
   end function piece_shapes
+
+  pure function piece_curvatures(self, first, last, xi) result(values)
+    !! The moment over EI; at a joint that of the piece inside it.
+    class(piece_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    real(dp) :: state(4, last - first + 1, size(xi))
+    integer :: p
+    state = self%states(first, last, xi)
+    do p = 1, size(xi)
+      associate (place => place_of(self%modes%system%beam, xi(p)))
+        values(:, p) = state(3, :, p)/self%modes%system%beam%piece(place%piece)%stiffness%hi
+      end associate
+    end do
+  end function piece_curvatures
 
   function overlap_with_mass(self, from, amplitude, monitor) result(sums)
     class(piece_set), intent(in) :: self

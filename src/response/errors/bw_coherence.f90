@@ -19,7 +19,7 @@ module bw_coherence
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: combined, from_tip, largest
+  public :: combined, from_tip, largest, seen_from_blow
 
   real(dp), parameter :: chord = 0.5_dp
     !! of A/√ε. The longest chord is 0.83, but at most points only one of the two waves of each mode is near its fraction:
@@ -38,6 +38,13 @@ module bw_coherence
     real(dp) :: end = 0.0_dp                     !! a step after the last
     real(dp) :: step = 0.0_dp                    !! from sample to sample
   end type stretch_type
+
+  type, public :: observation_type
+    !! What of a motion is looked at.
+    real(dp), allocatable :: points(:)           !! ξ, (points)
+    type(stretch_type) :: stretch                !! when
+    logical :: velocity = .false.                !! velocities, else displacements
+  end type observation_type
 
   type, public :: deviation_type
     !! Of one point: sums over modes.
@@ -58,6 +65,15 @@ module bw_coherence
   end type fraction_type
 
 contains
+
+  pure type(observation_type) function seen_from_blow(points, longest, samples, velocity) result(seen)
+    !! All of a history that begins with the blow, but for its first sample, when nothing has moved yet.
+    real(dp), intent(in) :: points(:)            !! ξ, (points)
+    real(dp), intent(in) :: longest              !! its duration, l²/h
+    integer, intent(in) :: samples               !! N
+    logical, intent(in) :: velocity              !! velocities, else displacements
+    seen = observation_type(points, stretch_type(longest/samples, longest, longest/samples), velocity)
+  end function seen_from_blow
 
   elemental type(deviation_type) function combined(sums, others) result(both)
     !! Modes whose amplitudes fall from number to number, and others whose amplitudes also rise: those count twice where

@@ -4,10 +4,10 @@ module bw_mode_choice
   !! The estimated error falls nearly as a power of their number, but for a plateau where the mass is light. So a straight
   !! line through the logarithms of two tries finds the next one: each try samples some hundred modes, and three or four
   !! are cheaper than a bisection.
-  use bw_coherence, only: stretch_type
+  use bw_coherence, only: observation_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_source
+  use bw_mode_set, only: mode_sources
   use bw_release_error, only: release_tail
   use bw_truncation, only: tail_error
   implicit none (type, external)
@@ -18,7 +18,7 @@ module bw_mode_choice
   integer, parameter, public :: most_modes = 10000000
   integer, parameter, public :: most_released = 10000
     !! modes that move after a release. More would bring a tolerance down to half at best: then what 10⁷ modes lack of the
-    !! tip's velocity when the mass leaves is what is missing (bw_tip_rest)
+    !! tip's velocity when the mass leaves is what is missing (bw_tip_remainder)
   real(dp), parameter :: aim = 0.93_dp          !! of the bound, for the next try
   real(dp), parameter :: near = 0.85_dp         !! of the bound, tuned: no try follows; 6 % of the modes are one too many
   integer, parameter :: fineness = 32           !! as near as the modes that are sampled tell
@@ -32,30 +32,27 @@ module bw_mode_choice
 
 contains
 
-  subroutine modes_for(bound, fewest, source, force, points, stretch, count, reached, alone, released)
+  subroutine modes_for(bound, sources, force, seen, count, reached, released)
     !! The least number of modes, nearly, whose estimated truncation error is within a bound at every point. After a
     !! release they are those of the beam alone.
     real(dp), intent(in) :: bound             !! of the displacement, in the unit of `force` times l²/h
-    integer, intent(in) :: fewest             !! never less than this
-    class(mode_source), intent(in) :: source
+    type(mode_sources), intent(in) :: sources
     real(dp), intent(in) :: force             !! see `tail_error`
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch !! all samples, or those after the release, with times from there
+    type(observation_type), intent(in) :: seen   !! from the blow, or after the release, with times from there
     integer, intent(out) :: count             !! the most there may be, where more would be needed
     real(dp), intent(out) :: reached          !! the estimate for `count` modes
-    class(mode_source), intent(in), optional :: alone   !! modes of the beam alone, and
-    type(dd), intent(in), optional :: released          !! when the mass left, l²/h
+    type(dd), intent(in), optional :: released   !! when the mass left, l²/h; absent: it is there
     type(try_type) :: few, enough, try, last
     integer :: most, tries
-    most = min(most_modes, source%highest)
-    if (present(alone)) most = min(most_released, source%highest, alone%highest)
+    most = min(most_modes, sources%loaded%highest)
+    if (present(released)) most = min(most_released, sources%loaded%highest, sources%free%highest)
     tries = 0
-    try%count = fewest
+    try%count = first_modes
     do
-      if (present(alone)) then
-        try%error = maxval(release_tail(try%count, source, alone, force, released, points, stretch, .false.))
+      if (present(released)) then
+        try%error = maxval(release_tail(try%count, sources, force, released, seen))
       else
-        try%error = maxval(tail_error(try%count, source, force, points, stretch%end, nint(stretch%end/stretch%step), .false.))
+        try%error = maxval(tail_error(try%count, sources%loaded, force, seen))
       end if
       tries = tries + 1
       if (try%error <= bound) enough = try
@@ -63,7 +60,7 @@ contains
         last = few
         few = try
       end if
-      if (few%count >= most .or. enough%count == fewest) exit
+      if (few%count >= most .or. enough%count == first_modes) exit
       if (enough%count > 0) then
         if (enough%error >= near*bound .or. enough%count - few%count <= enough%count/fineness) exit
         try%count = between(few, enough, bound, mod(tries, 4) == 0)

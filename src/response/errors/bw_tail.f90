@@ -4,7 +4,7 @@ module bw_tail
   !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
   !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
   !! and integrate cubics over it.
-  use bw_coherence, only: deviation_type, from_tip, stretch_type
+  use bw_coherence, only: deviation_type, from_tip, observation_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -35,31 +35,29 @@ module bw_tail
 
 contains
 
-  subroutine add_tail(count, source, force, points, stretch, velocity, sums, shown)
+  subroutine add_tail(count, source, force, seen, sums, shown)
     !! The continuum's modes from `count` + 1 on.
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
+    type(observation_type), intent(in) :: seen
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
-    type(deviation_type) :: before(size(points))
+    type(deviation_type) :: before(size(seen%points))
     real(dp) :: rising
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
-    rising = falls_beyond(source%gamma, points)
+    rising = falls_beyond(source%gamma, seen%points)
     first = count + 1
     do while (first <= source%highest)
-      last = window_end(first, source, stretch%start)
+      last = window_end(first, source, seen%stretch%start)
       before = sums
-      call add_window(source, force, first, last, points, stretch, velocity, sums, shown)
-      if (first > rising .and. adds_nothing(before, sums, velocity)) exit
+      call add_window(source, force, first, last, seen, sums, shown)
+      if (first > rising .and. adds_nothing(before, sums, seen%velocity)) exit
       first = last + 1
     end do
     if (source%decay > 0.0_dp .and. first > source%highest) then
-      call extrapolate(source, force, points, stretch, velocity, sums, shown)
+      call extrapolate(source, force, seen, sums, shown)
     end if
   end subroutine add_tail
 
@@ -106,14 +104,12 @@ contains
     end do
   end function window_end
 
-  subroutine add_window(source, force, first, last, points, stretch, velocity, sums, shown)
+  subroutine add_window(source, force, first, last, seen, sums, shown)
     !! Modes `first` … `last`: of undamped ones no more is found than is needed.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
+    type(observation_type), intent(in) :: seen
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown
     class(mode_set), allocatable :: modes, others
@@ -123,51 +119,49 @@ contains
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
-      call add_modes(others, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
+      call add_modes(others, force*modes%tip/modes%modal_mass, seen, weight, sums)
     else if (allocated(source%damping)) then
       call source%find(number, modes)
-      call add_modes(modes, force*modes%tip/modes%modal_mass, points, stretch, velocity, weight, sums)
+      call add_modes(modes, force*modes%tip/modes%modal_mass, seen, weight, sums)
     else
-      call add_terms(source, force, number, points, stretch, velocity, weight, sums)
+      call add_terms(source, force, number, seen, weight, sums)
     end if
   end subroutine add_window
 
-  subroutine add_terms(source, force, number, points, stretch, velocity, weight, sums)
+  subroutine add_terms(source, force, number, seen, weight, sums)
     !! Undamped modes.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: number(:)
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
+    type(observation_type), intent(in) :: seen
     real(dp), intent(in) :: weight(:)
     type(deviation_type), intent(inout) :: sums(:)
     type(moving_modes) :: moving
     type(dd) :: beta(size(number))
-    real(dp) :: drive(size(number)), shapes(size(number), size(points))
-    call source%terms(number, points, beta=beta, drive=drive, shapes=shapes)
-    moving = moving_modes(undamped_reaches(beta%hi, stretch%end, velocity)*abs(force*drive), pi*number, abs(drive), &
-                          beta%hi > 0.0_dp)
-    call add_amplitudes(moving, shapes, points, stretch, weight, sums)
+    real(dp) :: drive(size(number)), shapes(size(number), size(seen%points))
+    call source%terms(number, seen%points, beta=beta, drive=drive, shapes=shapes)
+    moving%reach = undamped_reaches(beta%hi, seen%stretch%end, seen%velocity)*abs(force*drive)
+    moving%alpha = pi*number
+    moving%tip = abs(drive)
+    moving%swings = beta%hi > 0.0_dp
+    call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
-  subroutine extrapolate(source, force, points, stretch, velocity, sums, shown)
+  subroutine extrapolate(source, force, seen, sums, shown)
     !! The modes beyond the highest that can be found, as the last octave of those tells. Velocities fall as 1/k, whose
     !! sum has no bound: their magnitudes then say nothing.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
+    type(observation_type), intent(in) :: seen
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown
     real(dp), parameter :: no_bound = 1.0e3_dp
-    type(deviation_type) :: octave(size(points))
+    type(deviation_type) :: octave(size(seen%points))
     real(dp) :: decay
-    call add_window(source, force, source%highest/2 + 1, source%highest, points, stretch, velocity, octave, shown)
-    decay = merge(1.0_dp, source%decay, velocity)
+    call add_window(source, force, source%highest/2 + 1, source%highest, seen, octave, shown)
+    decay = merge(1.0_dp, source%decay, seen%velocity)
     sums%square = sums%square + octave%square/(2.0_dp**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
-    if (velocity) then
+    if (seen%velocity) then
       sums%magnitude = sums%magnitude + no_bound*octave%magnitude
     else
       sums%magnitude = sums%magnitude + octave%magnitude/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
@@ -201,13 +195,11 @@ contains
     end do
   end subroutine sample_window
 
-  pure subroutine add_modes(modes, rate, points, stretch, velocity, weight, sums)
+  pure subroutine add_modes(modes, rate, seen, weight, sums)
     !! Amplitudes of modes that start with velocity `rate`.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)               !! (modes)
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
+    type(observation_type), intent(in) :: seen
     real(dp), intent(in) :: weight(:)             !! for how many modes each stands, (modes)
     type(deviation_type), intent(inout) :: sums(:)
     type(moving_modes) :: moving
@@ -219,54 +211,54 @@ contains
         moving%tip = abs(modes%tip(first:last))
         if (allocated(modes%damping)) then
           moving%swings = turns(square, modes%damping(first:last))
-          moving%reach = abs(rate(first:last))*damped_reach(square, modes%damping(first:last), stretch, velocity)
+          moving%reach = abs(rate(first:last))*damped_reach(square, modes%damping(first:last), seen%stretch, seen%velocity)
         else
           moving%swings = square%hi > 0.0_dp
           moving%reach = abs(rate(first:last)) &
-            *undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), stretch%end, velocity)
+            *undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), seen%stretch%end, seen%velocity)
         end if
       end associate
-      call add_amplitudes(moving, modes%some_shapes(first, last, points), points, stretch, weight(first:last), sums)
+      call add_amplitudes(moving, modes%some_shapes(first, last, seen%points), seen, weight(first:last), sums)
     end do
   end subroutine add_modes
 
-  pure subroutine add_amplitudes(moving, shapes, points, stretch, weight, sums)
+  pure subroutine add_amplitudes(moving, shapes, seen, weight, sums)
     !! Add how far modes that move may carry each point over a stretch of the record, one mode after the other.
     type(moving_modes), intent(in) :: moving
     real(dp), intent(in) :: shapes(:, :)          !! (modes, points)
-    real(dp), intent(in) :: points(:)
-    type(stretch_type), intent(in) :: stretch
+    type(observation_type), intent(in) :: seen
     real(dp), intent(in) :: weight(:)             !! (modes)
     type(deviation_type), intent(inout) :: sums(:)
+    type(deviation_type) :: sum                   ! in registers
     real(dp) :: amplitude, distance, peak
     logical :: slow
     integer :: k, p
     do p = 1, size(sums)
-      distance = from_tip(points(p))
-      slow = run_length*min(points(p), distance) < 1.0_dp .and. points(p) < 1.0_dp
-      associate (sum => sums(p))
-        do k = 1, size(moving%reach)
-          amplitude = moving%reach(k)*abs(shapes(k, p))
-          peak = amplitude
-          if (slow .and. weight(k) > 1.0_dp) then
-            peak = moving%reach(k)*largest_shape(points(p), moving%alpha(k), moving%tip(k))
-            amplitude = max(amplitude, mean*peak)
+      distance = from_tip(seen%points(p))
+      slow = run_length*min(seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
+      sum = sums(p)
+      do k = 1, size(moving%reach)
+        amplitude = moving%reach(k)*abs(shapes(k, p))
+        peak = amplitude
+        if (slow .and. weight(k) > 1.0_dp) then
+          peak = max(amplitude, moving%reach(k)*largest_shape(seen%points(p), moving%alpha(k), moving%tip(k)))
+          amplitude = max(amplitude, mean*peak)
+        end if
+        if (moving%swings(k)) then
+          sum%magnitude = sum%magnitude + weight(k)*amplitude
+          sum%square = sum%square + weight(k)*amplitude**2
+          if (peak > sum%largest) then
+            sum%largest = peak
+            sum%alpha = moving%alpha(k)
           end if
-          if (moving%swings(k)) then
-            sum%magnitude = sum%magnitude + weight(k)*amplitude
-            sum%square = sum%square + weight(k)*amplitude**2
-            if (peak > sum%largest) then
-              sum%largest = peak
-              sum%alpha = moving%alpha(k)
-            end if
-            if (2.0_dp*moving%alpha(k)*stretch%end >= distance) then      ! at the group velocity
-              sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
-            end if
-          else
-            sum%growing = sum%growing + weight(k)*amplitude
+          if (2.0_dp*moving%alpha(k)*seen%stretch%end >= distance) then      ! at the group velocity
+            sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
           end if
-        end do
-      end associate
+        else
+          sum%growing = sum%growing + weight(k)*amplitude
+        end if
+      end do
+      sums(p) = sum
     end do
   end subroutine add_amplitudes
 

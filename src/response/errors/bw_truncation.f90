@@ -9,7 +9,7 @@ module bw_truncation
   !! are summed as they are.
   !!
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
-  use bw_coherence, only: combined, deviation_type, largest, stretch_type
+  use bw_coherence, only: combined, deviation_type, largest, observation_type, stretch_type
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source
@@ -24,114 +24,110 @@ module bw_truncation
 
 contains
 
-  function truncation_error(modes, lacking, source, force, points, longest, samples, velocity) result(error)
+  function truncation_error(modes, lacking, source, force, seen) result(error)
     !! Estimates of the largest error over the samples of a history, (points).
     class(mode_set), intent(in) :: modes          !! the first n, that were summed
     real(dp), intent(in) :: lacking(:)            !! modal velocities less those of the continuum, (n)
     class(mode_source), intent(in) :: source      !! of these modes and the others
     real(dp), intent(in) :: force                 !! the continuum's modal velocities are force·Φ_k(1)/M_k
-    real(dp), intent(in) :: points(:)             !! ξ, (points)
-    real(dp), intent(in) :: longest               !! duration in l²/h
-    integer, intent(in) :: samples                !! N
-    logical, intent(in) :: velocity               !! of the velocity, else of the displacement
-    real(dp) :: error(size(points))
-    error = worst_stretch(modes%count, source, force, points, longest, samples, velocity, modes, lacking)
+    type(observation_type), intent(in) :: seen    !! of `seen_from_blow`
+    real(dp) :: error(size(seen%points))
+    error = worst_stretch(modes%count, source, force, seen, modes, lacking)
   end function truncation_error
 
-  function tail_error(count, source, force, points, longest, samples, velocity) result(error)
+  function tail_error(count, source, force, seen) result(error)
     !! `truncation_error` where the first `count` modes are those of the continuum, (points).
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
-    real(dp), intent(in) :: points(:), longest
-    integer, intent(in) :: samples
-    logical, intent(in) :: velocity
-    real(dp) :: error(size(points))
-    error = worst_stretch(count, source, force, points, longest, samples, velocity)
+    type(observation_type), intent(in) :: seen
+    real(dp) :: error(size(seen%points))
+    error = worst_stretch(count, source, force, seen)
   end function tail_error
 
-  function worst_stretch(count, source, force, points, longest, samples, velocity, modes, lacking) result(error)
+  function worst_stretch(count, source, force, seen, modes, lacking) result(error)
     !! Of all stretches of the history, what the modes from `count` + 1 on, and what these lack, add up to, (points).
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
-    real(dp), intent(in) :: points(:), longest
-    integer, intent(in) :: samples
-    logical, intent(in) :: velocity
+    type(observation_type), intent(in) :: seen
     class(mode_set), intent(in), optional :: modes
     real(dp), intent(in), optional :: lacking(:)  !! (modes)
-    real(dp) :: error(size(points))
-    type(deviation_type), dimension(size(points)) :: sums, lack
+    real(dp) :: error(size(seen%points))
+    type(deviation_type), dimension(size(seen%points)) :: sums, lack
     type(stretch_type), allocatable :: stretches(:)
-    real(dp) :: estimate(size(points))
+    type(observation_type) :: now
+    real(dp) :: estimate(size(seen%points))
     integer :: i
     error = 0.0_dp
-    stretches = stretches_of(source, longest, samples)
+    now = seen
+    stretches = stretches_of(source, seen%stretch)
     do i = 1, size(stretches)
+      now%stretch = stretches(i)
       sums = deviation_type()
       lack = deviation_type()
-      if (present(lacking)) call add_modes(modes, lacking, points, stretches(i), velocity, spread(1.0_dp, 1, modes%count), lack)
-      call add_tail(count, source, force, points, stretches(i), velocity, sums)
-      estimate = largest(combined(sums, lack), points, stretches(i), source%quadratic)
+      if (present(lacking)) call add_modes(modes, lacking, now, spread(1.0_dp, 1, modes%count), lack)
+      call add_tail(count, source, force, now, sums)
+      estimate = largest(combined(sums, lack), seen%points, now%stretch, source%quadratic)
       if (allocated(source%damping) .and. .not. present(lacking) .and. i <= stretches_summed .and. i < size(stretches)) then
-        estimate = min(estimate, largest_seen(count, source, force, points, stretches(i), velocity))
+        estimate = min(estimate, largest_seen(count, source, force, now))
       end if
       error = max(error, estimate)
     end do
   end function worst_stretch
 
-  function largest_seen(count, source, force, points, stretch, velocity) result(largest_motion)
+  function largest_seen(count, source, force, seen) result(largest_motion)
     !! What the modes from `count` + 1 on add at the samples of a stretch: the first of them with their signs, the others
     !! without, (points).
     integer, intent(in) :: count
     class(mode_source), intent(in) :: source
-    real(dp), intent(in) :: force, points(:)
-    type(stretch_type), intent(in) :: stretch
-    logical, intent(in) :: velocity
+    real(dp), intent(in) :: force
+    type(observation_type), intent(in) :: seen
     real(dp), parameter :: rounding = 1.01_dp     ! and what else is small
-    real(dp) :: largest_motion(size(points))
+    real(dp) :: largest_motion(size(seen%points))
     class(mode_set), allocatable :: modes
-    type(deviation_type) :: others(size(points))
+    type(deviation_type) :: others(size(seen%points))
+    type(observation_type) :: left
     real(dp), dimension(min(summed, source%highest - count)) :: q, rate
-    real(dp) :: time
     integer :: j
     largest_motion = 0.0_dp
+    left = seen
     if (size(q) > 0) call source%find(count + first_numbers(size(q)), modes)
-    do j = nint(stretch%start/stretch%step), nint(stretch%end/stretch%step) - 1
-      time = j*stretch%step
+    do j = nint(seen%stretch%start/seen%stretch%step), nint(seen%stretch%end/seen%stretch%step) - 1
+      left%stretch%start = j*seen%stretch%step
       others = deviation_type()
-      call add_tail(count + size(q), source, force, points, stretch_type(time, stretch%end, stretch%step), velocity, others)
+      call add_tail(count + size(q), source, force, left, others)
       associate (unsigned => others%magnitude + others%growing)
         if (size(q) == 0) then
           largest_motion = max(largest_motion, unsigned)
         else
           q = 0.0_dp
           rate = force*modes%tip/modes%modal_mass
-          call move(modes, to_dd(time), q, rate)
-          if (velocity) q = rate
-          largest_motion = max(largest_motion, rounding*abs(matmul(q, modes%shapes(points))) + unsigned)
+          call move(modes, to_dd(left%stretch%start), q, rate)
+          if (seen%velocity) q = rate
+          largest_motion = max(largest_motion, rounding*abs(matmul(q, modes%shapes(seen%points))) + unsigned)
         end if
       end associate
     end do
   end function largest_seen
 
-  pure function stretches_of(source, longest, samples) result(stretches)
+  pure function stretches_of(source, record) result(stretches)
     !! One for modes that keep their amplitudes. Damped ones are looked at over stretches of 1, 2, 4, … samples from
     !! the first after t = 0: at the start of each its modes have decayed so far.
     class(mode_source), intent(in) :: source
-    real(dp), intent(in) :: longest
-    integer, intent(in) :: samples
+    type(stretch_type), intent(in) :: record
     type(stretch_type), allocatable :: stretches(:)
-    real(dp) :: step
-    integer :: first
-    step = longest/samples
-    stretches = [stretch_type(step, longest, step)]
+    integer :: first, samples
+    samples = nint(record%end/record%step)
+    stretches = [record]
     if (.not. allocated(source%damping) .or. samples < 2) return
     deallocate (stretches)
     allocate (stretches(0))
     first = 1
     do
-      stretches = [stretches, stretch_type(step*first, step*(first + min(first, samples - first)), step)]
+      associate (step => record%step)
+        stretches = [stretches, stretch_type(step*first, step*(first + min(first, samples - first)), step)]
+      end associate
       if (first > samples/2) exit
       first = 2*first
     end do

@@ -110,6 +110,7 @@ contains
     list%start = [cmplx(q(turns), -sine, dp), cmplx(parted, 0.0_dp, dp)]
   contains
     pure function up_of(m) result(exponent)
+      !! The slower exponent of modes that do not turn.
       integer, intent(in) :: m(:)
       real(dp) :: exponent(size(m))
       type(dd) :: slow_part(size(m))
@@ -117,6 +118,7 @@ contains
       exponent = slow_part%hi
     end function up_of
     pure function down_of(m) result(exponent)
+      !! The faster exponent.
       integer, intent(in) :: m(:)
       real(dp) :: exponent(size(m))
       exponent = fast_exponent(beta_squared(m), c(m))
@@ -130,6 +132,7 @@ contains
   end function amplitude
 
   pure type(exponentials) function part_of(list, first, last) result(part)
+    !! Some of the exponentials of a list.
     type(exponentials), intent(in) :: list
     integer, intent(in) :: first, last
     part%decay = list%decay(first:last)
@@ -140,6 +143,7 @@ contains
   end function part_of
 
   subroutine add_exponentials(list, shapes, grid, displacement, velocity)
+    !! Add a batch of exponentials to histories, some blocks at a time.
     type(exponentials), intent(in) :: list
     real(dp), intent(in) :: shapes(:, :)
     type(time_grid), intent(in) :: grid
@@ -174,6 +178,7 @@ contains
     end do
   contains
     subroutine add_product(turn, alive, shape, history)
+      !! Add the blocks of one history.
       complex(dp), intent(in) :: turn(:, :)
       integer, intent(in) :: alive(:)
       real(dp), intent(in) :: shape(:)
@@ -189,6 +194,7 @@ contains
   end subroutine add_exponentials
 
   elemental complex(dp) function exponential(exponent, angle) result(value)
+    !! e^(exponent + i·angle).
     real(dp), intent(in) :: exponent, angle
     value = exp(exponent)*cmplx(cos(angle), sin(angle), dp)
   end function exponential

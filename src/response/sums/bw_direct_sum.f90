@@ -34,6 +34,7 @@ contains
   end subroutine add_directly
 
   pure subroutine add_damped(modes, q, rate, shapes, times, displacement)
+    !! Damped modes: the state of all of them at each time.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(dd), intent(in) :: times(:)
@@ -51,6 +52,7 @@ contains
   end subroutine add_damped
 
   pure subroutine add_undamped(modes, q, rate, shapes, times, displacement)
+    !! Undamped modes, those that grow one by one.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: q(:), rate(:), shapes(:, :)
     type(dd), intent(in) :: times(:)

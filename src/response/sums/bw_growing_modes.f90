@@ -50,6 +50,7 @@ contains
   contains
 
     pure real(dp) function time(sample)
+      !! When a sample is, in the grid's unit.
       integer, intent(in) :: sample              ! from 1
       time = grid%step%hi*(sample - 1)
     end function time
@@ -126,8 +127,12 @@ contains
     !! growing·e^x + decaying·e^(−x). As e^x may overflow where the product does not, the growing part is multiplied
     !! by e^(x/2) twice. The part of the exponent that rounding would lose, up to 1e-13, is added to first order.
     real(dp), intent(in) :: growing, decaying
-    type(dd), intent(in) :: x                     !! 0 ≤ x ≤ `largest_exponent`
+    type(dd), intent(in) :: x                     !! ≥ 0, and at most `largest_exponent` where something grows
     real(dp) :: half
+    if (growing == 0.0_dp) then
+      value = (decaying*exp(-0.5_dp*x%hi))*exp(-0.5_dp*x%hi)*(1.0_dp - x%lo)
+      return
+    end if
     half = exp(0.5_dp*x%hi)*(1.0_dp + 0.5_dp*x%lo)
     value = (growing*half)*half + (decaying/half)/half
   end function exponentials

@@ -93,6 +93,7 @@ contains
   end function block_length
 
   pure subroutine turns_in_block(half, cycles, turns)
+    !! Make the table of turns of half a block, about its middle.
     integer, intent(in) :: half                     !! samples of half a block
     type(dd), intent(in) :: cycles(:)               !! turns per half a sample
     type(block_turns), intent(out) :: turns
@@ -144,6 +145,7 @@ contains
   end subroutine add_products
 
   pure subroutine multiply(left, weight, right, product)
+    !! left·diag(weight)·right.
     real(dp), intent(in), contiguous :: left(:, :)          !! (samples of half a block, modes)
     real(dp), intent(in), contiguous :: weight(:), right(:, :)   !! (modes), (modes, blocks and more)
     real(dp), intent(out), contiguous :: product(:, :)      !! (samples of half a block, blocks)

@@ -67,6 +67,7 @@ contains
   end function points_at_once
 
   subroutine open_sum(self, grid, width, half, points, with_velocity, moved)
+    !! Make room for a sum, and what of kernel and grids the last one does not leave.
     class(nonuniform_sum), intent(inout) :: self
     type(time_grid), intent(in) :: grid
     integer, intent(in) :: width                    !! of the kernel
@@ -128,6 +129,7 @@ contains
   end subroutine shrink
 
   pure integer function first_of(self, kind) result(column)
+    !! The first column of a kind of grids.
     class(nonuniform_sum), intent(in) :: self
     integer, intent(in) :: kind
     column = 1 + self%points*count(self%with(:kind - 1))
@@ -173,6 +175,7 @@ contains
   end subroutine add_modes
 
   pure subroutine multiply(n, a, b, product)
+    !! The product of two lists, element by element, of a length that the compiler sees.
     integer, intent(in) :: n
     real(dp), intent(in) :: a(n), b(n)
     real(dp), intent(inout) :: product(n)

@@ -84,6 +84,7 @@ contains
   end subroutine factors_of_block
 
   pure subroutine add_runs(half, turns, factor, sums, history)
+    !! Add the sums of a block to their samples: two runs go up from there, two down.
     integer, intent(in) :: half
     type(turn_block), intent(in) :: turns
     real(dp), intent(in), dimension(block, 4) :: factor, sums
@@ -106,6 +107,7 @@ contains
   end subroutine add_runs
 
   pure subroutine add_sample(kernel, half, sample, sum, history)
+    !! Add one sum to its sample, if that is wanted.
     type(spreading_kernel), intent(in) :: kernel
     integer, intent(in) :: half, sample
     real(dp), intent(in) :: sum

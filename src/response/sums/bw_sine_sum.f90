@@ -96,12 +96,14 @@ contains
   end subroutine prepare
 
   subroutine destroy(self)
+    !! Give FFTW's plan back.
     type(sine_sum_plan), intent(inout) :: self
     if (self%half /= 0) call fftw_destroy_plan(self%plan)
     self%half = 0
   end subroutine destroy
 
   pure subroutine pack_column(half, sign, x, v)
+    !! Put even grid points ahead and odd ones back.
     integer, intent(in) :: half
     real(dp), intent(in) :: sign                   !! of odd grid points
     real(dp), intent(in) :: x(0:2*half - 1)

@@ -72,6 +72,7 @@ contains
   end subroutine fill_table
 
   pure subroutine set_cell(coefficients, table)
+    !! Put the polynomials of one cell into the table, vector by vector.
     real(dp), intent(in) :: coefficients(:, 0:)             !! (width, 0:degree)
     real(dp), intent(inout) :: table(:, 0:, :)              !! (vector, 0:degree, vectors)
     integer :: first, last

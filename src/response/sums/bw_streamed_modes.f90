@@ -4,113 +4,20 @@ module bw_streamed_modes
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
-  use bw_monitor, only: monitor_type, part_monitor
+  use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: histories_of, response_type, turns_in_record
   use bw_set_sum, only: add_motion, modes_at_once
   use bw_stopwatch, only: wall_seconds
-  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice, sum_seconds
+  use bw_sum_choice, only: chosen_sum, error_of_sum, sum_choice
   use bw_time_grid, only: time_grid
-  use bw_truncation, only: tail_error
   implicit none (type, external)
   private
-  public :: add_modes_in_parts, add_modes_of_source
+  public :: add_modes_of_source
 
   integer, parameter :: batch = 256            !! tuned: modes whose arrays stay in the cache
-  real(dp), parameter :: fewer_or_more(2) = [1.0_dp/3.0_dp, 8.0_dp]
-    !! tuned: times the modes before the remainder, which may be summed to all digits instead of these
-  real(dp), parameter :: loosest = 1.0e-4_dp   !! tolerance of a sum, over its own peak
-
-  type, public :: remainder_type
-    !! What all modes after the first are estimated to add to a displacement.
-    integer :: after = 0                       !! how many the first ones are
-    real(dp) :: share = 1.0_dp                 !! over the peak, at most 1
-    real(dp) :: tail = 0.0_dp                  !! `tail_error` with a force of 1, l²/h; 0: not known
-  end type remainder_type
 
 contains
-
-  subroutine add_modes_in_parts(source, force, count, remainder, tolerances, monitor, response, workspace)
-    !! Add the first `count` modes in one sum, or the first ones, which make the motion, apart from the many that add little
-    !! and need fewer digits: whichever is faster.
-    class(mode_source), intent(in) :: source
-    real(dp), intent(in) :: force                !! as that of `add_modes_of_source`, also what follows
-    integer, intent(in) :: count                 !! > `remainder%after`
-    type(remainder_type), intent(in) :: remainder
-    real(dp), intent(in) :: tolerances(2)        !! over the peak: of the first ones, and of what the others add to them
-    class(monitor_type), intent(inout), target :: monitor
-    type(response_type), intent(inout) :: response    !! started
-    type(nonuniform_sum), intent(inout) :: workspace
-    real(dp) :: error, share
-    integer :: first
-    first = faster_part(count, remainder, response, tolerances)
-    if (first == count) then
-      call add(1, count, tolerances(1))
-    else
-      share = remainder%share
-      if (first /= remainder%after) share = share_after(first, source, remainder, response)
-      call add(1, first, tolerances(1))
-      error = response%sum_error
-      call add(first + 1, count, coarse(share, tolerances))
-      response%sum_error = error + share*(response%sum_error - error)
-    end if
-  contains
-    subroutine add(first, last, tolerance)
-      integer, intent(in) :: first, last
-      real(dp), intent(in) :: tolerance
-      type(part_monitor) :: part_of_it
-      part_of_it = part_monitor(monitor, real(first - 1, dp)/last, real(last - first + 1, dp)/last)
-      call add_modes_of_source(source, force, first, last, tolerance, part_of_it, response, workspace)
-    end subroutine add
-  end subroutine add_modes_in_parts
-
-  pure integer function faster_part(count, remainder, response, tolerances) result(first)
-    !! How many modes to sum to all digits: those before the remainder, fewer, several times as many, or all.
-    integer, intent(in) :: count
-    type(remainder_type), intent(in) :: remainder
-    type(response_type), intent(in) :: response
-    real(dp), intent(in) :: tolerances(2)
-    real(dp) :: seconds(4)
-    integer :: histories, parts(4), samples
-    samples = response%sampling%grid%samples
-    histories = histories_of(response)
-    parts = [count, remainder%after, max(1, nint(fewer_or_more*remainder%after))]
-    seconds(1) = sum_seconds(count, samples, histories, tolerances(1))
-    seconds(2) = seconds_of_parts(remainder%after)
-    seconds(3:) = huge(seconds)
-    if (remainder%tail > 0.0_dp) then
-      seconds(3) = seconds_of_parts(parts(3))
-      if (parts(4) < count) seconds(4) = seconds_of_parts(parts(4))
-    end if
-    first = parts(minloc(seconds, dim=1))
-  contains
-    pure real(dp) function seconds_of_parts(part)
-      integer, intent(in) :: part
-      real(dp) :: share                          ! what the others add: amplitudes fall about as k⁻³ (Eqs 18 and 21)
-      share = min(1.0_dp, remainder%share*(real(remainder%after, dp)/part)**2)
-      seconds_of_parts = sum_seconds(part, samples, histories, tolerances(1)) &
-        + sum_seconds(count - part, samples, histories, coarse(share, tolerances))
-    end function seconds_of_parts
-  end function faster_part
-
-  pure real(dp) function coarse(share, tolerances) result(tolerance)
-    !! The tolerance of a sum over its own peak that keeps the one over the peak of the whole motion.
-    real(dp), intent(in) :: share                !! the peak of the sum over that of the whole motion
-    real(dp), intent(in) :: tolerances(2)
-    tolerance = min(loosest, max(tolerances(1), tolerances(2)/share))
-  end function coarse
-
-  real(dp) function share_after(first, source, remainder, response) result(share)
-    !! What the modes after any number of first ones add, over the peak.
-    integer, intent(in) :: first
-    class(mode_source), intent(in) :: source
-    type(remainder_type), intent(in) :: remainder
-    type(response_type), intent(in) :: response
-    associate (grid => response%sampling%grid)
-      share = maxval(tail_error(first, source, 1.0_dp, response%sampling%points, grid%samples*grid%step%hi, grid%samples, .false.))
-    end associate
-    share = max(epsilon(share), min(1.0_dp, remainder%share*(share/remainder%tail)))
-  end function share_after
 
   subroutine add_modes_of_source(source, force, first, last, tolerance, monitor, response, workspace)
     !! Add modes `first` … `last`, which start from rest position with the velocities force·Φ_k(1)/M_k: by the transform

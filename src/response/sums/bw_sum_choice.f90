@@ -11,7 +11,7 @@ module bw_sum_choice
   use bw_spreading_kernel, only: degree_of, high_degree, transform_error, vector
   implicit none (type, external)
   private
-  public :: chosen_sum, error_of_sum, grid_for_width, sum_seconds
+  public :: chosen_sum, error_of_sum, grid_for_width
 
   type, public :: sum_choice
     logical :: transform = .false.    !! by the non-uniform transform
@@ -89,20 +89,8 @@ contains
     end do
   end function grid_for_width
 
-  pure real(dp) function sum_seconds(modes, samples, histories, tolerance) result(seconds)
-    !! What the chosen sum takes, by the model.
-    integer, intent(in) :: modes, samples, histories
-    real(dp), intent(in) :: tolerance
-    type(sum_choice) :: choice
-    choice = chosen_sum(modes, samples, histories, tolerance)
-    if (choice%transform) then
-      seconds = transform_seconds(modes, samples, histories, choice%width, choice%half)
-    else
-      seconds = product_seconds(modes, samples, histories)
-    end if
-  end function sum_seconds
-
   pure real(dp) function product_seconds(modes, samples, histories) result(seconds)
+    !! What products take, by the model.
     integer, intent(in) :: modes, samples, histories
     real(dp) :: blocks, length, states
     length = block_length(samples)
@@ -113,6 +101,7 @@ contains
   end function product_seconds
 
   pure real(dp) function transform_seconds(modes, samples, histories, width, half) result(seconds)
+    !! What the transform takes with this kernel and grid, by the model.
     integer, intent(in) :: modes, samples, histories, width, half
     real(dp) :: points, powers, vectors
     points = 2.0_dp*half

@@ -70,19 +70,20 @@ contains
     real(dp), intent(in) :: first, step
     real(dp), intent(out), contiguous :: cosine(:, 0:), sine(:, 0:)
     real(dp), dimension(size(cycles), 0:size(cosine, 2) - 1) :: angle
-    real(dp), dimension(size(cycles)) :: start, start_rest, turn, turn_rest
+    real(dp), dimension(size(cycles)) :: start, start_low, turn, turn_low
     integer :: j, k
-    call split(turn_fractions(cycles*first), start, start_rest)
-    call split(turn_fractions(cycles*step), turn, turn_rest)
+    call split(turn_fractions(cycles*first), start, start_low)
+    call split(turn_fractions(cycles*step), turn, turn_low)
     do j = 0, size(cosine, 2) - 1
       do k = 1, size(cycles)
-        angle(k, j) = 2.0_dp*dd_pi%hi*(part_of_turn(start(k) + j*turn(k)) + (start_rest(k) + j*turn_rest(k)))
+        angle(k, j) = 2.0_dp*dd_pi%hi*(part_of_turn(start(k) + j*turn(k)) + (start_low(k) + j*turn_low(k)))
       end do
     end do
     call cosines_and_sines(size(angle), angle, cosine, sine)
   end subroutine some_turns
 
   elemental subroutine split(fraction, large, small)
+    !! Split a fraction of a turn so that whole multiples of its larger part are exact.
     type(dd), intent(in) :: fraction        !! −½ … ½
     real(dp), intent(out) :: large          !! a multiple of 2⁻³⁰
     real(dp), intent(out) :: small          !! what is left

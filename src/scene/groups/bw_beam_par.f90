@@ -27,15 +27,15 @@ module bw_beam_par
     input_name('beam', 'length', real_input, 'm', positive, required=.true., swept=.true., &
                meaning='length from the clamped root to the tip'), &
     input_name('beam', 'density', real_input, 'kg m-3', positive, required=.true., swept=.true., &
-               meaning='mass density'), &
+               meaning='mass density of the material'), &
     input_name('beam', 'youngs_modulus', real_input, 'Pa', positive, required=.true., swept=.true., &
-               meaning='modulus of elasticity'), &
+               meaning='Young''s modulus E'), &
     input_name('beam', 'diameter', real_input, 'm', positive, swept=.true., excludes='area second_moment', &
                meaning='diameter of a solid circular section'), &
     input_name('beam', 'area', real_input, 'm2', positive, swept=.true., excludes='diameter', &
                meaning='area of the section'), &
     input_name('beam', 'second_moment', real_input, 'm4', positive, swept=.true., excludes='diameter', &
-               meaning='second moment of area of the section, for bending')]
+               meaning='second moment of area I of the section, bending stiffness E I')]
 
   real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 

@@ -16,7 +16,7 @@ module bw_capture_par
 
   type(input_name), parameter, public :: capture_names(*) = [ &
     input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., changes_shapes=.true., &
-               meaning='inertia of the captured body against turning about the tip')]
+               meaning='moment of inertia of the captured body about the tip')]
 
 contains
 

@@ -17,16 +17,18 @@ module bw_damping_par
 
   type(input_group), parameter, public :: damping_group = input_group( &
     'damping', is_effect=.true., absent='undamped', &
-    rules='Give `ratio`, the same for every mode, or Rayleigh''s constants; one of these that is not given is 0. '// &
-    'Both act on the frequencies that bending alone would give.')
+    rules='Give `ratio`, or one or both constants of Rayleigh damping, whose matrix is a M + b K. M is the mass matrix '// &
+    'and K the elastic stiffness alone, and `ratio` refers to the frequency that K and M give a mode: rotation and tension '// &
+    'change that frequency, but not the damping.')
 
   type(input_name), parameter, public :: damping_names(*) = [ &
     input_name('damping', 'ratio', real_input, '1', not_negative, swept=.true., &
-               excludes='mass_proportional stiffness_proportional', meaning='damping ratio of every mode'), &
+               excludes='mass_proportional stiffness_proportional', &
+               meaning='damping over critical damping, the same for every mode'), &
     input_name('damping', 'mass_proportional', real_input, 's-1', not_negative, swept=.true., excludes='ratio', &
-               meaning='damping matrix over mass matrix'), &
+               meaning='a of Rayleigh damping; 0 if only b is given'), &
     input_name('damping', 'stiffness_proportional', real_input, 's', not_negative, swept=.true., excludes='ratio', &
-               meaning='damping matrix over stiffness matrix')]
+               meaning='b of Rayleigh damping; 0 if only a is given')]
 
 contains
 

@@ -29,10 +29,10 @@ module bw_modes_par
 
   type(input_group), parameter, public :: modes_group = input_group( &
     'modes', implied=.true., absent='20 modes without `&response`; with it and `&capture`, tolerance 1e-6', &
-    rules='Give counts, or a tolerance. '// &
-    'With `&capture` there are two sets of modes; where one count is given, the other is the same. Without it '// &
-    'there is one set: its count is `before`, and `after`, if given, is the same. A rebound belongs to its '// &
-    'truncation, its impulse going to 0 as modes are added, so that no count can be chosen for it.')
+    rules='Give counts, or a tolerance. With `&capture` there are two sets of modes; a count that is not given is that of '// &
+    'the other. Without it there is one set, whose count is `before`; `after` may only repeat it. Without `&capture` a '// &
+    '`&response` needs a count: the impulse of a rebound goes to 0 as modes are added, so that the motion depends on '// &
+    'their number.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -40,7 +40,7 @@ module bw_modes_par
     input_name('modes', 'after', integer_input, '1', counts, swept=.true., excludes='tolerance', &
                meaning='modes of the beam with the captured mass'), &
     input_name('modes', 'tolerance', real_input, '1', number_range(1.0e-12_dp, coarsest_tolerance), swept=.true., &
-               excludes='before after', meaning='largest error of the displacement over its peak')]
+               excludes='before after', meaning='largest error of the displacement over its peak; sets the counts')]
 
 contains
 

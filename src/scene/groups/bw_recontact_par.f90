@@ -14,12 +14,13 @@ module bw_recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
     'recontact', needs='impact response', is_effect=.true., absent='a rebounded mass never returns', &
-    rules='It excludes `&capture`. The mass moves in a guide that turns with the hub. Contacts that follow each '// &
-    'other ever faster become one that lasts, until the mass is no longer pressed against the tip.')
+    rules='It excludes `&capture`. After the rebound the mass slides without friction in a straight guide that '// &
+    'turns with the hub, and can meet the tip again. Contacts that follow each other ever faster are taken for one '// &
+    'that lasts until the mass is no longer pressed against the tip.')
 
   type(input_name), parameter, public :: recontact_names(*) = [ &
     input_name('recontact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '100', swept=.true., &
-               meaning='contacts after the impact at which the search for more ends')]
+               meaning='largest number of contacts after the impact')]
 
 contains
 

@@ -13,8 +13,8 @@ module bw_release_par
 
   type(input_group), parameter, public :: release_group = input_group( &
     'release', needs='capture', is_effect=.true., absent='a captured mass stays', &
-    rules='A sample at exactly that time belongs to the beam without the mass. A time beyond the end of the '// &
-    'record changes nothing.')
+    rules='A sample at exactly that time shows the beam without the mass. A time after the end of the histories '// &
+    'changes nothing.')
 
   type(input_name), parameter, public :: release_names(*) = [ &
     input_name('release', 'time', real_input, 's', positive, required=.true., swept=.true., &

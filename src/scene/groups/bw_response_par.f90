@@ -15,6 +15,7 @@ module bw_response_par
     integer :: samples = 0               !! N ≥ 1; the times are the exact j·T/N, j = 0 … N−1
     real(dp), allocatable :: points(:)   !! ξ in [0, 1], in the user's order, no two the same, (n_points)
     logical :: velocity = .false.        !! velocities are asked for too
+    logical :: bending_moment = .false.  !! and bending moments
   end type response_par
 
   type(input_group), parameter, public :: response_group = input_group( &
@@ -23,12 +24,13 @@ module bw_response_par
 
   type(input_name), parameter, public :: response_names(*) = [ &
     input_name('response', 'duration', real_input, 's', positive, required=.true., &
-               meaning='time from the impact to the end'), &
+               meaning='length of the histories, from the impact on'), &
     input_name('response', 'samples', integer_input, '1', number_range(1.0_dp, 1e9_dp), required=.true., &
                meaning='samples of each history'), &
     input_name('response', 'points', reals_input, '1', unit_interval, '0.5, 1.0', most=1000, &
-               meaning='places xi = x/l, 0 at the root and 1 at the tip'), &
-    input_name('response', 'velocity', logical_input, default='.false.', meaning='velocities too')]
+               meaning='places of the histories: x/l, 0 at the root, 1 at the tip'), &
+    input_name('response', 'velocity', logical_input, default='.false.', meaning='histories of the velocity too'), &
+    input_name('response', 'bending_moment', logical_input, default='.false.', meaning='histories of the bending moment too')]
 
 contains
 
@@ -55,6 +57,7 @@ contains
     response%samples = values%whole('samples')
     response%points = values%values(values%at('points'))%numbers
     response%velocity = values%values(values%at('velocity'))%flag
+    response%bending_moment = values%values(values%at('bending_moment'))%flag
   end function build_response
 
 end module bw_response_par

@@ -3,6 +3,7 @@ module bw_rotation_par
   use bw_input_name, only: any_number, input_group, input_name, real_input, text_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
+  use bw_text, only: shortest
   implicit none (type, external)
   private
   public :: build_rotation, rotation_text
@@ -17,7 +18,7 @@ module bw_rotation_par
 
   type(input_name), parameter, public :: rotation_names(*) = [ &
     input_name('rotation', 'angular_velocity', real_input, 'rad s-1', any_number, required=.true., swept=.true., &
-               meaning='constant angular velocity of the root'), &
+               meaning='angular velocity of the hub, which is constant'), &
     input_name('rotation', 'plane', text_input, default="'in'", words='in out', &
                meaning='the beam bends in the plane of rotation, or out of it')]
 
@@ -31,10 +32,12 @@ contains
   end function build_rotation
 
   pure function rotation_text(values) result(text)
-    !! What a report calls it: `rotation 50 rad/s in plane`.
+    !! What a report calls it: `rotation 50 rad/s (477.5 rpm) in plane`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s')// &
+    real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    ! turns a minute in 1 rad/s
+    text = 'rotation '//values%number_or_swept('angular_velocity', ' rad/s ('// &
+                                               shortest(rpm*values%number('angular_velocity'), 4)//' rpm)')// &
       trim(merge(' in plane    ', ' out of plane', values%text('plane') == 'in'))
   end function rotation_text
 

@@ -16,14 +16,16 @@ module bw_shear_par
   type(input_group), parameter, public :: shear_group = input_group( &
     'shear', is_effect=.true., changes_shapes=.true., &
     absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
-    rules='`shear_coefficient` is 6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter` (Cowper 1966), nu being '// &
-    '`poisson_ratio`; any other section needs its own.')
+    rules='This is Timoshenko''s beam: the shear force is kappa G A times the angle of shear, and the shear modulus is '// &
+    'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. For the solid circle of a `diameter` '// &
+    'kappa is 6 (1 + nu)/(7 + 6 nu) unless it is given (Cowper 1966). Any other section needs its own: a rectangle '// &
+    'has 10 (1 + nu)/(12 + 11 nu).')
 
   type(input_name), parameter, public :: shear_names(*) = [ &
     input_name('shear', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
                swept=.true., meaning='Poisson''s ratio, from which the shear modulus follows'), &
     input_name('shear', 'shear_coefficient', real_input, '1', positive, swept=.true., &
-               meaning='part of the section that counts against shear')]
+               meaning='kappa: shear stiffness of the section over G A')]
 
 contains
 

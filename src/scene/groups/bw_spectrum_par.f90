@@ -19,15 +19,16 @@ module bw_spectrum_par
 
   type(input_group), parameter, public :: spectrum_group = input_group( &
     'spectrum', needs='response', absent='no spectral analysis', &
-    rules='It needs at least 16 samples. Wave numbers and wave velocities are measured where 0.5 and 1.0 are among '// &
-    'the points of `&response`.')
+    rules='It needs at least 16 samples. Frequencies, wave numbers and wave velocities of the spectral peaks are measured '// &
+    'where 0.5 and 1.0 are among the points of `&response`; with `&stiffening`, `&shear` or a `rotary_inertia` of the '// &
+    'captured body only their frequencies are.')
 
   type(input_name), parameter, public :: spectrum_names(*) = [ &
     input_name('spectrum', 'window', text_input, default="'hann'", &
                words='hann rectangular hamming blackman blackman_harris flat_top', &
                meaning='window of the amplitude spectrum'), &
     input_name('spectrum', 'max_peaks', integer_input, '1', number_range(1.0_dp, 1e4_dp), '20', &
-               meaning='most peaks to be measured')]
+               meaning='largest number of spectral peaks that are measured')]
 
 contains
 

@@ -4,13 +4,15 @@ module bw_scene_entries
   !!
   !! Commas and blanks separate; values may go on over lines; one trailing comma is fine. A value that is
   !! left out (`1,,2`, `2*`), which Fortran reads as 'keep what was there', is an error.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, logical_input, place_of, reals_input, &
+  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, logical_input, place_of, reals_input, &
                            text_input
   use bw_input_values, only: input_value
   use bw_kinds, only: dp
   use bw_scene_messages, only: message_list, shown
   use bw_scene_scalars, only: parse_logical, parse_real, parse_text, parse_whole
   use bw_scene_tokens, only: bad_token, comma_token, equals_token, text_token, token, word_token
+  use bw_text, only: text_of
+  use bw_value_hints, only: value_hint
   implicit none (type, external)
   private
   public :: read_items, read_value
@@ -155,12 +157,29 @@ contains
       call read_reals(row, text, items, value, messages)
     else if (size(items) > 1 .or. items(1)%repeat > 1) then
       call messages%add(items(min(2, size(items)))%line, place_of(row), &
-                        'has more than one value; accepted: '//accepted_text(row))
+                        'has more than one value'//hint_of_items(row, text, items)//'; accepted: '//accepted_text(row))
     else
       call read_scalar(row, text(items(1)%first:items(1)%last), items(1), value, messages)
     end if
     value%known = messages%count == before
   end subroutine read_value
+
+  pure function hint_of_items(row, text, items) result(hint)
+    !! What may be meant by several values where one is accepted.
+    type(input_name), intent(in) :: row
+    character(*), intent(in) :: text
+    type(item), intent(in) :: items(:)
+    character(:), allocatable :: hint
+    hint = ''
+    if (.not. is_number(row)) return
+    associate (written => text(items(1)%first:items(size(items))%last))
+      if (items(1)%repeat > 1) then
+        hint = value_hint(text_of(items(1)%repeat)//'*'//written, row%unit)
+      else
+        hint = value_hint(written, row%unit)
+      end if
+    end associate
+  end function hint_of_items
 
   pure subroutine read_scalar(row, piece, source, value, messages)
     !! A number, a logical or a text.
@@ -198,13 +217,23 @@ contains
     else
       call parse_real(piece, number, problem)
     end if
+    if (problem /= '' .and. source%quote == ' ') problem = problem//value_hint(piece, row%unit)
     if (problem /= '') then
       if (index(problem, 'accepted') == 0) problem = problem//'; accepted: '//accepted_text(row)
       call messages%add(source%line, place_of(row), problem)
     else if (.not. in_range(row%range, number)) then
-      call messages%add(source%line, place_of(row), shown(piece)//' is out of range; accepted: '//accepted_text(row))
+      call messages%add(source%line, place_of(row), shown(piece)//' is out of range; accepted: '//accepted_text(row)// &
+                        place_hint(row))
     end if
   end subroutine read_number
+
+  pure function place_hint(row) result(hint)
+    !! Places along the beam are often given in metres.
+    type(input_name), intent(in) :: row
+    character(:), allocatable :: hint
+    hint = ''
+    if (row%name == 'points') hint = '; places are xi = x/l, from 0 at the root to 1 at the tip, and not in metres'
+  end function place_hint
 
   pure subroutine read_reals(row, text, items, value, messages)
     !! A list of reals, each as often as its item says.

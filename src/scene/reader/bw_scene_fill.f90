@@ -5,10 +5,10 @@ module bw_scene_fill
   use bw_input_values, only: group_values
   use bw_scene_entries, only: item, read_items, read_value
   use bw_scene_lexer, only: tokenise
-  use bw_scene_messages, only: message_list, shortened
+  use bw_scene_messages, only: message_list
   use bw_scene_parser, only: opened_group, parsed_scene, statement
   use bw_scene_tokens, only: bad_group_token, bad_token, name_in, token
-  use bw_text, only: text_of
+  use bw_text, only: shortened, text_of
   implicit none (type, external)
   private
   public :: fill_groups

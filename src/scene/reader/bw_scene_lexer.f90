@@ -106,7 +106,7 @@ contains
     case (',')
       call add_token(lex, comma_token, lex%at, lex%at)
     case (';')
-      call messages%add(lex%line, 'text', "';' separates nothing here; accepted: ',' or blanks between values")
+      call messages%add(lex%line, 'text', "';' separates nothing here; accepted: ',' or blanks between values, and a point in 0.5")
       lex%at = lex%at + 1
     case ('''', '"')
       call lex_text(text, lex, messages)

@@ -6,7 +6,7 @@ module bw_scene_messages
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
-  public :: check_product, settle_product, shortened, shown
+  public :: check_product, settle_product, shown
 
   integer, parameter :: most_messages = 1000  !! nobody reads more, and memory is bounded
 
@@ -124,15 +124,6 @@ contains
       call messages%add(line, place, what//' is too small for double precision; accepted: at least 2.23e-308')
     end if
   end subroutine check_product
-
-  pure function shortened(name) result(piece)
-    !! A name as a message may show it.
-    character(*), intent(in) :: name          !! ASCII
-    character(:), allocatable :: piece
-    integer, parameter :: most = 80
-    piece = name(:min(len(name), most))
-    if (len(name) > most) piece = piece//'...'
-  end function shortened
 
   pure function shown(text) result(piece)
     !! A piece of the scene, shortened, as a message may show it.

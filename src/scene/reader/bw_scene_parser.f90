@@ -1,9 +1,9 @@
 module bw_scene_parser
   !! Tokens as groups and their statements `name = values`.
-  use bw_scene_messages, only: message_list, shortened, shown
+  use bw_scene_messages, only: message_list, shown
   use bw_scene_tokens, only: bad_group_token, bad_token, end_token, equals_token, group_token, name_in, span, text_token, &
                              token, word_token
-  use bw_text, only: text_of
+  use bw_text, only: shortened, text_of
   implicit none (type, external)
   private
   public :: parse

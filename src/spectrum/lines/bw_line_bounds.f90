@@ -8,7 +8,7 @@ module bw_line_bounds
   !! another: a residual that is the part ρ of the line may hide one that moves it by √ρ bins, and its ratio by the part √ρ.
   !! That is told apart.
   use bw_kinds, only: dp
-  use bw_least_squares, only: factorise, gradient_length
+  use bw_line_fit, only: factorise, gradient_length
   use bw_line, only: jacobian, line_position, line_type, main_lobe, points, unknowns
   use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in
   use bw_line_residual, only: residual_type

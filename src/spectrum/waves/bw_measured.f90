@@ -7,7 +7,7 @@ module bw_measured
   use bw_line_search, only: find_lines
   use bw_measured_notes, only: measured_notes
   use bw_missing, only: is_missing, missing
-  use bw_mode_check, only: check_peaks, is_mode, measuring_type, not_known, verdict_type
+  use bw_mode_check, only: check_peaks, is_mode, not_known, record_facts, verdict_type
   use bw_mode_curve, only: mode_type, slope_of
   use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops
@@ -33,7 +33,7 @@ module bw_measured
 
 contains
 
-  subroutine measure_waves(tip, midpoint, told, measured, monitor)
+  subroutine measure_waves(tip, midpoint, facts, measured, monitor)
     !! Measure frequencies, wave numbers, phase and group velocities of the lines in two histories.
     !!
     !! Lines closer than 1/duration, or as close to 0 or the Nyquist frequency as to their own mirror image, are one
@@ -43,7 +43,7 @@ contains
     !! 16 samples, or with missing samples, has no peaks.
     real(dp), intent(in) :: tip(:)                      !! displacement at ξ = 1, (N), at the times jT/N
     real(dp), intent(in) :: midpoint(:)                 !! displacement at ξ = ½, (N)
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     type(measured_type), intent(out) :: measured        !! of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     type(peak_type), allocatable :: peaks(:)
@@ -56,17 +56,17 @@ contains
     faint = count(.not. peaks%stands_out)
     peaks = pack(peaks, peaks%stands_out)
     allocate (modes(size(peaks)), verdict(size(peaks)))
-    if (allocated(told%known)) then
-      call check_peaks(told%known, size(tip), told%duration, peaks, verdict)
+    if (allocated(facts%known)) then
+      call check_peaks(facts%known, size(tip), facts%duration, peaks, verdict)
     else
       peaks = with_hidden(peaks, merge(peaks%hidden, 0.0_dp, peaks%doubtful))
     end if
-    if (told%uniform) call number_modes(peaks, verdict%kind == is_mode .or. verdict%kind == not_known, &
-      & merge(chance_if_checked, chance, allocated(told%known)), modes)
+    if (facts%uniform) call number_modes(peaks, verdict%kind == is_mode .or. verdict%kind == not_known, &
+      & merge(chance_if_checked, chance, allocated(facts%known)), modes)
     where (modes%number /= verdict%number .and. verdict%kind /= not_known) modes%number = 0
-    allocate (listed, source=listed_peaks(peaks, modes, verdict, told))
-    call fill(measured, peaks(listed), modes(listed), modes, told)
-    measured%notes = measured_notes(peaks, modes, verdict, listed, faint, told, size(tip))
+    allocate (listed, source=listed_peaks(peaks, modes, verdict, facts))
+    call fill(measured, peaks(listed), modes(listed), modes, facts)
+    measured%notes = measured_notes(peaks, modes, verdict, listed, faint, facts, size(tip))
   end subroutine measure_waves
 
   subroutine find_peaks(tip, midpoint, peaks, monitor)
@@ -95,40 +95,40 @@ contains
     if (is_usable) is_usable = any(abs(tip) > 0) .or. any(abs(midpoint) > 0)
   end function is_usable
 
-  pure function listed_peaks(peaks, modes, verdict, told) result(listed)
+  pure function listed_peaks(peaks, modes, verdict, facts) result(listed)
     !! The indices of peaks that are modes or may be, up to `max_peaks` of the strongest.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(verdict_type), intent(in) :: verdict(:)
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     integer, allocatable :: listed(:)
     logical :: qualified(size(peaks))
     integer :: i
-    if (allocated(told%known)) then
+    if (allocated(facts%known)) then
       qualified = verdict%kind == is_mode .or. verdict%kind == not_known
     else
       qualified = all(modes%number == 0) .or. modes%number > 0 .or. peaks%members > 1 .or. peaks%at_edge
     end if
     qualified = qualified .and. peaks%located
     allocate (listed, source=pack([(i, i=1, size(peaks))], qualified .and. &
-      & [(count(qualified .and. peaks%strength > peaks(i)%strength) < told%max_peaks, i=1, size(peaks))]))
+      & [(count(qualified .and. peaks%strength > peaks(i)%strength) < facts%max_peaks, i=1, size(peaks))]))
   end function listed_peaks
 
-  pure subroutine fill(measured, peaks, modes, all_modes, told)
+  pure subroutine fill(measured, peaks, modes, all_modes, facts)
     !! Fill in the quantities of the listed peaks, turned from periods in the record to physical units.
     type(measured_type), intent(inout) :: measured
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(mode_type), intent(in) :: all_modes(:)    !! those of peaks that are not listed too
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     real(dp), dimension(size(peaks)) :: undamped, relative
     logical :: is_wave(size(peaks))
     real(dp) :: none(size(peaks)), slope, slope_error
     none = missing
     is_wave = modes%number > 0
     measured%peak_count = size(peaks)
-    measured%angular_frequency = two_pi*peaks%position/told%duration
-    measured%angular_frequency_error = two_pi*peaks%position_error/told%duration
+    measured%angular_frequency = two_pi*peaks%position/facts%duration
+    measured%angular_frequency_error = two_pi*peaks%position_error/facts%duration
     allocate (measured%wavenumber, measured%wavenumber_error, measured%phase_velocity, measured%phase_velocity_error, &
       & measured%group_velocity, measured%group_velocity_error, source=none)
     undamped = 1
@@ -136,16 +136,16 @@ contains
     where (is_wave)
       undamped = sqrt(modes%square)
       relative = modes%square_error/(2*modes%square) + modes%alpha_error/modes%alpha + 8*epsilon(1.0_dp)
-      measured%wavenumber = modes%alpha/told%length
-      measured%wavenumber_error = modes%alpha_error/told%length
-      measured%phase_velocity = two_pi*undamped/told%duration*told%length/modes%alpha
+      measured%wavenumber = modes%alpha/facts%length
+      measured%wavenumber_error = modes%alpha_error/facts%length
+      measured%phase_velocity = two_pi*undamped/facts%duration*facts%length/modes%alpha
       measured%phase_velocity_error = measured%phase_velocity*relative
     end where
-    if (.not. allocated(told%known) .and. count(all_modes%number > 0) < fewest_lines) return
+    if (.not. allocated(facts%known) .and. count(all_modes%number > 0) < fewest_lines) return
     call slope_of(all_modes, slope, slope_error)
     if (.not. slope > 0) return
     where (is_wave)
-      measured%group_velocity = two_pi/told%duration*told%length*2*slope*modes%alpha**3/undamped
+      measured%group_velocity = two_pi/facts%duration*facts%length*2*slope*modes%alpha**3/undamped
       measured%group_velocity_error = measured%group_velocity* &
         & (slope_error/slope + 2*modes%alpha_error/modes%alpha + relative)
     end where

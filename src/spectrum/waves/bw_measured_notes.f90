@@ -2,56 +2,70 @@ module bw_measured_notes
   !! This module says in words what a reader of measured waves must know.
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
-  use bw_mode_check, only: is_folded, is_none, measuring_type, not_known, verdict_type
+  use bw_mode_check, only: is_folded, is_none, record_facts, not_known, verdict_type
   use bw_mode_curve, only: mode_type
+  use bw_note, only: remark
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
   public :: measured_notes
 
   integer, parameter :: most_listed = 10           !! frequencies in a note
+  integer, parameter :: most_ranges = 4            !! of mode numbers in a note
   real(dp), parameter :: worth_a_note = 1.0e-6_dp  !! growth over the record
 
 contains
 
-  pure function measured_notes(peaks, modes, verdict, listed, faint, told, samples) result(notes)
+  pure function measured_notes(peaks, modes, verdict, listed, faint, facts, samples) result(notes)
     !! The notes on a measurement, one for each kind of thing found.
     type(peak_type), intent(in) :: peaks(:)
     type(mode_type), intent(in) :: modes(:)
     type(verdict_type), intent(in) :: verdict(:)
     integer, intent(in) :: listed(:)           !! peaks in the result
     integer, intent(in) :: faint               !! groups left out because the residual or rounding explains them
-    type(measuring_type), intent(in) :: told
+    type(record_facts), intent(in) :: facts
     integer, intent(in) :: samples
     type(string), allocatable :: notes(:)
+    character(:), allocatable :: left_out
     logical, dimension(size(peaks)) :: folded, stray, shown
     allocate (notes(0))
     folded = verdict%kind == is_folded .and. peaks%located
-    if (any(folded)) call append(notes, 'folded back from above half the sampling rate ('// &
-      & shortest(samples/(2*told%duration), 6)//' Hz) and left out: modes '//ranges(pack(verdict%number, folded)))
     stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(modes%number > 0) .and. modes%number == 0 &
       & .and. peaks%members == 1 .and. .not. peaks%at_edge)
     stray = stray .and. peaks%located
     shown = peaks%located .and. .not. (folded .or. stray)
-    if (told%uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call append(notes, &
-      & 'the peaks cannot be numbered as modes: wave numbers and velocities are missing')
-    if (any(shown .and. verdict%kind == not_known) .and. all(modes%number == 0)) call append(notes, &
-      & 'nothing tells which lines are folded back from above half the sampling rate')
-    if (.not. all(peaks%located)) call append(notes, 'lines that could not be told apart, left out: '// &
-      & frequencies(.not. peaks%located))
-    if (faint > 0) call append(notes, 'groups of lines that do not stand out of what the fit leaves, left out: '// &
-      & text_of(faint))
-    if (any(stray)) call append(notes, 'lines that fit no mode, left out: '//frequencies(stray))
-    if (any(shown .and. peaks%members > 1)) call append(notes, &
-      & 'lines closer than 1/duration, each group taken as one: '//frequencies(shown .and. peaks%members > 1))
-    if (any(shown .and. peaks%at_edge)) call append(notes, &
-      & 'lines at 0 or at half the sampling rate, known to 1/duration only: '//frequencies(shown .and. peaks%at_edge))
-    if (any(shown .and. abs(peaks%growth) > worth_a_note)) call append(notes, &
+    if (.not. facts%uniform .and. any(shown)) call remark(notes, 'measured waves: frequencies alone are given, since '// &
+      & 'Eqs 18 and 20 do not hold for this motion')
+    if (facts%uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call remark(notes, &
+      & 'measured waves: the peaks cannot be numbered as modes, so wave numbers and velocities are missing')
+    left_out = left_out_text()
+    if (left_out /= '') call remark(notes, 'left out of the measured peaks: '//left_out)
+    if (any(shown .and. peaks%members > 1)) call remark(notes, &
+      & 'close lines: closer than 1/duration, each group taken as one peak: '//frequencies(shown .and. peaks%members > 1))
+    if (any(shown .and. peaks%at_edge)) call remark(notes, &
+      & 'lines at 0 or at half the sampling rate: known to 1/duration only: '//frequencies(shown .and. peaks%at_edge))
+    if (size(listed) < count(shown)) call remark(notes, 'max_peaks: of '//text_of(count(shown))//' peaks the '// &
+      & text_of(size(listed))//' strongest are listed')
+    if (allocated(facts%known)) return          ! who knows the modes knows how they fold, and which of them grow or decay
+    if (any(shown .and. verdict%kind == not_known) .and. all(modes%number == 0)) call remark(notes, &
+      & 'folding: nothing tells which lines are folded back from above half the sampling rate')
+    if (any(shown .and. abs(peaks%growth) > worth_a_note)) call remark(notes, &
       & 'lines that grow or decay: '//frequencies(shown .and. abs(peaks%growth) > worth_a_note))
-    if (size(listed) < count(shown)) call append(notes, &
-      & 'only the '//text_of(size(listed))//' strongest peaks are listed')
 
   contains
+
+    pure function left_out_text() result(words)
+      !! What was found and is not in the list of peaks, each with the reason; empty where that is nothing.
+      character(:), allocatable :: words
+      words = ''
+      if (any(folded)) words = '; '//ranges(pack(verdict%number, folded))//', folded back from above half the sampling rate ('// &
+        & shortest(samples/(2*facts%duration), 6)//' Hz)'
+      if (.not. all(peaks%located)) words = words//'; lines that could not be told apart: '// &
+        & text_of(count(.not. peaks%located))
+      if (faint > 0) words = words//'; groups of lines that are lost in what the fit leaves: '//text_of(faint)
+      if (any(stray)) words = words//'; lines that fit no mode: '//frequencies(stray)
+      if (words /= '') words = words(3:)
+    end function left_out_text
 
     pure function frequencies(chosen) result(words)
       !! The frequencies of the chosen peaks as `12.5, 80 Hz`, with `and 7 more` after the first ten.
@@ -62,7 +76,7 @@ contains
       allocate (frequency(0))
       do j = 1, size(chosen)
         if (chosen(j) .and. size(frequency) < most_listed) then
-          call append(frequency, shortest(peaks(j)%position/told%duration, 6))
+          call append(frequency, shortest(peaks(j)%position/facts%duration, 6))
         end if
       end do
       words = list(frequency)//' Hz'
@@ -72,23 +86,27 @@ contains
   end function measured_notes
 
   pure function ranges(numbers) result(words)
-    !! The positive numbers in ascending order, as `22 to 25, 40`.
-    integer, intent(in) :: numbers(:)
+    !! Modes by their numbers in ascending order, as `modes 22 to 25, 40`; of more than a few ranges the first, the last, and how
+    !! many modes there are.
+    integer, intent(in) :: numbers(:)          !! from 1
     character(:), allocatable :: words
-    integer :: first, last
-    words = ''
+    integer :: first, last, found
+    words = 'mode '
+    if (size(numbers) > 1) words = 'modes '
     last = 0
-    do
+    do found = 1, most_ranges + 1
       first = minval(numbers, mask=numbers > last)
-      if (first == huge(first)) exit
+      if (first == huge(first)) return
+      if (found > most_ranges) exit
       last = first
       do while (any(numbers == last + 1))
         last = last + 1
       end do
-      if (len(words) > 0) words = words//', '
+      if (found > 1) words = words//', '
       words = words//text_of(first)
       if (last > first) words = words//' to '//text_of(last)
     end do
+    words = words//', ... '//text_of(maxval(numbers))//' ('//text_of(size(numbers))//' in all)'
   end function ranges
 
   pure function list(items) result(words)

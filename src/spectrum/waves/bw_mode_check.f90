@@ -1,5 +1,5 @@
 module bw_mode_check
-  !! What is told about a record beside its samples, and how the modes that are known to be in it check what was measured: which
+  !! What is known of a record beside its samples, and how the modes that are known to be in it check what was measured: which
   !! peaks are folded back from above half the sampling rate, and which are no mode. It gives no value.
   use bw_kinds, only: dp
   use bw_line, only: resolution
@@ -22,13 +22,14 @@ module bw_mode_check
     logical :: all = .true.                        !! false: there are others above these
   end type known_modes
 
-  type, public :: measuring_type
+  type, public :: record_facts
+    !! What is known of a record beside its samples.
     real(dp) :: duration = 1                   !! of the record, T > 0, s
     real(dp) :: length = 1                     !! of the beam, > 0, m
     integer :: max_peaks = 20                  !! ≥ 0
     logical :: uniform = .true.                !! Eqs 18 to 20 hold; otherwise wave numbers and velocities are missing
     type(known_modes), allocatable :: known    !! to check what was measured; unallocated: not known
-  end type measuring_type
+  end type record_facts
 
   type, public :: verdict_type
     integer :: kind = not_known       !! a number above

@@ -6,14 +6,15 @@ module bw_accuracy
   use bw_converged, only: converge, converged_run, converged_tolerance, steepest_tolerance
   use bw_error, only: error_type, fail, status_bad_input, status_not_trusted
   use bw_missing, only: is_missing
-  use bw_model_error, only: model_errors
+  use bw_absent_effects, only: model_errors
   use bw_monitor, only: part_monitor, progress_type
+  use bw_note, only: kind_of
   use bw_outcome, only: outcome_type
-  use bw_price_list, only: is_resolved, price_list, rung_measured, rung_out_of_reach, rung_too_long, rung_type
+  use bw_price_list, only: all_extended, is_above_estimate, price_list, rung_out_of_reach, rung_too_long, rung_type
   use bw_price_report, only: price_report
   use bw_scene, only: changes_shapes, scene_type
   use bw_study_frame, only: study_frame
-  use bw_text, only: append, string
+  use bw_text, only: append, shortest, string, text_of
   use bw_timed_runs, only: foresight, repeat_runs, run_once, timed_run
   implicit none (type, external)
   private
@@ -187,13 +188,40 @@ contains
                                          result%response%displacement(:result%response%finite_samples, :))
       end associate
       do i = 1, size(converged%result%notes)
+        if (index(kind_of(converged%result%notes(i)%text), 'error of') == 1) cycle       ! errors are what is measured
         call append(state%notes, converged%result%notes(i)%text)
       end do
-      if (any(list%rungs%status == rung_measured .and. list%rungs%estimate < list%rungs%error .and. &
-              is_resolved(list%rungs, list%converged_error))) then
-        call append(state%notes, 'estimate: a true error is above its estimate')
-      end if
+      call note_estimates(list, state%notes)
     end associate
   end subroutine take_account
+
+  pure subroutine note_estimates(list, notes)
+    !! Note the rungs whose true error is above its estimate.
+    type(price_list), intent(in) :: list
+    type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: names
+    real(dp) :: reference_error
+    integer :: i
+    reference_error = list%converged_error
+    if (.not. is_missing(list%converged_difference)) reference_error = max(reference_error, list%converged_difference)
+    names = ''
+    do i = 1, size(list%rungs)
+      if (is_above_estimate(list%rungs(i), reference_error)) names = names//', '//name_of(list%rungs(i))
+    end do
+    if (names /= '') call append(notes, 'estimate: the true error is above the estimate with '//names(3:)// &
+                                 ' (the converged run is good to '//shortest(reference_error, 2)//')')
+  end subroutine note_estimates
+
+  pure function name_of(rung) result(name)
+    !! A rung in words: `tolerance 1e-5` or `before = after = 50`.
+    type(rung_type), intent(in) :: rung
+    character(:), allocatable :: name
+    if (is_missing(rung%tolerance)) then
+      name = 'before = after = '//text_of(rung%mode_count)
+    else
+      name = 'tolerance '//shortest(rung%tolerance, 2)
+      if (rung%ladder == all_extended) name = name//' (all roots extended)'
+    end if
+  end function name_of
 
 end module bw_accuracy

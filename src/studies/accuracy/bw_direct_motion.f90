@@ -2,16 +2,16 @@ module bw_direct_motion
   !! The motion of a scene within a tolerance at chosen samples by direct sums, every root in extended precision: what the
   !! converged run is checked against.
   !!
-  !! At a release every mode of beam and mass is handed on to each of the unloaded beam, far more of them than move after it:
+  !! At a release every mode of beam and mass is handed on to each of the beam alone, far more of them than move after it:
   !! what the run takes modes far above to be, one blow at the tip, is taken here of those beyond these only.
   use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
-  use bw_case_result, only: case_modes, case_result, mode_sources, release_plan
+  use bw_case_result, only: case_modes, case_result, release_plan
   use bw_direct_sum, only: add_directly
   use bw_double_double, only: dd, operator(*), operator(-)
   use bw_impact, only: continuum_velocity
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_numbers, mode_set
+  use bw_mode_set, only: first_numbers, mode_set, mode_sources
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
   use bw_segment, only: move
@@ -37,7 +37,7 @@ module bw_direct_motion
   end type direct_type
 
   type :: released_type
-    !! The modes of the unloaded beam, and how they move just after the release.
+    !! The modes of the beam alone, and how they move just after the release.
     class(mode_set), allocatable :: modes
     real(dp), allocatable :: q(:), rate(:)       !! displacements and velocities times the modal masses, (modes)
     real(dp) :: remainder(2) = 0.0_dp            !! displacement and velocity of the tip by modes of beam and mass beyond these
@@ -122,7 +122,7 @@ contains
   end subroutine add_released
 
   subroutine hand_on(self, loaded, first, release, released)
-    !! Add what a batch of modes of beam and mass do at the release to the modes of the beam that is unloaded; what the run
+    !! Add what a batch of modes of beam and mass do at the release to the modes of the beam alone; what the run
     !! took them to add at the tip is taken off the remainder.
     class(direct_type), intent(in) :: self
     class(mode_set), intent(in) :: loaded

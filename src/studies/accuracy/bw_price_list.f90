@@ -9,7 +9,7 @@ module bw_price_list
   use bw_study_file, only: study_file, study_values
   implicit none (type, external)
   private
-  public :: beyond_model, price_digits, work_slope, is_resolved
+  public :: beyond_model, digit_noise, is_above_estimate, is_resolved, price_digits, work_slope
 
   integer, parameter, public :: by_tolerances = 1, by_counts = 2, all_extended = 3
   character(*), parameter, public :: ladder_words(3) = [character(9) :: 'tolerance', 'counts', 'extended']   !! by number
@@ -64,6 +64,15 @@ contains
     is_resolved = rung%error > converged_error
   end function is_resolved
 
+  elemental logical function is_above_estimate(rung, reference_error)
+    !! Whether the true error is above the rung's estimate, by more than the run that it is measured against may be off.
+    type(rung_type), intent(in) :: rung
+    real(dp), intent(in) :: reference_error   !! of the converged run, over the peak
+    is_above_estimate = .false.
+    if (rung%status /= rung_measured .or. is_missing(rung%error) .or. is_missing(rung%estimate)) return
+    is_above_estimate = rung%error > rung%estimate + reference_error
+  end function is_above_estimate
+
   elemental logical function beyond_model(rung, model_error)
     !! Whether the rung's numbers are nearer to the model's answer than the model is to the beam.
     type(rung_type), intent(in) :: rung
@@ -101,9 +110,25 @@ contains
     end do
   end subroutine price_digits
 
+  pure function digit_noise(rungs) result(noise)
+    !! What of the price of the next digit the scatter of the repeats can make, s: the halves of what the middle half of both
+    !! rungs' repeats spans, per factor of ten; missing where there is no price.
+    type(rung_type), intent(in) :: rungs(:)
+    real(dp) :: noise(size(rungs))
+    integer :: i, next
+    noise = missing
+    do i = 1, size(rungs)
+      next = next_rung(rungs, i)
+      if (next == 0 .or. is_missing(rungs(i)%tolerance)) cycle
+      noise(i) = 0.5_dp*(rungs(i)%upper - rungs(i)%lower + rungs(next)%upper - rungs(next)%lower) &
+                 /log10(rungs(i)%tolerance/rungs(next)%tolerance)
+    end do
+  end function digit_noise
+
   pure real(dp) function work_slope(rungs, ladder, converged_error) result(slope)
     !! d log(seconds)/d log(error), least squares over the rungs of a ladder whose error is resolved: −0.05 means that a
-    !! tenth of the error takes 10^0.05 times as long. Missing for fewer than two errors.
+    !! tenth of the error takes 10^0.05 times as long. Missing where the errors differ by less than a factor of ten: what they
+    !! say of a tenth would be guessed.
     type(rung_type), intent(in) :: rungs(:)
     integer, intent(in) :: ladder
     real(dp), intent(in) :: converged_error
@@ -115,7 +140,7 @@ contains
     slope = missing
     if (size(x) < 2) return
     x = x - sum(x)/size(x)
-    if (maxval(abs(x)) < 0.01_dp) return       ! one error, but for rounding
+    if (maxval(x) - minval(x) < log(10.0_dp)) return
     slope = sum(x*y)/sum(x**2)
   end function work_slope
 
@@ -180,6 +205,8 @@ contains
                             [(rungs(i)%stages, i=1, size(rungs))], error)
       call file%put_numbers('digit_seconds', 'rung', 's', 'further wall time for a tenth of the tolerance', &
                             seconds, error)
+      call file%put_numbers('digit_noise', 'rung', 's', &
+                            'what of the further wall time the scatter of the repeats can make', digit_noise(rungs), error)
       call file%put_numbers('digit_growth', 'rung', '1', &
                             'further wall time for a tenth of the tolerance, as a part of the rung''s', growth, error)
       call file%put_numbers('work_slope', '', '1', 'd log(seconds)/d log(true error) over the tolerances', &

@@ -4,7 +4,7 @@ module bw_price_report
   use bw_absent_effects, only: absent_words
   use bw_columns, only: right
   use bw_missing, only: is_missing
-  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, method_words, price_digits, &
+  use bw_price_list, only: all_extended, beyond_model, by_counts, by_tolerances, digit_noise, method_words, price_digits, &
     price_list, priced_stages, rung_out_of_reach, rung_too_long, rung_type, work_slope
   use bw_stopwatch, only: processor_name, stage_words
   use bw_text, only: shortest, text_builder, text_of
@@ -74,16 +74,17 @@ contains
     integer, intent(in) :: ladder
     character(*), intent(in) :: title
     type(text_builder), intent(inout) :: lines
-    real(dp), dimension(size(list%rungs)) :: seconds, growth
+    real(dp), dimension(size(list%rungs)) :: seconds, growth, noise
     integer :: i
     if (.not. any(list%rungs%ladder == ladder)) return
     call price_digits(list%rungs, seconds, growth)
+    noise = digit_noise(list%rungs)
     call lines%append_line('')
     call lines%append_line('  '//title)
     if (ladder == by_tolerances) call lines%append_line(heading)
     do i = 1, size(list%rungs)
       if (list%rungs(i)%ladder /= ladder) cycle
-      call lines%append_line(rung_line(list, list%rungs(i))//next_text(seconds(i), growth(i)))
+      call lines%append_line(rung_line(list, list%rungs(i))//next_text(seconds(i), growth(i), noise(i)))
     end do
   end subroutine report_ladder
 
@@ -137,30 +138,42 @@ contains
     call price_digits(list%rungs, seconds, growth)
     call lines%append_line('')
     slope = work_slope(list%rungs, by_tolerances, list%converged_error)
-    if (.not. is_missing(slope)) call lines%append_line('  By tolerance a tenth of the error takes '// &
-      percent(10.0_dp**(-slope) - 1.0_dp)//' more time (seconds ~ error^'//shortest(slope, 2)//'), a step down '// &
-      percent(maxval(growth, mask=.not. is_missing(growth)))//' at most')
-    slope = work_slope(list%rungs, by_counts, list%converged_error)
-    if (.not. is_missing(slope)) call lines%append_line('  By counts a tenth of the error takes '// &
-      percent(10.0_dp**(-slope) - 1.0_dp)//' more time (seconds ~ error^'//shortest(slope, 2)//')')
+    call lines%append(slope_words('By tolerance', slope))
+    if (.not. is_missing(slope)) call lines%append(', and at the steepest step '// &
+      times_words(1.0_dp + maxval(growth, mask=.not. is_missing(growth))))
+    call lines%append_line('')
+    call lines%append_line(slope_words('By counts', work_slope(list%rungs, by_counts, list%converged_error)))
   end subroutine report_slopes
 
-  pure function next_text(seconds, growth) result(text)
+  pure function slope_words(ladder, slope) result(words)
+    !! What a tenth of the error takes on a ladder, by its slope.
+    character(*), intent(in) :: ladder
+    real(dp), intent(in) :: slope                 !! missing: it is not known
+    character(:), allocatable :: words
+    if (is_missing(slope)) then
+      words = '  '//ladder//' the errors differ too little to say what a tenth of them takes'
+    else
+      words = '  '//ladder//' a tenth of the error takes '//times_words(10.0_dp**(-slope))//' as long (seconds ~ error^'// &
+        shortest(slope, 2)//')'
+    end if
+  end function slope_words
+
+  pure function times_words(factor) result(words)
+    real(dp), intent(in) :: factor
+    character(:), allocatable :: words
+    words = shortest(factor, 2)//' times'
+  end function times_words
+
+  pure function next_text(seconds, growth, noise) result(text)
     !! The columns on what the next digit costs; empty where that is not known.
-    real(dp), intent(in) :: seconds, growth
+    real(dp), intent(in) :: seconds, growth, noise
     character(:), allocatable :: text
     text = ''
     if (is_missing(seconds)) return
-    text = right(signed(milliseconds(abs(seconds)), seconds)//' ms', 11)//right(signed(percent(abs(growth)), growth), 7)
+    text = right('within noise', 18)
+    if (seconds <= noise) return       ! below zero too: a finer tolerance never sums fewer modes
+    text = right('+'//milliseconds(seconds)//' ms', 11)//right('+'//percent(growth), 7)
   end function next_text
-
-  pure function signed(text, value) result(with_sign)
-    !! The text of a magnitude with the sign of its value.
-    character(*), intent(in) :: text
-    real(dp), intent(in) :: value
-    character(:), allocatable :: with_sign
-    with_sign = merge('-', '+', value < 0.0_dp)//text
-  end function signed
 
   pure function error_text(error, least) result(text)
     !! A true error; below the converged run's own it is only known to be smaller.
@@ -184,16 +197,11 @@ contains
   end function ratio_text
 
   pure function small(value) result(text)
-    !! A small number with two digits and a power of ten; a dash for one that does not exist.
+    !! A small number with two digits; a dash for one that does not exist.
     real(dp), intent(in) :: value
     character(:), allocatable :: text
-    character(12) :: buffer
     text = '-'
-    if (is_missing(value)) return
-    text = '0'
-    if (value == 0.0_dp) return
-    write (buffer, '(es12.1e2)') value
-    text = trim(adjustl(buffer))
+    if (.not. is_missing(value)) text = shortest(value, 2)
   end function small
 
   pure function milliseconds(seconds) result(text)

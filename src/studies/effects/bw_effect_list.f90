@@ -26,6 +26,7 @@ module bw_effect_list
       group_velocity_change = missing              !! with over without, less 1
     integer :: matters_from = 0                    !! the first mode whose frequency changes by more than the tolerance; 0: none
     real(dp) :: response_change = missing          !! largest difference of the displacement over the scene's peak
+    logical :: is_whole = .true.                   !! false: numbers of one of the two runs cannot be trusted, and are left out
     real(dp) :: seconds_with = missing, seconds_without = missing
   end type effect_row
 
@@ -39,12 +40,14 @@ module bw_effect_list
 contains
 
   pure subroutine compare_frequencies(row, tolerance)
-    !! The changes of a row whose `with` and `without` are known.
+    !! The changes of a row whose two runs are done. Where one of them has no frequency at all nothing is known of what matters.
     type(effect_row), intent(inout) :: row
     real(dp), intent(in) :: tolerance
     row%frequency_change = change(row%with%angular_frequency, row%without%angular_frequency)
     row%phase_velocity_change = change(row%with%phase_velocity, row%without%phase_velocity)
     row%group_velocity_change = change(row%with%group_velocity, row%without%group_velocity)
+    row%matters_from = 0
+    if (all(is_missing(row%with%angular_frequency)) .or. all(is_missing(row%without%angular_frequency))) return
     row%matters_from = findloc(matters(row%with%angular_frequency, row%without%angular_frequency, tolerance), .true., dim=1)
   end subroutine compare_frequencies
 

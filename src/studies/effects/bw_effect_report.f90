@@ -11,7 +11,7 @@ module bw_effect_report
   use bw_text, only: percent, shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: effect_report
+  public :: effect_report, name_of
 
   integer, parameter :: middle = 3         !! a mode between the first and the last that is shown
   character(*), parameter :: by_mode = 'effect mode'   !! dimensions in the file
@@ -60,6 +60,7 @@ contains
     character(:), allocatable :: text
     character(21) :: name
     character(3) :: state
+    character(:), allocatable :: cost
     name = name_of(row)
     text = '  '//name
     if (row%state == effect_not_combined) then
@@ -67,10 +68,12 @@ contains
       return
     end if
     state = merge('on ', 'off', row%state == effect_on)
+    cost = '-'                                     ! of a run that ends early
+    if (row%is_whole) cost = times(row%seconds_with, row%seconds_without)
     text = text//'  '//state//'   '//right(signed(row%frequency_change(1)), 9)// &
       right(signed(row%frequency_change(min(middle, last))), 9)//right(signed(row%frequency_change(last)), 9)// &
       right(signed(largest_change(row%phase_velocity_change)), 9)//right(signed(largest_change(row%group_velocity_change)), 9)// &
-      right(part(row%response_change), 10)//right(times(row%seconds_with, row%seconds_without), 8)//'  '//verdict(row)
+      right(part(row%response_change), 10)//right(cost, 8)//'  '//verdict(row)
   end function row_line
 
   pure function name_of(row) result(name)
@@ -85,13 +88,15 @@ contains
   end function name_of
 
   pure function verdict(row) result(text)
-    !! The words on whether an effect matters.
+    !! The words on whether an effect matters; a dash where numbers that are left out would have to say so.
     type(effect_row), intent(in) :: row
     character(:), allocatable :: text
     if (row%matters_from > 0) then
       text = 'matters from mode '//text_of(row%matters_from)//' on'
     else if (.not. is_missing(row%response_change) .and. row%response_change > 0.0_dp) then
       text = 'changes the response alone'
+    else if (.not. row%is_whole) then
+      text = '-'
     else
       text = 'does not matter'
     end if

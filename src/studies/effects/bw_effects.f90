@@ -2,10 +2,11 @@ module bw_effects
   !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
   use bw_kinds, only: dp, i8
   use bw_case_fields, only: named_value
+  use bw_case_notes, only: why_untrusted
   use bw_case_result, only: case_done, case_result
   use bw_effect_list, only: compare_frequencies, compared_case, effect_list
   use bw_effect_pairs, only: compared_scenes, pairs_of
-  use bw_effect_report, only: effect_report, effect_values
+  use bw_effect_report, only: effect_report, effect_values, name_of
   use bw_error, only: error_type, status_not_trusted
   use bw_hint, only: compared_modes
   use bw_modes_par, only: by_tolerance, default_tolerance
@@ -82,6 +83,7 @@ contains
       if (.not. whole) return
       call forget(i, state)
     end do
+    call note_untrusted(state)
     part = part_monitor(progress, comparing, 1.0_dp - comparing)
     call repeat_runs(state%runs, budget, part, whole)
     if (whole) call take_seconds(state)
@@ -141,7 +143,7 @@ contains
         state%list%rows(row)%without = compared(without)
         call compare_frequencies(state%list%rows(row), state%list%tolerance)
         call compare_responses(with, without, peak_of(state%results(1)), state%list%rows(row)%response_change)
-        call note_untrusted(row, with, without, state)
+        state%list%rows(row)%is_whole = with%status == case_done .and. without%status == case_done
       end associate
     end associate
   end subroutine compare_pair
@@ -192,15 +194,24 @@ contains
                                            - without%response%displacement(:finite, :)/peak))
   end subroutine compare_responses
 
-  subroutine note_untrusted(row, with, without, state)
-    !! Note that one of the two runs of a row has numbers that cannot be trusted.
-    integer, intent(in) :: row
-    type(case_result), intent(in) :: with, without
+  subroutine note_untrusted(state)
+    !! Note each run that has numbers which cannot be trusted, once: the rows that it belongs to, and why.
     type(study_state), intent(inout) :: state
-    if (with%status == case_done .and. without%status == case_done) return
-    call append(state%notes, 'not trusted: '//trim(state%list%rows(row)%effect)// &
-                ': numbers of one of its two runs are not finished')
-    if (state%results(1)%status /= case_done) state%trusted = .false.
+    character(:), allocatable :: rows
+    integer :: place, i
+    do place = 1, size(state%results)
+      if (state%results(place)%status == case_done) cycle
+      state%trusted = .false.
+      rows = ''
+      do i = 1, size(state%list%rows)
+        associate (row => state%list%rows(i))
+          if (place == row%place_with) rows = rows//', '//name_of(row)//' (the run with it)'
+          if (place == row%place_without) rows = rows//', '//name_of(row)//' (the run without it)'
+        end associate
+      end do
+      if (place == 1) rows = ', the scene itself'
+      call append(state%notes, 'not trusted: '//rows(3:)//': '//why_untrusted(state%results(place)%notes))
+    end do
   end subroutine note_untrusted
 
   subroutine forget(row, state)

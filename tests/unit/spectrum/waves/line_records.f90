@@ -3,7 +3,7 @@ module line_records
   !! analysis makes of them.
   use bw_kinds, only: dp, qp
   use bw_measured, only: measure_waves, measured_type
-  use bw_mode_check, only: measuring_type
+  use bw_mode_check, only: record_facts
   implicit none (type, external)
   private
   public :: judge_records
@@ -114,7 +114,7 @@ contains
     logical, allocatable :: named(:)
     integer :: i
     allocate (samples, source=histories(record))
-    call measure_waves(samples(:, 1), samples(:, 2), measuring_type(2*real(pi, dp), max_peaks=99, uniform=.false.), found)
+    call measure_waves(samples(:, 1), samples(:, 2), record_facts(2*real(pi, dp), max_peaks=99, uniform=.false.), found)
     allocate (position, source=record%position(:record%lines))
     position = abs(position - record%samples*anint(position/record%samples))
     verdict%peaks = verdict%peaks + found%peak_count

@@ -1,4 +1,4 @@
-module bw_tip_rest
+module bw_tip_remainder
   !! What a sum of n modes lacks of the tip's velocity at one instant: the sum over as many further modes as it takes.
   !!
   !! When a mass leaves, the modes of the beam alone start from what the beam does then, and what converges slowest in that
@@ -7,7 +7,7 @@ module bw_tip_rest
   !! It is a sum of A_k cos β_kt, A_k = force·Φ̄_k(1)²/M̄_k falling as k⁻²: n modes lack n^(−3/2) of it. But it is one number,
   !! and a million modes for it cost little.
   !!
-  !! What N modes lack is judged by ΣA = (1+e)V, the velocity at t = 0: less the terms that were summed it bounds the rest,
+  !! What N modes lack is judged by ΣA = (1+e)V, the velocity at t = 0: less the terms that were summed it bounds the others,
   !! and with the last term also ΣA². How far their phases can agree at that one instant is that of bw_coherence.
   use bw_coherence, only: deviation_type, largest, stretch_type
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
@@ -15,12 +15,12 @@ module bw_tip_rest
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
-  use bw_release, only: tip_rest
+  use bw_release, only: tip_remainder
   use bw_segment, only: energy_type, move_with_energy, state_energy
   use bw_turn, only: phase_angles
   implicit none (type, external)
   private
-  public :: find_tip_rest
+  public :: find_tip_remainder
 
   integer, parameter :: chunk = 256               !! modes held at a time
   integer, parameter :: most_terms = 10000000
@@ -31,21 +31,21 @@ module bw_tip_rest
     real(dp) :: started = 0.0_dp                  !! ΣA
     real(dp) :: last = 0.0_dp                     !! A of the last modes
     real(dp) :: kept = 1.0_dp                     !! what damping has left of the last mode's amplitude
-    type(tip_rest) :: rest
+    type(tip_remainder) :: remainder
   end type running_sum
 
 contains
 
-  subroutine find_tip_rest(source, force, first, time, bound, rest, highest, monitor)
-    !! More and more of them, until the uncertainty is within a bound; or all modes there are, or 10⁷, or as many as are told. Roots are
-    !! solved in extended precision where phases call for it, also where a scene asks for that in every root: the terms fall
-    !! as k⁻².
+  subroutine find_tip_remainder(source, force, first, time, bound, remainder, highest, monitor)
+    !! Find the remainder by summing more and more modes, until its uncertainty is within a bound, or all modes there are, or
+    !! 10⁷, or `highest`, have been summed. Roots are solved in extended precision where phases call for it, but not because a
+    !! scene asks for that in every root: the terms fall as k⁻².
     class(mode_source), intent(in) :: source      !! of beam and mass, γ > 0
     real(dp), intent(in) :: force                 !! (1+e)γ: modal velocities at t = 0 are this times Φ_k(1)/M_k
     integer, intent(in) :: first                  !! n; every growing mode is among the first n
     type(dd), intent(in) :: time                  !! of the instant, l²/h
     real(dp), intent(in) :: bound                 !! of the velocity, V
-    type(tip_rest), intent(out) :: rest
+    type(tip_remainder), intent(out) :: remainder
     integer, intent(in), optional :: highest      !! > n; no mode beyond it is looked at
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(running_sum) :: sum
@@ -56,16 +56,16 @@ contains
     call add_modes(source, force, 1, last, time, .false., sum, monitor)
     do
       if (stops(monitor)) exit
-      sum%rest%uncertainty = uncertainty_of(sum, force/source%gamma, last, time, source%quadratic)
-      if (last == most .or. (last > first .and. sum%rest%uncertainty <= bound)) exit
-      next = next_count(last, most, sum%rest%uncertainty, bound)
+      sum%remainder%uncertainty = uncertainty_of(sum, force/source%gamma, last, time, source%quadratic)
+      if (last == most .or. (last > first .and. sum%remainder%uncertainty <= bound)) exit
+      next = next_count(last, most, sum%remainder%uncertainty, bound)
       call add_modes(source, force, last + 1, next, time, .true., sum, monitor)
       last = next
     end do
-    rest = sum%rest
-    rest%count = last
-    rest%energy = rest%energy + 0.5_dp*force*max(0.0_dp, force/source%gamma - sum%started)*sum%kept**2
-  end subroutine find_tip_rest
+    remainder = sum%remainder
+    remainder%count = last
+    remainder%energy = remainder%energy + 0.5_dp*force*max(0.0_dp, force/source%gamma - sum%started)*sum%kept**2
+  end subroutine find_tip_remainder
 
   pure integer function next_count(last, most, uncertainty, bound) result(next)
     !! Twice the modes, or as many as a sum of random phases then takes.
@@ -94,6 +94,7 @@ contains
   end function uncertainty_of
 
   subroutine add_modes(source, force, first, last, time, beyond, sum, monitor)
+    !! Add modes `first` … `last` to the sum, a chunk at a time.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
@@ -126,13 +127,14 @@ contains
     call source%terms(number, [1.0_dp], min(1.0_dp, source%stretch)*time%hi, beta, drive, tip)
     term = force*drive*tip(:, 1)
     call take_terms(term, sum)
-    sum%rest%energy = sum%rest%energy + 0.5_dp*force*accurate_sum(term)
+    sum%remainder%energy = sum%remainder%energy + 0.5_dp*force*accurate_sum(term)
     if (.not. beyond) return
     angle = phase_angles(beta*(time/(dd_pi*2.0_dp)), 1)
     call take_motion(sin(angle)*(term/beta%hi), cos(angle)*term, sum)
   end subroutine add_undamped
 
   subroutine add_damped(source, force, number, time, beyond, sum)
+    !! Modes that lose energy: what is left of each at that time.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: number(:)
@@ -152,12 +154,13 @@ contains
     energy = state_energy(modes, q, rate)
     call move_with_energy(modes, time, q, rate, energy)
     if (beyond) call take_motion(modes%tip*q, modes%tip*rate, sum)
-    sum%rest%energy = sum%rest%energy + energy%value
+    sum%remainder%energy = sum%remainder%energy + energy%value
     slow = slow_exponent(modes%beta_squared(n), modes%damping(n))
     sum%kept = exp(slow%hi*time%hi)
   end subroutine add_damped
 
   pure subroutine take_terms(term, sum)
+    !! Add the terms A, and remember the last of them.
     real(dp), intent(in) :: term(:)               !! A, (modes)
     type(running_sum), intent(inout) :: sum
     sum%started = sum%started + accurate_sum(term)
@@ -165,10 +168,11 @@ contains
   end subroutine take_terms
 
   pure subroutine take_motion(displacement, velocity, sum)
+    !! Add what modes that are not among the first n move at the tip.
     real(dp), intent(in) :: displacement(:), velocity(:)   !! of the tip, (modes)
     type(running_sum), intent(inout) :: sum
-    sum%rest%displacement = sum%rest%displacement + accurate_sum(displacement)
-    sum%rest%velocity = sum%rest%velocity + accurate_sum(velocity)
+    sum%remainder%displacement = sum%remainder%displacement + accurate_sum(displacement)
+    sum%remainder%velocity = sum%remainder%velocity + accurate_sum(velocity)
   end subroutine take_motion
 
-end module bw_tip_rest
+end module bw_tip_remainder

@@ -1,0 +1,125 @@
+"""The numbers that matter, in half a page: each is read off the data of a bench, or off the table of hard cases."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from growth.slope import slope
+from peers.summary import seconds_to_reach
+
+HEAD = """\
+## What matters
+
+Times are those of one core of the machine [below](#where-it-was-measured). The sections say how each number was measured."""
+
+
+def what_matters(measured: dict[str, Any], document: str) -> str:
+    """A list with a line for each section that has data."""
+    writers = {"peers": speed, "price": digits, "growth": sizes, "throughput": sweeps, "effects": effects}
+    points = [hard_cases(document), *(write(measured[name]) for name, write in writers.items() if name in measured)]
+    return "\n".join([HEAD, "", *(point for point in points if point)])
+
+
+def hard_cases(document: str) -> str:
+    """How many there are, and some of them; nothing where the document has none."""
+    lines = [line for line in document.partition("\n## Hard cases\n")[2].partition("<!--")[0].splitlines() if line.startswith("| ")]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    worst = {row[0]: row[1] for row in rows if len(row) == 5 and row[3] != "measured as" and not row[1].startswith("-")}
+    root, shape, motion = (find(worst, start) for start in ("α_k", "shapes Φ_k", "displacement to t = 1"))
+    if not (root and shape and motion):
+        return ""
+    return (
+        f"- **Digits.** [{len(worst)} hard cases](#hard-cases) are compared with references of 50 digits or more, and each keeps its bound. "
+        f"Roots of modes 1 to 10⁸ are off by at most {root} units in the last place, shapes by {shape}, and the displacement "
+        f"up to 10⁹ s by {motion} of its peak."
+    )
+
+
+def find(worst: dict[str, str], start: str) -> str:
+    """The error of the first case whose name begins so."""
+    return next((error for name, error in worst.items() if name.startswith(start)), "")
+
+
+def speed(data: dict[str, Any]) -> str:
+    """Seconds to an error, of the program and of the best of the others."""
+
+    def curve(name: str) -> list[dict[str, Any]]:
+        return [row for row in data["rows"] if row["peer"] == name and row.get("error") is not None]
+
+    def milliseconds(name: str, level: float) -> str:
+        seconds = seconds_to_reach(curve(name), level)
+        return "–" if seconds is None else f"{1e3 * seconds:.3g} ms"
+
+    elements = min((row for name in peers(data) if "Hermite" in name for row in curve(name)), key=lambda row: row["error"])
+    ours, best = "beamwave", "numpy + FINUFFT"
+    return (
+        f"- **Time to an answer.** [The paper's beam after the capture](#against-what-else-one-could-pick), two points, "
+        f"{grouped(data['problem']['samples'])} times: beamwave takes {milliseconds(ours, 1e-6)} to an error of 1e-6 and {milliseconds(ours, 1e-9)} to 1e-9; "
+        f"the whole process, with its file, takes {milliseconds('beamwave, whole process', 1e-9)}. A careful program in {best} takes "
+        f"{milliseconds(best, 1e-6)} and {milliseconds(best, 1e-9)}. Finite elements get no closer than {short(elements['error'])}, "
+        f"which takes {1e3 * elements['cpu_seconds']:.3g} ms."
+    )
+
+
+def grouped(number: int) -> str:
+    """Its digits by threes where it has five or more; no line ends between them."""
+    return f"{number:,}".replace(",", "\N{NO-BREAK SPACE}") if number >= 10000 else str(number)
+
+
+def short(value: float) -> str:
+    """One digit and a power of ten."""
+    return f"{value:.0e}".replace("e-0", "e-")
+
+
+def peers(data: dict[str, Any]) -> list[str]:
+    """Names, each once."""
+    return list(dict.fromkeys(row["peer"] for row in data["rows"]))
+
+
+def digits(data: dict[str, Any]) -> str:
+    """What a further digit costs on average."""
+    means = []
+    for samples in data["against"]:
+        rows = [row for row in data["rows"] if row["samples"] == int(samples) and row["ladder"] == "tolerance"]
+        seconds = {row["tolerance"]: row["seconds"] for row in rows if "seconds" in row}
+        if 1e-3 in seconds and 1e-11 in seconds:
+            growth = (seconds[1e-11] / seconds[1e-3]) ** (1.0 / 8.0) - 1.0
+            means.append(f"{100 * growth:.0f} % more time with {grouped(int(samples))} samples")
+    return "- **A further digit** costs on average, [from 1e-3 to 1e-11](#what-accuracy-costs), " + " and ".join(means) + "."
+
+
+def sizes(data: dict[str, Any]) -> str:
+    """The largest size of each axis that grows in proportion."""
+    said, powers = [], []
+    for axis in ("modes", "samples", "points"):
+        own = [row for row in data["rows"] if row["axis"] == axis]
+        last = own[-1]
+        said.append(f"{grouped(last['size'])} {axis} take {last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB")
+        powers.append(f"{slope(own, 'cpu_seconds'):.2f}")
+    growth = f"Time grows as their numbers to the powers {', '.join(powers)}"
+    return "- **Size.** [Large scenes](#how-time-and-memory-grow): " + "; ".join(said) + f". {growth}."
+
+
+def sweeps(data: dict[str, Any]) -> str:
+    """Cases per second beside a loop in numpy, and what a second process brings."""
+    said = [f"{grouped(round(1 / row['beamwave']))} with {kind} ({row['numpy loop'] / row['beamwave']:.0f})"
+            for row, kind in zip(data["rows"]["rows"], ("frequencies", "histories", "spectra"))]  # fmt: skip
+    ranks = data["ranks"]["rows"]
+    parts = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
+    return (
+        "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), and so many times those of a loop in numpy: "
+        + ", ".join(said)
+        + f". Two processes take {parts[-1]} of the time of one where a case takes milliseconds, "
+        f"{' and '.join(parts[:-1])} where it takes no longer than putting it into the result does."
+    )
+
+
+def effects(data: dict[str, Any]) -> str:
+    """How much longer a scene takes with them."""
+    known = {row["variant"]: row for row in data["rows"]}
+    said = [f"{name.removeprefix('with ')} {row['seconds'] / known[row['beside']]['seconds']:.2g}"
+            for name, row in known.items() if name in ("with damping", "with stiffening", "with shear")]  # fmt: skip
+    return (
+        "- **Effects.** With one more [the paper's scene](#what-each-effect-costs) takes so many times as long: " + ", ".join(said) + ". "
+        "One that a scene does not name costs nothing."
+    )

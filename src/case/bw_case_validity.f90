@@ -1,0 +1,216 @@
+module bw_case_validity
+  !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
+  !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
+  use bw_beam_operator, only: axial_strain
+  use bw_beam_par, only: beam_par
+  use bw_beam_units, only: beam_units, slenderness
+  use bw_case_result, only: case_motion, history_errors
+  use bw_coherence, only: stretch_type
+  use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
+  use bw_missing, only: scaled
+  use bw_mode_set, only: mode_set
+  use bw_reach, only: amplitude_of
+  use bw_response, only: response_type
+  use bw_scene, only: scene_type
+  use bw_text, only: append, shortest, string, text_of
+  use bw_time_grid, only: time_grid, time_grid_of
+  implicit none (type, external)
+  private
+  public :: note_history_errors, note_validity
+
+  integer, parameter :: looked_at = 20                        !! modes, the first
+  real(dp), parameter :: wave_speeds(2) = [100.0_dp, 20000.0_dp]   !! √(E/ρ) of solids, m/s: of soft rubber to that of diamond
+  real(dp), parameter :: thickest = 0.1_dp                    !! D/l of a slender beam
+  real(dp), parameter :: largest_deflection = 0.1_dp          !! over the length
+  real(dp), parameter :: largest_strain = 0.005_dp
+  real(dp), parameter :: unnoticed = 0.01_dp
+    !! of a history's peak: an error, or what is above half the sampling rate, that needs no warning
+
+contains
+
+  subroutine note_validity(scene, motion, response, notes)
+    !! Notes on the beam, and on its motion where a history is asked for.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in), optional :: response      !! absent: no history is asked for
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: peak
+    call note_beam(scene, notes)
+    call note_rotation(axial_strain(scene, motion%units), notes)
+    if (.not. present(response)) return
+    if (response%finite_samples == 0) return                   ! another note says why
+    peak = largest_magnitude(response%displacement(:response%finite_samples, :))
+    call note_deflection(scene, peak, notes)
+    if (allocated(motion%modes%loaded)) then
+      call note_amplitudes(scene, motion, motion%modes%loaded, peak, notes)
+    else
+      call note_amplitudes(scene, motion, motion%modes%free, peak, notes)
+    end if
+  end subroutine note_validity
+
+  pure subroutine note_beam(scene, notes)
+    !! The material is one, and the beam is slender or has shear.
+    type(scene_type), intent(in) :: scene
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: speed, thickness
+    speed = sqrt(scene%beam%youngs_modulus/scene%beam%density)
+    if (speed < wave_speeds(1) .or. speed > wave_speeds(2)) call append(notes, 'material: sqrt(E/rho), the speed of waves '// &
+      'along the beam, is '//shortest(speed, 3)//' m/s; of solids it is 100 to 20000 m/s. Is youngs_modulus in Pa, and density '// &
+      'in kg/m3?')
+    thickness = 4.0_dp*slenderness(scene%beam)
+    if (thickness <= thickest .or. allocated(scene%shear)) return
+    call append(notes, 'thick beam: '//thickness_words(scene%beam)//' is '//shortest(thickness, 3)//' of the length, more than '// &
+                'the 0.1 of a slender beam; its waves need &shear')
+  end subroutine note_beam
+
+  pure subroutine note_rotation(measure, notes)
+    !! The strain that the centrifugal force brings into the beam alone is small, with or without its tension in the equations.
+    real(dp), intent(in) :: measure                !! `axial_strain`
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: strain
+    strain = 0.5_dp*measure**2
+    if (strain <= largest_strain) return
+    call append(notes, 'outside linear theory: the centrifugal force strains the root by about '//shortest(100.0_dp*strain, 2)// &
+                ' %, more than 0.5 %. Is angular_velocity in rad/s, not in rpm?')
+  end subroutine note_rotation
+
+  pure function thickness_words(beam) result(words)
+    !! What is compared with the length.
+    type(beam_par), intent(in) :: beam
+    character(:), allocatable :: words
+    words = 'the diameter'
+    if (.not. beam%round) words = '4 sqrt(I/A), the diameter of a circle,'
+  end function thickness_words
+
+  pure subroutine note_deflection(scene, peak, notes)
+    !! The deflection at the points is small beside the length.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: peak                   !! m
+    type(string), allocatable, intent(inout) :: notes(:)
+    if (peak <= largest_deflection*scene%beam%length) return
+    call append(notes, 'large deflection: up to '//shortest(peak, 3)//' m of a beam of '//shortest(scene%beam%length, 6)// &
+                ' m; linear theory holds up to about a tenth of the length')
+  end subroutine note_deflection
+
+  subroutine note_amplitudes(scene, motion, modes, peak, notes)
+    !! What the amplitudes of the first modes say of the strain at the root and of the time between samples.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    class(mode_set), intent(in) :: modes           !! that the impact leaves in motion
+    real(dp), intent(in) :: peak                   !! of the displacement at all points, m
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp), parameter :: largest_shape = 2.0_dp
+    type(time_grid) :: grid
+    real(dp), dimension(min(looked_at, modes%count)) :: amplitude, c
+    logical :: above(size(amplitude))              ! half the sampling rate
+    real(dp) :: fast                               ! the largest amplitude of these
+    integer :: n
+    n = size(amplitude)
+    c = 0.0_dp
+    if (allocated(modes%damping)) c = modes%damping(:n)
+    associate (units => motion%units, rate => motion%initial%modal_velocity(:n), square => modes%beta_squared(:n))
+      grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
+      associate (step => grid%step%hi, unit => abs(scene%impact%approach_velocity)*units%time%hi)
+        amplitude = amplitude_of(square, c, 0.0_dp, rate, stretch_type(0.0_dp, grid%samples*step, step), .false.)
+        call note_strain_at_root(scene, units, modes, amplitude, notes)
+        above = sqrt(max(0.0_dp, square%hi))*step > acos(-1.0_dp)
+        fast = maxval(merge(amplitude, 0.0_dp, above))
+        if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
+          call note_aliasing(scene, modes, amplitude, above, notes)
+        end if
+      end associate
+    end associate
+  end subroutine note_amplitudes
+
+  subroutine note_strain_at_root(scene, units, modes, amplitude, notes)
+    !! The strain of the outermost fibre at the root, D/2 times the curvature there, which is largest where the beam is held: the
+    !! sum of the amplitudes of the first modes. Of a captured mass of 0.05 to 50 times the beam's it is 0.9 to 1.5 times the
+    !! largest strain.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: amplitude(:)           !! of the first modes, V l²/h
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: curvature(size(amplitude), 1), strain
+    curvature = modes%some_curvatures(1, size(amplitude), [0.0_dp])
+    strain = 2.0_dp*slenderness(scene%beam)*sum(abs(curvature(:, 1))*amplitude)
+    strain = scaled(scaled(strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)     ! what grows may overflow
+    if (strain <= largest_strain) return
+    call append(notes, 'large strain: bending strains the root by about '//shortest(100.0_dp*strain, 2)// &
+                ' %; linear theory holds up to about 0.5 %')
+  end subroutine note_strain_at_root
+
+  subroutine note_aliasing(scene, modes, amplitude, above, notes)
+    !! The samples are close enough for every mode whose line stands out of the spectrum of the displacement.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: modes           !! none of which grows
+    real(dp), intent(in) :: amplitude(:)           !! of the first modes
+    logical, intent(in) :: above(:)                !! they are above half the sampling rate
+    type(string), allocatable, intent(inout) :: notes(:)
+    real(dp) :: moved(size(amplitude), size(scene%response%points)), part
+    integer :: p, k
+    if (scene%response%samples == 1) return
+    moved = abs(modes%some_shapes(1, size(amplitude), scene%response%points))
+    do p = 1, size(moved, 2)
+      moved(:, p) = moved(:, p)*amplitude
+    end do
+    if (maxval(moved) == 0.0_dp) return
+    part = maxval(moved, mask=spread(above, 2, size(moved, 2)))/maxval(moved)
+    if (part <= unnoticed) return
+    k = findloc(above, .true., dim=1)
+    call append(notes, 'aliasing: modes from '//text_of(k)//' on, with up to '//shortest(100.0_dp*part, 2)//' % of the largest '// &
+                'amplitude, swing faster than half the sampling rate, '// &
+                shortest(0.5_dp*scene%response%samples/scene%response%duration, 4)//' Hz: samples show them at lower '// &
+                'frequencies, folded back')
+  end subroutine note_aliasing
+
+  subroutine note_history_errors(points, response, errors, notes)
+    !! Which histories are far off.
+    real(dp), intent(in) :: points(:)              !! ξ, (points)
+    type(response_type), intent(in) :: response
+    type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
+    type(string), allocatable, intent(inout) :: notes(:)
+    integer :: n
+    n = response%finite_samples
+    if (n == 0) return
+    if (allocated(errors%displacement)) call note_error('displacement', response%displacement(:n, :), errors%displacement)
+    if (allocated(errors%velocity)) call note_error('velocity', response%velocity(:n, :), errors%velocity)
+    if (allocated(errors%bending_moment)) call note_error('bending moment', response%bending_moment(:n, :), errors%bending_moment)
+  contains
+    subroutine note_error(quantity, histories, error)
+      !! The point where an error is the largest part of its own peak.
+      character(*), intent(in) :: quantity
+      real(dp), intent(in) :: histories(:, :), error(:)
+      real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: at the root nothing moves
+      real(dp), parameter :: most = 1.0e6_dp       ! that nothing overflows
+      real(dp) :: part(size(error)), peak(size(error))
+      integer :: p
+      peak = [(largest_magnitude(histories(:, p)), p=1, size(error))]
+      part = 0.0_dp
+      if (maxval(peak) == 0.0_dp) return             ! nothing has moved yet
+      where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
+      p = maxloc(part, dim=1)
+      if (part(p) == 0.0_dp) return
+      call append(notes, 'error of the '//quantity//': at xi = '//shortest(points(p), 6)//' it may be off by '// &
+                  part_words(part(p))//others(count(part > 0.0_dp) - 1))
+    end subroutine note_error
+  end subroutine note_history_errors
+
+  pure function others(count) result(words)
+    !! How many more points there are of which that is said.
+    integer, intent(in) :: count
+    character(:), allocatable :: words
+    words = ''
+    if (count > 0) words = ', and at '//text_of(count)//' more of the points by more than 1 %'
+  end function others
+
+  pure function part_words(part) result(words)
+    !! A part of a history's peak.
+    real(dp), intent(in) :: part
+    character(:), allocatable :: words
+    words = shortest(100.0_dp*part, 2)//' % of its largest value'
+    if (part > 1.0_dp) words = 'more than its largest value'
+  end function part_words
+
+end module bw_case_validity

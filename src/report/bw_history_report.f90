@@ -1,0 +1,102 @@
+module bw_history_report
+  !! The printed report of histories: the largest value at each point, how far it may be off, and the waves that were measured.
+  use bw_case_fields, only: named_value
+  use bw_case_result, only: case_result
+  use bw_columns, only: fixed, numbered_rows, right
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing
+  use bw_response, only: response_type
+  use bw_scene, only: scene_type
+  use bw_text, only: shortest, text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: report_histories, report_measured
+
+  integer, parameter :: shown_points = 5, shown_peaks = 10
+  integer, parameter :: first_column = 21           !! letters of the longest name of a history with its unit, and the indent
+
+contains
+
+  subroutine report_histories(scene, result, lines)
+    !! A row for each quantity at each point; of many points those where it is largest and where its error is worst.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    associate (response => result%response, points => scene%response%points)
+      if (response%finite_samples == 0) return     ! a note says why
+      call lines%append_line('')
+      call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes')
+      call lines%append_line(repeat(' ', first_column)//'      xi         largest   error, about           of it')
+      call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, lines)
+      if (allocated(response%velocity)) call report_quantity('velocity', 'm/s', points, response, response%velocity, &
+                                                             response%velocity_error, lines)
+      if (allocated(response%bending_moment)) call report_quantity('bending moment', 'N m', points, response, &
+        response%bending_moment, response%bending_moment_error, lines)
+      if (size(points) > shown_points) call lines%append_line('  At '//text_of(size(points))//' points; shown are those '// &
+        'where a history is largest, and where its error is the largest part of it.')
+      if (allocated(scene%recontact)) call lines%append_line( &
+        '  The error is the distance from the exact motion of these modes, on whose number a rebound depends.')
+      if (.not. allocated(response%displacement_error)) call lines%append_line( &
+        '  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
+    end associate
+  end subroutine report_histories
+
+  subroutine report_quantity(name, unit, points, response, histories, error, lines)
+    !! The rows of one quantity.
+    character(*), intent(in) :: name, unit
+    real(dp), intent(in) :: points(:)
+    type(response_type), intent(in) :: response
+    real(dp), intent(in) :: histories(:, :)           !! (samples, points)
+    real(dp), intent(in), optional :: error(:)        !! (points); absent: there is no estimate
+    type(text_builder), intent(inout) :: lines
+    real(dp) :: peak(size(points)), part(size(points))
+    character(:), allocatable :: head, row
+    logical :: shown(size(points))
+    integer :: p
+    peak = [(maxval(abs(histories(:response%finite_samples, p)), mask=.not. is_missing(histories(:response%finite_samples, p))), &
+             p=1, size(points))]
+    part = 0.0_dp
+    if (present(error)) where (peak > 0.0_dp .and. .not. is_missing(error)) part = error/max(peak, 1.0e-6_dp*error)
+    shown = size(points) <= shown_points
+    shown(maxloc(peak, dim=1)) = .true.
+    if (present(error)) shown(maxloc(part, dim=1)) = .true.
+    head = '  '//name//', '//unit
+    row = ''
+    do p = 1, size(points)
+      if (.not. shown(p)) cycle
+      row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 4), 8)//right(fixed(peak(p)), 16)
+      if (.not. present(error)) then
+        row = row//right('-', 15)//right('-', 16)
+      else if (peak(p) > 0.0_dp) then
+        row = row//right(shortest(error(p), 2), 15)//right(shortest(100.0_dp*part(p), 2)//' %', 16)
+      end if
+      call lines%append_line(row)
+      head = ''
+    end do
+  end subroutine report_quantity
+
+  subroutine report_measured(result, lines)
+    !! Waves found in the histories, with the bounds of their errors.
+    type(case_result), intent(in) :: result
+    type(text_builder), intent(inout) :: lines
+    real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
+    real(dp), allocatable, dimension(:) :: frequency, bound, wavenumber, phase, group
+    if (result%measured%peak_count == 0) return
+    frequency = named_value(result, 'measured_angular_frequency')
+    bound = named_value(result, 'measured_angular_frequency_error')
+    wavenumber = named_value(result, 'measured_wavenumber')
+    phase = named_value(result, 'measured_phase_velocity')
+    group = named_value(result, 'measured_group_velocity')
+    call lines%append_line('')
+    call lines%append_line('  Measured in the tip and midpoint histories alone; +/- is a bound of the error')
+    call lines%append_line('  peak   frequency        +/-   frequency  wave number  phase velocity  group velocity')
+    call lines%append_line('             rad/s      rad/s          Hz          1/m             m/s             m/s')
+    call numbered_rows(lines, shown_peaks, [12, 11, 12, 13, 16, 16], &
+                       reshape([frequency, bound, frequency/two_pi, wavenumber, phase, group], [size(frequency), 6]), &
+                       rounded=2)
+    if (any(is_missing(wavenumber)) .and. .not. all(is_missing(wavenumber))) call lines%append_line( &
+      '  -: it is not sure which mode this peak is, so that it has no wave number.')
+    if (all(is_missing(wavenumber))) call lines%append_line('  -: the notes below say why there are no wave numbers.')
+  end subroutine report_measured
+
+end module bw_history_report

@@ -1,0 +1,99 @@
+module bw_value_hints
+  !! What was likely meant by a value that is no number of the scene: a decimal comma, a unit behind the number, a power of ten.
+  use bw_kinds, only: dp
+  use bw_scene_scalars, only: parse_real
+  use bw_text, only: lower, shortest
+  implicit none (type, external)
+  private
+  public :: value_hint
+
+  type :: unit_type
+    !! A unit that people write, and what it is in SI.
+    character(8) :: word                    !! as it is written
+    real(dp) :: factor
+    character(8) :: si                      !! as the table of inputs has it
+  end type unit_type
+
+  type(unit_type), parameter :: units(*) = [ &
+    unit_type('GPa', 1.0e9_dp, 'Pa'), unit_type('MPa', 1.0e6_dp, 'Pa'), unit_type('kPa', 1.0e3_dp, 'Pa'), &
+    unit_type('Pa', 1.0_dp, 'Pa'), unit_type('km', 1.0e3_dp, 'm'), unit_type('m', 1.0_dp, 'm'), &
+    unit_type('cm', 1.0e-2_dp, 'm'), unit_type('mm', 1.0e-3_dp, 'm'), unit_type('s', 1.0_dp, 's'), &
+    unit_type('ms', 1.0e-3_dp, 's'), unit_type('us', 1.0e-6_dp, 's'), unit_type('kg', 1.0_dp, 'kg'), &
+    unit_type('g', 1.0e-3_dp, 'kg'), unit_type('t', 1.0e3_dp, 'kg'), unit_type('rpm', acos(-1.0_dp)/30.0_dp, 'rad s-1'), &
+    unit_type('Hz', 2.0_dp*acos(-1.0_dp), 'rad s-1')]
+
+  character(*), parameter :: digits = '0123456789'
+
+contains
+
+  pure function value_hint(written, unit) result(hint)
+    !! '; …', or nothing where nothing is guessed.
+    character(*), intent(in) :: written     !! the value as it stands in the scene
+    character(*), intent(in) :: unit        !! SI unit of the input; empty where it has none
+    character(:), allocatable :: hint
+    hint = comma_hint(written)
+    if (hint == '') hint = power_hint(written)
+    if (hint == '') hint = unit_hint(written, unit)
+  end function value_hint
+
+  pure function comma_hint(written) result(hint)
+    !! `0,037`: a comma between digits.
+    character(*), intent(in) :: written
+    character(:), allocatable :: hint
+    integer :: comma, behind
+    hint = ''
+    comma = index(written, ',')
+    if (comma < 2 .or. comma == len(written)) return
+    if (verify(written(:comma - 1), digits//'+-') > 0) return
+    behind = verify(written(comma + 1:), digits)
+    if (behind == 1) return
+    if (behind > 1) then
+      if (scan(written(comma + behind:comma + behind), 'eEdD') == 0) return
+    end if
+    hint = '; a comma separates values, and the decimal mark is a point: '//written(:comma - 1)//'.'//written(comma + 1:)
+    if (len(written) - comma == 3 .and. written(:comma - 1) /= '0') hint = hint//', or '//written(:comma - 1)// &
+      written(comma + 1:)
+  end function comma_hint
+
+  pure function power_hint(written) result(hint)
+    !! `2*10^11`, `2x10**11`, `10^11`: a power of ten in other words.
+    character(*), intent(in) :: written
+    character(:), allocatable :: hint, mantissa, power
+    integer :: ten, mark
+    hint = ''
+    mark = index(written, '^') + index(written, '**')
+    ten = mark - 2
+    if (ten < 1) return
+    if (written(ten:mark - 1) /= '10') return
+    mantissa = '1'
+    if (ten > 1) mantissa = trim(written(:ten - 1))
+    if (ten > 1) mantissa = trim(mantissa(:scan(mantissa, digits//'.', back=.true.)))
+    power = adjustl(written(mark + merge(1, 2, index(written, '^') > 0):))
+    if (mantissa == '' .or. power == '' .or. verify(trim(power), digits//'+-') > 0) return
+    hint = '; a power of ten is written with e: '//mantissa//'e'//trim(power)
+  end function power_hint
+
+  pure function unit_hint(written, unit) result(hint)
+    !! `200 GPa`, `1000mm`: a number and its unit.
+    character(*), intent(in) :: written, unit
+    character(:), allocatable :: hint, word, problem
+    real(dp) :: number
+    integer :: last, i
+    hint = ''
+    last = scan(written, digits//'.', back=.true.)
+    if (last == 0 .or. last == len(written)) return
+    word = trim(adjustl(written(last + 1:)))
+    call parse_real(written(:last), number, problem)
+    if (problem /= '' .or. word == '' .or. scan(word, ' ,=') > 0) return
+    if (lower(word(1:1)) < 'a' .or. lower(word(1:1)) > 'z') return
+    hint = '; a value stands without its unit'
+    if (unit /= '' .and. unit /= '1') hint = hint//', in '//trim(unit)
+    do i = 1, size(units)
+      if (lower(trim(units(i)%word)) /= lower(word) .or. units(i)%si /= unit) cycle
+      if (units(i)%word /= word .and. any(units%word == word .and. units%si == unit)) cycle
+      hint = hint//': '//shortest(number*units(i)%factor, 12)
+      return
+    end do
+  end function unit_hint
+
+end module bw_value_hints

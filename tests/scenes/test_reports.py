@@ -1,0 +1,106 @@
+"""What a person reads: warnings in `check` and `run`, reports again, many scenes in few lines, remarks that are no warnings."""
+
+import numpy as np
+import pytest
+
+BEAM = {"length": 1.0, "density": 7870.0, "youngs_modulus": 2e11, "diameter": 0.037}
+STRUCK = {"beam": BEAM, "impact": {"mass_ratio": 0.2}, "capture": {}}
+WATCHED = {"duration": 0.1, "samples": 1000}
+
+DOUBTFUL = {
+    "velocities that converge slowly": {**STRUCK, "response": {**WATCHED, "velocity": True}},
+    "turns a minute": {**STRUCK, "rotation": {"angular_velocity": 500.0}, "response": WATCHED},
+    "gigapascals": {**STRUCK, "beam": {**BEAM, "youngs_modulus": 200.0}, "response": WATCHED},
+    "a thick beam": {**STRUCK, "beam": {**BEAM, "diameter": 0.2}},
+    "samples far apart": {**STRUCK, "response": {"duration": 1.0, "samples": 100}},
+    "few modes": {**STRUCK, "modes": {"before": 3}, "response": {**WATCHED, "bending_moment": True}},
+    "rotation without effect": {**STRUCK, "rotation": {"angular_velocity": 50.0, "plane": "out"}},
+}
+
+
+def warnings_of(ended):
+    return [line for line in ended.stderr.splitlines() if ": warning: " in line]
+
+
+@pytest.mark.parametrize("scene", DOUBTFUL.values(), ids=DOUBTFUL.keys())
+def test_check_warns_of_all_that_a_run_warns_of(here, scene):
+    here.scene("a", scene)
+    checked = here.beamwave("check", "a.nml", "--quiet")
+    ended = here.beamwave("run", "a.nml", "--quiet")
+    assert (checked.returncode, ended.returncode) == (0, 0)
+    assert warnings_of(checked) == warnings_of(ended) != []
+
+
+def test_check_foretells_what_it_has_not_the_time_to_run(here):
+    many = {"before": 300_000, "after": 300_000}
+    turning = {"rotation": {"angular_velocity": 500.0}, "response": {"duration": 0.5, "samples": 100}, "modes": many}
+    here.scene("a", {**STRUCK, **turning})
+    kinds = [line.split(": ")[2] for line in warnings_of(here.beamwave("check", "a.nml", "--quiet"))]
+    assert kinds == ["unstable", "large deflection", "large strain"]
+
+
+@pytest.mark.parametrize("more", [{}, {"damping": {"ratio": 0.01}}, {"rotation": {"angular_velocity": 50.0}}])
+def test_a_default_spectrum_is_no_reason_for_warnings(here, more):
+    here.scene("a", {**STRUCK, **more, "response": WATCHED, "spectrum": {}})
+    ended = here.beamwave("run", "a.nml")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert "grow or decay" not in ended.stdout
+    notes = here.result("a").attributes["notes"].splitlines()
+    assert all(note.startswith("remark: ") for note in notes)
+    assert len({note.split(": ")[1] for note in notes}) == len(notes)
+
+
+def test_a_finished_scene_shows_its_report_again(here):
+    here.scene("a", DOUBTFUL["velocities that converge slowly"])
+    first = here.beamwave("run", "a.nml").stdout.splitlines()
+    again = here.beamwave("run", "a.nml").stdout.splitlines()
+    timed = next(i for i, line in enumerate(first) if line.startswith("  time "))
+    assert again[:timed] == first[:timed]
+    assert again[timed:] == ["  output/a.nc: nothing to do, the result of this scene is there"]
+
+
+def test_a_finished_sweep_shows_its_table_again(here):
+    here.scene("a", {**STRUCK, "rotation": {"angular_velocity": 0.0}, "response": WATCHED},
+               {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 30})
+    first = here.beamwave("run", "a.nml").stdout.splitlines()
+    again = here.beamwave("run", "a.nml").stdout.splitlines()
+    table = [line for line in first if "rotation%angular_velocity = " in line]
+    assert 2 <= len(table) < 10 and "(first" in table[0] and "(last" in table[-1]
+    assert table == [line for line in again if "rotation%angular_velocity = " in line]
+
+
+def test_many_scenes_have_one_line_each_and_are_counted(here):
+    for i in range(12):
+        here.scene(f"set/a{i:02}", STRUCK)
+    here.scene("set/b", DOUBTFUL["turns a minute"])
+    here.write("set/c.nml", "&beam length=0,5 /")
+    ended = here.beamwave("run", "set")
+    lines = ended.stdout.splitlines()
+    assert ended.returncode == 2
+    assert lines[:12] == [f"output/a{i:02}.nc: done" for i in range(12)]
+    assert lines[12] == "output/b.nc: done; warnings: unstable, large deflection, large strain"
+    assert lines[13:] == ["14 scenes: 13 done (1 with warnings), 1 wrong"]
+    assert here.beamwave("run", "set").stdout.endswith("14 scenes: 13 done (13 there already, 1 with warnings), 1 wrong\n")
+    assert here.beamwave("check", "set").stdout.endswith("14 scenes: 13 good (1 with warnings), 1 wrong\n")
+
+
+def test_a_default_that_cannot_be_met_is_called_the_default(here):
+    short = {**STRUCK, "response": {"duration": 1e-9, "samples": 100, "points": 0.01}}
+    here.scene("a", short)
+    assert "modes%tolerance: the default 1e-6 cannot be reached" in here.beamwave("run", "a.nml").stderr
+    here.scene("a", {**short, "modes": {"tolerance": 1e-6}})
+    assert "modes%tolerance: 1e-6 cannot be reached" in here.beamwave("run", "a.nml").stderr
+
+
+def test_a_bending_moment_is_there_if_asked_for(here):
+    here.scene("a", {**STRUCK, "response": {**WATCHED, "points": [0.0, 0.4, 1.0]}})
+    assert "bending_moment" not in here.run("a")
+    here.scene("b", {**STRUCK, "response": {**WATCHED, "points": [0.0, 0.4, 1.0], "bending_moment": True}})
+    result = here.run("b")
+    assert result["bending_moment"].shape == (3, 1000)
+    assert result["bending_moment_error"].shape == (3,)
+    assert not result["bending_moment"][2].any()
+    # at the root of a cantilever that bends as under its tip load, M = 3 EI v/l², within what higher modes add
+    stiffness = 2e11 * np.pi / 64 * 0.037**4
+    root, tip = np.abs(result["bending_moment"][0]).max(), np.abs(result["displacement"][2]).max()
+    assert 1.0 < root / (3 * stiffness * tip) < 5.0
