@@ -2,7 +2,7 @@ module bw_extended_ends
   !! `bw_piece_ends` in double-double: states at the outer end of the four motions of a piece, divided by the same binary64
   !! numbers, so that amplitudes keep their meaning.
   use bw_double_double, only: dd, dd_pi, to_dd, to_quad, operator(+), operator(-), operator(*), operator(/)
-  use bw_extended_sine, only: sine_and_versine
+  use bw_refined_root, only: sine_and_versine
   use bw_kinds, only: dp, qp
   use bw_piece_waves, only: is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
   use bw_short_piece, only: starts
