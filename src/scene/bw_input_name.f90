@@ -31,7 +31,7 @@ module bw_input_name
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(480) :: rules = ''             !! what its names have to do with each other
+    character(560) :: rules = ''             !! what its names have to do with each other
     character(48) :: needs = ''              !! groups that have to be there too, by blanks
     logical :: required = .false.
     logical :: implied = .false.             !! absent is the same as empty
@@ -46,7 +46,7 @@ module bw_input_name
     character(name_length) :: group = ''
     character(name_length) :: name = ''
     integer :: kind = real_input             !! one of the kinds above
-    character(8) :: unit = '1'               !! as UDUNITS writes it; '' where another name has it
+    character(12) :: unit = '1'              !! as UDUNITS writes it; '' where another name has it
     type(number_range) :: range = any_number !! of each number
     character(24) :: default = ''            !! as a scene would write it; '' where there is none
     logical :: required = .false.
@@ -106,11 +106,12 @@ contains
   end function place_of
 
   pure function kind_text(row) result(text)
-    !! `real`, `whole number`, `logical`, `text`, `reals`.
+    !! `real`, `whole number`, `logical`, `text`, `reals`, `real or list`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     character(12), parameter :: names(*) = [character(12) :: 'real', 'whole number', 'logical', 'text', 'reals']
     text = trim(names(row%kind))
+    if (row%along /= '') text = 'real or list'
   end function kind_text
 
   pure function range_text(row) result(text)

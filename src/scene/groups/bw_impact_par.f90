@@ -21,10 +21,10 @@ module bw_impact_par
 
   type(input_group), parameter, public :: impact_group = input_group( &
     'impact', is_effect=.true., absent='nothing strikes the beam: only its modes and wave velocities are computed', &
-    rules='Give `mass` or `mass_ratio`. A positive `approach_velocity` drives the tip towards positive displacement; with '// &
-    'the opposite sign all of the motion has the opposite sign. `restitution` is the velocity at which mass and tip '// &
+    rules='Give `mass` or `mass_ratio`. A positive `approach_velocity` drives the beam towards positive displacement; with '// &
+    'the opposite sign all of the motion has the opposite sign. `restitution` is the velocity at which mass and beam '// &
     'separate over that at which they met: with 0 they go on together, with 1 no energy is lost. With `&capture` a '// &
-    'restitution above 0 adds energy: the mass, which has bounced off, takes the velocity of the tip. Such a run says so.')
+    'restitution above 0 adds energy: the mass, which has bounced off, takes the velocity of the beam there. Such a run says so.')
 
   type(input_name), parameter, public :: impact_names(*) = [ &
     input_name('impact', 'mass', real_input, 'kg', not_negative, swept=.true., excludes='mass_ratio', &
