@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dgeqrf, dgelsy, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dgeqrf, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -51,6 +51,17 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(out) :: info
     end subroutine dgeqrf
+
+    subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
+      !! Eigenvalues and vectors of A x = w B x, both symmetric, B positive definite.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: itype, n, lda, ldb, lwork
+      character, intent(in) :: jobz, uplo
+      real(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      real(dp), intent(out) :: w(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dsygv
 
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       !! The shortest solution of least squares for a matrix that may lack rank.

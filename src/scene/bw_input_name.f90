@@ -8,8 +8,8 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, &
-    place_of, quoted_words, range_text
+  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, place_of, &
+    quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
   integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5
@@ -25,16 +25,18 @@ module bw_input_name
   type(number_range), parameter, public :: positive = number_range(low=0.0_dp, above=.true.)
   type(number_range), parameter, public :: not_negative = number_range(low=0.0_dp)
   type(number_range), parameter, public :: unit_interval = number_range(low=0.0_dp, high=1.0_dp)
+  type(number_range), parameter, public :: off_the_root = number_range(low=0.0_dp, high=1.0_dp, above=.true.)   !! ξ
 
   type, public :: input_group
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(480) :: rules = ''             !! what its names have to do with each other
+    character(560) :: rules = ''             !! what its names have to do with each other
     character(48) :: needs = ''              !! groups that have to be there too, by blanks
     logical :: required = .false.
     logical :: implied = .false.             !! absent is the same as empty
     logical :: repeatable = .false.
+    character(8) :: along = ''               !! dimension of a result along which its repeats lie; '' where it has none
     logical :: is_effect = .false.           !! an effect or an event: a result names it in its attribute `effects`
     logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form here
   end type input_group
@@ -44,16 +46,18 @@ module bw_input_name
     character(name_length) :: group = ''
     character(name_length) :: name = ''
     integer :: kind = real_input             !! one of the kinds above
-    character(8) :: unit = '1'               !! as UDUNITS writes it; '' where another name has it
+    character(12) :: unit = '1'              !! as UDUNITS writes it; '' where another name has it
     type(number_range) :: range = any_number !! of each number
     character(24) :: default = ''            !! as a scene would write it; '' where there is none
     logical :: required = .false.
     logical :: swept = .false.               !! `&sweep` may vary it: a number that sets no axis of the result
     integer :: most = 1                      !! most elements
+    character(8) :: along = ''               !! of one number or a list: dimension of a result along which the list lies
     character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
     character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
     character(80) :: meaning = ''
-    logical :: changes_shapes = .false.      !! where it is not 0, modes have no closed form here
+    logical :: changes_shapes = .false.      !! where it is not `plain`, modes have no closed form here
+    real(dp) :: plain = 0.0_dp
   end type input_name
 
 contains
@@ -74,13 +78,19 @@ contains
   elemental logical function has_unit(row)
     !! One number or several, with a unit of their own.
     type(input_name), intent(in) :: row
-    has_unit = row%unit /= '' .and. (is_number(row) .or. row%kind == reals_input)
+    has_unit = row%unit /= '' .and. has_numbers(row)
   end function has_unit
 
-  elemental logical function is_sweepable(row)
-    !! A `&sweep` may vary it.
+  elemental logical function has_numbers(row)
+    !! One number or several.
     type(input_name), intent(in) :: row
-    is_sweepable = row%swept .and. is_number(row)
+    has_numbers = is_number(row) .or. row%kind == reals_input
+  end function has_numbers
+
+  elemental logical function is_sweepable(row)
+    !! A `&sweep` may vary it, of a list one of its numbers.
+    type(input_name), intent(in) :: row
+    is_sweepable = row%swept .and. has_numbers(row)
   end function is_sweepable
 
   pure function place_of(row) result(place)
@@ -91,11 +101,12 @@ contains
   end function place_of
 
   pure function kind_text(row) result(text)
-    !! `real`, `whole number`, `logical`, `text`, `reals`.
+    !! `real`, `whole number`, `logical`, `text`, `reals`, `real or list`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     character(12), parameter :: names(*) = [character(12) :: 'real', 'whole number', 'logical', 'text', 'reals']
     text = trim(names(row%kind))
+    if (row%along /= '') text = 'real or list'
   end function kind_text
 
   pure function range_text(row) result(text)
@@ -134,12 +145,14 @@ contains
       if (row%words /= '') text = quoted_words(row%words)
     case (reals_input)
       text = '1 to '//text_of(row%most)//' reals'
+      if (row%along /= '') text = 'a real'
     case default
       text = 'a '//kind_text(row)
     end select
-    if (.not. (is_number(row) .or. row%kind == reals_input)) return
+    if (.not. has_numbers(row)) return
     if (range_text(row) /= 'any') text = text//', '//range_text(row)
     if (row%unit /= '1' .and. row%unit /= '') text = text//' ('//trim(row%unit)//')'
+    if (row%along /= '') text = text//', or one for each '//trim(row%along)
   end function accepted_text
 
   pure function quoted_words(words) result(text)

@@ -97,33 +97,36 @@ contains
     type(input_value), intent(in) :: given(:)     !! of all cases
     integer, intent(in) :: positions(:)
     type(input_value), intent(in) :: values(:)    !! of another case
-    integer :: v
+    integer :: v, i
     differs = .false.
     do v = 1, size(given)
-      if (given(v)%sweep == 0) cycle
-      associate (number => scene%sweeps(given(v)%sweep)%values(positions(given(v)%sweep)))
-        differs = transfer(number, 0_i8) /= transfer(values(v)%number, 0_i8)
-      end associate
-      if (differs) return
+      if (.not. allocated(given(v)%sweeps)) cycle
+      do i = 1, size(given(v)%sweeps)
+        if (given(v)%sweeps(i) == 0) cycle
+        associate (number => scene%sweeps(given(v)%sweeps(i))%values(positions(given(v)%sweeps(i))))
+          differs = transfer(number, 0_i8) /= transfer(values(v)%numbers(i), 0_i8)
+        end associate
+        if (differs) return
+      end do
     end do
   end function differs
 
   pure subroutine set_values(scene, given, positions, values)
-    !! The numbers of a group, as they were before any was settled. Texts and lists are those of all cases.
+    !! The numbers of a group, as they were before any was settled. Texts are those of all cases.
     type(scene_type), intent(in) :: scene
     type(input_value), intent(in) :: given(:)     !! of all cases
     integer, intent(in) :: positions(:)
     type(input_value), intent(inout) :: values(:)
-    integer :: v
+    integer :: v, i
     do v = 1, size(values)
       values(v)%known = given(v)%known
       values(v)%redundant = given(v)%redundant
-      values(v)%sweep = 0
-      if (given(v)%sweep == 0) then
-        values(v)%number = given(v)%number
-      else
-        values(v)%number = scene%sweeps(given(v)%sweep)%values(positions(given(v)%sweep))
-      end if
+      if (.not. allocated(given(v)%numbers)) cycle
+      do i = 1, size(given(v)%numbers)
+        values(v)%sweeps(i) = 0
+        values(v)%numbers(i) = given(v)%numbers(i)
+        if (given(v)%sweeps(i) > 0) values(v)%numbers(i) = scene%sweeps(given(v)%sweeps(i))%values(positions(given(v)%sweeps(i)))
+      end do
     end do
   end subroutine set_values
 

@@ -1,0 +1,141 @@
+module bw_extended_ends
+  !! `bw_piece_ends` in double-double: states at the outer end of the four motions of a piece, divided by the same binary64
+  !! numbers, so that amplitudes keep their meaning.
+  use bw_double_double, only: dd, dd_pi, to_dd, to_quad, operator(+), operator(-), operator(*), operator(/)
+  use bw_refined_root, only: sine_and_versine
+  use bw_kinds, only: dp, qp
+  use bw_piece_waves, only: is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
+  use bw_short_piece, only: starts
+  implicit none (type, external)
+  private
+  public :: extended_ends
+
+  integer, parameter :: terms = 24           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
+  real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed
+
+contains
+
+  pure function extended_ends(piece, frequency) result(outer)
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency     !! λ > 0, unless the piece is short
+    type(dd) :: outer(4, 4)                            !! (state, motion)
+    type(wave_numbers) :: waves
+    type(dd) :: c, s, load, moment
+    real(dp) :: g
+    integer :: i
+    if (is_short(piece, frequency)) then
+      outer = short_ends(piece, frequency)
+      return
+    end if
+    waves = wave_numbers_of(piece, frequency)
+    load = piece%mass*frequency%lambda
+    do i = 1, 2
+      g = 1.0_dp/sqrt(abs(waves%y(i)%hi))
+      call find_c_and_s(waves%z(i), waves%p(i), piece%half, c, s)
+      moment = piece%stiffness*waves%y(i)
+      outer(:, i) = [c, -(waves%y(i)*s), -(moment*c), -(load*s)]
+      outer(:, i + 2) = [waves%z(i)*s*g, waves%y(i)*c*g, -(moment*waves%z(i)*s*g), load*c*g]
+    end do
+  end function extended_ends
+
+  pure subroutine find_c_and_s(z, p, half, c, s)
+    !! C and S at the end, over cosh √(−z)h where z < 0.
+    type(dd), intent(in) :: z, p, half
+    type(dd), intent(out) :: c, s
+    type(dd) :: angle, x, e
+    integer :: m
+    angle = p*half
+    x = z*half*half
+    if (abs(x%hi) < small) then
+      c = to_dd(1.0_dp)
+      s = to_dd(1.0_dp)
+      do m = terms/2, 1, -1
+        c = to_dd(1.0_dp) - x*c/to_dd(real(2*m*(2*m - 1), dp))
+        s = to_dd(1.0_dp) - x*s/to_dd(real(2*m*(2*m + 1), dp))
+      end do
+      s = s*half
+      if (z%hi >= 0.0_dp) return
+      s = s/c
+      c = to_dd(1.0_dp)
+    else if (z%hi > 0.0_dp) then
+      call find_circular(angle, c, s)
+      s = s/p
+    else
+      e = to_dd(exp(-2.0_qp*to_quad(angle)))
+      c = to_dd(1.0_dp)
+      s = (c - e)/((c + e)*p)
+    end if
+  end subroutine find_c_and_s
+
+  pure subroutine find_circular(angle, cosine, sine)
+    type(dd), intent(in) :: angle              !! ≥ 0
+    type(dd), intent(out) :: cosine, sine
+    type(dd) :: rest, c, s, list(2)
+    integer :: quarters
+    quarters = nint(angle%hi*(2.0_dp/dd_pi%hi))
+    rest = angle - dd_pi*(0.5_dp*quarters)
+    call sine_and_versine([rest%hi], list(1:1), list(2:2))
+    c = to_dd(1.0_dp) - list(2)
+    s = list(1) + c%hi*rest%lo
+    c = c + (-list(1)%hi*rest%lo)
+    select case (modulo(quarters, 4))
+    case (0)
+      cosine = c
+      sine = s
+    case (1)
+      cosine = -s
+      sine = c
+    case (2)
+      cosine = -c
+      sine = -s
+    case default
+      cosine = s
+      sine = -c
+    end select
+  end subroutine find_circular
+
+  pure function short_ends(piece, frequency) result(outer)
+    !! The power series of bw_short_piece.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    type(dd) :: outer(4, 4)
+    type(dd) :: square, a, b, c, unit(4)
+    real(dp) :: start(4)
+    integer :: j
+    square = piece%half*piece%half
+    a = piece%wave*frequency%lambda*square*square
+    b = piece%turn*frequency%rho*square
+    c = piece%flexible/square
+    start = starts(piece, frequency)
+    outer(:, 1) = sum_of_series(a, b, c, [start(1), 0.0_dp, 0.0_dp, 0.0_dp])
+    outer(:, 2) = sum_of_series(a, b, c, [0.0_dp, 0.0_dp, start(3), 0.0_dp])
+    outer(:, 3) = sum_of_series(a, b, c, [0.0_dp, start(2), 0.0_dp, 0.0_dp])
+    outer(:, 4) = sum_of_series(a, b, c, [0.0_dp, 0.0_dp, 0.0_dp, start(4)])
+    unit = [to_dd(1.0_dp), to_dd(1.0_dp)/piece%half, piece%stiffness/square, piece%stiffness/(square*piece%half)]
+    do j = 1, 4
+      outer(:, j) = unit*outer(:, j)
+    end do
+  end function short_ends
+
+  pure function sum_of_series(a, b, c, start) result(state)
+    !! (v, ψ, M, N) at t = 1 from those in the middle.
+    type(dd), intent(in) :: a, b, c
+    real(dp), intent(in) :: start(4)
+    type(dd) :: state(4)
+    type(dd) :: term(4), next(4)
+    integer :: m, j
+    term = [(to_dd(start(j)), j=1, 4)]
+    state = term
+    do m = 1, 2*terms
+      next(1) = term(2) + c*term(4)
+      next(2) = term(3)
+      next(3) = -(term(4) + b*term(2))
+      next(4) = -(a*term(1))
+      do j = 1, 4
+        term(j) = next(j)/to_dd(real(m, dp))
+        state(j) = state(j) + term(j)
+      end do
+    end do
+  end function sum_of_series
+
+end module bw_extended_ends

@@ -1,0 +1,95 @@
+module bw_extended_residual
+  !! What drives a motion that is no mode: by how much it fails the conditions at the joints, in double-double. Amplitudes and
+  !! motions of bodies are taken as they are, and what remains is as good as they are. With it Green's identity (bw_mode_probe)
+  !! gives λ to twice the digits of a motion.
+  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
+  use bw_extended_ends, only: extended_ends
+  use bw_kinds, only: dp
+  use bw_mode_probe, only: mode_probe, piece_system
+  implicit none (type, external)
+  private
+  public :: find_drive
+
+contains
+
+  pure subroutine find_drive(system, probe)
+    !! The drive of a probe's motion at its frequency.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    type(dd), dimension(4) :: before, after, next
+    integer :: i, n
+    n = size(system%piece)
+    before = dd()
+    do i = 0, n
+      after = dd()
+      if (i < n) call end_states(extended_ends(system%piece(i + 1), probe%frequency), probe%amplitude(:, i + 1), after, next)
+      if (i == 0) then
+        call drive_root(system, after, probe)
+      else
+        call drive_joint(system, i, before, after, probe)
+      end if
+      before = next
+    end do
+  end subroutine find_drive
+
+  pure subroutine drive_root(system, after, probe)
+    type(piece_system), intent(in) :: system
+    type(dd), intent(in) :: after(4)
+    type(mode_probe), intent(inout) :: probe
+    type(dd) :: rest(2)
+    probe%drive(:, :, 0) = 0.0_dp
+    associate (root => system%beam%root, unit => probe%unit(:, 0))
+      rest = [after(1)*root%stiffness - after(4), after(2)*root%turning_stiffness - after(3)]
+      if (root%holds_deflection) then
+        probe%drive(3, 1, 0) = -after(1)%hi/unit(1)
+      else
+        probe%drive(2, 1, 0) = rest(1)%hi/unit(4)
+      end if
+      if (root%holds_turning) then
+        probe%drive(3, 2, 0) = -after(2)%hi/unit(2)
+      else
+        probe%drive(2, 2, 0) = rest(2)%hi/unit(3)
+      end if
+    end associate
+  end subroutine drive_root
+
+  pure subroutine drive_joint(system, i, before, after, probe)
+    type(piece_system), intent(in) :: system
+    integer, intent(in) :: i
+    type(dd), intent(in) :: before(4), after(4)
+    type(mode_probe), intent(inout) :: probe
+    type(dd) :: load(2), rest(2)
+    associate (joint => system%beam%joint(i), frequency => probe%frequency, unit => probe%unit(:, i), d => probe%drive(:, :, i), &
+               motion => to_dd(probe%motion(:, i)))
+      load = [joint%stiffness - joint%mass*frequency%lambda, joint%turning_stiffness - joint%inertia*frequency%beta_squared]
+      rest = before(1:2) - motion
+      if (i < size(system%piece)) then
+        d(1, :) = rest%hi/unit(1:2)
+        rest = motion - after(1:2)
+        d(3, :) = rest%hi/unit(1:2)
+      else
+        d(1, :) = 0.0_dp
+        d(3, :) = -rest%hi/unit(1:2)
+      end if
+      rest = before(4:3:-1) - after(4:3:-1) + load*motion
+      d(2, :) = rest%hi/unit(4:3:-1)
+    end associate
+  end subroutine drive_joint
+
+  pure subroutine end_states(outer_states, amplitude, inner, outer)
+    !! The states at both ends of a piece.
+    type(dd), intent(in) :: outer_states(4, 4)   !! (state, motion)
+    real(dp), intent(in) :: amplitude(4)
+    type(dd), intent(out) :: inner(4), outer(4)
+    type(dd) :: even, odd
+    integer :: q
+    do q = 1, 4
+      even = outer_states(q, 1)*amplitude(1) + outer_states(q, 2)*amplitude(2)
+      odd = outer_states(q, 3)*amplitude(3) + outer_states(q, 4)*amplitude(4)
+      outer(q) = even + odd
+      inner(q) = even - odd
+      if (mod(q, 2) == 0) inner(q) = odd - even
+    end do
+  end subroutine end_states
+
+end module bw_extended_residual

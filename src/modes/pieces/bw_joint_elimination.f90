@@ -1,0 +1,240 @@
+module bw_joint_elimination
+  !! Amplitudes of all pieces from the conditions at their joints, by elimination from the root outwards.
+  !!
+  !! All that is inside of a piece puts two conditions on its four amplitudes: two motions are free. At its outer joint
+  !! deflection and turning are continuous, moment and shear force jump by what is attached there: four conditions on the
+  !! two and on the next piece's four, of which two remain for that piece. The matrix of all conditions has no poles; where a
+  !! mode is, it is singular, and solving with any right side gives the mode (inverse iteration). Rows are divided by their
+  !! largest elements, the largest element is the pivot, and a solution takes time in proportion to the pieces.
+  use bw_kinds, only: dp
+  use bw_piece_beam, only: beam_root
+  use bw_piece_ends, only: inner_states, piece_ends
+  implicit none (type, external)
+  private
+  public :: eliminate, solve, size_elimination
+
+  real(dp), parameter :: least_pivot = 1.0e-17_dp  !! of rows of size 1: below it is rounding
+
+  type, public :: joint_loads
+    !! Forces of what is attached, for deflection and for turning: k_v − m_bλ and k_θ − J_bβ².
+    real(dp) :: deflection = 0.0_dp
+    real(dp) :: turning = 0.0_dp
+  end type joint_loads
+
+  type, public :: elimination
+    real(dp), allocatable :: free(:, :, :)       !! amplitudes of the two free motions of each piece, (4, 2, n)
+    real(dp), allocatable :: forced(:, :)        !! amplitudes that the right sides ask for, (4, n)
+    real(dp), allocatable :: state(:, :, :)      !! v, ψ, M and N of the free motions at the outer end, (4, 2, n)
+    real(dp), allocatable :: next(:, :, :)       !! the free motions' shares by the amplitudes of the next piece, (4, 2, n)
+    real(dp), allocatable :: share(:, :)         !! and by the right sides, (2, n)
+  end type elimination
+
+contains
+
+  pure subroutine size_elimination(n, factors)
+    integer, intent(in) :: n                     !! pieces
+    type(elimination), intent(out) :: factors
+    allocate (factors%free(4, 2, n), factors%forced(4, n), factors%state(4, 2, n), factors%next(4, 2, n), factors%share(2, n))
+  end subroutine size_elimination
+
+  pure subroutine eliminate(root, loads, ends, right, factors)
+    type(beam_root), intent(in) :: root
+    type(joint_loads), intent(in) :: loads(0:)   !! (0:n); at 0 the springs of the root
+    type(piece_ends), intent(in) :: ends(:)      !! (n)
+    real(dp), intent(in) :: right(:, 0:)         !! right side of each condition, (4, 0:n)
+    type(elimination), intent(inout) :: factors  !! allocated for n pieces
+    real(dp) :: condition(4, 2), rest(2), row(6, 4), side(4), forced(4)
+    integer :: i, n, q
+    n = size(ends)
+    call set_root(root, loads(0), inner_states(ends(1)), right(:, 0), condition, rest)
+    do i = 1, n
+      call solve_conditions(condition, rest, factors%free(:, :, i), factors%forced(:, i))
+      do q = 1, 4
+        row(1, q) = dot_product(ends(i)%outer(q, :), factors%free(:, 1, i))
+        row(2, q) = dot_product(ends(i)%outer(q, :), factors%free(:, 2, i))
+        forced(q) = dot_product(ends(i)%outer(q, :), factors%forced(:, i))
+        factors%state(q, :, i) = row(1:2, q)
+      end do
+      side = right(:, i) - forced
+      if (i < n) then
+        call set_joint(loads(i), inner_states(ends(i + 1)), row, side)
+        call eliminate_shares(row, side)
+        condition = row(3:6, 3:4)
+        rest = side(3:4)
+      else
+        call set_tip(loads(n), right(:, n), forced, row, side)
+        call eliminate_shares(row, side)
+      end if
+      call keep_shares(row, side, factors%next(:, :, i), factors%share(:, i))
+    end do
+  end subroutine eliminate
+
+  pure subroutine set_root(root, load, inner, right, condition, rest)
+    !! v = 0 or N = k_v v; ψ = 0 or M = k_θψ.
+    type(beam_root), intent(in) :: root
+    type(joint_loads), intent(in) :: load
+    real(dp), intent(in) :: inner(4, 4)          !! (motion, state)
+    real(dp), intent(in) :: right(4)
+    real(dp), intent(out) :: condition(4, 2), rest(2)
+    if (root%holds_deflection) then
+      condition(:, 1) = -inner(:, 1)
+    else
+      condition(:, 1) = load%deflection*inner(:, 1) - inner(:, 4)
+    end if
+    if (root%holds_turning) then
+      condition(:, 2) = -inner(:, 2)
+    else
+      condition(:, 2) = load%turning*inner(:, 2) - inner(:, 3)
+    end if
+    rest = [right(merge(1, 4, root%holds_deflection)), right(merge(2, 3, root%holds_turning))]
+  end subroutine set_root
+
+  pure subroutine set_joint(load, inner, row, side)
+    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached. The body moves with the
+    !! piece after: beside a load that is large the forces of the piece before keep their digits.
+    type(joint_loads), intent(in) :: load
+    real(dp), intent(in) :: inner(4, 4)          !! of the piece after, (motion, state)
+    real(dp), intent(inout) :: row(6, 4), side(4)
+    integer :: q
+    row(3:6, 1:2) = -inner(:, 1:2)
+    row(3:6, 3) = load%turning*inner(:, 2) - inner(:, 3)
+    row(3:6, 4) = load%deflection*inner(:, 1) - inner(:, 4)
+    do q = 1, 4
+      call divide_row(row(:, q), side(q))
+    end do
+  end subroutine set_joint
+
+  pure subroutine set_tip(load, right, forced, row, side)
+    !! No moment and no shear force beyond what is attached.
+    type(joint_loads), intent(in) :: load
+    real(dp), intent(in) :: right(4), forced(4)
+    real(dp), intent(inout) :: row(6, 4), side(4)
+    real(dp) :: v(2)
+    v = row(1:2, 1)
+    row(1:2, 1) = row(1:2, 3) + load%turning*row(1:2, 2)
+    row(1:2, 2) = row(1:2, 4) + load%deflection*v
+    side(1:2) = right(3:4) - forced(3:4) - [load%turning*forced(2), load%deflection*forced(1)]
+    row(3:6, :) = 0.0_dp
+    row(:, 3:4) = 0.0_dp                         ! last: where the first two are singular, these are no pivots
+    side(3:4) = 0.0_dp
+    call divide_row(row(:, 1), side(1))
+    call divide_row(row(:, 2), side(2))
+  end subroutine set_tip
+
+  pure subroutine divide_row(row, side)
+    !! By its largest element.
+    real(dp), intent(inout) :: row(6), side
+    real(dp) :: factor
+    factor = 1.0_dp/max(max(abs(row(1)), abs(row(2)), abs(row(3))), max(abs(row(4)), abs(row(5)), abs(row(6))))
+    row = row*factor
+    side = side*factor
+  end subroutine divide_row
+
+  pure subroutine solve_conditions(condition, rest, free, forced)
+    !! Two independent solutions of two conditions on four amplitudes, and one of the conditions with right sides. The
+    !! second condition is taken as what it says beyond the first, however little that is: from piece to piece they would
+    !! become parallel.
+    real(dp), intent(in) :: condition(4, 2), rest(2)
+    real(dp), intent(out) :: free(4, 2), forced(4)
+    real(dp) :: a(4), b(4), sides(2)
+    integer :: first, second, i, n
+    a = condition(:, 1)/largest(condition(:, 1))
+    b = condition(:, 2)/largest(condition(:, 2))
+    sides = rest/[largest(condition(:, 1)), largest(condition(:, 2))]
+    first = place_of_largest(a)
+    sides(1) = sides(1)/a(first)
+    a = a/a(first)
+    sides(2) = sides(2) - b(first)*sides(1)
+    b = b - b(first)*a
+    b(first) = 0.0_dp
+    second = place_of_largest(b)
+    if (abs(b(second)) < least_pivot) then       ! all inside moves alone: any condition serves
+      second = mod(first, 4) + 1
+      b(second) = least_pivot
+    end if
+    sides(2) = sides(2)/b(second)
+    b = b/b(second)
+    sides(1) = sides(1) - a(second)*sides(2)
+    a = a - a(second)*b
+    forced = 0.0_dp
+    forced(first) = sides(1)
+    forced(second) = sides(2)
+    free = 0.0_dp
+    n = 0
+    do i = 1, 4
+      if (i == first .or. i == second) cycle
+      n = n + 1
+      free(i, n) = 1.0_dp
+      free(first, n) = -a(i)
+      free(second, n) = -b(i)
+    end do
+  end subroutine solve_conditions
+
+  pure real(dp) function largest(values)
+    real(dp), intent(in) :: values(4)
+    largest = max(abs(values(1)), abs(values(2)), abs(values(3)), abs(values(4)))
+  end function largest
+
+  pure integer function place_of_largest(values) result(place)
+    real(dp), intent(in) :: values(4)
+    integer :: i
+    place = 1
+    do i = 2, 4
+      if (abs(values(i)) > abs(values(place))) place = i
+    end do
+  end function place_of_largest
+
+  pure subroutine eliminate_shares(row, side)
+    !! Take the shares of the two free motions out of four conditions; rows 1 and 2 are then the triangle's.
+    real(dp), intent(inout) :: row(6, 4), side(4)
+    real(dp) :: pivot(6), pivot_side, factor
+    integer :: c, j, place
+    do c = 1, 2
+      place = c
+      do j = c + 1, 4
+        if (abs(row(c, j)) > abs(row(c, place))) place = j
+      end do
+      pivot = row(:, place)
+      pivot_side = side(place)
+      row(:, place) = row(:, c)
+      side(place) = side(c)
+      if (abs(pivot(c)) < least_pivot) pivot(c) = sign(least_pivot, pivot(c))
+      row(:, c) = pivot
+      side(c) = pivot_side
+      do j = c + 1, 4
+        factor = row(c, j)/pivot(c)
+        row(:, j) = row(:, j) - factor*pivot
+        side(j) = side(j) - factor*pivot_side
+      end do
+    end do
+  end subroutine eliminate_shares
+
+  pure subroutine keep_shares(row, side, next, share)
+    !! Shares = share − Σ next·(amplitudes of the next piece), from the triangle.
+    real(dp), intent(in) :: row(6, 4), side(4)
+    real(dp), intent(out) :: next(4, 2), share(2)
+    real(dp) :: factor
+    factor = 1.0_dp/row(2, 2)
+    next(:, 2) = row(3:6, 2)*factor
+    share(2) = side(2)*factor
+    factor = 1.0_dp/row(1, 1)
+    next(:, 1) = (row(3:6, 1) - row(2, 1)*next(:, 2))*factor
+    share(1) = (side(1) - row(2, 1)*share(2))*factor
+  end subroutine keep_shares
+
+  pure subroutine solve(factors, amplitude)
+    !! From the tip back to the root.
+    type(elimination), intent(in) :: factors
+    real(dp), intent(out) :: amplitude(:, :)     !! (4, n)
+    real(dp) :: share(2), next(4)
+    integer :: i
+    next = 0.0_dp                                ! beyond the tip there is nothing
+    do i = size(amplitude, 2), 1, -1
+      share(1) = factors%share(1, i) - sum(factors%next(:, 1, i)*next)
+      share(2) = factors%share(2, i) - sum(factors%next(:, 2, i)*next)
+      next = factors%forced(:, i) + share(1)*factors%free(:, 1, i) + share(2)*factors%free(:, 2, i)
+      amplitude(:, i) = next
+    end do
+  end subroutine solve
+
+end module bw_joint_elimination

@@ -1,0 +1,113 @@
+module bw_mode_brackets
+  !! Frequencies at which modes were counted, on both sides of the one that is looked for.
+  use bw_double_double, only: dd, operator(+), operator(-), operator(*)
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: open_for, counted, closed_to, inside, middle, width
+
+  integer, parameter :: depth = 16                 !! upper ends that are remembered for the modes that follow
+
+  type :: separator
+    type(dd) :: lambda
+    integer :: below = huge(1)                     !! modes below it
+  end type separator
+
+  type, public :: mode_bracket
+    type(separator) :: low
+    type(separator) :: high(depth)                 !! descending
+    integer :: highs = 0
+  end type mode_bracket
+
+contains
+
+  pure subroutine open_for(bracket, k, growing, up_to_rest, spin_squared)
+    !! Forget what is below mode k, or begin anew.
+    type(mode_bracket), intent(inout) :: bracket
+    integer, intent(in) :: k
+    integer, intent(in) :: growing, up_to_rest     !! modes of λ < 0 and of λ ≤ 0
+    type(dd), intent(in) :: spin_squared
+    do while (bracket%highs > 0)
+      if (bracket%high(bracket%highs)%below >= k) exit
+      bracket%low = bracket%high(bracket%highs)
+      bracket%highs = bracket%highs - 1
+    end do
+    if (bracket%low%below < k) return
+    bracket%highs = 0
+    if (k > growing) then
+      bracket%low = separator(dd(), up_to_rest)
+    else
+      bracket%low = separator(spin_squared*(-1.0_dp), 0)
+      bracket%highs = 1
+      bracket%high(1) = separator(dd(), growing)
+    end if
+  end subroutine open_for
+
+  pure subroutine counted(bracket, k, lambda, below)
+    !! Close in on mode k.
+    type(mode_bracket), intent(inout) :: bracket
+    integer, intent(in) :: k
+    type(dd), intent(in) :: lambda
+    integer, intent(in) :: below                   !! modes below λ
+    type(dd) :: gap
+    gap = lambda - bracket%low%lambda
+    if (below < k .and. gap%hi > 0.0_dp) bracket%low = separator(lambda, below)
+    if (below < k) return
+    do while (bracket%highs > 0)
+      gap = bracket%high(bracket%highs)%lambda - lambda
+      if (gap%hi > 0.0_dp) exit
+      if (bracket%high(bracket%highs)%below == below) return
+      bracket%highs = bracket%highs - 1
+    end do
+    if (bracket%highs == depth) then
+      bracket%high(:depth - 1) = bracket%high(2:)
+      bracket%highs = depth - 1
+    end if
+    bracket%highs = bracket%highs + 1
+    bracket%high(bracket%highs) = separator(lambda, below)
+  end subroutine counted
+
+  pure logical function closed_to(bracket, below, edge)
+    !! So many modes are below the bracket's end that is beyond an edge.
+    type(mode_bracket), intent(in) :: bracket
+    integer, intent(in) :: below
+    type(dd), intent(in) :: edge
+    type(dd) :: gap
+    gap = edge - bracket%low%lambda
+    closed_to = bracket%low%below == below .and. gap%hi >= 0.0_dp
+    if (closed_to .or. bracket%highs == 0) return
+    gap = bracket%high(bracket%highs)%lambda - edge
+    closed_to = bracket%high(bracket%highs)%below == below .and. gap%hi >= 0.0_dp
+  end function closed_to
+
+  pure logical function inside(bracket, x, margin)
+    type(mode_bracket), intent(in) :: bracket
+    type(dd), intent(in) :: x
+    real(dp), intent(in) :: margin                 !! that a count next to a mode may be off
+    type(dd) :: gap
+    gap = x - bracket%low%lambda
+    inside = gap%hi > -margin
+    if (bracket%highs == 0 .or. .not. inside) return
+    gap = bracket%high(bracket%highs)%lambda - x
+    inside = gap%hi > -margin
+  end function inside
+
+  pure type(dd) function middle(bracket)
+    type(mode_bracket), intent(in) :: bracket
+    if (bracket%highs > 0) then
+      middle = (bracket%low%lambda + bracket%high(bracket%highs)%lambda)*0.5_dp
+    else
+      middle = bracket%low%lambda*1.1_dp + 1.0_dp
+    end if
+  end function middle
+
+  pure real(dp) function width(bracket)
+    type(mode_bracket), intent(in) :: bracket
+    type(dd) :: gap
+    width = huge(width)
+    if (bracket%highs == 0) return
+    gap = bracket%high(bracket%highs)%lambda - bracket%low%lambda
+    width = gap%hi
+  end function width
+
+end module bw_mode_brackets

@@ -1,0 +1,307 @@
+module bw_mode_search
+  !! Modes of a beam of pieces by their numbers.
+  !!
+  !! Inverse iteration runs to a mode; the count of modes on both sides tells which it is, and which others are so near that
+  !! they show in its motion. A bracket of two counts closes in on the mode that is asked for, whatever inverse iteration
+  !! was drawn to meanwhile: none is missed and none is found twice.
+  use bw_close_modes, only: close_modes, group_for, keep, refine, separate, span, take
+  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
+  use bw_kinds, only: dp
+  use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
+  use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, start_bodies, &
+    system_of
+  use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
+  use bw_piece_dispersion, only: next_half_wave
+  use bw_piece_waves, only: parts_at_rest
+  implicit none (type, external)
+  private
+  public :: search_in, find_mode
+
+  integer, parameter :: cuts = 2                   !! other ways to cut the pieces: in two, in three
+  integer, parameter :: most_steps = 400
+  real(dp), parameter :: regular_enough = 1.0e-3_dp
+    !! distance from clamped modes of the pieces, 0 … 1, from which a count is trusted
+  real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
+  real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
+  real(dp), parameter :: settled = 1.0e-14_dp      !! likewise: from here a step is rounding
+  real(dp), parameter :: apart = 1.0e-2_dp         !! likewise: from here modes hardly show in each other's motions by rounding
+  real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
+  real(dp), parameter :: beside = 1.0e-7_dp        !! likewise: where modes that no count tells apart are spanned
+  integer, parameter :: most_close = 64            !! modes that are told apart together
+
+  type, public :: mode_search
+    type(piece_system) :: system
+    type(mode_probe) :: probe                      !! of the last mode that was found
+    type(mode_probe) :: scout                      !! counts without moving the probe
+    type(piece_system) :: finer(cuts)              !! the same beam in more pieces, where a piece is near its own modes
+    type(mode_probe) :: finer_probe(cuts)
+    type(mode_bracket) :: bracket
+    integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
+    integer :: resting = 0                         !! modes of λ = 0
+    type(close_modes) :: close                     !! the last modes that were told apart together
+    integer :: evaluations = 0
+  end type mode_search
+
+contains
+
+  pure type(mode_search) function search_in(beam) result(search)
+    type(piece_beam), intent(in) :: beam
+    integer :: c, i
+    search%system = system_of(beam)
+    search%resting = modes_at_rest(beam)
+    if (may_grow(beam)) search%growing = growing_modes(beam, search%resting > 0)
+    if (search%growing + search%resting > 0) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
+    search%probe = probe_for(search%system)
+    search%scout = search%probe
+    do c = 1, cuts
+      search%finer(c) = system_of(cut_all(search%system%beam, [(c + 1, i=1, size(search%system%piece))]))
+      search%finer_probe(c) = probe_for(search%finer(c))
+    end do
+  end function search_in
+
+  pure integer function growing_modes(beam, floats) result(number)
+    !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
+    type(piece_beam), intent(in) :: beam
+    logical, intent(in) :: floats                  !! nothing holds its deflection
+    type(piece_beam) :: fine
+    type(piece_system) :: system
+    type(mode_probe) :: probe
+    real(dp) :: regular
+    fine = cut_all(beam, parts_at_rest(beam))
+    if (floats) fine%root%holds_deflection = .true.
+    system = system_of(fine)
+    probe = probe_for(system)
+    call probe_at(system, beam%spin_squared*(-1.0e-24_dp), probe)
+    call count_below(system, probe, number, regular)
+  end function growing_modes
+
+  pure logical function may_grow(beam)
+    !! Out of plane, by rotary inertia.
+    type(piece_beam), intent(in) :: beam
+    may_grow = .not. beam%in_plane .and. beam%spin_squared%hi > 0.0_dp .and. any(beam%piece%rotary%hi > 0.0_dp)
+  end function may_grow
+
+  subroutine find_mode(search, k, lambda, found)
+    !! The frequency of mode k; its motion is the probe's.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k                       !! ≥ 1
+    type(dd), intent(out) :: lambda
+    logical, intent(out) :: found
+    integer :: first, last
+    logical :: alone
+    found = .true.
+    if (k < search%close%first .or. k > search%close%last) then
+      first = search%growing + 1
+      last = search%growing + search%resting
+      if (k < first .or. k > last) then
+        call locate(search, k, lambda, alone, found)
+        if (.not. found) return
+        call surround(search, k, lambda, first, last)
+        if (first == last .and. alone) return
+      end if
+      call find_together(search, first, last, found)
+      if (.not. found) return
+    end if
+    call take(search%close, k, search%probe)
+    lambda = search%probe%frequency%lambda
+  end subroutine find_mode
+
+  subroutine find_together(search, first, last, found)
+    !! Modes that are next to each other.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: first, last
+    logical, intent(out) :: found
+    type(dd) :: lambda
+    logical :: resting, alone
+    integer :: k
+    resting = first == search%growing + 1 .and. search%resting > 0
+    search%close = group_for(search%system, first, last)
+    found = .true.
+    do k = first, last
+      lambda = dd()
+      alone = .false.
+      if (.not. resting) call locate(search, k, lambda, alone, found)
+      if (.not. found) exit
+      if (alone) then
+        call keep(search%close, k, search%probe)
+      else
+        call span(search%close, k, lambda + beside*mode_distance(k, lambda), search%probe)
+      end if
+    end do
+    if (found) call separate(search%close, search%probe)
+    if (.not. found) search%close%last = -1
+    if (resting) search%close%modes%lambda = dd()
+  end subroutine find_together
+
+  elemental real(dp) function mode_distance(k, x) result(distance)
+    !! About how far apart modes near mode k are.
+    integer, intent(in) :: k
+    type(dd), intent(in) :: x
+    distance = 2.0_dp*abs(x%hi)/k
+  end function mode_distance
+
+  subroutine locate(search, k, lambda, alone, found)
+    !! Mode k to the last digit, alone in the bracket, or about where it is with others in a bracket that has hardly any width.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(out) :: lambda
+    logical, intent(out) :: alone, found
+    type(dd) :: x
+    real(dp) :: correction, step, before, room
+    logical :: final, gains
+    integer :: i, n, strays
+    call open_for(search%bracket, k, search%growing, search%growing + search%resting, search%system%beam%spin_squared)
+    call start_anew(1, search%probe)
+    x = first_guess(search, k)
+    before = huge(before)
+    strays = 0
+    alone = .false.
+    do i = 1, most_steps
+      call probe_at(search%system, x, search%probe)
+      call improve(search%system, search%probe, correction)
+      search%evaluations = search%evaluations + 1
+      lambda = x + correction
+      room = min(mode_distance(k, x), width(search%bracket))
+      step = abs(correction)/room
+      gains = abs(correction) < 0.5_dp*before
+      final = abs(correction) < settled*mode_distance(k, x) .or. (step < rounding .and. .not. gains)
+      if (.not. inside(search%bracket, lambda, 0.0_dp)) then
+        strays = strays + 1
+        if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
+        if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
+      else if (final) then
+        call enclose(search, k, lambda, min(apart*mode_distance(k, x), 0.1_dp*room), alone)
+        if (alone .and. step*room > settled*mode_distance(k, x)) call refine(search%system, search%probe, lambda)
+        found = alone
+        if (found) return
+        call start_bodies(i, search%probe)
+        x = middle(search%bracket)
+        before = huge(before)
+        cycle
+      end if
+      if (step < near .and. gains .and. inside(search%bracket, lambda, 0.0_dp)) then
+        x = lambda
+      else
+        call count_at(search, k, search%probe, n)
+        x = next_guess(search, k, n, x, correction, gains)
+      end if
+      before = abs(correction)
+      lambda = middle(search%bracket)
+      room = closest*mode_distance(k, lambda)
+      if (closed_to(search%bracket, k - 1, lambda) .and. closed_to(search%bracket, k, lambda)) room = 1.0e-3_dp*room
+      found = width(search%bracket) < room
+      if (found) return
+    end do
+  end subroutine locate
+
+  pure subroutine enclose(search, k, x, margin, found)
+    !! Count on both sides of a mode: is it mode k, and alone?
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: x
+    real(dp), intent(in) :: margin
+    logical, intent(out) :: found
+    type(dd) :: edge(2)
+    integer :: n
+    edge = [x + (-margin), x + margin]
+    found = closed_to(search%bracket, k, edge(2))
+    if (.not. found) then
+      call look(search, k, edge(2), n)
+      found = n == k
+    end if
+    if (closed_to(search%bracket, k - 1, edge(1))) return
+    call look(search, k, edge(1), n)
+    found = found .and. n == k - 1
+  end subroutine enclose
+
+  pure subroutine surround(search, k, x, first, last)
+    !! The modes that are next to a frequency and to each other, and none if the next on both sides are far.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: x
+    integer, intent(out) :: first, last
+    type(dd) :: edge(2)
+    real(dp) :: margin
+    integer :: n
+    margin = apart*mode_distance(k, x)
+    edge = [x + (-margin), x + margin]
+    first = k - 1
+    if (.not. closed_to(search%bracket, k - 1, edge(1))) call look(search, k, edge(1), first)
+    first = first + 1
+    last = k
+    if (.not. closed_to(search%bracket, k, edge(2))) call look(search, k, edge(2), last)
+    if (first == last) return
+    do while (last - first < most_close)
+      edge(1) = edge(1) + (-margin)
+      call look(search, k, edge(1), n)
+      if (n == first - 1) exit
+      first = n + 1
+    end do
+    do while (last - first < most_close)
+      edge(2) = edge(2) + margin
+      call look(search, k, edge(2), n)
+      if (n == last) exit
+      last = n
+    end do
+  end subroutine surround
+
+  pure subroutine look(search, k, x, n)
+    !! Count the modes below a frequency by a probe of its own; the bracket closes.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: x
+    integer, intent(out) :: n
+    call probe_at(search%system, x, search%scout)
+    search%evaluations = search%evaluations + 1
+    call count_at(search, k, search%scout, n)
+  end subroutine look
+
+  pure subroutine count_at(search, k, probe, n)
+    !! Modes below the frequency of a probe, by which the bracket closes.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(mode_probe), intent(in) :: probe
+    integer, intent(out) :: n
+    real(dp) :: regular, best
+    integer :: c, other
+    call count_below(search%system, probe, n, best)
+    do c = 1, cuts
+      if (best >= regular_enough) exit
+      call probe_at(search%finer(c), probe%frequency%lambda, search%finer_probe(c))
+      call count_below(search%finer(c), search%finer_probe(c), other, regular)
+      if (regular <= best) cycle
+      best = regular
+      n = other
+    end do
+    call counted(search%bracket, k, probe%frequency%lambda, n)
+  end subroutine count_at
+
+  pure type(dd) function first_guess(search, k) result(x)
+    !! As many half waves further than the lower end of the bracket as modes are between.
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: k
+    x = middle(search%bracket)
+    associate (low => search%bracket%low, system => search%system)
+      if (low%lambda%hi >= 0.0_dp) &
+        x = to_dd(next_half_wave(system%beam, system%piece, low%lambda%hi, real(k - low%below, dp)))
+    end associate
+    if (.not. inside(search%bracket, x, 0.0_dp)) x = middle(search%bracket)
+  end function first_guess
+
+  pure type(dd) function next_guess(search, k, n, x, correction, gains) result(guess)
+    !! Where inverse iteration points, if that is inside of the bracket and gains; else by the number of half waves or by
+    !! halves.
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: k, n                    !! modes below x
+    type(dd), intent(in) :: x
+    real(dp), intent(in) :: correction
+    logical, intent(in) :: gains
+    guess = x + correction
+    if (gains .and. inside(search%bracket, guess, 0.0_dp) .and. (n == k .or. n == k - 1 .or. x%hi <= 0.0_dp)) return
+    guess = middle(search%bracket)
+    if (x%hi <= 0.0_dp .or. (search%bracket%highs > 0 .and. abs(n - k) < 4)) return
+    guess = to_dd(next_half_wave(search%system%beam, search%system%piece, x%hi, k - n - 0.5_dp))
+    if (.not. inside(search%bracket, guess, 0.0_dp)) guess = middle(search%bracket)
+  end function next_guess
+
+end module bw_mode_search

@@ -1,0 +1,134 @@
+module bw_piece_beam
+  !! A beam of uniform pieces with bodies and springs at their ends, without tension.
+  !!
+  !! Lengths are in l, so that the pieces' lengths add to 1; stiffness, mass and time are in any units that belong together,
+  !! such as EI and ρA of a uniform beam and l²/h. Numbers are double-double: a quotient of two inputs is then as good as
+  !! the inputs, also for phases at the end of a long history.
+  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(/)
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: attach, cut_at, cut_all, joint_position, modes_at_rest
+
+  type, public :: uniform_piece
+    type(dd) :: length = dd(1.0_dp)
+    type(dd) :: stiffness = dd(1.0_dp)        !! B = EI
+    type(dd) :: mass = dd(1.0_dp)             !! m = ρA, per length
+    type(dd) :: compliance                    !! s = 1/(κGA); 0: no shear
+    type(dd) :: rotary                        !! ρI, per length; 0: sections turn without inertia
+  end type uniform_piece
+
+  type, public :: beam_joint
+    !! What is attached at the outer end of a piece; springs are to the rotating frame.
+    type(dd) :: mass
+    type(dd) :: inertia                       !! J
+    type(dd) :: stiffness                     !! k_v, against deflection
+    type(dd) :: turning_stiffness             !! k_θ, against turning of the section
+  end type beam_joint
+
+  type, public :: beam_root
+    !! Springs at ξ = 0; what is rigid has no spring.
+    logical :: holds_deflection = .true.
+    logical :: holds_turning = .true.
+    type(dd) :: stiffness                     !! k_v, unless the deflection is held
+    type(dd) :: turning_stiffness             !! k_θ, unless the turning is held
+  end type beam_root
+
+  type, public :: piece_beam
+    type(uniform_piece), allocatable :: piece(:)   !! from the root outwards, (n)
+    type(beam_joint), allocatable :: joint(:)      !! at the outer ends of the pieces; the last is the tip, (n)
+    type(beam_root) :: root
+    type(dd) :: spin_squared                       !! Ω², square of the angular velocity of the beam's reference
+    logical :: in_plane = .false.                  !! the beam bends in the plane of rotation
+  end type piece_beam
+
+contains
+
+  pure type(dd) function joint_position(beam, i) result(position)
+    !! Where piece i ends, from the root.
+    type(piece_beam), intent(in) :: beam
+    integer, intent(in) :: i                       !! 0 … n; 0 is the root
+    integer :: j
+    do j = 1, i
+      position = position + beam%piece(j)%length
+    end do
+  end function joint_position
+
+  pure subroutine cut_at(beam, position, i)
+    !! Make a joint at a position by cutting the piece there in two; none is cut where a joint already is. The pieces after
+    !! the cut end as before.
+    type(piece_beam), intent(inout) :: beam
+    type(dd), intent(in) :: position               !! from the root, 0 < position ≤ the beam's length
+    integer, intent(out) :: i                      !! the joint there
+    type(piece_beam) :: whole
+    type(dd) :: before, left
+    do i = 1, size(beam%piece)
+      left = joint_position(beam, i) - position
+      if (left%hi == 0.0_dp) return
+      if (left%hi > 0.0_dp) exit
+    end do
+    if (i > size(beam%piece)) then                 ! beyond the tip by rounding
+      i = size(beam%piece)
+      return
+    end if
+    before = position - joint_position(beam, i - 1)
+    whole = beam
+    beam%piece = [whole%piece(:i), whole%piece(i:)]
+    beam%piece(i)%length = before
+    beam%piece(i + 1)%length = left
+    beam%joint = [whole%joint(:i - 1), beam_joint(), whole%joint(i:)]
+  end subroutine cut_at
+
+  pure subroutine attach(beam, position, body)
+    !! Add a body, and springs, at a position.
+    type(piece_beam), intent(inout) :: beam
+    type(dd), intent(in) :: position               !! as that of `cut_at`
+    type(beam_joint), intent(in) :: body
+    integer :: i
+    call cut_at(beam, position, i)
+    associate (joint => beam%joint(i))
+      joint%mass = joint%mass + body%mass
+      joint%inertia = joint%inertia + body%inertia
+      joint%stiffness = joint%stiffness + body%stiffness
+      joint%turning_stiffness = joint%turning_stiffness + body%turning_stiffness
+    end associate
+  end subroutine attach
+
+  pure type(piece_beam) function cut_all(beam, parts) result(fine)
+    !! The same beam with every piece cut into equal parts.
+    type(piece_beam), intent(in) :: beam
+    integer, intent(in) :: parts(:)                !! of each piece, ≥ 1, (n)
+    integer :: i, j, last
+    fine = beam
+    deallocate (fine%piece, fine%joint)
+    allocate (fine%piece(sum(parts)), fine%joint(sum(parts)))
+    last = 0
+    do i = 1, size(beam%piece)
+      do j = last + 1, last + parts(i)
+        fine%piece(j) = beam%piece(i)
+        fine%piece(j)%length = beam%piece(i)%length/to_dd(real(parts(i), dp))
+      end do
+      last = last + parts(i)
+      fine%joint(last) = beam%joint(i)
+    end do
+  end function cut_all
+
+  pure integer function modes_at_rest(beam) result(number)
+    !! Modes of which it is known that λ = 0: rigid motions that no spring holds and that no inertia of turning hastens.
+    type(piece_beam), intent(in) :: beam
+    integer :: holds
+    logical :: turns
+    holds = merge(1, 0, beam%root%holds_deflection .or. beam%root%stiffness%hi > 0.0_dp) &
+      + count(beam%joint%stiffness%hi > 0.0_dp)
+    turns = .not. (beam%root%holds_turning .or. beam%root%turning_stiffness%hi > 0.0_dp &
+                   .or. any(beam%joint%turning_stiffness%hi > 0.0_dp))
+    number = merge(1, 0, holds == 0)
+    if (.not. turns .or. holds > 1) return
+    if (beam%spin_squared%hi > 0.0_dp) then
+      if (any(beam%piece%rotary%hi > 0.0_dp)) return
+      if (beam%in_plane .and. any(beam%joint%inertia%hi > 0.0_dp)) return
+    end if
+    number = number + 1
+  end function modes_at_rest
+
+end module bw_piece_beam

@@ -1,0 +1,98 @@
+module bw_piece_ends
+  !! States (v, ψ, M, N) at the outer end of a piece of four motions that span all that it can do at a frequency: two whose
+  !! deflection is even about its middle and two whose deflection is odd. At the inner end the states are the same but for
+  !! signs. N = κGA(v' − ψ) is the shear force, M = Bψ' the moment.
+  use bw_kinds, only: dp
+  use bw_piece_waves, only: find_waves, piece_frequency, piece_numbers, piece_waves
+  use bw_short_piece, only: find_series, piece_series, short_ends
+  implicit none (type, external)
+  private
+  public :: find_ends, inner_states, inner_stiffness
+
+  type, public :: piece_ends
+    type(piece_waves) :: waves
+    real(dp) :: outer(4, 4) = 0.0_dp     !! states at the outer end of the two even and the two odd motions, (state, motion)
+    integer :: hinged = 0                !! modes of the piece with hinged ends below the frequency
+  end type piece_ends
+
+contains
+
+  pure subroutine find_ends(piece, frequency, ends)
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency     !! λ > 0, unless the piece is short
+    type(piece_ends), intent(out) :: ends
+    type(piece_series) :: series
+    real(dp) :: load, g
+    integer :: i
+    call find_waves(piece, frequency, ends%waves)
+    if (ends%waves%short) then
+      call find_series(piece, frequency, series)
+      call short_ends(series, ends%outer(:, 1:2), ends%outer(:, 3:4))
+      if (piece%cut%hi*frequency%rho%hi > 1.0_dp) ends%hinged = 1
+      return
+    end if
+    ends%hinged = ends%waves%quarters
+    load = piece%mass%hi*frequency%lambda%hi
+    do i = 1, 2
+      associate (y => ends%waves%y(i), z => ends%waves%z(i), c => ends%waves%c(i), s => ends%waves%s(i))
+        g = 1.0_dp/sqrt(abs(y))
+        ends%outer(:, i) = [c, -y*s, -piece%stiffness%hi*y*c, -load*s]
+        ends%outer(:, i + 2) = g*[z*s, y*c, -piece%stiffness%hi*y*z*s, load*c]
+      end associate
+    end do
+  end subroutine find_ends
+
+  pure function inner_states(ends) result(inner)
+    !! States at the inner end: v and M of even motions and ψ and N of odd ones are even.
+    type(piece_ends), intent(in) :: ends
+    real(dp) :: inner(4, 4)                  !! (motion, state)
+    integer :: q
+    do q = 1, 4
+      inner(1:2, q) = ends%outer(q, 1:2)
+      inner(3:4, q) = -ends%outer(q, 3:4)
+      if (mod(q, 2) == 0) inner(:, q) = -inner(:, q)
+    end do
+  end function inner_states
+
+  pure subroutine parity_stiffness(f, k, regular)
+    !! Forces (N, M) that two motions of one parity take for deflection and turning at the outer end.
+    real(dp), intent(in) :: f(4, 2)
+    real(dp), intent(out) :: k(2, 2)
+    real(dp), intent(out) :: regular         !! how far the frequency is from a clamped mode of this parity: 0 at it, up to 1
+    real(dp) :: det, one, other
+    one = f(1, 1)*f(2, 2)
+    other = f(1, 2)*f(2, 1)
+    det = one - other
+    regular = abs(det)/(abs(one) + abs(other))
+    if (det == 0.0_dp) det = tiny(det)
+    k(1, 1) = (f(4, 1)*f(2, 2) - f(4, 2)*f(2, 1))/det
+    k(1, 2) = (f(4, 2)*f(1, 1) - f(4, 1)*f(1, 2))/det
+    k(2, 1) = (f(3, 1)*f(2, 2) - f(3, 2)*f(2, 1))/det
+    k(2, 2) = (f(3, 2)*f(1, 1) - f(3, 1)*f(1, 2))/det
+  end subroutine parity_stiffness
+
+  pure subroutine inner_stiffness(ends, k, clamped, regular)
+    !! Forces at the inner end of a piece for its deflection and turning there, the outer end held: what Wittrick and
+    !! Williams count with.
+    type(piece_ends), intent(in) :: ends
+    real(dp), intent(out) :: k(2, 2)
+    integer, intent(out) :: clamped          !! modes with both ends clamped below the frequency
+    real(dp), intent(out) :: regular         !! as that of `parity_stiffness`: near 0 `k` has lost its digits
+    real(dp) :: even(2, 2), odd(2, 2), other
+    call parity_stiffness(ends%outer(:, 1:2), even, regular)
+    call parity_stiffness(ends%outer(:, 3:4), odd, other)
+    regular = min(regular, other)
+    clamped = clamped_count(ends%hinged, even(2, 2), odd(2, 2))
+    k = 0.5_dp*(even + odd)
+    k(1, 2) = -0.5_dp*(k(1, 2) + k(2, 1))
+    k(2, 1) = k(1, 2)
+  end subroutine inner_stiffness
+
+  elemental integer function clamped_count(hinged, even, odd) result(clamped)
+    !! Clamping takes a mode away for each parity in which the hinged ends have a negative stiffness against turning.
+    integer, intent(in) :: hinged
+    real(dp), intent(in) :: even, odd        !! that stiffness
+    clamped = hinged - merge(1, 0, even < 0.0_dp) - merge(1, 0, odd < 0.0_dp)
+  end function clamped_count
+
+end module bw_piece_ends

@@ -1,0 +1,123 @@
+module bw_piece_overlap
+  !! What modes of a beam of pieces see of a motion written in modes of the same beam with another body at a joint, without
+  !! quadrature.
+  !!
+  !! Let φ_i be modes of the beam and Φ_k those with a body (m, J) more. Both have the same stiffness, so that
+  !! (β_i² − B_k²)⟨φ_i, Φ_k⟩ = Λ_k m φ_iΦ_k + B_k² J ψ_iΨ_k at the body, ⟨·,·⟩ the product by all mass and inertia without
+  !! it, Λ_k = B_k² (+ Ω² in plane). With the body's mass the product is (λ_i m φ_iΦ_k + B_k² J ψ_iΨ_k)/(β_i² − B_k²).
+  !! Modes that hardly differ are integrated instead.
+  use bw_double_double, only: add_exactly, dd, operator(-)
+  use bw_kinds, only: dp
+  use bw_mode_probe, only: piece_system
+  use bw_piece_products, only: piece_product
+  use bw_piece_waves, only: frequency_at, piece_frequency
+  implicit none (type, external)
+  private
+  public :: overlap_sums, mass_product
+
+  real(dp), parameter :: alike = 1.0e-2_dp
+    !! product of modes of mass 1 from which it is integrated: the values at the body have lost digits where they are small
+
+  type, public :: piece_modes
+    !! Modes as their amplitudes.
+    type(piece_system) :: system
+    type(dd), allocatable :: lambda(:)           !! λ_k, (modes)
+    type(dd), allocatable :: square(:)           !! β_k², (modes)
+    real(dp), allocatable :: amplitude(:, :, :)  !! (4, pieces, modes)
+    real(dp), allocatable :: deflection(:, :)    !! at the joints, (joints, modes)
+    real(dp), allocatable :: turning(:, :)       !! at the joints, (joints, modes)
+    real(dp), allocatable :: mass(:)             !! M_k, (modes)
+  end type piece_modes
+
+contains
+
+  pure function overlap_sums(onto, from, amplitude, with_mass) result(sums)
+    !! Σ_i ⟨Φ_k, φ_i⟩ a_i for all k.
+    type(piece_modes), intent(in) :: onto        !! Φ_k
+    type(piece_modes), intent(in) :: from        !! φ_i
+    real(dp), intent(in) :: amplitude(:)         !! a_i
+    logical, intent(in) :: with_mass
+      !! the product holds the masses of either beam, but no inertia of a body that only one of them has; else neither
+    real(dp) :: sums(size(onto%lambda))
+    real(dp) :: lost(size(sums)), terms(size(sums))
+    integer, allocatable :: changed(:)
+    integer :: i, j
+    changed = [integer ::]
+    do j = 1, size(onto%system%beam%joint)
+      if (change_at(onto, from, j, 1) /= 0.0_dp .or. change_at(onto, from, j, 2) /= 0.0_dp) changed = [changed, j]
+    end do
+    sums = 0.0_dp
+    lost = 0.0_dp
+    do i = 1, size(amplitude)
+      call products_with(onto, from, i, changed, with_mass, terms)
+      call add_exactly(terms*amplitude(i), sums, lost)
+    end do
+    sums = sums + lost
+  end function overlap_sums
+
+  elemental real(dp) function change_at(onto, from, j, which) result(change)
+    !! By how much `onto` has more mass (1) or inertia (2) at a joint.
+    type(piece_modes), intent(in) :: onto, from
+    integer, intent(in) :: j, which
+    if (which == 1) then
+      change = onto%system%beam%joint(j)%mass%hi - from%system%beam%joint(j)%mass%hi
+    else
+      change = onto%system%beam%joint(j)%inertia%hi - from%system%beam%joint(j)%inertia%hi
+    end if
+  end function change_at
+
+  pure subroutine products_with(onto, from, i, changed, with_mass, products)
+    !! ⟨Φ_k, φ_i⟩ for all k.
+    type(piece_modes), intent(in) :: onto, from
+    integer, intent(in) :: i
+    integer, intent(in) :: changed(:)            !! joints at which the beams differ
+    logical, intent(in) :: with_mass
+    real(dp), intent(out) :: products(:)         !! (k)
+    real(dp), dimension(size(products)) :: gap, numerator, moved
+    real(dp) :: mass, inertia
+    integer :: c, j, k
+    gap = (from%square(i)%hi - onto%square%hi) + (from%square(i)%lo - onto%square%lo)
+    numerator = 0.0_dp
+    moved = 0.0_dp
+    do c = 1, size(changed)
+      j = changed(c)
+      mass = change_at(onto, from, j, 1)
+      inertia = change_at(onto, from, j, 2)
+      associate (v => onto%deflection(j, :)*from%deflection(j, i), psi => onto%turning(j, :)*from%turning(j, i))
+        if (mass > 0.0_dp .neqv. with_mass) then
+          numerator = numerator + mass*onto%lambda%hi*v
+        else
+          numerator = numerator + mass*from%lambda(i)%hi*v
+        end if
+        numerator = numerator + inertia*merge(onto%square%hi, from%square(i)%hi, inertia > 0.0_dp)*psi
+        if (with_mass) moved = moved + abs(mass)*v
+      end associate
+    end do
+    do k = 1, size(products)
+      if (abs(numerator(k)) > alike*abs(gap(k))*sqrt(onto%mass(k)*from%mass(i)) .or. gap(k) == 0.0_dp) then
+        products(k) = mass_product(onto, k, from, i) + moved(k)
+      else
+        products(k) = numerator(k)/gap(k)
+      end if
+    end do
+  end subroutine products_with
+
+  pure real(dp) function mass_product(one, k, other, i) result(product)
+    !! ⟨Φ_k, φ_i⟩ by integration: with the mass and inertia that both beams have.
+    type(piece_modes), intent(in) :: one, other
+    integer, intent(in) :: k, i
+    type(piece_frequency) :: frequency, frequency_too
+    integer :: j
+    frequency = frequency_at(one%system%beam, one%lambda(k))
+    frequency_too = frequency_at(other%system%beam, other%lambda(i))
+    product = 0.0_dp
+    do j = 1, size(one%system%piece)
+      associate (piece => one%system%piece(j), joint => one%system%beam%joint(j), joint_too => other%system%beam%joint(j))
+        product = product + piece_product(piece, frequency, one%amplitude(:, j, k), frequency_too, other%amplitude(:, j, i)) &
+          + min(joint%mass%hi, joint_too%mass%hi)*one%deflection(j, k)*other%deflection(j, i) &
+          + min(joint%inertia%hi, joint_too%inertia%hi)*one%turning(j, k)*other%turning(j, i)
+      end associate
+    end do
+  end function mass_product
+
+end module bw_piece_overlap

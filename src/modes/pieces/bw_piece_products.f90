@@ -1,0 +1,168 @@
+module bw_piece_products
+  !! Integrals over a piece of the product of two motions at two frequencies, weighted by its mass and rotary inertia.
+  !!
+  !! Far from each other the states at the ends give it: (λ' − λ)∫ρAvv' + ρIψψ' dx is the difference of
+  !! v'N + ψ'M − vN' − ψM' at the ends, N and M of the one, N' and M' of the other motion. Next to each other the waves are
+  !! integrated in pairs. Of two, C and S at z and z', ∫CC' dx = 2(zSC' − z'CS')/(z − z') and ∫SS' dx =
+  !! 2(SC' − CS')/(z − z') at the end, and two of one kind take sums and differences of their wave numbers instead, p = √|z|:
+  !! the difference may vanish. What varies little over the piece takes Gauss's rule.
+  use bw_double_double, only: dd, dd_pi, operator(+), operator(-), operator(*)
+  use bw_kinds, only: dp
+  use bw_piece_shape, only: states_inside, wave_values
+  use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
+  implicit none (type, external)
+  private
+  public :: piece_product
+
+  integer, parameter :: nodes = 20
+  real(dp), parameter :: calm = 4.0_dp           !! |z|h² up to which products of C and of S take Gauss's rule
+  real(dp), parameter :: far = 0.1_dp            !! |λ − λ'| over the larger of them from which the ends give all digits
+
+contains
+
+  pure real(dp) function piece_product(piece, one, amplitude, other, weight) result(product)
+    !! ∫ρAvv' + ρIψψ' dx of a motion with its amplitudes at one frequency and one with its own at another.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: one, other
+    real(dp), intent(in) :: amplitude(4), weight(4)
+    type(dd) :: gap
+    gap = one%lambda - other%lambda
+    if (abs(gap%hi) > far*max(abs(one%lambda%hi), abs(other%lambda%hi))) then
+      product = end_product(piece, one, amplitude, other, weight)/(-gap%hi)
+    else if (is_short(piece, one) .or. is_short(piece, other)) then
+      product = gauss_product(piece, one, amplitude, other, weight)
+    else
+      product = wave_product(piece, wave_numbers_of(piece, one), amplitude, wave_numbers_of(piece, other), weight)
+    end if
+  end function piece_product
+
+  pure real(dp) function end_product(piece, one, amplitude, other, weight) result(product)
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: one, other
+    real(dp), intent(in) :: amplitude(4), weight(4)
+    real(dp), dimension(4, 2) :: first, second
+    first = states_inside(piece, one, amplitude, [-piece%half, piece%half])
+    second = states_inside(piece, other, weight, [-piece%half, piece%half])
+    product = dot_product(second(1:2, 2), first([4, 3], 2)) - dot_product(first(1:2, 2), second([4, 3], 2)) &
+      - (dot_product(second(1:2, 1), first([4, 3], 1)) - dot_product(first(1:2, 1), second([4, 3], 1)))
+  end function end_product
+
+  pure real(dp) function gauss_product(piece, one, amplitude, other, weight) result(product)
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: one, other
+    real(dp), intent(in) :: amplitude(4), weight(4)
+    real(dp), dimension(4, nodes) :: first, second
+    real(dp) :: node(nodes), gauss(nodes)
+    call legendre_rule(node, gauss)
+    first = states_inside(piece, one, amplitude, piece%half*node)
+    second = states_inside(piece, other, weight, piece%half*node)
+    product = piece%half%hi*sum((piece%mass%hi*first(1, :)*second(1, :) + piece%rotary%hi*first(2, :)*second(2, :))*gauss)
+  end function gauss_product
+
+  pure real(dp) function wave_product(piece, one, amplitude, other, weight) result(product)
+    type(piece_numbers), intent(in) :: piece
+    type(wave_numbers), intent(in) :: one, other
+    real(dp), intent(in) :: amplitude(4), weight(4)
+    real(dp) :: cc, ss, odd(2), odd_too(2)
+    integer :: i, j
+    odd = amplitude(3:4)/sqrt(abs(one%y%hi))
+    odd_too = weight(3:4)/sqrt(abs(other%y%hi))
+    product = 0.0_dp
+    do j = 1, 2
+      do i = 1, 2
+        call pair(one%z(i), one%p(i), other%z(j), other%p(j), piece%half, cc, ss)
+        product = product + piece%mass%hi*(amplitude(i)*weight(j)*cc + odd(i)*one%z(i)%hi*odd_too(j)*other%z(j)%hi*ss)
+        product = product + piece%rotary%hi*one%y(i)%hi*other%y(j)%hi*(amplitude(i)*weight(j)*ss + odd(i)*odd_too(j)*cc)
+      end do
+    end do
+  end function wave_product
+
+  pure subroutine pair(z, p, z_too, p_too, half, cc, ss)
+    !! ∫CC' dx and ∫SS' dx, as C and S are scaled in `wave_values`.
+    type(dd), intent(in) :: z, p, z_too, p_too, half
+    real(dp), intent(out) :: cc, ss
+    real(dp) :: c, s, c_too, s_too, sum, difference, node(nodes), gauss(nodes)
+    integer :: i
+    if (max(abs(z%hi), abs(z_too%hi))*half%hi**2 < calm) then
+      call legendre_rule(node, gauss)
+      cc = 0.0_dp
+      ss = 0.0_dp
+      do i = 1, nodes
+        call wave_values(z, p, half, half*node(i), c, s)
+        call wave_values(z_too, p_too, half, half*node(i), c_too, s_too)
+        cc = cc + half%hi*gauss(i)*c*c_too
+        ss = ss + half%hi*gauss(i)*s*s_too
+      end do
+    else if ((z%hi > 0.0_dp) .neqv. (z_too%hi > 0.0_dp)) then
+      call wave_values(z, p, half, half, c, s)
+      call wave_values(z_too, p_too, half, half, c_too, s_too)
+      cc = 2.0_dp*(z%hi*s*c_too - z_too%hi*c*s_too)/(z%hi - z_too%hi)
+      ss = 2.0_dp*(s*c_too - c*s_too)/(z%hi - z_too%hi)
+    else
+      if (z%hi > 0.0_dp) then
+        sum = mean_cosine(p + p_too, half)
+        difference = mean_cosine(p - p_too, half)
+        cc = difference + sum
+        ss = (difference - sum)/(p%hi*p_too%hi)
+      else
+        call exponential_pair(p%hi, p_too%hi, (p%hi - p_too%hi) + (p%lo - p_too%lo), half%hi, cc, ss)
+      end if
+    end if
+  end subroutine pair
+
+  pure real(dp) function mean_cosine(p, half) result(integral)
+    !! ∫cos px dx over half of the piece.
+    type(dd), intent(in) :: p, half
+    type(dd) :: angle
+    real(dp) :: c, s
+    angle = p*half
+    if (abs(angle%hi) < 1.0e-8_dp) then
+      integral = half%hi
+    else
+      call circular(angle, c, s)
+      integral = s/p%hi
+    end if
+  end function mean_cosine
+
+  elemental subroutine exponential_pair(q, q_too, gap, half, cc, ss)
+    !! ∫cosh qx cosh q'x dx and ∫sinh qx sinh q'x dx/(qq') over cosh qh cosh q'h.
+    real(dp), intent(in) :: q, q_too
+    real(dp), intent(in) :: gap                  !! q − q'
+    real(dp), intent(in) :: half
+    real(dp), intent(out) :: cc, ss
+    real(dp) :: small, large, scale, e, e_too
+    e = exp(-2.0_dp*q*half)
+    e_too = exp(-2.0_dp*q_too*half)
+    scale = 2.0_dp/((1.0_dp + e)*(1.0_dp + e_too))
+    large = (1.0_dp - e*e_too)/(q + q_too)
+    if (abs(gap)*half < 1.0e-3_dp) then          ! sinh gh/g, next to 1
+      small = 2.0_dp*half*exp(-(q + q_too)*half)*(1.0_dp + (gap*half)**2/6.0_dp + (gap*half)**4/120.0_dp)
+    else
+      small = (e_too - e)/gap
+    end if
+    cc = scale*(large + small)
+    ss = scale*(large - small)/(q*q_too)
+  end subroutine exponential_pair
+
+  pure subroutine legendre_rule(node, weight)
+    !! Gauss's rule on −1 … 1, by Newton's method from about the roots of Legendre's polynomial.
+    real(dp), intent(out) :: node(nodes), weight(nodes)
+    real(dp) :: x(nodes), p(nodes), last(nodes), before(nodes), slope(nodes)
+    integer :: i, j
+    x = cos(dd_pi%hi*([(real(i, dp), i=1, nodes)] - 0.25_dp)/(nodes + 0.5_dp))
+    do i = 1, 6
+      last = 1.0_dp
+      p = x
+      do j = 2, nodes
+        before = last
+        last = p
+        p = ((2*j - 1)*x*last - (j - 1)*before)/j
+      end do
+      slope = nodes*(x*p - last)/(x**2 - 1.0_dp)
+      x = x - p/slope
+    end do
+    node = x
+    weight = 2.0_dp/((1.0_dp - x**2)*slope**2)
+  end subroutine legendre_rule
+
+end module bw_piece_products

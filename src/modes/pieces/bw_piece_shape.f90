@@ -1,0 +1,125 @@
+module bw_piece_shape
+  !! What a motion of a piece looks like inside: the state (v, ψ, M, N) at places between its ends, from the amplitudes.
+  use bw_double_double, only: dd, to_dd, operator(-), operator(*)
+  use bw_kinds, only: dp
+  use bw_piece_beam, only: joint_position, piece_beam
+  use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
+  use bw_short_piece, only: find_series, piece_series, polynomial_states, series_terms, states_of_series
+  implicit none (type, external)
+  private
+  public :: place_of, states_inside, wave_values
+
+  real(dp), parameter :: small = 0.5_dp          !! |z|h² below which exponentials would cancel: powers are summed
+  integer, parameter :: terms = 10
+
+  type, public :: beam_place
+    integer :: piece = 1
+    type(dd) :: offset                           !! from the middle of the piece, outwards
+  end type beam_place
+
+contains
+
+  pure type(beam_place) function place_of(beam, xi) result(place)
+    !! The piece that a point of the beam belongs to; a joint belongs to the piece before it.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: xi                   !! 0 ≤ ξ ≤ 1
+    type(dd) :: gap
+    integer :: i
+    do i = 1, size(beam%piece) - 1
+      gap = joint_position(beam, i) - to_dd(xi)
+      if (gap%hi >= 0.0_dp) exit
+    end do
+    place%piece = i
+    gap = joint_position(beam, i) - to_dd(xi)
+    if (gap%hi < 0.0_dp) gap = dd()              ! beyond the tip by rounding
+    place%offset = beam%piece(i)%length*0.5_dp - gap
+  end function place_of
+
+  pure function states_inside(piece, frequency, amplitude, offset) result(state)
+    !! (v, ψ, M, N) at places of one piece, (4, places).
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    real(dp), intent(in) :: amplitude(4)
+    type(dd), intent(in) :: offset(:)            !! from the middle of the piece
+    real(dp) :: state(4, size(offset))
+    type(piece_series) :: series
+    real(dp) :: f(series_terms, 8)
+    integer :: i
+    if (is_short(piece, frequency)) then
+      call find_series(piece, frequency, series)
+      f = states_of_series(series, amplitude)
+      do i = 1, size(offset)
+        state(:, i) = polynomial_states(f, offset(i)%hi/piece%half%hi)
+      end do
+    else
+      state = wave_states(piece, frequency, amplitude, offset)
+    end if
+  end function states_inside
+
+  pure function wave_states(piece, frequency, amplitude, offset) result(state)
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    real(dp), intent(in) :: amplitude(4)
+    type(dd), intent(in) :: offset(:)
+    real(dp) :: state(4, size(offset))
+    type(wave_numbers) :: waves
+    real(dp) :: c, s, load, odd
+    integer :: i, j
+    waves = wave_numbers_of(piece, frequency)
+    load = piece%mass%hi*frequency%lambda%hi
+    state = 0.0_dp
+    do j = 1, 2
+      associate (y => waves%y(j)%hi, z => waves%z(j)%hi, even => amplitude(j), b => piece%stiffness%hi)
+        odd = amplitude(j + 2)/sqrt(abs(y))
+        do i = 1, size(offset)
+          call wave_values(waves%z(j), waves%p(j), piece%half, offset(i), c, s)
+          state(:, i) = state(:, i) + even*[c, -y*s, -b*y*c, -load*s] + odd*[z*s, y*c, -b*y*z*s, load*c]
+        end do
+      end associate
+    end do
+  end function wave_states
+
+  pure subroutine wave_values(z, p, half, offset, c, s)
+    !! C and S at a place, over cosh √(−z)h where z < 0.
+    type(dd), intent(in) :: z, p, half, offset
+    real(dp), intent(out) :: c, s
+    type(dd) :: gap
+    real(dp) :: q, x, far, near, whole
+    x = offset%hi
+    if (abs(z%hi)*half%hi**2 < small) then
+      call power_values(z%hi*x**2, x, c, s)
+      if (z%hi < 0.0_dp) then
+        whole = cosh(p%hi*half%hi)
+        c = c/whole
+        s = s/whole
+      end if
+    else if (z%hi > 0.0_dp) then
+      call circular(p*offset, c, s)
+      s = s/p%hi
+    else
+      q = p%hi
+      gap = half - offset*sign(1.0_dp, x)
+      near = exp(-q*gap%hi)
+      far = exp(-q*(half%hi + abs(x)))
+      whole = 1.0_dp + exp(-2.0_dp*q*half%hi)
+      c = (near + far)/whole
+      s = sign((near - far)/whole, x)/q
+    end if
+  end subroutine wave_values
+
+  elemental subroutine power_values(square, x, c, s)
+    !! cos √z x and sin √z x/√z by their powers.
+    real(dp), intent(in) :: square               !! zx²
+    real(dp), intent(in) :: x
+    real(dp), intent(out) :: c, s
+    integer :: m
+    c = 1.0_dp
+    s = 1.0_dp
+    do m = terms, 1, -1
+      c = 1.0_dp - square*c/real(2*m*(2*m - 1), dp)
+      s = 1.0_dp - square*s/real(2*m*(2*m + 1), dp)
+    end do
+    s = x*s
+  end subroutine power_values
+
+end module bw_piece_shape

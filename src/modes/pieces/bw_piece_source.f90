@@ -1,0 +1,148 @@
+module bw_piece_source
+  !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
+  use bw_double_double, only: dd, sqrt, operator(+), operator(*)
+  use bw_close_modes, only: refine
+  use bw_kinds, only: dp
+  use bw_mode_probe, only: mode_probe
+  use bw_mode_search, only: find_mode, mode_search, search_in
+  use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: piece_beam
+  use bw_piece_dispersion, only: mean_waves
+  use bw_piece_integrals, only: mean_squares
+  use bw_piece_set, only: piece_set
+  use bw_piece_waves, only: frequency_at, piece_frequency
+  implicit none (type, external)
+  private
+  public :: source_of_pieces, set_of_pieces
+
+  integer, parameter :: highest_mode = 10000000
+  real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
+  real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
+
+  real(dp), parameter :: nearly_rigid = 0.3_dp       !! wave number below which the forces of soft springs have lost digits
+
+  type, extends(mode_source), public :: piece_source
+    type(piece_beam) :: beam
+  contains
+    procedure :: find => find_of_pieces
+  end type piece_source
+
+contains
+
+  pure type(piece_source) function source_of_pieces(beam) result(source)
+    type(piece_beam), intent(in) :: beam
+    source%beam = beam
+    source%gamma = beam%joint(size(beam%joint))%mass%hi
+    source%highest = highest_mode
+    source%decay = merge(2.0_dp, 3.0_dp, any(beam%piece%compliance%hi > 0.0_dp))
+  end function source_of_pieces
+
+  subroutine find_of_pieces(self, number, modes, longest, monitor)
+    class(piece_source), intent(in) :: self
+    integer, intent(in) :: number(:)
+    class(mode_set), allocatable, intent(out) :: modes
+    real(dp), intent(in), optional :: longest
+    class(monitor_type), intent(inout), optional :: monitor
+    type(piece_set), allocatable :: found
+    allocate (found)
+    if (present(monitor)) continue
+    call set_of_pieces(self%beam, number, longest, found)
+    call found%damp(self%damping)
+    call move_alloc(found, modes)
+  end subroutine find_of_pieces
+
+  subroutine set_of_pieces(beam, number, longest, set)
+    !! Modes of any numbers, in their order.
+    type(piece_beam), intent(in) :: beam
+    integer, intent(in) :: number(:)               !! k ≥ 1, ascending
+    real(dp), intent(in), optional :: longest      !! the longest time after which phases must still be right
+    type(piece_set), intent(out) :: set
+    type(mode_search) :: search
+    type(dd) :: lambda
+    logical :: found
+    integer :: j
+    search = search_in(beam)
+    call size_set(search, size(number), set)
+    do j = 1, size(number)
+      call find_mode(search, number(j), lambda, found)
+      if (.not. found) then
+        set%resolved = .false.
+        return
+      end if
+      if (is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
+      call set_mode(search%probe, number(j), lambda, j, set)
+    end do
+  end subroutine set_of_pieces
+
+  pure subroutine size_set(search, n, set)
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: n
+    type(piece_set), intent(inout) :: set
+    integer :: pieces
+    pieces = size(search%system%piece)
+    set%count = n
+    set%gamma = search%system%beam%joint(pieces)%mass%hi
+    set%modes%system = search%system
+    allocate (set%alpha(n), set%tip(n), set%modal_mass(n), set%spun(n), set%phase_velocity(n), set%group_velocity(n))
+    allocate (set%beta_squared(n), set%modes%lambda(n), set%modes%square(n), set%modes%mass(n))
+    allocate (set%modes%amplitude(4, pieces, n), set%modes%deflection(pieces, n), set%modes%turning(pieces, n))
+  end subroutine size_set
+
+  pure logical function is_coarse(search, lambda, longest)
+    !! Binary64 does not carry this frequency: a wave's phase is right to half a unit of 1 in it, whatever its number.
+    type(mode_search), intent(in) :: search
+    type(dd), intent(in) :: lambda
+    real(dp), intent(in), optional :: longest
+    type(piece_frequency) :: frequency
+    real(dp) :: alpha, phase, group
+    frequency = frequency_at(search%system%beam, lambda)
+    call mean_waves(search%system%piece, frequency, alpha, phase, group)
+    is_coarse = .false.
+    if (lambda%hi == 0.0_dp) return
+    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi) .or. alpha < nearly_rigid
+    if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
+  end function is_coarse
+
+  pure subroutine set_mode(probe, number, lambda, j, set)
+    !! Scale a motion and keep it as mode j of a set.
+    type(mode_probe), intent(in) :: probe
+    integer, intent(in) :: number
+    type(dd), intent(in) :: lambda
+    integer, intent(in) :: j
+    type(piece_set), intent(inout) :: set
+    real(dp) :: beam_part, turning_part, squares(2), scale
+    integer :: i, n
+    associate (system => set%modes%system, modes => set%modes)
+      n = size(system%piece)
+      beam_part = 0.0_dp
+      turning_part = 0.0_dp
+      do i = 1, n
+        squares = mean_squares(system%piece(i), probe%frequency, probe%ends(i), probe%amplitude(:, i))
+        beam_part = beam_part + squares(1)
+        turning_part = turning_part + system%piece(i)%rotary%hi*squares(2)
+      end do
+      modes%deflection(:, j) = probe%motion(1, 1:n)
+      modes%turning(:, j) = probe%motion(2, 1:n)
+      scale = 1.0_dp/sqrt(beam_part)
+      if (mod(number, 2) == 0 .neqv. modes%deflection(n, j) > 0.0_dp) scale = -scale
+      modes%amplitude(:, :, j) = scale*probe%amplitude
+      modes%deflection(:, j) = scale*modes%deflection(:, j)
+      modes%turning(:, j) = scale*modes%turning(:, j)
+      modes%lambda(j) = lambda
+      modes%mass(j) = probe%mass*scale**2
+      set%modal_mass(j) = modes%mass(j)
+      set%tip(j) = modes%deflection(n, j)
+      set%spun(j) = turning_part*scale**2
+      if (system%beam%in_plane) then
+        set%spun(j) = modes%mass(j) - (set%spun(j) + sum(system%beam%joint%inertia%hi*modes%turning(:, j)**2))
+      end if
+      associate (frequency => frequency_at(system%beam, lambda))
+        modes%square(j) = frequency%beta_squared
+        set%beta_squared(j) = frequency%beta_squared
+        call mean_waves(system%piece, frequency, set%alpha(j), set%phase_velocity(j), set%group_velocity(j))
+      end associate
+    end associate
+  end subroutine set_mode
+
+end module bw_piece_source
