@@ -22,7 +22,7 @@ module bw_scene
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, settle_groups
-  public :: changes_shapes, effect_names, effects_text, method_name
+  public :: changes_shapes, effect_names, effects_text, method_name, takes_pieces
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -191,6 +191,13 @@ contains
     character(:), allocatable :: name
     name = 'closed form'
     if (changes_shapes(scene)) name = 'galerkin'
+    if (takes_pieces(scene)) name = 'pieces'
   end function method_name
+
+  pure logical function takes_pieces(scene) result(takes)
+    !! Its modes have no closed form here but those of uniform pieces, which tension leaves none of.
+    type(scene_type), intent(in) :: scene
+    takes = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
+  end function takes_pieces
 
 end module bw_scene

@@ -8,7 +8,7 @@ module bw_scene_checks
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, qp
-  use bw_scene, only: changes_shapes, check_rules, check_rules_together, scene_type
+  use bw_scene, only: check_rules, check_rules_together, scene_type
   use bw_scene_messages, only: check_product, message_list
   use bw_text, only: shortest, text_of
   implicit none (type, external)
@@ -178,7 +178,7 @@ contains
     !! A Galerkin basis holds so many modes.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    if (.not. changes_shapes(scene)) return
+    if (.not. allocated(scene%stiffening)) return
     call check_count(scene, 'before', scene%modes%before, messages)
     call check_count(scene, 'after', scene%modes%after, messages)
   end subroutine check_method
@@ -192,24 +192,8 @@ contains
     associate (modes => scene%groups(position_of(scene%groups, 'modes')))
       if (count <= most_galerkin_modes .or. .not. modes%given(name)) return
       call messages%add(modes%line_of(name), 'modes%'//name, 'is '//text_of(count)// &
-                        ', more than the basis for '//shape_changers()//' holds; accepted: 1 to '// &
-                        text_of(most_galerkin_modes))
+                        ', more than the basis for stiffening holds; accepted: 1 to '//text_of(most_galerkin_modes))
     end associate
   end subroutine check_count
-
-  pure function shape_changers() result(text)
-    !! What modes have no closed form with, in words: `stiffening, shear and rotary inertia`.
-    character(:), allocatable :: text
-    character(name_length), allocatable :: names(:)
-    integer :: i
-    names = [pack(group_table%name, group_table%changes_shapes), pack(name_table%name, name_table%changes_shapes)]
-    text = trim(names(1))
-    do i = 2, size(names)
-      text = text//trim(merge(' and', ',   ', i == size(names)))//' '//trim(names(i))
-    end do
-    do i = 1, len(text)
-      if (text(i:i) == '_') text(i:i) = ' '
-    end do
-  end function shape_changers
 
 end module bw_scene_checks
