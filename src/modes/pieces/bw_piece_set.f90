@@ -10,7 +10,7 @@ module bw_piece_set
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_piece_overlap, only: overlap_sums, piece_modes
-  use bw_piece_shape, only: beam_place, place_of, states_inside
+  use bw_piece_shape, only: beam_place, deflections_inside, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
@@ -19,6 +19,7 @@ module bw_piece_set
     type(piece_modes) :: modes                   !! from which shapes follow
     real(dp), allocatable :: spun(:)             !! part of M_k on which the spin acts: translations in plane, turning out of it, (n)
     integer :: struck_joint = 1                  !! where the mass strikes, or has been captured
+    real(dp) :: struck_position = 1.0_dp         !! ξ₀ of it
     real(dp) :: body_inertia = 0.0_dp            !! J of the body that has been captured there
   contains
     procedure :: states => states_at
@@ -62,13 +63,33 @@ contains
   end function states_at
 
   pure function piece_shapes(self, first, last, xi) result(values)
+    !! Piece by piece.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    real(dp) :: state(4, last - first + 1, size(xi))
-    state = self%states(first, last, xi)
-    values = state(1, :, :)
+    type(beam_place) :: place(size(xi))
+    type(dd) :: offset(size(xi))
+    type(piece_frequency) :: frequency
+    integer, allocatable :: here(:)
+    integer :: i, k, p
+    do p = 1, size(xi)
+      place(p) = place_of(self%modes%system%beam, xi(p))
+      offset(p) = place(p)%offset
+    end do
+    do i = 1, size(self%modes%system%piece)
+      here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_position)
+      if (size(here) == 0) cycle
+      do k = first, last
+        frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
+        values(k - first + 1, here) = deflections_inside(self%modes%system%piece(i), frequency, self%modes%amplitude(:, i, k), &
+                                                         offset(here))
+      end do
+    end do
+    do p = 1, size(xi)
+      if (xi(p) == self%struck_position) values(:, p) = self%tip(first:last)
+      if (xi(p) == 0.0_dp .and. self%modes%system%beam%root%holds_deflection) values(:, p) = 0.0_dp
+    end do
   end function piece_shapes
 
   pure function piece_curvatures(self, first, last, xi) result(values)
