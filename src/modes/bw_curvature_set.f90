@@ -58,6 +58,7 @@ contains
     if (allocated(modes%damped_squared)) found%damped_squared = modes%damped_squared
     if (allocated(modes%law)) found%law = modes%law
     found%tip = modes%tip
+    found%agree_from = modes%agree_from
     found%modal_mass = modes%modal_mass
     found%critical_speed = modes%critical_speed
     found%resolved = modes%resolved
@@ -79,6 +80,7 @@ contains
     found%stretch = source%stretch
     found%decay = source%decay
     found%quadratic = source%quadratic
+    found%agree_from = source%agree_from
     if (allocated(source%damping)) found%damping = source%damping
     call move_alloc(found, bent)
   end subroutine bent_source

@@ -24,6 +24,7 @@ module bw_mode_set
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
+    real(dp) :: agree_from = huge(1.0_dp)         !! as that of a source
     logical :: known_by_mass = .false.            !! shapes follow from γ and n alone: these are the first modes, in closed form
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
@@ -58,6 +59,8 @@ module bw_mode_set
     real(dp) :: decay = 0.0_dp
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
     logical :: quadratic = .false.                !! phases of far modes are π²k²τ and terms linear in k (bw_coherence)
+    real(dp) :: agree_from = huge(1.0_dp)
+      !! πk from which phases may agree at samples that nothing tells beforehand; 0: those of bending waves, rarely (bw_coherence)
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find

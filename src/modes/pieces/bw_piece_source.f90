@@ -42,7 +42,24 @@ contains
     source%highest = highest_mode
     source%critical_speed = critical_speed_of(pieces%beam)
     source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
+    source%quadratic = size(pieces%beam%piece) == 1 .and. source%decay > 2.0_dp
+    if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
   end function source_of_pieces
+
+  pure real(dp) function lowest_cutoff(beam) result(alpha)
+    !! About the wave number of bending at the lowest cutoff of a piece, sR = 1; 0 where nothing has one.
+    type(piece_beam), intent(in) :: beam
+    real(dp) :: square                                 ! β² there
+    integer :: i
+    alpha = 0.0_dp
+    if (any(beam%piece%compliance%hi*beam%piece%rotary%hi <= 0.0_dp)) return
+    square = 1.0_dp/maxval(beam%piece%compliance%hi*beam%piece%rotary%hi)
+    do i = 1, size(beam%piece)
+      associate (piece => beam%piece(i))
+        alpha = alpha + sqrt(sqrt(square*piece%mass%hi/piece%stiffness%hi))*piece%length%hi
+      end associate
+    end do
+  end function lowest_cutoff
 
   subroutine find_of_pieces(self, number, modes, longest, monitor)
     class(piece_source), intent(in) :: self
@@ -56,6 +73,7 @@ contains
     found%gamma = self%gamma
     found%body_inertia = self%pieces%captured%inertia%hi
     found%critical_speed = self%critical_speed
+    found%agree_from = self%agree_from
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_of_pieces

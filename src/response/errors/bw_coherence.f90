@@ -14,6 +14,10 @@ module bw_coherence
   !! Of steps that are commensurable with the waves one m is very good; those that are farthest from it leave
   !! 1 to 2.8 N^(1/4) times the mean square's root.
   !!
+  !! Waves of shear run nearly all at one speed: beyond the cutoff, from which sections swing on their own, the front of the blow
+  !! keeps its shape, and where it passes the phases of all modes agree. Of a beam of several pieces the waves of each come to
+  !! agree at times of their own. There Σ|A| is what is known.
+  !!
   !! **Empirical**: the factors. `tests/scenes/tails.py` shows what they are worth.
   !! **Source**: Fiedler, Jurkat and Körner, Asymptotic expansions of finite theta series, Acta Arithmetica 32 (1977) 129–146.
   use bw_kinds, only: dp
@@ -54,6 +58,7 @@ module bw_coherence
     real(dp) :: passing = 0.0_dp                 !! the largest |A|√(α/d) of waves that come as far as the distance d in time
     real(dp) :: alpha = huge(1.0_dp)             !! of that mode
     real(dp) :: growing = 0.0_dp                 !! the largest value of what grows, or creeps back
+    real(dp) :: agreeing = 0.0_dp                !! Σ|A| of modes whose phases may agree at any sample
   end type deviation_type
 
   type :: fraction_type
@@ -85,6 +90,7 @@ contains
     both%passing = sums%passing + 2.0_dp*others%passing
     both%alpha = min(sums%alpha, others%alpha)
     both%growing = sums%growing + others%growing
+    both%agreeing = sums%agreeing + others%agreeing
   end function combined
 
   elemental real(dp) function from_tip(xi) result(distance)
@@ -106,7 +112,7 @@ contains
     if (quadratic) then
       motion = motion + min(sums%magnitude, theta_sum(sums, first, stretch))
     else
-      motion = motion + min(sums%magnitude, max(random_sum(sums, stretch), first))
+      motion = motion + min(sums%magnitude, max(random_sum(sums, stretch), first, agreement(sums)))
     end if
   end function largest
 
@@ -126,6 +132,14 @@ contains
     if (gone > 0.0_dp .and. way < 2.0_dp - distance) motion = min(motion, sums%largest/gone)
     motion = min(motion, near_sum(sums, half_pi*stretch%start))
   end function first_passage
+
+  elemental real(dp) function agreement(sums) result(motion)
+    !! Where the phases of all modes agree that may. Of velocities, whose amplitudes fall as 1/k, that is a wave front, as high as
+    !! k|A| tells.
+    type(deviation_type), intent(in) :: sums
+    real(dp), parameter :: front = 4.0_dp        ! 1.85 of Gibbs' phenomenon, and what two families of waves add
+    motion = min(sums%agreeing, front*sums%largest*sums%alpha/(2.0_dp*half_pi))
+  end function agreement
 
   elemental real(dp) function near_sum(sums, distance) result(motion)
     !! So near a fraction.

@@ -17,7 +17,7 @@ module bw_release_error
   use bw_reach, only: amplitude_of, turns
   use bw_release, only: tip_remainder
   use bw_segment, only: move, segment_type
-  use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
+  use bw_tail, only: add_amplitudes, add_tail, may_agree, moving_modes, negligible, sample_window
   use bw_tip_remainder, only: find_tip_remainder
   implicit none (type, external)
   private
@@ -156,7 +156,7 @@ contains
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping
     moving = moving_modes(amplitude_of(modes%beta_squared, c, q, rate, seen%stretch, seen%velocity), modes%alpha, &
-                          abs(modes%tip), turns(modes%beta_squared, c))
+                          abs(modes%tip), turns(modes%beta_squared, c), may_agree(modes%alpha, modes%agree_from, seen%velocity))
     call add_amplitudes(moving, modes%shapes(seen%points), seen, weight, sums)
   end subroutine add_state
 
