@@ -15,7 +15,7 @@ module bw_case_modes
   use bw_monitor, only: monitor_type, part_monitor
   use bw_piece_source, only: source_of_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: changes_shapes, scene_type, takes_pieces
+  use bw_scene, only: changes_shapes, scene_type, by_pieces
   use bw_scene_pieces, only: pieces_of
   use bw_beam_operator, only: operator_of
   implicit none (type, external)
@@ -75,7 +75,7 @@ contains
     type(case_modes), intent(inout) :: modes       !! no sets, but what is known of them before they are found
     type(mode_sources), intent(out) :: sources
     type(case_mode_cache), intent(inout), target, optional :: cache
-    if (takes_pieces(scene)) then
+    if (by_pieces(scene)) then
       call find_pieces(scene, units, modes, sources)
     else if (changes_shapes(scene)) then
       call find_galerkin(scene, units, monitor, modes, sources, cache)

@@ -3,7 +3,7 @@ module bw_case_shares
   !! goes on from where it has not the time to run a case to its end.
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_scene, only: changes_shapes, scene_type, takes_pieces
+  use bw_scene, only: changes_shapes, scene_type, by_pieces
   implicit none (type, external)
   private
   public :: case_seconds, case_shares, stage_part
@@ -58,7 +58,7 @@ contains
     real(dp) :: functions
     seconds = mode_seconds*count
     if (.not. changes_shapes(scene) .or. count == 0.0_dp) return
-    if (takes_pieces(scene)) then
+    if (by_pieces(scene)) then
       seconds = piece_seconds*count
       return
     end if

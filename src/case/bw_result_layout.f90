@@ -10,7 +10,7 @@ module bw_result_layout
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'peak', 'stage']
+    'point', 'time', 'frequency', 'peak', 'piece', 'body', 'stage']
 
   type, public :: result_layout
     !! A length of 0 means that nothing has this dimension.
@@ -23,6 +23,8 @@ module bw_result_layout
     integer :: samples = 0
     integer :: frequencies = 0
     integer :: peaks = 0
+    integer :: pieces = 0             !! of a beam that has several
+    integer :: bodies = 0
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: bending_moment = .false.   !! and bending moments
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
@@ -38,6 +40,8 @@ contains
     type(scene_type), intent(in) :: scene
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
     call count_modes(scene, layout)
+    if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
+    if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
     if (allocated(scene%impact)) then
       layout%profile = scene%impact%profile_points
       layout%events = 1
@@ -81,8 +85,8 @@ contains
     largest = count
     inputs = numeric_inputs(scene)
     do i = 1, size(inputs)
-      if (inputs(i)%group /= group .or. inputs(i)%name /= name .or. inputs(i)%sweep == 0) cycle
-      largest = nint(maxval(scene%sweeps(inputs(i)%sweep)%values))
+      if (inputs(i)%group /= group .or. inputs(i)%name /= name .or. .not. inputs(i)%is_swept) cycle
+      largest = nint(maxval(scene%sweeps(inputs(i)%sweeps(1))%values))
     end do
   end function largest
 
@@ -100,6 +104,8 @@ contains
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
     case ('peak'); length = layout%peaks
+    case ('piece'); length = layout%pieces
+    case ('body'); length = layout%bodies
     case ('stage'); length = stage_count
     case default; length = 0
     end select

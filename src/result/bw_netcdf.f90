@@ -27,13 +27,18 @@ module bw_netcdf
     integer :: first_flag = 0
   end type variable_text
 
+  type, public :: known_series
+    !! Numbers that a variable runs through, or one column of its rows.
+    real(dp), allocatable :: values(:)   !! again and again; unallocated: they count from 1
+    integer :: each = 1                  !! how many times each stands in a row
+  end type known_series
+
   type :: known_values
     !! The values of a variable that is defined and not yet written.
     integer :: variable = 0              !! NetCDF's number
-    logical :: is_scalar = .false.
-    integer :: count = 0                 !! how many numbers it holds
-    real(dp), allocatable :: values(:)   !! what they run through, again and again; unallocated: they count from 1
-    integer :: each = 1                  !! how many times each stands in a row
+    integer :: rank = 0
+    integer :: count = 0                 !! how many numbers it holds, or rows of them
+    type(known_series), allocatable :: columns(:)   !! of a variable with rows; one of any other
   end type known_values
 
   type, public :: netcdf_file
@@ -47,6 +52,7 @@ module bw_netcdf
     procedure :: add_dimension
     procedure :: define
     procedure :: define_known
+    procedure :: define_rows
     procedure :: put_text
     procedure :: put_known
     procedure :: close => close_file
@@ -121,27 +127,38 @@ contains
     values = [(int(text%first_flag + i, i4), i=0, n - 1)]
   end function flag_values
 
-  subroutine define_known(self, text, error, values, each, count)
-    !! A variable whose values are known, and put aside: all of them, or those that it runs through again and again, or the
-    !! numbers from 1 on.
+  subroutine define_known(self, text, error, values, count)
+    !! A variable of at most one dimension whose values are known, and put aside: all of them, or the numbers from 1 on.
     class(netcdf_file), intent(inout) :: self
     type(variable_text), intent(in) :: text
     type(error_type), allocatable, intent(inout) :: error
     real(dp), intent(in), optional :: values(:)   !! integers as reals, which hold them exactly; absent: 1, 2, …
-    integer, intent(in), optional :: each         !! every value stands so many times in a row; absent: once
-    integer, intent(in), optional :: count        !! of all that the variable holds, which may be many; absent: of `values`
+    integer, intent(in), optional :: count        !! of all that the variable holds; absent: of `values`
+    type(known_series) :: column(1)
+    integer :: n
+    if (present(values)) then
+      allocate (column(1)%values, source=values)
+      n = size(values)
+    end if
+    if (present(count)) n = count
+    call self%define_rows(text, column, n, error)
+  end subroutine define_known
+
+  subroutine define_rows(self, text, columns, count, error)
+    !! A variable whose values run, row by row, through those of its columns again and again, and are put aside.
+    class(netcdf_file), intent(inout) :: self
+    type(variable_text), intent(in) :: text       !! of two dimensions, or of at most one where there is one column
+    type(known_series), intent(in) :: columns(:)
+    integer, intent(in) :: count                  !! of the rows, which may be many
+    type(error_type), allocatable, intent(inout) :: error
     type(known_values) :: known
     call self%define(text, known%variable, error)
     if (allocated(error)) return
-    known%is_scalar = text%dimensions == ''
-    if (present(values)) then
-      allocate (known%values, source=values)
-      known%count = size(values)
-    end if
-    if (present(each)) known%each = each
-    if (present(count)) known%count = count
+    known%rank = size(self%dimension_ids(trim(text%dimensions)))
+    known%columns = columns
+    known%count = count
     call self%put_aside(known)
-  end subroutine define_known
+  end subroutine define_rows
 
   subroutine put_aside(self, known)
     !! Remember the values of a variable.
@@ -162,35 +179,41 @@ contains
     !! Write all values that were put aside, those of a long variable piece by piece.
     class(netcdf_file), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
-    integer :: first, i, n
+    integer :: first, i, n, rows, start(2), counts(2)      ! NetCDF reads as many as the variable has dimensions
     do i = 1, self%known
       associate (known => self%list(i))
-        do first = 1, known%count, at_once
+        rows = max(1, at_once/size(known%columns))
+        do first = 1, known%count, rows
           if (allocated(error)) return
-          n = min(at_once, known%count - first + 1)
-          if (known%is_scalar) then
-            call self%check(nf90_put_var(self%id, known%variable, known%values(1)), error)
-          else
-            call self%check(nf90_put_var(self%id, known%variable, piece_of(known, first, n), start=[first], count=[n]), error)
-          end if
+          n = min(rows, known%count - first + 1)
+          start = [1, first]
+          counts = [size(known%columns), n]
+          if (known%rank == 1) start(1) = first
+          if (known%rank == 1) counts(1) = n
+          call self%check(nf90_put_var(self%id, known%variable, rows_of(known, first, n), start(:known%rank), &
+                                       counts(:known%rank)), error)
         end do
       end associate
     end do
     self%known = 0
   end subroutine put_known
 
-  pure function piece_of(known, first, n) result(values)
-    !! n of a variable's numbers from the first on.
+  pure function rows_of(known, first, n) result(values)
+    !! n of a variable's rows from the first on, one behind the other.
     type(known_values), intent(in) :: known
     integer, intent(in) :: first, n
-    real(dp) :: values(n)
-    integer :: i
-    if (allocated(known%values)) then
-      values = [(known%values(mod((first - 1 + i)/known%each, size(known%values)) + 1), i=0, n - 1)]
-    else
-      values = [(real(first + i, dp), i=0, n - 1)]
-    end if
-  end function piece_of
+    real(dp) :: values(size(known%columns)*n)
+    integer :: c, i
+    do c = 1, size(known%columns)
+      associate (column => known%columns(c), part => values(c::size(known%columns)))
+        if (allocated(column%values)) then
+          part = [(column%values(mod((first - 1 + i)/column%each, size(column%values)) + 1), i=0, n - 1)]
+        else
+          part = [(real(first + i, dp), i=0, n - 1)]
+        end if
+      end associate
+    end do
+  end function rows_of
 
   subroutine put_text(self, name, text, error, variable)
     !! An attribute of a variable, or of the file.

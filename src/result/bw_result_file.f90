@@ -113,10 +113,13 @@ contains
     inputs = numeric_inputs(scene)
     cases = max(1, layout%cases)
     bytes = cases*sum(number_bytes(fields%is_integer)*fields%length) &
-      + sum(number_bytes(inputs%is_integer)*merge(cases, 1_i8, inputs%is_swept)) &
       + text_bytes*(size(fields) + size(coordinates) + size(inputs)) + head_bytes
     do i = 1, size(coordinates)
       bytes = bytes + number_bytes(coordinates(i)%is_integer)*dimension_length(layout, trim(coordinates(i)%dimensions))
+    end do
+    do i = 1, size(inputs)
+      bytes = bytes + number_bytes(inputs(i)%is_integer)*merge(cases, 1_i8, inputs(i)%is_swept)*size(inputs(i)%values)
+      if (inputs(i)%dimension /= '') bytes = bytes + (8*cases + text_bytes)*count(inputs(i)%sweeps > 0)
     end do
   end function result_bytes
 

@@ -3,13 +3,14 @@ module bw_result_header
   use bw_kinds, only: dp, i4
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
-  use bw_netcdf, only: netcdf_file, variable_text
+  use bw_missing, only: is_missing
+  use bw_netcdf, only: known_series, netcdf_file, variable_text
   use bw_result_layout, only: dimension_length, has, result_layout
   use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
   use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text, values_of_sweep
   use bw_stopwatch, only: stage_words
-  use bw_text, only: joined
+  use bw_text, only: joined, text_of
   use bw_time_grid, only: sample_times
   use bw_version, only: program_commit, program_compiler, program_libraries, program_native, program_version
   use netcdf, only: nf90_global, nf90_put_att
@@ -74,6 +75,8 @@ contains
       number_of('mode_before', 'mode number k before the capture'), &
       number_of('event', 'number of the event'), &
       number_of('peak', 'number of the measured peak, by frequency'), &
+      number_of('piece', 'number of the piece of the beam, from the root'), &
+      number_of('body', 'number of the body, in the order of the scene'), &
       number_of('stage', 'stage of the work', joined(stage_words)), &
       variable_text('profile_position', 'profile', '1', 'place along the beam, x/l', is_complete=.true.), &
       variable_text('point_position', 'point', '1', 'place along the beam, x/l', is_complete=.true.), &
@@ -128,44 +131,84 @@ contains
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: names
     type(numeric_input), allocatable :: inputs(:)
-    integer :: i
+    integer :: i, j
     names = ''
     inputs = numeric_inputs(scene)
     do i = 1, size(inputs)
-      if (inputs(i)%is_swept) names = names//' '//input_variable(inputs(i))
+      do j = 1, size(inputs(i)%sweeps)
+        if (inputs(i)%sweeps(j) > 0) names = names//' '//swept_variable(inputs(i), j)
+      end do
     end do
     names = trim(adjustl(names))
   end function swept_names
 
+  pure function swept_variable(input, i) result(name)
+    !! The variable of one swept number, as `beam_length`, or of one of several `body_mass_2`: one that has the dimension `case`
+    !! alone, so that all that depends on the case can have it as a coordinate.
+    type(numeric_input), intent(in) :: input
+    integer, intent(in) :: i                          !! which of its numbers
+    character(:), allocatable :: name
+    name = input_variable(input)
+    if (input%dimension /= '') name = name//'_'//text_of(i)
+  end function swept_variable
+
   pure function input_variable(input) result(name)
-    !! The variable of an input, as `beam_length`.
+    !! The variable of an input, as `beam_length`, with all its numbers.
     type(numeric_input), intent(in) :: input
     character(:), allocatable :: name
     name = trim(input%group)//'_'//trim(input%name)
   end function input_variable
 
   subroutine put_inputs(file, scene, error)
-    !! Every number of the resolved scene, scalar or (case). **Errors**: `status_bad_file`.
+    !! Every number of the resolved scene, scalar or along pieces or bodies, and (case) where swept. **Errors**: `status_bad_file`.
     class(netcdf_file), intent(inout) :: file
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(inout) :: error
     type(numeric_input), allocatable :: inputs(:)
     type(variable_text) :: text
-    integer :: i
+    integer :: i, j
     inputs = numeric_inputs(scene)
     do i = 1, size(inputs)
       associate (input => inputs(i))
-        text = variable_text(input_variable(input), '', input%unit, input%meaning, is_integer=input%is_integer, &
-                             is_complete=.true.)
+        text = variable_text(input_variable(input), input%dimension, input%unit, input%meaning, is_integer=input%is_integer, &
+                             is_complete=.not. any(is_missing(input%values)))
         if (input%is_swept) then
-          text%dimensions = 'case'
-          call file%define_known(text, error, values_of_sweep(scene, input), times_in_a_row(scene, input%sweep), &
-                                 int(case_count(scene)))
+          text%dimensions = 'case '//input%dimension
+          call file%define_rows(text, columns_of(scene, input), int(case_count(scene)), error)
+          if (input%dimension == '') cycle
+          do j = 1, size(input%sweeps)
+            if (input%sweeps(j) == 0) cycle
+            text = variable_text(swept_variable(input, j), 'case', input%unit, trim(input%meaning)//'; '// &
+                                 trim(input%dimension)//' '//text_of(j), is_complete=.true.)
+            call file%define_rows(text, columns_of(scene, input, j), int(case_count(scene)), error)
+          end do
         else
-          call file%define_known(text, error, [input%value])
+          call file%define_known(text, error, input%values)
         end if
       end associate
     end do
   end subroutine put_inputs
+
+  pure function columns_of(scene, input, only) result(columns)
+    !! What each number of a swept input, or one of them, runs through from case to case, (n).
+    type(scene_type), intent(in) :: scene
+    type(numeric_input), intent(in) :: input
+    integer, intent(in), optional :: only             !! the number alone that is asked for
+    type(known_series), allocatable :: columns(:)
+    integer :: i, first, last
+    first = 1
+    last = size(input%values)
+    if (present(only)) first = only
+    if (present(only)) last = only
+    allocate (columns(first:last))
+    do i = first, last
+      if (input%sweeps(i) == 0) then
+        columns(i)%values = [input%values(i)]
+      else
+        columns(i)%values = values_of_sweep(scene, input, i)
+        columns(i)%each = times_in_a_row(scene, input%sweeps(i))
+      end if
+    end do
+  end function columns_of
 
 end module bw_result_header

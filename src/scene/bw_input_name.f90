@@ -8,7 +8,7 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, &
+  public :: accepted_text, default_number, has_numbers, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, &
     place_of, quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
@@ -25,6 +25,7 @@ module bw_input_name
   type(number_range), parameter, public :: positive = number_range(low=0.0_dp, above=.true.)
   type(number_range), parameter, public :: not_negative = number_range(low=0.0_dp)
   type(number_range), parameter, public :: unit_interval = number_range(low=0.0_dp, high=1.0_dp)
+  type(number_range), parameter, public :: off_the_root = number_range(low=0.0_dp, high=1.0_dp, above=.true.)   !! ξ
 
   type, public :: input_group
     !! A namelist group.
@@ -35,6 +36,7 @@ module bw_input_name
     logical :: required = .false.
     logical :: implied = .false.             !! absent is the same as empty
     logical :: repeatable = .false.
+    character(8) :: along = ''               !! dimension of a result along which its repeats lie; '' where it has none
     logical :: is_effect = .false.           !! an effect or an event: a result names it in its attribute `effects`
     logical :: changes_shapes = .false.      !! modes of a beam with it have no closed form here
   end type input_group
@@ -50,10 +52,11 @@ module bw_input_name
     logical :: required = .false.
     logical :: swept = .false.               !! `&sweep` may vary it: a number that sets no axis of the result
     integer :: most = 1                      !! most elements
+    character(8) :: along = ''               !! of one number or a list: dimension of a result along which the list lies
     character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
     character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
     character(80) :: meaning = ''
-    logical :: changes_shapes = .false.      !! where it is not 0, modes have no closed form here
+    logical :: changes_shapes = .false.      !! where it is not its default, modes have no closed form here
   end type input_name
 
 contains
@@ -74,13 +77,25 @@ contains
   elemental logical function has_unit(row)
     !! One number or several, with a unit of their own.
     type(input_name), intent(in) :: row
-    has_unit = row%unit /= '' .and. (is_number(row) .or. row%kind == reals_input)
+    has_unit = row%unit /= '' .and. has_numbers(row)
   end function has_unit
 
-  elemental logical function is_sweepable(row)
-    !! A `&sweep` may vary it.
+  elemental logical function has_numbers(row)
+    !! One number or several.
     type(input_name), intent(in) :: row
-    is_sweepable = row%swept .and. is_number(row)
+    has_numbers = is_number(row) .or. row%kind == reals_input
+  end function has_numbers
+
+  pure real(dp) function default_number(row) result(number)
+    !! The default of one number that has one.
+    type(input_name), intent(in) :: row
+    read (row%default, *) number
+  end function default_number
+
+  elemental logical function is_sweepable(row)
+    !! A `&sweep` may vary it, of a list one of its numbers.
+    type(input_name), intent(in) :: row
+    is_sweepable = row%swept .and. has_numbers(row)
   end function is_sweepable
 
   pure function place_of(row) result(place)
@@ -134,12 +149,14 @@ contains
       if (row%words /= '') text = quoted_words(row%words)
     case (reals_input)
       text = '1 to '//text_of(row%most)//' reals'
+      if (row%along /= '') text = 'a real'
     case default
       text = 'a '//kind_text(row)
     end select
-    if (.not. (is_number(row) .or. row%kind == reals_input)) return
+    if (.not. has_numbers(row)) return
     if (range_text(row) /= 'any') text = text//', '//range_text(row)
     if (row%unit /= '1' .and. row%unit /= '') text = text//' ('//trim(row%unit)//')'
+    if (row%along /= '') text = text//', or one for each '//trim(row%along)
   end function accepted_text
 
   pure function quoted_words(words) result(text)

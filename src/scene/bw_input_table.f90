@@ -3,6 +3,7 @@ module bw_input_table
   !! and names that are not in it: the known ones, and the one that was likely meant.
   !! A new group is one file in `groups/`, its line in each of the two lists here, and its lines in `bw_scene`.
   use bw_beam_par, only: beam_group, beam_names
+  use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
   use bw_damping_par, only: damping_group, damping_names
   use bw_impact_par, only: impact_group, impact_names
@@ -16,6 +17,7 @@ module bw_input_table
   use bw_shear_par, only: shear_group, shear_names
   use bw_spectrum_par, only: spectrum_group, spectrum_names
   use bw_stiffening_par, only: stiffening_group, stiffening_names
+  use bw_support_par, only: support_group, support_names
   use bw_sweep_par, only: sweep_group, sweep_names
   use bw_text, only: joined
   implicit none (type, external)
@@ -25,6 +27,8 @@ module bw_input_table
   type(input_group), parameter, public :: group_table(*) = [ &
     scene_group, &
     beam_group, &
+    support_group, &
+    body_group, &
     rotation_group, &
     stiffening_group, &
     shear_group, &
@@ -41,6 +45,8 @@ module bw_input_table
   type(input_name), parameter, public :: name_table(*) = [ &
     scene_names, &
     beam_names, &
+    support_names, &
+    body_names, &
     rotation_names, &
     stiffening_names, &
     shear_names, &
@@ -98,7 +104,7 @@ contains
     i = findloc(name_table%name, name, dim=1)
     if (text == '' .and. i > 0) text = ' (it belongs to &'//trim(name_table(i)%group)//')'
     if (index(name, '%') > 0) text = ' (write the group as &group and its names alone)'
-    if (index(name, '(') > 0) text = ' (write the values of a list without an index, as points = 0.5, 1.0)'
+    if (index(name, '(') > 0) text = ' (write the values of a list without an index, as length = 0.3, 0.7)'
     text = 'is no known name'//text//'; accepted: '//joined(names)
     if (size(names) == 0) text = text//'none'
   end function unknown_name

@@ -5,7 +5,7 @@ module bw_input_values
   use bw_text, only: shortest
   implicit none (type, external)
   private
-  public :: position_of
+  public :: position_of, positions_of
 
   type, public :: input_value
     !! What a scene says about one name.
@@ -15,12 +15,14 @@ module bw_input_values
     logical :: given = .false.                 !! named in its group, or swept
     logical :: known = .false.                 !! has a value: given, by default, or settled from others
     logical :: redundant = .false.             !! only repeats another value, and is not shown beside it
-    integer :: sweep = 0                       !! number of the sweep that it follows; 0: none
-    real(dp) :: number = 0.0_dp                !! of a real or a whole number
     logical :: flag = .false.
     character(:), allocatable :: text
-    real(dp), allocatable :: numbers(:)        !! (n)
+    real(dp), allocatable :: numbers(:)        !! of one number or several, whole or not; unallocated where none is known, (n)
     integer, allocatable :: lines(:)           !! line of each of `numbers`, (n)
+    integer, allocatable :: sweeps(:)          !! number of the sweep that each of them follows; 0: none, (n)
+  contains
+    procedure :: set_numbers
+    procedure :: follows_sweep
   end type input_value
 
   type, public :: group_values
@@ -35,6 +37,8 @@ module bw_input_values
     procedure :: given
     procedure :: known
     procedure :: number
+    procedure :: number_at
+    procedure :: count_of
     procedure :: whole
     procedure :: text
     procedure :: line_of
@@ -46,14 +50,41 @@ module bw_input_values
 
 contains
 
+  pure subroutine set_numbers(self, numbers, line)
+    !! Give a value its numbers, which no sweep varies.
+    class(input_value), intent(inout) :: self
+    real(dp), intent(in) :: numbers(:)
+    integer, intent(in) :: line                !! of all of them
+    integer :: i
+    self%numbers = numbers
+    self%lines = [(line, i=1, size(numbers))]
+    self%sweeps = [(0, i=1, size(numbers))]
+  end subroutine set_numbers
+
+  elemental logical function follows_sweep(self)
+    !! A sweep gives one of its numbers, or what that follows from.
+    class(input_value), intent(in) :: self
+    follows_sweep = .false.
+    if (allocated(self%sweeps)) follows_sweep = any(self%sweeps > 0)
+  end function follows_sweep
+
   pure integer function position_of(groups, group)
-    !! Place of a group among those of a scene; 0 where it is absent.
+    !! Place of a group among those of a scene, the last one of those that it may have several of; 0 where it is absent.
     type(group_values), intent(in) :: groups(:)
     character(*), intent(in) :: group
     do position_of = size(groups), 1, -1
       if (groups(position_of)%group == group) return
     end do
   end function position_of
+
+  pure function positions_of(groups, group) result(positions)
+    !! Places of all groups of that name among those of a scene, in the order of the scene.
+    type(group_values), intent(in) :: groups(:)
+    character(*), intent(in) :: group
+    integer, allocatable :: positions(:)
+    integer :: g
+    positions = pack([(g, g=1, size(groups))], groups%group == group)
+  end function positions_of
 
   pure integer function at(self, name)
     !! Place of a name in its group; 0 where the group has no such name.
@@ -79,11 +110,32 @@ contains
   end function known
 
   pure real(dp) function number(self, name)
-    !! The value of a real or a whole number.
+    !! The value of a real or a whole number, of a list the first; 0 where none is known.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
-    number = self%values(self%at(name))%number
+    number = self%number_at(name, 1)
   end function number
+
+  pure real(dp) function number_at(self, name, i) result(number)
+    !! Number i of a list; one number alone stands for all. 0 where none is known.
+    class(group_values), intent(in) :: self
+    character(*), intent(in) :: name
+    integer, intent(in) :: i
+    number = 0.0_dp
+    associate (value => self%values(self%at(name)))
+      if (allocated(value%numbers)) number = value%numbers(min(i, size(value%numbers)))
+    end associate
+  end function number_at
+
+  pure integer function count_of(self, name) result(count)
+    !! How many numbers a name has; 0 where none is known.
+    class(group_values), intent(in) :: self
+    character(*), intent(in) :: name
+    count = 0
+    associate (value => self%values(self%at(name)))
+      if (allocated(value%numbers)) count = size(value%numbers)
+    end associate
+  end function count_of
 
   pure integer function whole(self, name)
     !! A whole number; the table keeps its range within that of integers.
@@ -111,7 +163,7 @@ contains
     !! A sweep gives its values, or those that it follows from.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
-    is_swept = self%values(self%at(name))%sweep > 0
+    is_swept = self%values(self%at(name))%follows_sweep()
   end function is_swept
 
   pure function number_or_swept(self, name, unit) result(text)
@@ -131,8 +183,8 @@ contains
     real(dp), intent(in) :: number
     integer, intent(in) :: sweep
     associate (value => self%values(self%at(name)))
-      value%number = number
-      value%sweep = sweep
+      call value%set_numbers([number], 0)
+      value%sweeps = sweep
       value%known = .true.
     end associate
   end subroutine settle

@@ -2,11 +2,13 @@ module bw_scene
   !! A scene as plain data in SI units: one component per input group, unallocated where the group is absent. Here each group's
   !! own file is asked for what it knows: its rules, its values that follow from others, its component, its words in a report.
   use bw_beam_par, only: beam_mass, beam_par, build_beam, check_beam
+  use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
+  use bw_input_name, only: default_number
   use bw_input_table, only: group_table, name_table
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp
   use bw_modes_par, only: build_modes, modes_par, settle_modes
   use bw_recontact_par, only: build_recontact, check_recontact, recontact_par
@@ -18,11 +20,12 @@ module bw_scene
   use bw_shear_par, only: build_shear, check_shear, settle_shear, shear_par, shear_text
   use bw_spectrum_par, only: build_spectrum, check_spectrum, spectrum_par
   use bw_stiffening_par, only: build_stiffening, stiffening_par, stiffening_text
+  use bw_support_par, only: build_support, check_support, support_par, support_text
   use bw_sweep_par, only: check_sweep, sweep_par
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, settle_groups
-  public :: changes_shapes, effect_names, effects_text, method_name, takes_pieces
+  public :: by_pieces, changes_shapes, effect_names, effects_text, method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -30,6 +33,8 @@ module bw_scene
     character(:), allocatable :: name             !! stem of the file, which names the result
     type(scene_par) :: header                     !! &scene
     type(beam_par) :: beam                        !! &beam
+    type(support_par), allocatable :: support     !! &support; absent: the root is clamped
+    type(body_par), allocatable :: bodies(:)      !! &body, in the order of the scene, (n); unallocated: none
     type(rotation_par), allocatable :: rotation   !! &rotation; absent: the beam does not rotate
     type(stiffening_par), allocatable :: stiffening   !! &stiffening; absent: no tension
     type(shear_par), allocatable :: shear         !! &shear; absent: Euler–Bernoulli
@@ -52,24 +57,40 @@ contains
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
+    integer, allocatable :: bodies(:)              ! their places among the groups
+    logical :: new
     integer :: before, beam, g
     before = messages%count
     beam = position_of(scene%groups, 'beam')
     if (scene%groups(beam)%changed) call build_beam(scene%groups(beam), scene%beam, messages)
     if (messages%count > before) return
+    bodies = positions_of(scene%groups, 'body')
+    if (size(bodies) > 0 .and. .not. allocated(scene%bodies)) allocate (scene%bodies(size(bodies)))
     do g = 1, size(scene%groups)
-      if (scene%groups(g)%changed .or. (scene%groups(g)%group == 'impact' .and. scene%groups(beam)%changed)) &
+      new = scene%groups(g)%changed .or. (has_ratio(scene%groups(g)) .and. scene%groups(beam)%changed)
+      if (.not. new) cycle
+      if (scene%groups(g)%group == 'body') then
+        call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
+      else
         call build_group(scene, g, messages)
+      end if
     end do
   end subroutine build_scene
 
+  pure logical function has_ratio(group)
+    !! The group's mass is told by its ratio to that of the beam, or the ratio follows.
+    type(group_values), intent(in) :: group
+    has_ratio = group%group == 'impact' .or. group%group == 'body'
+  end function has_ratio
+
   pure subroutine build_group(scene, g, messages)
-    !! Build the component of one group; the beam's is there.
+    !! Build the component of one group; those of the beam and of bodies are built elsewhere.
     type(scene_type), intent(inout) :: scene
     integer, intent(in) :: g                       !! the group's place among `scene%groups`
     type(message_list), intent(inout) :: messages
     select case (scene%groups(g)%group)
     case ('scene'); scene%header = build_header(scene%groups(g))
+    case ('support'); scene%support = build_support(scene%groups(g))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
     case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
     case ('shear'); scene%shear = build_shear(scene%groups(g))
@@ -85,13 +106,14 @@ contains
     end select
   end subroutine build_group
 
-
   pure subroutine check_rules(group, messages)
     !! The rules of a group's own names, those apart that the table of names tells.
     type(group_values), intent(in) :: group
     type(message_list), intent(inout) :: messages
     select case (group%group)
     case ('beam'); call check_beam(group, messages)
+    case ('support'); call check_support(group, messages)
+    case ('body'); call check_body(group, messages)
     case ('damping'); call check_damping(group, messages)
     case ('impact'); call check_impact(group, messages)
     case ('response'); call check_response(group, messages)
@@ -139,6 +161,8 @@ contains
       g = position_of(scene%groups, group_table(i)%name)
       if (g == 0) cycle
       select case (group_table(i)%name)
+      case ('support'); text = text//', '//support_text(scene%groups(g))
+      case ('body'); text = text//', '//bodies_text(scene%groups)
       case ('rotation'); text = text//', '//rotation_text(scene%groups(g))
       case ('stiffening'); text = text//', '//stiffening_text(scene%groups(g))
       case ('shear'); text = text//', '//shear_text(scene%groups(g))
@@ -169,15 +193,19 @@ contains
   end function effect_names
 
   pure logical function changes_shapes(scene) result(changes)
-    !! Its modes have no closed form here: a group is there, or a number is not 0, of which the table says so.
+    !! Its modes have no closed form here: the beam has pieces, a group is there, or a number is not its default, of which the
+    !! table says so.
     type(scene_type), intent(in) :: scene
     integer :: g, v
+    changes = allocated(scene%beam%pieces)
+    if (changes) return
     do g = 1, size(scene%groups)
       changes = group_table(scene%groups(g)%row)%changes_shapes
       if (changes) return
       do v = 1, size(scene%groups(g)%values)
-        associate (value => scene%groups(g)%values(v))
-          changes = name_table(value%row)%changes_shapes .and. value%number /= 0.0_dp
+        associate (row => name_table(scene%groups(g)%values(v)%row))
+          if (.not. row%changes_shapes) cycle
+          changes = scene%groups(g)%number(row%name) /= default_number(row)
         end associate
         if (changes) return
       end do
@@ -190,14 +218,15 @@ contains
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: name
     name = 'closed form'
-    if (changes_shapes(scene)) name = 'galerkin'
-    if (takes_pieces(scene)) name = 'pieces'
+    if (.not. changes_shapes(scene)) return
+    name = 'galerkin'
+    if (by_pieces(scene)) name = 'pieces'
   end function method_name
 
-  pure logical function takes_pieces(scene) result(takes)
-    !! Its modes have no closed form here but those of uniform pieces, which tension leaves none of.
+  pure logical function by_pieces(scene)
+    !! Its modes have no closed form, but are found exactly, piece by piece: nothing varies along a piece, as tension does.
     type(scene_type), intent(in) :: scene
-    takes = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
-  end function takes_pieces
+    by_pieces = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
+  end function by_pieces
 
 end module bw_scene

@@ -4,11 +4,11 @@ module bw_scene_checks
   !! the scene. They are formed in extended precision.
   use bw_beam_par, only: beam_mass
   use bw_damping_par, only: by_ratio
-  use bw_input_name, only: accepted_text, has_word, name_length, place_of
+  use bw_input_name, only: accepted_text, has_word, place_of
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, qp
-  use bw_scene, only: check_rules, check_rules_together, scene_type
+  use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: check_product, message_list
   use bw_text, only: shortest, text_of
   implicit none (type, external)
@@ -112,6 +112,7 @@ contains
       call check(scene, 'impact', at_least_1(scene%impact%mass*real(scene%impact%approach_velocity, qp)**2), &
                  'the kinetic energy of the mass', messages)
     end if
+    call check_held(scene, messages)
     call check_method(scene, messages)
     if (allocated(scene%response)) call check_times(scene, highest, messages)
   end subroutine check_scales
@@ -166,19 +167,37 @@ contains
   end function highest_damping
 
   pure real(qp) function frequency_scale(scene)
-    !! h/l² = √(EI/(ρA))/l² [rad/s]; mode k of the beam has nearly (h/l²)·((k − ½)π)².
+    !! h/l² = √(EI/(m_i/l))/l² [rad/s], EI that of the root; mode k of a uniform beam has nearly (h/l²)·((k − ½)π)².
     type(scene_type), intent(in) :: scene
     associate (beam => scene%beam)
-      frequency_scale = sqrt(real(beam%youngs_modulus, qp)/beam%density*beam%second_moment/beam%area) &
+      frequency_scale = sqrt(real(beam%youngs_modulus, qp)*beam%second_moment/beam_mass(beam)*beam%length) &
                         /real(beam%length, qp)**2
     end associate
   end function frequency_scale
+
+  pure subroutine check_held(scene, messages)
+    !! A free beam is not carried round: in the plane of rotation something has to hold it. Elsewhere it rests or drifts.
+    type(scene_type), intent(in) :: scene
+    type(message_list), intent(inout) :: messages
+    if (.not. (allocated(scene%support) .and. allocated(scene%rotation))) return
+    if (scene%rotation%plane /= 'in' .or. scene%rotation%angular_velocity == 0.0_dp) return
+    associate (root => scene%support)
+      if (.not. (allocated(root%stiffness) .and. allocated(root%rotational_stiffness))) return
+      if (root%stiffness > 0.0_dp .or. root%rotational_stiffness > 0.0_dp) return
+    end associate
+    if (allocated(scene%bodies)) then
+      if (any(scene%bodies%stiffness > 0.0_dp .or. scene%bodies%rotational_stiffness > 0.0_dp)) return
+    end if
+    call messages%add(scene%groups(position_of(scene%groups, 'support'))%line_of('stiffness'), 'support%stiffness', &
+                      'is 0, and so is rotational_stiffness: nothing holds the beam, which rotates in its plane; accepted: '// &
+                      'one of them above 0 or left out (rigid), or a spring of a &body')
+  end subroutine check_held
 
   pure subroutine check_method(scene, messages)
     !! A Galerkin basis holds so many modes.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    if (.not. allocated(scene%stiffening)) return
+    if (method_name(scene) /= 'galerkin') return
     call check_count(scene, 'before', scene%modes%before, messages)
     call check_count(scene, 'after', scene%modes%after, messages)
   end subroutine check_method

@@ -2,11 +2,12 @@ module bw_scene_resolved
   !! The resolved scene: the namelist with defaults and settled values filled in, and its numbers one by one.
   !! Saved to a file and read again, it gives the same values to the bit.
   use bw_input_name, only: input_name, integer_input, logical_input, name_length, reals_input, text_input, is_number
-  use bw_input_table, only: group_table, name_table
-  use bw_input_values, only: group_values, input_value, position_of
+  use bw_input_table, only: group_row, group_table, name_table
+  use bw_input_values, only: group_values, input_value, positions_of
   use bw_kinds, only: dp, i8
+  use bw_missing, only: is_missing, missing
   use bw_scene, only: scene_type
-  use bw_shear_par, only: circle_coefficient
+  use bw_shear_par, only: usual_coefficient
   use bw_sweep_par, only: sweep_par
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
@@ -14,14 +15,15 @@ module bw_scene_resolved
   public :: numeric_inputs, resolved_text, values_of_sweep
 
   type, public :: numeric_input
-    !! A number that the resolved scene holds.
+    !! A number that the resolved scene holds, or several along a dimension.
     character(name_length) :: group = '', name = ''
     character(8) :: unit = ''            !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
-    logical :: is_swept = .false.        !! `values_of_sweep` are those it has
-    integer :: sweep = 0                 !! the sweep that it follows; 0: none
-    real(dp) :: value = 0.0_dp           !! in every case, or in the first where it is swept
+    character(8) :: dimension = ''       !! along which there may be several; '' for one number
+    logical :: is_swept = .false.        !! some of its numbers have `values_of_sweep`
+    real(dp), allocatable :: values(:)   !! in every case, or in the first where swept; missing where not given, (n)
+    integer, allocatable :: sweeps(:)    !! the sweep that each follows; 0: none, (n)
   end type numeric_input
 
   integer, parameter :: most_columns = 100
@@ -33,10 +35,13 @@ contains
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
     type(text_builder) :: builder
+    integer, allocatable :: places(:)
     integer :: i, g
     do i = 1, size(group_table)
-      g = position_of(scene%groups, group_table(i)%name)
-      if (g > 0) call put_group(builder, scene%groups(g))
+      places = positions_of(scene%groups, group_table(i)%name)
+      do g = 1, size(places)
+        call put_group(builder, scene%groups(places(g)))
+      end do
     end do
     do i = 1, size(scene%sweeps)
       call put_sweep(builder, scene%sweeps(i))
@@ -45,16 +50,16 @@ contains
   end function resolved_text
 
   pure subroutine put_group(builder, group)
-    !! One group; values that a sweep gives stand with the sweep only.
+    !! One group; a number that a sweep gives stands with the sweep only, unless it is one of a list.
     type(text_builder), intent(inout) :: builder
     type(group_values), intent(in) :: group
     integer :: v
     call builder%append_line('&'//trim(group%group))
     do v = 1, size(group%values)
       associate (value => group%values(v))
-        if (value%known .and. .not. value%redundant .and. value%sweep == 0) then
-          call put_value(builder, name_table(value%row), value)
-        end if
+        if (.not. value%known .or. value%redundant) cycle
+        if (value%follows_sweep() .and. group%count_of(value%name) == 1) cycle
+        call put_value(builder, name_table(value%row), value)
       end associate
     end do
     call builder%append_line('/')
@@ -75,9 +80,9 @@ contains
     case (reals_input)
       call put_list(builder, start, value%numbers)
     case (integer_input)
-      call builder%append_line(start//text_of(nint(value%number, i8)))
+      call builder%append_line(start//text_of(nint(value%numbers(1), i8)))
     case default
-      call builder%append_line(start//text_of(value%number))
+      call builder%append_line(start//text_of(value%numbers(1)))
     end select
   end subroutine put_value
 
@@ -140,33 +145,56 @@ contains
   end function quoted
 
   pure function numeric_inputs(scene) result(inputs)
-    !! Every single number of the resolved scene, in the order of the table.
+    !! Every input of the resolved scene that is a number or a list along a dimension, in the order of the table.
     type(scene_type), intent(in) :: scene
     type(numeric_input), allocatable :: inputs(:)
     type(numeric_input) :: found(size(name_table))
-    integer :: i, g, n
+    integer :: i, n
     n = 0
     do i = 1, size(name_table)
-      g = position_of(scene%groups, name_table(i)%group)
-      if (g == 0 .or. .not. is_number(name_table(i))) cycle
-      associate (row => name_table(i), value => scene%groups(g)%values(scene%groups(g)%at(name_table(i)%name)))
-        if (.not. value%known .or. value%redundant) cycle
-        n = n + 1
-        found(n) = numeric_input(row%group, row%name, row%unit, row%meaning, row%kind == integer_input, &
-                                 value%sweep > 0, value%sweep, value%number)
-      end associate
+      if (.not. (is_number(name_table(i)) .or. name_table(i)%along /= '')) cycle
+      found(n + 1) = input_of(scene, name_table(i))
+      if (size(found(n + 1)%values) > 0) n = n + 1
     end do
     inputs = found(:n)
   end function numeric_inputs
 
-  pure function values_of_sweep(scene, input) result(values)
-    !! The values of an input along its sweep, the sweep's values or what follows from them.
+  pure type(numeric_input) function input_of(scene, row) result(input)
+    !! The numbers of one name in all groups that have it; none where no group has a value.
+    type(scene_type), intent(in) :: scene
+    type(input_name), intent(in) :: row
+    integer, allocatable :: places(:)
+    integer :: i
+    places = positions_of(scene%groups, row%group)
+    input = numeric_input(row%group, row%name, row%unit, row%meaning, row%kind == integer_input)
+    allocate (input%values(0), input%sweeps(0))
+    do i = 1, size(places)
+      associate (value => scene%groups(places(i))%values(scene%groups(places(i))%at(row%name)))
+        if (value%known .and. .not. value%redundant) then
+          input%values = [input%values, value%numbers]
+          input%sweeps = [input%sweeps, value%sweeps]
+        else
+          input%values = [input%values, missing]
+          input%sweeps = [input%sweeps, 0]
+        end if
+      end associate
+    end do
+    if (all(is_missing(input%values))) input%values = [real(dp) ::]
+    input%is_swept = any(input%sweeps > 0)
+    if (size(places) > 0) input%dimension = group_table(group_row(row%group))%along
+    if (input%dimension == '' .and. size(input%values) > 1) input%dimension = row%along
+  end function input_of
+
+  pure function values_of_sweep(scene, input, i) result(values)
+    !! The values of a number of an input along its sweep, the sweep's values or what follows from them.
     type(scene_type), intent(in) :: scene
     type(numeric_input), intent(in) :: input
+    integer, intent(in) :: i                       !! which of its numbers
     real(dp), allocatable :: values(:)
-    associate (sweep => scene%sweeps(input%sweep))
+    associate (sweep => scene%sweeps(input%sweeps(i)))
       values = sweep%values
-      if (input%name == 'shear_coefficient' .and. sweep%parameter == 'shear%poisson_ratio') values = circle_coefficient(values)
+      if (input%name == 'shear_coefficient' .and. sweep%parameter == 'shear%poisson_ratio') &
+        values = usual_coefficient(values, scene%beam%round)
     end associate
   end function values_of_sweep
 

@@ -40,9 +40,9 @@ contains
     real(dp), intent(in) :: read
     type(input_value) :: value
     value = self%held(name)
-    if (value%sweep > 0) return                  ! what the sweep replaced is not kept
+    if (value%follows_sweep()) return            ! what the sweep replaced is not kept
     if (value%given .neqv. read /= unset) self%differing = name
-    if (value%given .and. value%number /= read) self%differing = name
+    if (value%given .and. value%numbers(1) /= read) self%differing = name
   end subroutine same_real
 
   subroutine same_whole(self, name, read)

@@ -93,7 +93,7 @@ contains
   end function piece_shapes
 
   pure function piece_curvatures(self, first, last, xi) result(values)
-    !! The moment over EI; at a joint that of the piece inside it. Exactly 0 at a tip where nothing turns it.
+    !! The moment over EI of the root piece; at a joint that of the piece inside it. Exactly 0 at a tip where nothing turns it.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -102,9 +102,7 @@ contains
     integer :: p
     state = self%states(first, last, xi)
     do p = 1, size(xi)
-      associate (place => place_of(self%modes%system%beam, xi(p)))
-        values(:, p) = state(3, :, p)/self%modes%system%beam%piece(place%piece)%stiffness%hi
-      end associate
+      values(:, p) = state(3, :, p)/self%modes%system%beam%piece(1)%stiffness%hi
       associate (tip => self%modes%system%beam%joint(size(self%modes%system%beam%joint)))
         if (xi(p) == 1.0_dp .and. tip%inertia%hi == 0.0_dp .and. tip%turning_stiffness%hi == 0.0_dp) values(:, p) = 0.0_dp
       end associate

@@ -1,5 +1,5 @@
 module bw_capture_par
-  !! `&capture`: the mass stays at the tip after the impact.
+  !! `&capture`: the mass stays at the place of the impact.
   use bw_input_name, only: input_group, input_name, not_negative, real_input
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
@@ -8,7 +8,7 @@ module bw_capture_par
   public :: build_capture, capture_text
 
   type, public :: capture_par
-    real(dp) :: rotary_inertia = 0.0_dp   !! J of the body about the tip [kg m²], ≥ 0; 0 for a point mass
+    real(dp) :: rotary_inertia = 0.0_dp   !! J of the body about its place [kg m²], ≥ 0; 0 for a point mass
   end type capture_par
 
   type(input_group), parameter, public :: capture_group = input_group( &
@@ -16,7 +16,7 @@ module bw_capture_par
 
   type(input_name), parameter, public :: capture_names(*) = [ &
     input_name('capture', 'rotary_inertia', real_input, 'kg m2', not_negative, '0', swept=.true., changes_shapes=.true., &
-               meaning='moment of inertia of the captured body about the tip')]
+               meaning='moment of inertia of the captured body about its place')]
 
 contains
 

@@ -1,20 +1,19 @@
 module bw_impact_par
-  !! `&impact`: a rigid mass strikes the tip at t = 0.
-  use bw_input_name, only: any_number, input_group, input_name, integer_input, not_negative, number_range, real_input, &
-                           unit_interval
+  !! `&impact`: a rigid mass strikes the beam at t = 0.
+  use bw_input_name, only: any_number, input_group, input_name, integer_input, not_negative, number_range, off_the_root, &
+                           real_input, unit_interval
   use bw_input_values, only: group_values
   use bw_kinds, only: dp, qp
-  use bw_scene_messages, only: message_list, settle_product
+  use bw_mass_or_ratio, only: build_mass, check_mass, mass_par
+  use bw_scene_messages, only: message_list
   use bw_text, only: shortest
   implicit none (type, external)
   private
   public :: build_impact, check_impact, impact_text
 
-  type, public :: impact_par
-    real(dp) :: mass = 0.0_dp               !! m_j [kg], ≥ 0, given or γ m_i
-    real(dp) :: mass_ratio = 0.0_dp         !! γ = m_j/m_i, ≥ 0, given or derived
-    real(dp) :: mass_ratio_low = 0.0_dp     !! what binary64 leaves of it where the mass was given
-    logical :: mass_given = .false.         !! the mass was given, and the ratio follows from it
+  type, extends(mass_par), public :: impact_par
+    !! The mass m_j, as given or derived, and
+    real(dp) :: position = 1.0_dp           !! ξ₀, 0 < ξ₀ ≤ 1, where the mass strikes, and is captured
     real(dp) :: approach_velocity = 1.0_dp  !! V [m/s] in the rotating frame, of either sign
     real(dp) :: restitution = 0.0_dp        !! e, 0 … 1
     integer :: profile_points = 201         !! points from root to tip of the velocity jump, ≥ 2
@@ -32,6 +31,8 @@ module bw_impact_par
                meaning='mass of the striking body'), &
     input_name('impact', 'mass_ratio', real_input, '1', not_negative, swept=.true., excludes='mass', &
                meaning='mass over the mass of the beam'), &
+    input_name('impact', 'position', real_input, '1', off_the_root, '1', swept=.true., changes_shapes=.true., &
+               meaning='place that the mass strikes: x/l, 1 at the tip'), &
     input_name('impact', 'approach_velocity', real_input, 'm s-1', any_number, '1', swept=.true., &
                meaning='velocity of the mass at the impact, in the rotating frame'), &
     input_name('impact', 'restitution', real_input, '1', unit_interval, '0', swept=.true., &
@@ -45,32 +46,21 @@ contains
     !! The mass is given, in one of its two ways.
     type(group_values), intent(in) :: impact
     type(message_list), intent(inout) :: messages
-    if (.not. (impact%given('mass') .or. impact%given('mass_ratio'))) then
-      call messages%add(0, 'impact%mass', 'is missing; accepted: mass or mass_ratio')
-    end if
+    call check_mass(impact, '', messages)
   end subroutine check_impact
 
   pure subroutine build_impact(values, beam_mass, impact, messages)
-    !! From checked values; mass and mass ratio follow from each other.
+    !! From checked values.
     type(group_values), intent(in) :: values
     real(qp), intent(in) :: beam_mass                       !! m_i [kg], > 0
     type(impact_par), allocatable, intent(out) :: impact
     type(message_list), intent(inout) :: messages
     allocate (impact)
+    impact%position = values%number('position')
     impact%approach_velocity = values%number('approach_velocity')
     impact%restitution = values%number('restitution')
     impact%profile_points = values%whole('profile_points')
-    impact%mass_given = values%given('mass')
-    if (impact%mass_given) then
-      impact%mass = values%number('mass')
-      call settle_product(impact%mass/beam_mass, impact%mass_ratio, values%line_of('mass'), &
-                          'impact%mass', 'its ratio to the mass of the beam', messages)
-      if (impact%mass_ratio > 0.0_dp) impact%mass_ratio_low = real(impact%mass/beam_mass - impact%mass_ratio, dp)
-    else
-      impact%mass_ratio = values%number('mass_ratio')
-      call settle_product(impact%mass_ratio*beam_mass, impact%mass, values%line_of('mass_ratio'), &
-                          'impact%mass_ratio', 'the mass that it stands for', messages)
-    end if
+    call build_mass(values, beam_mass, impact%mass_par, messages)
   end subroutine build_impact
 
   pure function impact_text(values, impact) result(text)
@@ -80,7 +70,10 @@ contains
     character(:), allocatable :: text, ratio
     ratio = shortest(impact%mass_ratio, 6)
     if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'
-    text = 'impact (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
+    text = 'impact'
+    if (impact%position /= 1.0_dp .or. values%is_swept('position')) text = text//' at xi = '// &
+      values%number_or_swept('position', '')
+    text = text//' (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
       ', restitution '//values%number_or_swept('restitution', '')//')'
   end function impact_text
 

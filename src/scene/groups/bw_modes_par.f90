@@ -87,9 +87,9 @@ contains
     !! With a capture: a count that is not given is the other one, and follows its sweep.
     type(group_values), intent(inout) :: modes
     if (.not. modes%given('after')) then
-      call modes%settle('after', modes%number('before'), modes%values(modes%at('before'))%sweep)
+      call modes%settle('after', modes%number('before'), modes%values(modes%at('before'))%sweeps(1))
     else if (.not. modes%given('before')) then
-      call modes%settle('before', modes%number('after'), modes%values(modes%at('after'))%sweep)
+      call modes%settle('before', modes%number('after'), modes%values(modes%at('after'))%sweeps(1))
     end if
   end subroutine settle_pair
 

@@ -6,7 +6,7 @@ module bw_shear_par
   use bw_scene_messages, only: message_list
   implicit none (type, external)
   private
-  public :: build_shear, check_shear, circle_coefficient, settle_shear, shear_text, usual_shear
+  public :: build_shear, check_shear, settle_shear, shear_text, usual_coefficient, usual_shear
 
   type, public :: shear_par
     real(dp) :: poisson_ratio = 0.3_dp      !! ν
@@ -17,9 +17,9 @@ module bw_shear_par
     'shear', is_effect=.true., changes_shapes=.true., &
     absent='sections stay normal to the axis and have no inertia of their own (Euler-Bernoulli)', &
     rules='This is Timoshenko''s beam: the shear force is kappa G A times the angle of shear, and the shear modulus is '// &
-    'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. For the solid circle of a `diameter` '// &
-    'kappa is 6 (1 + nu)/(7 + 6 nu) unless it is given (Cowper 1966). Any other section needs its own: a rectangle '// &
-    'has 10 (1 + nu)/(12 + 11 nu).')
+    'G = E/(2 (1 + nu)), nu being `poisson_ratio` and kappa `shear_coefficient`. Unless it is given kappa is '// &
+    '6 (1 + nu)/(7 + 6 nu) for the solid circle of a `diameter`, and 10 (1 + nu)/(12 + 11 nu) for the rectangle of `width` '// &
+    'and `height` (Cowper 1966). Any other section needs its own. Both numbers are those of every piece.')
 
   type(input_name), parameter, public :: shear_names(*) = [ &
     input_name('shear', 'poisson_ratio', real_input, '1', number_range(-1.0_dp, 0.5_dp, above=.true.), '0.3', &
@@ -30,7 +30,7 @@ module bw_shear_par
 contains
 
   pure subroutine check_shear(groups, messages)
-    !! Cowper's coefficient is that of a circle.
+    !! Cowper's coefficients are those of a circle and a rectangle.
     type(group_values), intent(in) :: groups(:)
     type(message_list), intent(inout) :: messages
     integer :: shear, beam
@@ -38,21 +38,24 @@ contains
     beam = position_of(groups, 'beam')
     if (shear == 0 .or. beam == 0) return
     if (groups(shear)%given('shear_coefficient') .or. groups(beam)%given('diameter')) return
+    if (groups(beam)%given('width') .or. groups(beam)%given('height')) return
     if (.not. (groups(beam)%given('area') .or. groups(beam)%given('second_moment'))) return
     call messages%add(0, 'shear%shear_coefficient', 'is missing: the section is given by area and second_moment, '// &
                       'which do not tell its shape; accepted: a real, > 0')
   end subroutine check_shear
 
   pure subroutine settle_shear(groups)
-    !! The coefficient of a circle is that of its material; where a sweep goes through materials it follows.
+    !! The coefficient of a circle or a rectangle is that of its material; where a sweep goes through materials it follows.
     type(group_values), intent(inout) :: groups(:)
     integer :: shear, beam
     shear = position_of(groups, 'shear')
     beam = position_of(groups, 'beam')
     if (shear == 0 .or. beam == 0) return
-    if (groups(shear)%given('shear_coefficient') .or. .not. groups(beam)%given('diameter')) return
+    if (groups(shear)%given('shear_coefficient')) return
+    if (.not. (groups(beam)%given('diameter') .or. groups(beam)%given('width'))) return
     associate (ratio => groups(shear)%values(groups(shear)%at('poisson_ratio')))
-      if (ratio%known) call groups(shear)%settle('shear_coefficient', circle_coefficient(ratio%number), ratio%sweep)
+      if (ratio%known) call groups(shear)%settle('shear_coefficient', usual_coefficient(ratio%numbers(1), &
+                                                 groups(beam)%given('diameter')), ratio%sweeps(1))
     end associate
   end subroutine settle_shear
 
@@ -65,14 +68,16 @@ contains
 
   pure type(shear_par) function usual_shear() result(shear)
     !! What a scene gets that names the group without values: a solid circle's.
-    shear%shear_coefficient = circle_coefficient(shear%poisson_ratio)
+    shear%shear_coefficient = usual_coefficient(shear%poisson_ratio, .true.)
   end function usual_shear
 
-  elemental real(dp) function circle_coefficient(nu) result(coefficient)
-    !! Of a solid circle: G. R. Cowper, J. Appl. Mech. 33 (1966) 335.
+  elemental real(dp) function usual_coefficient(nu, round) result(coefficient)
+    !! Of a solid circle or rectangle: G. R. Cowper, J. Appl. Mech. 33 (1966) 335.
     real(dp), intent(in) :: nu
-    coefficient = 6.0_dp*(1.0_dp + nu)/(7.0_dp + 6.0_dp*nu)
-  end function circle_coefficient
+    logical, intent(in) :: round               !! a circle
+    coefficient = 10.0_dp*(1.0_dp + nu)/(12.0_dp + 11.0_dp*nu)
+    if (round) coefficient = 6.0_dp*(1.0_dp + nu)/(7.0_dp + 6.0_dp*nu)
+  end function usual_coefficient
 
   pure function shear_text(values) result(text)
     !! What a report calls it, with its two numbers.

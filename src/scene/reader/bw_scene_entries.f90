@@ -151,13 +151,17 @@ contains
     type(item), intent(in) :: items(:)           !! at least one
     type(input_value), intent(inout) :: value
     type(message_list), intent(inout) :: messages
+    character(:), allocatable :: hint
+    logical :: several
     integer :: before
     before = messages%count
-    if (row%kind == reals_input) then
-      call read_reals(row, text, items, value, messages)
-    else if (size(items) > 1 .or. items(1)%repeat > 1) then
+    several = size(items) > 1 .or. items(1)%repeat > 1
+    hint = hint_of_items(row, text, items)
+    if (several .and. (row%kind /= reals_input .or. hint /= '')) then
       call messages%add(items(min(2, size(items)))%line, place_of(row), &
-                        'has more than one value'//hint_of_items(row, text, items)//'; accepted: '//accepted_text(row))
+                        'has more than one value'//hint//'; accepted: '//accepted_text(row))
+    else if (row%kind == reals_input) then
+      call read_reals(row, text, items, value, messages)
     else
       call read_scalar(row, text(items(1)%first:items(1)%last), items(1), value, messages)
     end if
@@ -165,13 +169,13 @@ contains
   end subroutine read_value
 
   pure function hint_of_items(row, text, items) result(hint)
-    !! What may be meant by several values where one is accepted.
+    !! What may be meant by several values where one is accepted, or one for each piece.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: text
     type(item), intent(in) :: items(:)
     character(:), allocatable :: hint
     hint = ''
-    if (.not. is_number(row)) return
+    if (.not. (is_number(row) .or. row%along /= '')) return
     associate (written => text(items(1)%first:items(size(items))%last))
       if (items(1)%repeat > 1) then
         hint = value_hint(text_of(items(1)%repeat)//'*'//written, row%unit)
@@ -189,13 +193,15 @@ contains
     type(input_value), intent(inout) :: value
     type(message_list), intent(inout) :: messages
     character(:), allocatable :: problem
+    real(dp) :: number
     select case (row%kind)
     case (text_input)
       call parse_text(piece, source%quote, row%words, value%text, problem)
     case (logical_input)
       call parse_logical(piece, source%quote, value%flag, problem)
     case default
-      call read_number(row, piece, source, value%number, messages)
+      call read_number(row, piece, source, number, messages)
+      call value%set_numbers([number], source%line)
       return
     end select
     if (problem /= '') call messages%add(source%line, place_of(row), problem//'; accepted: '//accepted_text(row))
@@ -232,7 +238,8 @@ contains
     type(input_name), intent(in) :: row
     character(:), allocatable :: hint
     hint = ''
-    if (row%name == 'points') hint = '; places are xi = x/l, from 0 at the root to 1 at the tip, and not in metres'
+    if (row%name == 'points' .or. row%name == 'position') &
+      hint = '; places are xi = x/l, from 0 at the root to 1 at the tip, and not in metres'
   end function place_hint
 
   pure subroutine read_reals(row, text, items, value, messages)
@@ -249,7 +256,8 @@ contains
       return
     end if
     n = sum(items%repeat)
-    allocate (value%numbers(n), value%lines(n))
+    allocate (value%numbers(n), value%lines(n), value%sweeps(n))
+    value%sweeps = 0
     n = 0
     do i = 1, size(items)
       call read_number(row, text(items(i)%first:items(i)%last), items(i), number, messages)

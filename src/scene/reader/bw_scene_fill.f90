@@ -8,7 +8,7 @@ module bw_scene_fill
   use bw_scene_messages, only: message_list
   use bw_scene_parser, only: opened_group, parsed_scene, statement
   use bw_scene_tokens, only: bad_group_token, bad_token, name_in, token
-  use bw_text, only: shortened, text_of
+  use bw_text, only: joined, shortened, text_of
   implicit none (type, external)
   private
   public :: fill_groups
@@ -86,7 +86,8 @@ contains
     else
       first = findloc(rows, group_row(group), dim=1)
       call messages%add(opened(i)%line, '&'//group, 'is there again, after line '//text_of(opened(first)%line)// &
-                        '; accepted: each group once, except &sweep')
+                        '; accepted: each group once, except '// &
+                        joined(pack(group_table%name, group_table%repeatable), '&'))
     end if
   end subroutine report_group
 

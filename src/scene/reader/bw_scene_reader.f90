@@ -8,7 +8,7 @@ module bw_scene_reader
   use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_files, only: cannot_be_read, path_state
-  use bw_kinds, only: i1, i8
+  use bw_kinds, only: dp, i1, i8
   use bw_scene, only: scene_type
   use bw_scene_cases, only: check_corners, complete
   use bw_scene_checks, only: check_groups
@@ -40,7 +40,25 @@ contains
     character(:), allocatable :: text
     call read_scene_bytes(path, text, error)
     if (.not. allocated(error)) call read_scene_text(text, path, scene, error)
+    if (.not. allocated(error)) call refuse_unfinished(scene, error)
   end subroutine read_scene
+
+  pure subroutine refuse_unfinished(scene, error)
+    !! What a scene can say and no case follows yet.
+    !! **Errors**: `status_bad_input`.
+    type(scene_type), intent(in) :: scene
+    type(error_type), allocatable, intent(inout) :: error
+    logical :: asked
+    integer :: s
+    if (.not. allocated(scene%stiffening)) return
+    asked = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
+    if (allocated(scene%impact)) asked = asked .or. scene%impact%position /= 1.0_dp
+    do s = 1, size(scene%sweeps)
+      asked = asked .or. scene%sweeps(s)%parameter == 'impact%position'
+    end do
+    if (asked) call fail(error, status_bad_input, scene%file//': &stiffening: its tension is that of a uniform beam with a '// &
+                         'clamped root, struck at its tip; accepted: such a beam, or the scene without &stiffening')
+  end subroutine refuse_unfinished
 
   pure subroutine read_scene_text(text, path, scene, error)
     !! The same for a text; `path` names it in messages.
