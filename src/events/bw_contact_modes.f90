@@ -63,7 +63,7 @@ contains
       modes%onto(:, k) = [inertia*modes%mixing(:, k), gamma*modes%tip_in_full(k)]/mass
       modes%modal_mass(k) = real(mass, dp)
     end do
-    modes%tip = real(modes%tip_in_full, dp)
+    modes%struck = real(modes%tip_in_full, dp)
     call find_damping(motion, modes)
     call find_errors(motion, modes)
     modes%force = force_of(motion, modes)
@@ -210,7 +210,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     sums = self%overlap_of_beam(from, amplitude, monitor) &
-      + self%gamma*self%tip*dot_product(from%tip(:size(amplitude)), amplitude)
+      + self%gamma*self%struck*dot_product(from%struck(:size(amplitude)), amplitude)
   end function contact_overlap_with_mass
 
   pure function contact_elastic(self) result(squares)

@@ -51,7 +51,7 @@ contains
     motion%omega = omega
     motion%inertia = [numbers%mass, mass_ratio]
     motion%inertia_error = [numbers%mass_error, 0.0_dp]
-    motion%gap%a = [real(free%tip, qp), -1.0_qp]
+    motion%gap%a = [real(free%struck, qp), -1.0_qp]
     motion%gap%b = 0.0_qp*motion%gap%a
     motion%parts%square = [numbers%square, -omega**2]
     motion%parts%c = [numbers%damping, 0.0_qp]

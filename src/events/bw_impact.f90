@@ -44,7 +44,7 @@ contains
     real(dp), intent(in) :: gamma              !! m_j/m_i ≥ 0; 0 moves nothing
     real(dp), intent(in) :: restitution        !! 0 ≤ e ≤ 1
     real(dp) :: mobility, light, heavy, total
-    mobility = accurate_sum(modes%tip**2/modes%modal_mass)   ! Σφ_i(1)²/M_i
+    mobility = accurate_sum(modes%struck**2/modes%modal_mass)   ! Σφ_i(1)²/M_i
     light = 1.0_dp/max(1.0_dp, gamma)                        ! 1 and γ, both divided by the larger
     heavy = min(1.0_dp, gamma)
     total = light + heavy*mobility
@@ -53,7 +53,7 @@ contains
     impact%impulse = (1.0_dp + restitution)*heavy/total
     impact%mass_velocity = (heavy*mobility - restitution*light)/total
     impact%tip_velocity = (1.0_dp + restitution)*heavy*mobility/total
-    impact%modal_velocity = modes%tip*impact%impulse/modes%modal_mass
+    impact%modal_velocity = modes%struck*impact%impulse/modes%modal_mass
     impact%event = impact_balance(modes, impact)
   end function strike
 
@@ -67,7 +67,7 @@ contains
     event%energy_after = 0.5_dp*accurate_sum(modes%modal_mass*impact%modal_velocity**2) &
       + 0.5_dp*impact%gamma*impact%mass_velocity**2
     event%momentum_before = impact%gamma
-    event%momentum_after = modes%modal_mass(1)*impact%modal_velocity(1)/modes%tip(1) &
+    event%momentum_after = modes%modal_mass(1)*impact%modal_velocity(1)/modes%struck(1) &
       + impact%gamma*impact%mass_velocity
   end function impact_balance
 
@@ -94,8 +94,8 @@ contains
     event%kind = capture_event
     event%energy_before = impact%event%energy_after
     event%energy_after = 0.5_dp*accurate_sum(after%modal_mass*velocity**2)
-    event%momentum_before = accurate_sum(seen*impact%modal_velocity)/after%tip(1) + impact%gamma*impact%mass_velocity
-    event%momentum_after = after%modal_mass(1)*velocity(1)/after%tip(1)
+    event%momentum_before = accurate_sum(seen*impact%modal_velocity)/after%struck(1) + impact%gamma*impact%mass_velocity
+    event%momentum_after = after%modal_mass(1)*velocity(1)/after%struck(1)
   end function capture_balance
 
   pure function continuum_velocity(modes, gamma, restitution) result(velocity)
@@ -104,7 +104,7 @@ contains
     real(dp), intent(in) :: gamma              !! mass ratio
     real(dp), intent(in) :: restitution        !! e
     real(dp) :: velocity(modes%count)
-    velocity = (1.0_dp + restitution)*gamma*modes%tip/modes%modal_mass
+    velocity = (1.0_dp + restitution)*gamma*modes%struck/modes%modal_mass
   end function continuum_velocity
 
   pure type(impact_type) function continuum_impact(gamma, restitution) result(impact)

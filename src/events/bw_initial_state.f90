@@ -92,7 +92,7 @@ contains
     real(dp), intent(out) :: q(:), rate(:)          !! as many as these are long
     call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
     q = 0.0_dp
-    rate = force*loaded%tip/loaded%modal_mass
+    rate = force*loaded%struck/loaded%modal_mass
     call move(loaded, time, q, rate)
   end subroutine continuum_state
 

@@ -19,7 +19,6 @@ module bw_piece_set
     type(piece_modes) :: modes                   !! from which shapes follow
     real(dp), allocatable :: spun(:)             !! part of M_k on which the spin acts: translations in plane, turning out of it, (n)
     integer :: struck_joint = 1                  !! where the mass strikes, or has been captured
-    real(dp) :: struck_position = 1.0_dp         !! ξ₀ of it
     real(dp) :: body_inertia = 0.0_dp            !! J of the body that has been captured there
   contains
     procedure :: states => states_at
@@ -78,7 +77,7 @@ contains
       offset(p) = place(p)%offset
     end do
     do i = 1, size(self%modes%system%piece)
-      here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_position)
+      here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_at)
       if (size(here) == 0) cycle
       do k = first, last
         frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
@@ -87,7 +86,7 @@ contains
       end do
     end do
     do p = 1, size(xi)
-      if (xi(p) == self%struck_position) values(:, p) = self%tip(first:last)
+      if (xi(p) == self%struck_at) values(:, p) = self%struck(first:last)
       if (xi(p) == 0.0_dp .and. self%modes%system%beam%root%holds_deflection) values(:, p) = 0.0_dp
     end do
   end function piece_shapes

@@ -42,6 +42,9 @@ contains
     source%highest = highest_mode
     source%critical_speed = critical_speed_of(pieces%beam)
     source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
+    source%struck_at = pieces%position
+    source%uniform = size(pieces%beam%piece) == 1 .and. pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning &
+      .and. .not. any([pieces%beam%joint%stiffness%hi, pieces%beam%joint%turning_stiffness%hi] > 0.0_dp)
     source%quadratic = size(pieces%beam%piece) == 1 .and. source%decay > 2.0_dp
     if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
   end function source_of_pieces
@@ -74,6 +77,8 @@ contains
     found%body_inertia = self%pieces%captured%inertia%hi
     found%critical_speed = self%critical_speed
     found%agree_from = self%agree_from
+    found%struck_at = self%struck_at
+    found%uniform = self%uniform
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_of_pieces
@@ -128,7 +133,7 @@ contains
     set%count = n
     set%struck_joint = pieces
     set%modes%system = search%system
-    allocate (set%alpha(n), set%tip(n), set%modal_mass(n), set%spun(n), set%phase_velocity(n), set%group_velocity(n))
+    allocate (set%alpha(n), set%struck(n), set%modal_mass(n), set%spun(n), set%phase_velocity(n), set%group_velocity(n))
     allocate (set%beta_squared(n), set%modes%lambda(n), set%modes%square(n), set%modes%mass(n))
     allocate (set%modes%amplitude(4, pieces, n), set%modes%deflection(pieces, n), set%modes%turning(pieces, n))
   end subroutine size_set
@@ -176,7 +181,7 @@ contains
       modes%lambda(j) = lambda
       modes%mass(j) = probe%mass*scale**2
       set%modal_mass(j) = modes%mass(j)
-      set%tip(j) = modes%deflection(set%struck_joint, j)
+      set%struck(j) = modes%deflection(set%struck_joint, j)
       set%spun(j) = turning_part*scale**2
       if (system%beam%in_plane) then
         set%spun(j) = modes%mass(j) - (set%spun(j) + sum(system%beam%joint%inertia%hi*modes%turning(:, j)**2))

@@ -4,7 +4,7 @@ module bw_tail
   !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
   !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
   !! and integrate cubics over it.
-  use bw_coherence, only: deviation_type, from_tip, observation_type
+  use bw_coherence, only: deviation_type, observation_type, path_to, path_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -32,9 +32,11 @@ module bw_tail
     !! How some modes move.
     real(dp), allocatable :: reach(:)             !! how far, where the shape is 1, (modes)
     real(dp), allocatable :: alpha(:)             !! wave number times length, (modes)
-    real(dp), allocatable :: tip(:)               !! |Φ(1)|, (modes)
+    real(dp), allocatable :: tip(:)               !! |Φ(ξ₀)|, (modes)
     logical, allocatable :: swings(:)             !! its sign is as good as random, (modes)
     logical, allocatable :: agrees(:)             !! but may be that of all others at once, (modes)
+    real(dp) :: struck_at = 1.0_dp                !! ξ₀
+    logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
   end type moving_modes
 
 contains
@@ -51,7 +53,7 @@ contains
     real(dp) :: rising
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
-    rising = falls_beyond(source%gamma, seen%points)
+    rising = falls_beyond(source%gamma, abs(source%struck_at - seen%points))
     first = count + 1
     do while (first <= source%highest)
       last = window_end(first, source, seen%stretch%start)
@@ -73,13 +75,14 @@ contains
     end if
   end subroutine add_tail
 
-  pure real(dp) function falls_beyond(gamma, points) result(number)
-    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the tip shapes rise
-    !! from Φ(1).
-    real(dp), intent(in) :: gamma, points(:)
+  pure real(dp) function falls_beyond(gamma, distance) result(number)
+    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the struck place shapes
+    !! rise from Φ(ξ₀).
+    real(dp), intent(in) :: gamma
+    real(dp), intent(in) :: distance(:)           !! of the points from there
     real(dp), parameter :: risen = 3.0_dp         ! αd
     real(dp) :: nearest
-    nearest = minval(1.0_dp - points, mask=points < 1.0_dp)      ! huge where there is none
+    nearest = minval(distance, mask=distance > 0.0_dp)           ! huge where there is none
     number = max(1.0_dp/gamma, (risen/pi)/nearest)
   end function falls_beyond
 
@@ -141,10 +144,10 @@ contains
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
-      call add_modes(others, force*modes%tip/modes%modal_mass, seen, weight, sums)
+      call add_modes(others, force*modes%struck/modes%modal_mass, seen, weight, sums)
     else if (allocated(source%damping)) then
       call source%find(number, modes)
-      call add_modes(modes, force*modes%tip/modes%modal_mass, seen, weight, sums)
+      call add_modes(modes, force*modes%struck/modes%modal_mass, seen, weight, sums)
     else
       call add_terms(source, force, number, seen, weight, sums)
     end if
@@ -167,6 +170,8 @@ contains
     moving%tip = abs(drive)
     moving%swings = beta%hi > 0.0_dp
     moving%agrees = may_agree(moving%alpha, source%agree_from, seen%velocity)
+    moving%struck_at = source%struck_at
+    moving%uniform = source%uniform
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
@@ -223,11 +228,13 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     type(moving_modes) :: moving
     integer :: first, last
+    moving%struck_at = modes%struck_at
+    moving%uniform = modes%uniform
     do first = 1, modes%count, part
       last = min(first + part - 1, modes%count)
       associate (square => modes%beta_squared(first:last))
         moving%alpha = modes%alpha(first:last)
-        moving%tip = abs(modes%tip(first:last))
+        moving%tip = abs(modes%struck(first:last))
         moving%agrees = may_agree(moving%alpha, modes%agree_from, seen%velocity)
         if (allocated(modes%damping)) then
           moving%swings = turns(square, modes%damping(first:last))
@@ -250,18 +257,24 @@ contains
     real(dp), intent(in) :: weight(:)             !! (modes)
     type(deviation_type), intent(inout) :: sums(:)
     type(deviation_type) :: sum                   ! in registers
-    real(dp) :: amplitude, distance, peak
+    type(path_type) :: path
+    real(dp), parameter :: at_free_end = 2.0_dp   ! a bound of |Φ(ξ)| of any beam, nearly
+    real(dp) :: amplitude, bound, distance, peak
     logical :: slow
     integer :: k, p
     do p = 1, size(sums)
-      distance = from_tip(seen%points(p))
-      slow = run_length*min(seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
+      path = path_to(seen%points(p), moving%struck_at, moving%uniform)
+      distance = path%distance
+      slow = run_length*min(seen%points(p), 1.0_dp - seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
+      if (.not. moving%uniform) slow = slow .and. seen%points(p) /= moving%struck_at
       sum = sums(p)
       do k = 1, size(moving%reach)
         amplitude = moving%reach(k)*abs(shapes(k, p))
         peak = amplitude
         if (slow .and. weight(k) > 1.0_dp) then
-          peak = max(amplitude, moving%reach(k)*largest_shape(seen%points(p), moving%alpha(k), moving%tip(k)))
+          bound = at_free_end
+          if (moving%uniform) bound = largest_shape(seen%points(p), moving%alpha(k), moving%tip(k))
+          peak = max(amplitude, moving%reach(k)*bound)
           amplitude = max(amplitude, mean*peak)
         end if
         if (moving%swings(k)) then
