@@ -9,7 +9,7 @@ module bw_release
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: first_struck, mode_set
   use bw_monitor, only: monitor_type
   use bw_segment, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   implicit none (type, external)
@@ -50,6 +50,7 @@ contains
     type(energy_type), intent(in), optional :: energy    !! of beam and mass until then; absent: that of the state
     class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
     real(dp) :: tip_displacement, tip_velocity
+    integer :: i, k
     type(energy_type) :: before, leaving, after
     tip_displacement = dot_product(loaded%struck, q)
     tip_velocity = dot_product(loaded%struck, rate)
@@ -71,8 +72,10 @@ contains
       event%kind = release_event
       event%energy_before = known_energy(before)
       event%energy_after = known_energy(after)
-      event%momentum_before = dot_product(loaded%overlap_with_mass(free, [1.0_dp]), rate)/free%struck(1)
-      event%momentum_after = free%modal_mass(1)*release%rate(1)/free%struck(1) + loaded%gamma*tip_velocity
+      k = first_struck(free)
+      event%momentum_before = dot_product(loaded%overlap_with_mass(free, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)]), rate) &
+        /free%struck(k)
+      event%momentum_after = free%modal_mass(k)*release%rate(k)/free%struck(k) + loaded%gamma*tip_velocity
     end associate
     if (.not. is_missing(release%event%energy_after)) release%energy_lost = before%value - after%value
   end function release_mass

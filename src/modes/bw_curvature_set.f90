@@ -63,6 +63,7 @@ contains
     found%uniform = modes%uniform
     found%modal_mass = modes%modal_mass
     found%critical_speed = modes%critical_speed
+    found%grows_at_any_speed = modes%grows_at_any_speed
     found%resolved = modes%resolved
     call move_alloc(found, bent)
   end subroutine bent_set

@@ -9,7 +9,7 @@ module bw_mode_set
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
-  public :: terms_of_set, first_numbers
+  public :: terms_of_set, first_numbers, first_struck
 
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
@@ -29,6 +29,7 @@ module bw_mode_set
     logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
     logical :: known_by_mass = .false.            !! shapes follow from γ and n alone: these are the first modes, in closed form
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
+    logical :: grows_at_any_speed = .false.       !! nothing holds the beam against turning: it does so at every ω > 0
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
     procedure(shapes_interface), deferred :: some_shapes
@@ -149,6 +150,15 @@ contains
     integer :: k
     number = [(k, k=1, count)]
   end function first_numbers
+
+  pure integer function first_struck(modes) result(k)
+    !! The first mode that a blow reaches: not one that is at rest where the mass strikes.
+    class(mode_set), intent(in) :: modes
+    real(dp), parameter :: at_rest = 1.0e-3_dp
+    associate (shape => abs(modes%struck))
+      k = max(1, findloc(shape > at_rest*maxval(shape), .true., dim=1))
+    end associate
+  end function first_struck
 
   pure subroutine damp(self, law)
     !! Damp the modes that were found: set c_k, and β² − c²/4.

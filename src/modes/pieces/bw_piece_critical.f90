@@ -12,7 +12,7 @@ module bw_piece_critical
   use bw_piece_beam, only: modes_at_rest, piece_beam
   implicit none (type, external)
   private
-  public :: critical_speed_of
+  public :: critical_speed_of, without_inertia
 
 contains
 
@@ -33,14 +33,8 @@ contains
     type(mode_search) :: search
     type(dd) :: lambda
     logical :: found
-    integer :: i
     omega = dd()
-    still = beam
-    still%spin_squared = dd()
-    do i = 1, size(still%piece)
-      still%piece(i)%rotary = dd()
-      still%joint(i)%inertia = dd()
-    end do
+    still = without_inertia(beam)
     if (modes_at_rest(still) > 0) return
     search = search_in(still)
     call find_mode(search, 1, lambda, found)
@@ -48,6 +42,18 @@ contains
     call refine(search%system, search%probe, lambda)
     omega = sqrt(lambda)
   end function speed_in_plane
+
+  pure type(piece_beam) function without_inertia(beam) result(still)
+    !! The beam at rest, of which nothing that turns has inertia.
+    type(piece_beam), intent(in) :: beam
+    integer :: i
+    still = beam
+    still%spin_squared = dd()
+    do i = 1, size(still%piece)
+      still%piece(i)%rotary = dd()
+      still%joint(i)%inertia = dd()
+    end do
+  end function without_inertia
 
   type(dd) function speed_out_of_plane(beam) result(omega)
     type(piece_beam), intent(in) :: beam

@@ -7,8 +7,8 @@ module bw_piece_source
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_beam, only: piece_beam
-  use bw_piece_critical, only: critical_speed_of
+  use bw_piece_beam, only: modes_at_rest, piece_beam
+  use bw_piece_critical, only: critical_speed_of, without_inertia
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
   use bw_piece_set, only: piece_set
@@ -28,7 +28,8 @@ module bw_piece_source
 
   type, extends(mode_source), public :: piece_source
     type(struck_beam) :: pieces
-    type(dd) :: critical_speed                       !! as that of a set
+    type(dd) :: critical_speed                       !! as those of a set
+    logical :: grows_at_any_speed = .false.
   contains
     procedure :: find => find_of_pieces
   end type piece_source
@@ -41,6 +42,8 @@ contains
     source%gamma = pieces%captured%mass%hi
     source%highest = highest_mode
     source%critical_speed = critical_speed_of(pieces%beam)
+    source%grows_at_any_speed = modes_at_rest(without_inertia(pieces%beam)) > 0 .and. &
+      (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
     source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
     source%struck_at = pieces%position
     source%uniform = size(pieces%beam%piece) == 1 .and. pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning &
@@ -76,6 +79,7 @@ contains
     found%gamma = self%gamma
     found%body_inertia = self%pieces%captured%inertia%hi
     found%critical_speed = self%critical_speed
+    found%grows_at_any_speed = self%grows_at_any_speed
     found%agree_from = self%agree_from
     found%struck_at = self%struck_at
     found%uniform = self%uniform

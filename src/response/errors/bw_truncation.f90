@@ -134,15 +134,15 @@ contains
     end do
   end function stretches_of
 
-  elemental real(dp) function with_start(estimate, start, xi, jump) result(error)
+  elemental real(dp) function with_start(estimate, start, struck, jump) result(error)
     !! The estimate for a velocity, and no less than what its first sample lacks: of infinitely many modes the beam is at
-    !! rest but for the tip.
+    !! rest but for the place that the mass strikes.
     real(dp), intent(in) :: estimate        !! of `truncation_error` or `tail_error`
     real(dp), intent(in) :: start           !! the velocity at t = 0
-    real(dp), intent(in) :: xi              !! where, ξ
-    real(dp), intent(in) :: jump            !! of the tip's velocity, (1+e)V, in the same unit
-    real(dp), parameter :: margin = 1.25_dp ! empirical: near the tip the next samples still see some of that coherence
-    error = max(estimate, margin*abs(start - merge(jump, 0.0_dp, xi == 1.0_dp)))
+    logical, intent(in) :: struck           !! the point is that place
+    real(dp), intent(in) :: jump            !! of the velocity there, (1+e)V, in the same unit
+    real(dp), parameter :: margin = 1.25_dp ! empirical: nearby the next samples still see some of that coherence
+    error = max(estimate, margin*abs(start - merge(jump, 0.0_dp, struck)))
   end function with_start
 
 end module bw_truncation
