@@ -25,8 +25,9 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
-    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&sweep` as often as', &
-    '  needed. Between groups only comments and blanks may stand. `&end` and `$name` are not accepted.', &
+    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body` and', &
+    '  `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and `$name` are not', &
+    '  accepted.', &
     '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &

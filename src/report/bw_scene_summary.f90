@@ -2,6 +2,7 @@ module bw_scene_summary
   !! What a scene simulates, by which method, and what it takes: the head of a report, and `beamwave check`.
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
+  use bw_beam_par, only: beam_text
   use bw_beam_units, only: beam_units, units_of
   use bw_case_fields, only: blocks_for, case_block, case_length, fields_of
   use bw_hint, only: hint_line
@@ -35,8 +36,8 @@ contains
     type(beam_units) :: units
     units = units_of(scene%beam)
     call lines%append_line('  scene      '//scene%file)
-    call lines%append_line('  beam       length '//shortest(units%length, 6)//' m, mass '//shortest(units%mass, 6)// &
-                           ' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+    call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
+                           shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
     call lines%append_line('  effects    '//effects_text(scene))
     call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))

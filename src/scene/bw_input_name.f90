@@ -8,8 +8,8 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, default_number, has_numbers, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, &
-    place_of, quoted_words, range_text
+  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, place_of, &
+    quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
   integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5
@@ -31,7 +31,7 @@ module bw_input_name
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(480) :: rules = ''             !! what its names have to do with each other
+    character(560) :: rules = ''             !! what its names have to do with each other
     character(48) :: needs = ''              !! groups that have to be there too, by blanks
     logical :: required = .false.
     logical :: implied = .false.             !! absent is the same as empty
@@ -46,7 +46,7 @@ module bw_input_name
     character(name_length) :: group = ''
     character(name_length) :: name = ''
     integer :: kind = real_input             !! one of the kinds above
-    character(8) :: unit = '1'               !! as UDUNITS writes it; '' where another name has it
+    character(12) :: unit = '1'              !! as UDUNITS writes it; '' where another name has it
     type(number_range) :: range = any_number !! of each number
     character(24) :: default = ''            !! as a scene would write it; '' where there is none
     logical :: required = .false.
@@ -56,7 +56,8 @@ module bw_input_name
     character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
     character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
     character(80) :: meaning = ''
-    logical :: changes_shapes = .false.      !! where it is not its default, modes have no closed form here
+    logical :: changes_shapes = .false.      !! where it is not `plain`, modes have no closed form here
+    real(dp) :: plain = 0.0_dp
   end type input_name
 
 contains
@@ -86,12 +87,6 @@ contains
     has_numbers = is_number(row) .or. row%kind == reals_input
   end function has_numbers
 
-  pure real(dp) function default_number(row) result(number)
-    !! The default of one number that has one.
-    type(input_name), intent(in) :: row
-    read (row%default, *) number
-  end function default_number
-
   elemental logical function is_sweepable(row)
     !! A `&sweep` may vary it, of a list one of its numbers.
     type(input_name), intent(in) :: row
@@ -106,11 +101,12 @@ contains
   end function place_of
 
   pure function kind_text(row) result(text)
-    !! `real`, `whole number`, `logical`, `text`, `reals`.
+    !! `real`, `whole number`, `logical`, `text`, `reals`, `real or list`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
     character(12), parameter :: names(*) = [character(12) :: 'real', 'whole number', 'logical', 'text', 'reals']
     text = trim(names(row%kind))
+    if (row%along /= '') text = 'real or list'
   end function kind_text
 
   pure function range_text(row) result(text)

@@ -6,7 +6,6 @@ module bw_scene
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
-  use bw_input_name, only: default_number
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp
@@ -193,8 +192,8 @@ contains
   end function effect_names
 
   pure logical function changes_shapes(scene) result(changes)
-    !! Its modes have no closed form here: the beam has pieces, a group is there, or a number is not its default, of which the
-    !! table says so.
+    !! Its modes have no closed form here: the beam has pieces, or a group is there, or a number is not the plain one, of which
+    !! the table says so.
     type(scene_type), intent(in) :: scene
     integer :: g, v
     changes = allocated(scene%beam%pieces)
@@ -205,7 +204,7 @@ contains
       do v = 1, size(scene%groups(g)%values)
         associate (row => name_table(scene%groups(g)%values(v)%row))
           if (.not. row%changes_shapes) cycle
-          changes = scene%groups(g)%number(row%name) /= default_number(row)
+          changes = scene%groups(g)%number(row%name) /= row%plain
         end associate
         if (changes) return
       end do

@@ -17,7 +17,7 @@ module bw_scene_resolved
   type, public :: numeric_input
     !! A number that the resolved scene holds, or several along a dimension.
     character(name_length) :: group = '', name = ''
-    character(8) :: unit = ''            !! as UDUNITS writes it
+    character(12) :: unit = ''           !! as UDUNITS writes it
     character(80) :: meaning = ''
     logical :: is_integer = .false.
     character(8) :: dimension = ''       !! along which there may be several; '' for one number

@@ -155,7 +155,11 @@ contains
     target%place = target%place//'%'//trim(row%name)
     target%element = max(1, name_number)
     associate (value => groups(target%group)%values(target%value))
-      call choose('value', target%place, '', max(1, groups(target%group)%count_of(row%name)), name_number, problem)
+      if (name_number /= 0 .and. .not. value%given) then
+        problem = "names one of several values, and none is given; accepted: '"//target%place//"'"
+      else
+        call choose('value', target%place, '', max(1, groups(target%group)%count_of(row%name)), name_number, problem)
+      end if
       if (problem /= '') return
       if (groups(target%group)%count_of(row%name) > 1) target%place = target%place//'('//text_of(target%element)//')'
       if (.not. allocated(value%sweeps)) return

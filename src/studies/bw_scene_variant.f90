@@ -112,15 +112,17 @@ contains
   end function has_group
 
   pure function without_group(text, group) result(edited)
-    !! The text without a group; the same text where the group is not there.
+    !! The text without all groups of a name; the same text where there is none.
     character(*), intent(in) :: text, group
     character(:), allocatable :: edited
     integer :: first, last
     edited = text
-    first = start_of(text, group)
-    if (first == 0) return
-    last = end_of(text, first)
-    edited = text(:first - 1)//text(last + 1:)
+    do
+      first = start_of(edited, group)
+      if (first == 0) return
+      last = end_of(edited, first)
+      edited = edited(:first - 1)//edited(last + 1:)
+    end do
   end function without_group
 
   pure function with_group(text, group, values) result(edited)

@@ -15,6 +15,8 @@ contains
     select case (name)
     case ('scene'); call read_header(lines, both)
     case ('beam'); call read_beam(lines, both)
+    case ('support'); call read_support(lines, both)
+    case ('body'); call read_body(lines, both)
     case ('rotation'); call read_rotation(lines, both)
     case ('stiffening'); call read_stiffening(lines, both)
     case ('shear'); call read_shear(lines, both)
@@ -43,22 +45,58 @@ contains
   subroutine read_beam(lines, both)
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
-    real(dp) :: length, density, youngs_modulus, diameter, area, second_moment
-    namelist /beam/ length, density, youngs_modulus, diameter, area, second_moment
+    real(dp), dimension(most_values) :: length, density, youngs_modulus, diameter, width, height, area, second_moment
+    namelist /beam/ length, density, youngs_modulus, diameter, width, height, area, second_moment
     length = unset
     density = unset
     youngs_modulus = unset
     diameter = unset
+    width = unset
+    height = unset
     area = unset
     second_moment = unset
     read (lines, nml=beam, iostat=both%stat)
-    call both%same_real('length', length)
-    call both%same_real('density', density)
-    call both%same_real('youngs_modulus', youngs_modulus)
-    call both%same_real('diameter', diameter)
-    call both%same_real('area', area)
-    call both%same_real('second_moment', second_moment)
+    call both%same_list('length', length)
+    call both%same_list('density', density)
+    call both%same_list('youngs_modulus', youngs_modulus)
+    call both%same_list('diameter', diameter)
+    call both%same_list('width', width)
+    call both%same_list('height', height)
+    call both%same_list('area', area)
+    call both%same_list('second_moment', second_moment)
   end subroutine read_beam
+
+  subroutine read_support(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: stiffness, rotational_stiffness
+    namelist /support/ stiffness, rotational_stiffness
+    stiffness = unset
+    rotational_stiffness = unset
+    read (lines, nml=support, iostat=both%stat)
+    call both%same_real('stiffness', stiffness)
+    call both%same_real('rotational_stiffness', rotational_stiffness)
+  end subroutine read_support
+
+  subroutine read_body(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    real(dp) :: position, mass, mass_ratio, rotary_inertia, stiffness, rotational_stiffness
+    namelist /body/ position, mass, mass_ratio, rotary_inertia, stiffness, rotational_stiffness
+    position = unset
+    mass = unset
+    mass_ratio = unset
+    rotary_inertia = unset
+    stiffness = unset
+    rotational_stiffness = unset
+    read (lines, nml=body, iostat=both%stat)
+    call both%same_real('position', position)
+    call both%same_real('mass', mass)
+    call both%same_real('mass_ratio', mass_ratio)
+    call both%same_real('rotary_inertia', rotary_inertia)
+    call both%same_real('stiffness', stiffness)
+    call both%same_real('rotational_stiffness', rotational_stiffness)
+  end subroutine read_body
 
   subroutine read_rotation(lines, both)
     character(*), intent(in) :: lines(:)
@@ -112,17 +150,19 @@ contains
   subroutine read_impact(lines, both)
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
-    real(dp) :: mass, mass_ratio, approach_velocity, restitution
+    real(dp) :: mass, mass_ratio, position, approach_velocity, restitution
     integer :: profile_points
-    namelist /impact/ mass, mass_ratio, approach_velocity, restitution, profile_points
+    namelist /impact/ mass, mass_ratio, position, approach_velocity, restitution, profile_points
     mass = unset
     mass_ratio = unset
+    position = unset
     approach_velocity = unset
     restitution = unset
     profile_points = unset_whole
     read (lines, nml=impact, iostat=both%stat)
     call both%same_real('mass', mass)
     call both%same_real('mass_ratio', mass_ratio)
+    call both%same_real('position', position)
     call both%same_real('approach_velocity', approach_velocity)
     call both%same_real('restitution', restitution)
     call both%same_whole('profile_points', profile_points)

@@ -2,7 +2,7 @@ module fortran_reading
   !! An independent opinion of what a text says: the namelist input of the compiler's own library. It takes more than
   !! scenes may hold and says less when it refuses, but what it reads, it reads as the language defines.
   use bw_input_table, only: group_table
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values, positions_of
   use bw_kinds, only: dp
   use bw_scene, only: scene_type
   use bw_sweep_par, only: sweep_par
@@ -28,13 +28,17 @@ contains
     type(reading_type), intent(inout) :: reading
     character(:), allocatable, intent(out) :: fault  !! empty for none
     character(:), allocatable :: lines(:)
-    integer :: i
+    integer, allocatable :: places(:)
+    integer :: i, g
     fault = ''
     lines = lines_of(text)
     if (misreads(text, lines, scene%header%title)) return
     do i = 1, size(group_table)
-      if (fault == '' .and. group_table(i)%name /= 'sweep') &
-        call compare_group(lines, scene%groups, trim(group_table(i)%name), reading, fault)
+      if (group_table(i)%name == 'sweep') cycle
+      places = [positions_of(scene%groups, group_table(i)%name), 0]
+      do g = 1, max(1, size(places) - 1)
+        if (fault == '') call compare_group(lines, scene%groups, places(g), trim(group_table(i)%name), reading, fault)
+      end do
     end do
     if (fault == '') call compare_sweeps(lines, scene%sweeps, reading, fault)
   end subroutine compare_with_fortran
@@ -74,18 +78,23 @@ contains
     if (first > 0) opens_with_comma = line(first:first) == ','
   end function opens_with_comma
 
-  subroutine compare_group(lines, groups, name, reading, fault)
+  subroutine compare_group(lines, groups, g, name, reading, fault)
+    !! One group of the scene; where several share a line Fortran sees the first of them.
     character(*), intent(in) :: lines(:), name
     type(group_values), intent(in) :: groups(:)
+    integer, intent(in) :: g                         !! its place among the groups; 0: there is none
     type(reading_type), intent(inout) :: reading
     character(:), allocatable, intent(inout) :: fault
     type(comparison) :: both
-    integer :: g, first
+    integer :: first
     both%differing = ''
     first = 0
-    g = position_of(groups, name)
     if (g > 0) both%group = groups(g)
     if (g > 0) first = groups(g)%line
+    if (count(groups%group == name .and. groups%line == first) > 1) then
+      reading%unread = reading%unread + 1
+      return
+    end if
     call read_group(lines(max(1, first):), name, both)
     if (first == 0) then
       if (both%differing /= '' .or. size(openings(lines, name)) > 0) fault = '&'//name//' is there, and was not read'
@@ -150,7 +159,7 @@ contains
     read (lines, nml=sweep, iostat=stat)
     if (stat /= 0) fault = 'a sweep is accepted, and Fortran refuses it'
     n = size(held%values)
-    if (lower(parameter) /= held%parameter) fault = 'sweep%parameter'
+    if (without_numbers(lower(parameter)) /= without_numbers(held%parameter)) fault = 'sweep%parameter'
     if (held%spacing == '') then
       if (.not. same_reals(held%values, values)) fault = 'sweep%values'
     else if (values(1) /= unset .or. first /= held%values(1) .or. last /= held%values(n) .or. count /= n &
@@ -158,5 +167,20 @@ contains
       fault = 'sweep between two ends'
     end if
   end subroutine compare_sweep
+
+  pure function without_numbers(parameter) result(text)
+    !! The names alone: `body(02)%mass` is held as `body(2)%mass`, and with one body as `body%mass`.
+    character(*), intent(in) :: parameter
+    character(:), allocatable :: text
+    integer :: i
+    logical :: inside
+    text = ''
+    inside = .false.
+    do i = 1, len_trim(parameter)
+      if (parameter(i:i) == '(') inside = .true.
+      if (.not. inside) text = text//parameter(i:i)
+      if (parameter(i:i) == ')') inside = .false.
+    end do
+  end function without_numbers
 
 end module fortran_reading

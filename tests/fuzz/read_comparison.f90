@@ -69,6 +69,7 @@ contains
     real(dp), intent(in) :: read(:)
     type(input_value) :: value
     value = self%held(name)
+    if (value%follows_sweep()) return
     if (value%given) then
       if (.not. same_reals(value%numbers, closed(read))) self%differing = name
     else if (any(read /= unset)) then

@@ -11,10 +11,11 @@ module scene_mutations
     tab//nl//carriage_return//achar(0)//char(194)//char(160)//char(255)
   character(*), parameter :: nasty_tokens(*) = [character(25) :: '1/2', '1.0-3', '1e999', '-1e-320', 'NaN', '-Inf', &
     '2*', '0*1', '2*0.5', '3*,', ',,', ';', '= =', '&end', '$end', '/', '!', '&rotatoin', '&sweep', '&capture /', &
-    '&modes', '&scene', '& beam', 'beam%length = 1', 'points(1) = 0.5', 'length', 'length =', 'samples = 64', &
-    'before = 9', 'count = 1000000', 'plane', 'title =', "'", '"', "''", "'impact%mass'", "'in'", '.true.', 'Tuesday', 't', &
-    '.f', '1d0', '+.5', '1.', '007', '1_8', '1q2', '0x1F', '(1.0, 2.0)', '99999999999', '4294967297', '-0.0', '4.9e-324', &
-    '179769313486231580793e289', 'e5', '1.5', "spacing = 'log'", '1,5', tab, carriage_return//nl, &
+    '&modes', '&body', '&support', '&scene', '& beam', 'beam%length = 1', 'points(1) = 0.5', 'length', 'length =', 'samples = 64', &
+    'before = 9', 'count = 1000000', 'plane', 'title =', "'", '"', "''", "'impact%mass'", "'body(2)%mass'", &
+    "'beam%length(1)'", '0.3, 0.7', "'in'", '.true.', 'Tuesday', 't', '.f', '1d0', '+.5', '1.', '007', '1_8', '1q2', &
+    '0x1F', '(1.0, 2.0)', '99999999999', '4294967297', '-0.0', '4.9e-324', '179769313486231580793e289', 'e5', '1.5', &
+    "spacing = 'log'", '1,5', tab, carriage_return//nl, &
     char(239)//char(187)//char(191), char(195)//char(188), char(195), achar(0), achar(11), char(194)//char(160)]
 
 contains

@@ -36,8 +36,8 @@ module bw_body_par
                meaning='moment of inertia of the body about its place'), &
     input_name('body', 'stiffness', real_input, 'N m-1', not_negative, '0', swept=.true., &
                meaning='of a spring against the deflection there'), &
-    input_name('body', 'rotational_stiffness', real_input, 'N m', not_negative, '0', swept=.true., &
-               meaning='of a spring against the turning there, N m/rad')]
+    input_name('body', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, '0', swept=.true., &
+               meaning='of a spring against the turning there')]
 
   character(*), parameter :: and = ' and '
 

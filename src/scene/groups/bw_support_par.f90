@@ -23,8 +23,8 @@ module bw_support_par
   type(input_name), parameter, public :: support_names(*) = [ &
     input_name('support', 'stiffness', real_input, 'N m-1', not_negative, swept=.true., &
                meaning='of a spring against the deflection of the root'), &
-    input_name('support', 'rotational_stiffness', real_input, 'N m', not_negative, swept=.true., &
-               meaning='of a spring against the turning of the root, N m/rad')]
+    input_name('support', 'rotational_stiffness', real_input, 'N m rad-1', not_negative, swept=.true., &
+               meaning='of a spring against the turning of the root')]
 
 contains
 

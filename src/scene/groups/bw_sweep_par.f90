@@ -21,7 +21,8 @@ module bw_sweep_par
   type(input_group), parameter, public :: sweep_group = input_group( &
     'sweep', repeatable=.true., absent='one case', &
     rules='Give `values`, or `first`, `last` and `count`. With several sweeps each combination of their values is a case; '// &
-    'the value of the first changes slowest. The swept name''s group must be present; a value given there is replaced. '// &
+    'the value of the first changes slowest. The swept name''s group must be present; a value given there is replaced. One of '// &
+    'several is named by its number, as `body(2)%mass` or `beam%length(1)`. '// &
     'With n = count, value i = 0 ... n-1 is ((n-1-i) first + i last)/(n-1), or with logarithmic spacing first '// &
     '(last/first)^(i/(n-1)).')
 
