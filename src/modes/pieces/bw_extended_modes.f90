@@ -221,7 +221,7 @@ contains
       associate (probe => divided%probe, motion => divided%stiffness%motion, unit => divided%probe%unit)
         if (size(search%force, 2) /= size(motion, 2)) call start(search, 1)
         call hold_root(divided%system, search%force)
-        call move_joints(search%force, divided%stiffness)
+        call move_joints(search%force, unit, divided%stiffness)
         largest = max(maxval(abs(motion)/unit(1:2, :)), real(tiny(1.0_dp), qp))
         motion = motion/largest
         search%force = search%force/largest

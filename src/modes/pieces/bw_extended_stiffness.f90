@@ -4,7 +4,8 @@ module bw_extended_stiffness
   !!
   !! A piece answers even motions of its ends, e = (d + Dd')/2, and odd ones, o = (d − Dd')/2, each by itself: d = (v, ψ) at the
   !! outer, d' at the inner end, D = diag(1, −1). The joints are let go one by one from the root, and the pivots' negative
-  !! eigenvalues are counted (Wittrick and Williams, bw_mode_count).
+  !! eigenvalues are counted (Wittrick and Williams, bw_mode_count). Motions come from elimination with exchange of rows:
+  !! far up, cantilevers and free beams share their frequencies, and two pivots in a row may vanish.
   use bw_double_double, only: dd, to_quad, operator(-), operator(*)
   use bw_extended_ends, only: extended_ends, hinged_below
   use bw_kinds, only: dp, qp
@@ -15,12 +16,15 @@ module bw_extended_stiffness
   private
   public :: size_stiffness, find_stiffness, move_joints, amplitudes_of
 
+  integer, parameter :: width = 3                  !! of the band on both sides
+  real(qp), parameter :: least_pivot = 1.0e-35_qp  !! of rows of size 1: below it is rounding
+
   type, public :: extended_stiffness
     type(dd), allocatable :: outer(:, :, :)        !! states at the outer ends of the motions of each piece, (4, 4, n)
     real(qp), allocatable :: even(:, :, :)         !! forces N and M for e, (2, 2, n)
     real(qp), allocatable :: odd(:, :, :)          !! and for o, (2, 2, n)
     real(qp), allocatable :: link(:, :, :)         !! forces at the outer end for motion of the inner end, (2, 2, n)
-    real(qp), allocatable :: pivot(:, :, :)        !! inverse of the stiffness of a joint with all inside of it, (2, 2, 0:n)
+    real(qp), allocatable :: own(:, :, :)          !! forces at each joint for its own motion, (2, 2, 0:n)
     real(qp), allocatable :: motion(:, :)          !! v and ψ of the joints, (2, 0:n)
     integer :: below = 0                           !! modes below the frequency
     real(qp) :: regular = 1.0_qp                   !! distance of the frequency from clamped modes of the pieces, 0 … 1
@@ -31,7 +35,7 @@ contains
   pure subroutine size_stiffness(n, stiffness)
     integer, intent(in) :: n                       !! pieces
     type(extended_stiffness), intent(out) :: stiffness
-    allocate (stiffness%outer(4, 4, n), stiffness%even(2, 2, n), stiffness%odd(2, 2, n), stiffness%pivot(2, 2, 0:n))
+    allocate (stiffness%outer(4, 4, n), stiffness%even(2, 2, n), stiffness%odd(2, 2, n), stiffness%own(2, 2, 0:n))
     allocate (stiffness%link(2, 2, n), stiffness%motion(2, 0:n))
   end subroutine size_stiffness
 
@@ -39,29 +43,37 @@ contains
     type(piece_system), intent(in) :: system
     type(piece_frequency), intent(in) :: frequency
     type(extended_stiffness), intent(inout) :: stiffness
-    real(qp) :: pivot(2, 2)
     integer :: i, n
     n = size(system%piece)
     stiffness%below = 0
     stiffness%regular = 1.0_qp
+    stiffness%own(:, :, 0) = root_springs(system%beam%root)
     do i = 1, n
       call find_piece(system, frequency, i, stiffness)
+      stiffness%own(:, :, i) = load_of(system%beam%joint(i), frequency)
     end do
-    pivot = inner_block(stiffness, 1) + root_springs(system%beam%root)
-    call hold_root(system%beam%root, pivot)
-    call free_of_root(system%beam%root, stiffness%link(:, :, 1))
-    do i = 0, n
+    do i = 1, n
+      stiffness%own(:, :, i) = stiffness%own(:, :, i) + outer_block(stiffness, i)
+      stiffness%own(:, :, i - 1) = stiffness%own(:, :, i - 1) + inner_block(stiffness, i)
+    end do
+    call hold_root(system%beam%root, stiffness%own(:, :, 0), stiffness%link(:, :, 1))
+    call count_negatives(stiffness)
+  end subroutine find_stiffness
+
+  pure subroutine count_negatives(stiffness)
+    !! Let the joints go from the root outwards.
+    type(extended_stiffness), intent(inout) :: stiffness
+    real(qp) :: pivot(2, 2), link(2, 2)
+    integer :: i
+    pivot = stiffness%own(:, :, 0)
+    do i = 0, ubound(stiffness%own, 3)
       if (i > 0) then
-        associate (link => stiffness%link(:, :, i))
-          pivot = outer_block(stiffness, i) + load_of(system%beam%joint(i), frequency) &
-            - matmul(link, matmul(stiffness%pivot(:, :, i - 1), transpose(link)))
-        end associate
-        if (i < n) pivot = pivot + inner_block(stiffness, i + 1)
+        link = stiffness%link(:, :, i)
+        pivot = stiffness%own(:, :, i) - product_of(product_of(link, inverse(pivot)), transpose(link))
       end if
       stiffness%below = stiffness%below + negative_eigenvalues(pivot)
-      stiffness%pivot(:, :, i) = inverse(pivot)
     end do
-  end subroutine find_stiffness
+  end subroutine count_negatives
 
   pure subroutine find_piece(system, frequency, i, stiffness)
     type(piece_system), intent(in) :: system
@@ -138,27 +150,21 @@ contains
     k(2, 2) = to_quad(root%turning_stiffness)
   end function root_springs
 
-  pure subroutine hold_root(root, pivot)
+  pure subroutine hold_root(root, own, link)
     !! What is held takes part no more.
     type(beam_root), intent(in) :: root
-    real(qp), intent(inout) :: pivot(2, 2)
-    integer :: j
+    real(qp), intent(inout) :: own(2, 2), link(2, 2)
     logical :: held(2)
+    integer :: j
     held = [root%holds_deflection, root%holds_turning]
     do j = 1, 2
       if (.not. held(j)) cycle
-      pivot(j, :) = 0.0_qp
-      pivot(:, j) = 0.0_qp
-      pivot(j, j) = 1.0_qp
+      own(j, :) = 0.0_qp
+      own(:, j) = 0.0_qp
+      own(j, j) = 1.0_qp
+      link(:, j) = 0.0_qp
     end do
   end subroutine hold_root
-
-  pure subroutine free_of_root(root, link)
-    type(beam_root), intent(in) :: root
-    real(qp), intent(inout) :: link(2, 2)
-    if (root%holds_deflection) link(:, 1) = 0.0_qp
-    if (root%holds_turning) link(:, 2) = 0.0_qp
-  end subroutine free_of_root
 
   pure integer function negative_eigenvalues(k) result(number)
     real(qp), intent(in) :: k(2, 2)
@@ -180,29 +186,79 @@ contains
     inverse(:, 2) = [-k(1, 2), k(1, 1)]/det
   end function inverse
 
-  pure subroutine move_joints(force, stiffness)
+  pure subroutine move_joints(force, unit, stiffness)
     !! How the joints move under forces.
     real(qp), intent(in) :: force(:, 0:)           !! N and M at each joint, 0 where the root is held, (2, 0:n)
+    real(dp), intent(in) :: unit(:, 0:)            !! sizes of v and ψ at the joints, (2, 0:n)
     type(extended_stiffness), intent(inout) :: stiffness   !! as found
-    integer :: i, n
+    real(qp) :: band(-width:2*width, 2*size(force, 2)), side(2*size(force, 2)), largest
+    integer :: i, j, r, n
     n = ubound(force, 2)
-    associate (d => stiffness%motion, pivot => stiffness%pivot, link => stiffness%link)
-      d(:, 0) = force(:, 0)
-      do i = 1, n
-        d(:, i) = force(:, i) - times(link(:, :, i), times(pivot(:, :, i - 1), d(:, i - 1)))
+    band = 0.0_qp
+    do i = 0, n
+      do j = 1, 2
+        r = 2*i + j
+        band(1 - j:2 - j, r) = stiffness%own(j, :, i)*unit(1:2, i)
+        if (i > 0) band(-1 - j:-j, r) = stiffness%link(j, :, i)*unit(1:2, i - 1)
+        if (i < n) band(3 - j:4 - j, r) = stiffness%link(:, j, i + 1)*unit(1:2, i + 1)
+        largest = maxval(abs(band(:, r)))
+        band(:, r) = band(:, r)/largest
+        side(r) = force(j, i)/largest
       end do
-      d(:, n) = times(pivot(:, :, n), d(:, n))
-      do i = n - 1, 0, -1
-        d(:, i) = times(pivot(:, :, i), d(:, i) - times(transpose(link(:, :, i + 1)), d(:, i + 1)))
-      end do
-    end associate
+    end do
+    call solve_band(band, side)
+    stiffness%motion = reshape(side, [2, n + 1])*unit(1:2, :)
   end subroutine move_joints
+
+  pure subroutine solve_band(band, side)
+    !! Elimination with exchange of rows; side becomes the solution. A matrix that is singular gives its null vector.
+    real(qp), intent(inout) :: band(-width:, :)    !! element (r, r + d) at (d, r), (−w:2w, m)
+    real(qp), intent(inout) :: side(:)             !! (m)
+    real(qp) :: held, factor
+    integer :: c, j, r, p, last, m
+    m = size(side)
+    do j = 1, m
+      p = j
+      do r = j + 1, min(j + width, m)
+        if (abs(band(j - r, r)) > abs(band(j - p, p))) p = r
+      end do
+      last = min(j + 2*width, m)
+      if (p /= j) then
+        do c = j, last
+          held = band(c - j, j)
+          band(c - j, j) = merge(band(c - p, p), 0.0_qp, c - p <= 2*width)
+          band(c - p, p) = held
+        end do
+        held = side(j)
+        side(j) = side(p)
+        side(p) = held
+      end if
+      if (abs(band(0, j)) < least_pivot) band(0, j) = least_pivot
+      do r = j + 1, min(j + width, m)
+        factor = band(j - r, r)/band(0, j)
+        if (factor == 0.0_qp) cycle
+        band(j - r:last - r, r) = band(j - r:last - r, r) - factor*band(0:last - j, j)
+        side(r) = side(r) - factor*side(j)
+      end do
+    end do
+    do j = m, 1, -1
+      last = min(j + 2*width, m)
+      side(j) = (side(j) - dot_product(band(1:last - j, j), side(j + 1:last)))/band(0, j)
+    end do
+  end subroutine solve_band
 
   pure function times(k, d) result(f)
     real(qp), intent(in) :: k(2, 2), d(2)
     real(qp) :: f(2)
     f = k(:, 1)*d(1) + k(:, 2)*d(2)
   end function times
+
+  pure function product_of(a, b) result(c)
+    real(qp), intent(in) :: a(2, 2), b(2, 2)
+    real(qp) :: c(2, 2)
+    c(:, 1) = times(a, b(:, 1))
+    c(:, 2) = times(a, b(:, 2))
+  end function product_of
 
   pure function states_of(stiffness, i) result(state)
     !! v, ψ, M and N at the inner and the outer end of piece i, (4, 2).
