@@ -1,7 +1,7 @@
 module bw_piece_source
   !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
-  use bw_close_modes, only: refine
+  use bw_extended_residual, only: refine
   use bw_kinds, only: dp
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, mode_search, search_in
