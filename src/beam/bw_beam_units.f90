@@ -3,8 +3,8 @@ module bw_beam_units
   !!
   !! Units of length, time and mass changed by powers of two change these by powers of two exactly, so
   !! numbers without dimensions keep their bits.
-  use bw_kinds, only: dp
-  use bw_beam_par, only: beam_par
+  use bw_kinds, only: dp, qp
+  use bw_beam_par, only: beam_mass, beam_par, second_moment_of
   use bw_double_double, only: dd, sqrt, to_dd, operator(*), operator(/)
   use bw_missing, only: scaled
   use bw_shear_par, only: shear_par
@@ -35,6 +35,10 @@ contains
     length = to_dd(beam%length)
     units%length = beam%length
     units%mass = beam%density*beam%area*beam%length
+    if (allocated(beam%pieces)) then
+      length = to_dd(sum(real(beam%pieces%length, qp)))
+      units%mass = real(beam_mass(beam), dp)
+    end if
     units%h = root_of_stiffness(beam)
     units%time = length*length/units%h
     units%velocity = units%h%hi/beam%length
@@ -44,8 +48,15 @@ contains
   pure type(dd) function root_of_stiffness(beam) result(h)
     !! h = (D/4)√(E/ρ) for a solid circle, where A and I would only add roundings; √(E/ρ)√(I/A) else, each root by
     !! itself, since h² may leave the range of numbers.
+    !! Of several pieces that of the root, over the mean of ρA.
     type(beam_par), intent(in) :: beam
     type(dd) :: sound
+    if (allocated(beam%pieces)) then
+      associate (root => beam%pieces(1))
+        h = sqrt(to_dd(root%youngs_modulus*second_moment_of(root)/beam_mass(beam)*sum(real(beam%pieces%length, qp))))
+      end associate
+      return
+    end if
     sound = sqrt(to_dd(beam%youngs_modulus)/to_dd(beam%density))
     if (beam%round) then
       h = sound*to_dd(0.25_dp*beam%diameter)
@@ -55,9 +66,11 @@ contains
   end function root_of_stiffness
 
   pure real(dp) function slenderness(beam) result(r)
-    !! r = √(I/A)/l: D/(4l) for a solid circle.
+    !! r = √(I/A)/l: D/(4l) for a solid circle; of several pieces the largest.
     type(beam_par), intent(in) :: beam
-    if (beam%round) then
+    if (allocated(beam%pieces)) then
+      r = sqrt(maxval(beam%pieces%second_moment/beam%pieces%area))/beam%length
+    else if (beam%round) then
       r = 0.25_dp*beam%diameter/beam%length
     else
       r = sqrt(beam%second_moment/beam%area)/beam%length

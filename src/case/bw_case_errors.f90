@@ -86,7 +86,8 @@ contains
     errors%displacement = missing_motion(scene, motion, .false., monitor)*(speed*motion%units%time%hi) &
       + rounding_errors(scene, motion, response, .false.)
     if (scene%response%velocity) errors%velocity = &
-      with_start(missing_motion(scene, motion, .true., monitor)*speed, response%velocity(1, :), scene%response%points, &
+      with_start(missing_motion(scene, motion, .true., monitor)*speed, response%velocity(1, :), &
+                 scene%response%points == scene%impact%position, &
                  scene%impact%approach_velocity*(1.0_dp + scene%impact%restitution)) &
       + rounding_errors(scene, motion, response, .true.)
   end subroutine estimate_truncation

@@ -13,8 +13,10 @@ module bw_case_modes
   use bw_mode_set, only: first_numbers, mode_source, mode_sources
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_piece_source, only: source_of_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_scene, only: changes_shapes, scene_type, by_pieces
+  use bw_scene_pieces, only: pieces_of
   use bw_beam_operator, only: operator_of
   implicit none (type, external)
   private
@@ -23,11 +25,11 @@ module bw_case_modes
   type, public :: case_mode_cache
     !! Modes that cases of a sweep share.
     type(mode_cache) :: closed_form      !! roots and shapes by mass ratio
-    type(galerkin_cache) :: galerkin     !! modes without a closed form by operator
+    type(galerkin_cache) :: galerkin     !! modes under tension by operator
   end type case_mode_cache
 
   integer, parameter :: most_to_tolerance(2) = [400, 256]
-    !! modes without a closed form that a tolerance may take, without and with shear: about two seconds' work
+    !! modes under tension that a tolerance may take, without and with shear: about two seconds' work
   real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, to which roots are right over the record, whatever the tolerance
   real(dp), parameter :: phase_share = 1.0e-3_dp      !! of a tolerance that phases may take
 
@@ -65,14 +67,17 @@ contains
   end subroutine find_modes
 
   subroutine find_sources(scene, units, monitor, modes, sources, cache)
-    !! By the closed form where shapes are those of a uniform beam, else by Galerkin's method.
+    !! By the closed form where shapes are those of the paper's beam, by Galerkin's method where there is tension, else exactly by
+    !! pieces.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor
     type(case_modes), intent(inout) :: modes       !! no sets, but what is known of them before they are found
     type(mode_sources), intent(out) :: sources
     type(case_mode_cache), intent(inout), target, optional :: cache
-    if (changes_shapes(scene)) then
+    if (by_pieces(scene)) then
+      call find_pieces(scene, units, modes, sources)
+    else if (changes_shapes(scene)) then
       call find_galerkin(scene, units, monitor, modes, sources, cache)
       if (monitor%stop_requested()) return
     else
@@ -120,6 +125,20 @@ contains
     end subroutine make_source
   end subroutine find_closed_form
 
+  subroutine find_pieces(scene, units, modes, sources)
+    !! Rotation acts out of its own plane by the turning of the sections alone.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    type(case_modes), intent(inout) :: modes
+    type(mode_sources), intent(inout) :: sources
+    if (allocated(scene%rotation)) then
+      modes%can_grow = acts_in_plane(scene%rotation) .or. allocated(scene%shear)
+      if (.not. modes%can_grow) call note_no_effect(modes%notes)
+    end if
+    allocate (sources%free, source=source_of_pieces(pieces_of(scene, units, .false.)))
+    if (allocated(scene%capture)) allocate (sources%loaded, source=source_of_pieces(pieces_of(scene, units, .true.)))
+  end subroutine find_pieces
+
   subroutine find_galerkin(scene, units, monitor, modes, sources, cache)
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
@@ -128,11 +147,6 @@ contains
     type(case_modes), intent(inout) :: modes
     type(mode_sources), intent(inout) :: sources
     type(case_mode_cache), intent(inout), optional :: cache
-    if (allocated(scene%rotation)) then
-      if (.not. (acts_in_plane(scene%rotation) .or. allocated(scene%stiffening) .or. allocated(scene%shear))) then
-        call note_no_effect(modes%notes)
-      end if
-    end if
     if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), sources%loaded)
     if (monitor%stop_requested()) return
     if (allocated(scene%release)) then
@@ -171,7 +185,7 @@ contains
   end function enough_for_errors
 
   subroutine extend_sources(scene, units, monitor, sources, extended)
-    !! Twice as many modes, if there may be more: closed forms know them all.
+    !! Twice as many modes, if there may be more: only a basis for tension has an end.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor  !! nothing is extended where it asks to stop

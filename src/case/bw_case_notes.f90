@@ -12,6 +12,7 @@ module bw_case_notes
   use bw_mode_set, only: mode_set, mode_sources
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_note, only: is_remark, kind_of, remark
+  use bw_piece_set, only: piece_set
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
@@ -39,17 +40,20 @@ contains
     real(dp) :: ratio
     if (.not. allocated(scene%damping)) return
     if (by_ratio(scene%damping)) return
+    ratio = 0.0_dp
     select type (modes)
     type is (galerkin_set)
       ratio = modes%coupling(law_of(scene%damping, units))
-      text = 'coupled damping: Rayleigh''s damping couples these modes and is taken without that: at most '// &
-        shortest(ratio, 2)//' of what it takes from the modes themselves'
-      if (ratio > worth_a_warning) then
-        call append(notes, text)
-      else if (ratio > nothing) then
-        call remark(notes, text)
-      end if
+    type is (piece_set)
+      ratio = modes%coupling(law_of(scene%damping, units))
     end select
+    text = 'coupled damping: Rayleigh''s damping couples these modes and is taken without that: at most '// &
+      shortest(ratio, 2)//' of what it takes from the modes themselves'
+    if (ratio > worth_a_warning) then
+      call append(notes, text)
+    else if (ratio > nothing) then
+      call remark(notes, text)
+    end if
   end subroutine note_coupling
 
   subroutine note_growth(units, modes, notes)

@@ -3,7 +3,7 @@ module bw_case_shares
   !! goes on from where it has not the time to run a case to its end.
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
-  use bw_scene, only: changes_shapes, scene_type
+  use bw_scene, only: changes_shapes, scene_type, by_pieces
   implicit none (type, external)
   private
   public :: case_seconds, case_shares, stage_part
@@ -14,6 +14,7 @@ module bw_case_shares
 
   ! seconds, measured on one core
   real(dp), parameter :: mode_seconds = 2.0e-7_dp      ! a mode in closed form
+  real(dp), parameter :: piece_seconds = 5.0e-6_dp     ! a mode of uniform pieces
   real(dp), parameter :: cubic_seconds = 5.0e-10_dp    ! the cube of a number of functions of a Galerkin basis
   real(dp), parameter :: handed_seconds = 3.0e-7_dp    ! a mode that hands its motion on, and one that receives it
   real(dp), parameter :: shape_seconds = 3.3e-8_dp     ! a mode at a point
@@ -57,6 +58,10 @@ contains
     real(dp) :: functions
     seconds = mode_seconds*count
     if (.not. changes_shapes(scene) .or. count == 0.0_dp) return
+    if (by_pieces(scene)) then
+      seconds = piece_seconds*count
+      return
+    end if
     functions = 30.0_dp + 1.75_dp*count
     if (allocated(scene%shear)) functions = 2.0_dp*functions
     seconds = cubic_seconds*functions**3

@@ -39,6 +39,7 @@ contains
     type(contact_motion), intent(in) :: motion !! of that beam and the mass
     type(contact_set), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+    real(qp), parameter :: at_rest = 1.0e-27_qp    ! of the first frequencies' squares: what nothing holds is held by that much
     real(qp), dimension(free%count) :: pole, weight, inertia, mixed
     real(qp) :: gamma, scale, mass
     integer :: k, n
@@ -49,7 +50,8 @@ contains
     modes%count = n
     modes%gamma = real(gamma, dp)
     allocate (modes%mixing(n, n), modes%onto(n + 1, n), modes%tip_in_full(n), modes%modal_mass(n), modes%parts%square(n))
-    pole = 1.0_qp/(motion%parts%square(:n) + motion%omega**2)
+    pole = motion%parts%square(:n) + motion%omega**2
+    pole = 1.0_qp/max(pole, at_rest*maxval(pole(:min(n, 3))))
     weight = motion%gap%a(:n)**2*pole/inertia
     do k = 1, n
       if (stops(monitor)) return
@@ -63,7 +65,7 @@ contains
       modes%onto(:, k) = [inertia*modes%mixing(:, k), gamma*modes%tip_in_full(k)]/mass
       modes%modal_mass(k) = real(mass, dp)
     end do
-    modes%tip = real(modes%tip_in_full, dp)
+    modes%struck = real(modes%tip_in_full, dp)
     call find_damping(motion, modes)
     call find_errors(motion, modes)
     modes%force = force_of(motion, modes)
@@ -210,7 +212,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     sums = self%overlap_of_beam(from, amplitude, monitor) &
-      + self%gamma*self%tip*dot_product(from%tip(:size(amplitude)), amplitude)
+      + self%gamma*self%struck*dot_product(from%struck(:size(amplitude)), amplitude)
   end function contact_overlap_with_mass
 
   pure function contact_elastic(self) result(squares)

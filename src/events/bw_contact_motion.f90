@@ -4,7 +4,7 @@ module bw_contact_motion
   !! and y'' = 0 out of it; it comes last among them. The gap v_tip − y is the sum with Φ_k(1) and −1. Units of bw_segment.
   use bw_kinds, only: dp, qp
   use bw_missing, only: missing, rounded
-  use bw_mode_set, only: full_numbers, mode_set
+  use bw_mode_set, only: first_struck, full_numbers, mode_set
   use bw_oscillators, only: moving_state, oscillators, weighted_sum
   use bw_perturbations, only: perturbations
   implicit none (type, external)
@@ -21,6 +21,7 @@ module bw_contact_motion
     real(qp) :: mobility = 0.0_qp                 !! Σφ_k(1)²/M_k + 1/m_j
     real(qp) :: restitution = 0.0_qp              !! e
     real(qp) :: omega = 0.0_qp                    !! angular velocity in the plane of the motion, else 0
+    integer :: first = 1                          !! mode of the beam alone that the mass strikes
     type(moving_state) :: state
     type(perturbations) :: near                   !! what it might be instead
     real(qp) :: lost = 0.0_qp                     !! energy, in blows
@@ -47,11 +48,12 @@ contains
     n = free%count
     call free%in_full(numbers)
     motion%modes = n
+    motion%first = first_struck(free)
     motion%restitution = restitution
     motion%omega = omega
     motion%inertia = [numbers%mass, mass_ratio]
     motion%inertia_error = [numbers%mass_error, 0.0_dp]
-    motion%gap%a = [real(free%tip, qp), -1.0_qp]
+    motion%gap%a = [real(free%struck, qp), -1.0_qp]
     motion%gap%b = 0.0_qp*motion%gap%a
     motion%parts%square = [numbers%square, -omega**2]
     motion%parts%c = [numbers%damping, 0.0_qp]
@@ -122,10 +124,10 @@ contains
   end function energy
 
   pure real(qp) function momentum(self)
-    !! Generalised, of the first mode, per unit of its tip displacement.
+    !! Generalised, of the first mode that the mass strikes, per unit of its displacement there.
     class(contact_motion), intent(in) :: self
-    associate (mass => self%modes + 1)
-      momentum = self%inertia(1)*self%state%v(1)/self%gap%a(1) + self%inertia(mass)*self%state%v(mass)
+    associate (mass => self%modes + 1, k => self%first)
+      momentum = self%inertia(k)*self%state%v(k)/self%gap%a(k) + self%inertia(mass)*self%state%v(mass)
     end associate
   end function momentum
 

@@ -188,8 +188,8 @@ contains
     allocate (motion%near%u(n + 1, size(near%lag)), motion%near%v(n + 1, size(near%lag)))
     motion%near%u(:n, :) = matmul(mixing, near%u)
     motion%near%v(:n, :) = matmul(mixing, near%v)
-    motion%near%u(n + 1, :) = matmul(modes%tip, near%u)
-    motion%near%v(n + 1, :) = matmul(modes%tip, near%v)
+    motion%near%u(n + 1, :) = matmul(modes%struck, near%u)
+    motion%near%v(n + 1, :) = matmul(modes%struck, near%v)
   end subroutine expand
 
   pure function integral(parts, from, to) result(sums)

@@ -13,7 +13,7 @@ module bw_impact
   use bw_double_double, only: accurate_sum
   use bw_event, only: capture_event, event_type, impact_event
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: first_struck, mode_set
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
@@ -44,7 +44,7 @@ contains
     real(dp), intent(in) :: gamma              !! m_j/m_i ≥ 0; 0 moves nothing
     real(dp), intent(in) :: restitution        !! 0 ≤ e ≤ 1
     real(dp) :: mobility, light, heavy, total
-    mobility = accurate_sum(modes%tip**2/modes%modal_mass)   ! Σφ_i(1)²/M_i
+    mobility = accurate_sum(modes%struck**2/modes%modal_mass)   ! Σφ_i(1)²/M_i
     light = 1.0_dp/max(1.0_dp, gamma)                        ! 1 and γ, both divided by the larger
     heavy = min(1.0_dp, gamma)
     total = light + heavy*mobility
@@ -53,21 +53,23 @@ contains
     impact%impulse = (1.0_dp + restitution)*heavy/total
     impact%mass_velocity = (heavy*mobility - restitution*light)/total
     impact%tip_velocity = (1.0_dp + restitution)*heavy*mobility/total
-    impact%modal_velocity = modes%tip*impact%impulse/modes%modal_mass
+    impact%modal_velocity = modes%struck*impact%impulse/modes%modal_mass
     impact%event = impact_balance(modes, impact)
   end function strike
 
   pure type(event_type) function impact_balance(modes, impact) result(event)
-    !! Kinetic energy and the first mode's generalised momentum, M_1Δq̇_1/φ_1(1) + m_jv_j, before and after.
+    !! Kinetic energy and the first mode's generalised momentum, M_1Δq̇_1/φ_1(ξ₀) + m_jv_j, before and after.
     class(mode_set), intent(in) :: modes
     type(impact_type), intent(in) :: impact
+    integer :: k
     event%kind = impact_event
     event%impulse = impact%impulse
     event%energy_before = 0.5_dp*impact%gamma
     event%energy_after = 0.5_dp*accurate_sum(modes%modal_mass*impact%modal_velocity**2) &
       + 0.5_dp*impact%gamma*impact%mass_velocity**2
     event%momentum_before = impact%gamma
-    event%momentum_after = modes%modal_mass(1)*impact%modal_velocity(1)/modes%tip(1) &
+    k = first_struck(modes)
+    event%momentum_after = modes%modal_mass(k)*impact%modal_velocity(k)/modes%struck(k) &
       + impact%gamma*impact%mass_velocity
   end function impact_balance
 
@@ -85,17 +87,19 @@ contains
   end function capture_mass
 
   type(event_type) function capture_balance(before, impact, after, velocity) result(event)
-    !! Kinetic energy, and the generalised momentum of the first mode after, ∫Φ̄_1v dξ + γΦ̄_1(1)v_j over Φ̄_1(1).
+    !! Kinetic energy, and the generalised momentum of the first mode after, ∫Φ̄_1v dξ + γΦ̄_1(ξ₀)v_j over Φ̄_1(ξ₀).
     class(mode_set), intent(in) :: before, after
     type(impact_type), intent(in) :: impact
     real(dp), intent(in) :: velocity(:)
     real(dp) :: seen(before%count)             ! what the modes before see of the first mode after
-    seen = before%overlap_of_beam(after, [1.0_dp])
+    integer :: i, k
+    k = first_struck(after)
+    seen = before%overlap_of_beam(after, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)])
     event%kind = capture_event
     event%energy_before = impact%event%energy_after
     event%energy_after = 0.5_dp*accurate_sum(after%modal_mass*velocity**2)
-    event%momentum_before = accurate_sum(seen*impact%modal_velocity)/after%tip(1) + impact%gamma*impact%mass_velocity
-    event%momentum_after = after%modal_mass(1)*velocity(1)/after%tip(1)
+    event%momentum_before = accurate_sum(seen*impact%modal_velocity)/after%struck(k) + impact%gamma*impact%mass_velocity
+    event%momentum_after = after%modal_mass(k)*velocity(k)/after%struck(k)
   end function capture_balance
 
   pure function continuum_velocity(modes, gamma, restitution) result(velocity)
@@ -104,7 +108,7 @@ contains
     real(dp), intent(in) :: gamma              !! mass ratio
     real(dp), intent(in) :: restitution        !! e
     real(dp) :: velocity(modes%count)
-    velocity = (1.0_dp + restitution)*gamma*modes%tip/modes%modal_mass
+    velocity = (1.0_dp + restitution)*gamma*modes%struck/modes%modal_mass
   end function continuum_velocity
 
   pure type(impact_type) function continuum_impact(gamma, restitution) result(impact)

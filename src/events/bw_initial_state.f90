@@ -70,15 +70,17 @@ contains
   end subroutine work_out
 
   pure subroutine continuum_initial_state(loaded, given, state)
-    !! With infinitely many modes before the capture: only the tip jumps.
+    !! With infinitely many modes before the capture: only the place that the mass strikes jumps.
     class(mode_set), intent(in) :: loaded              !! modes of beam and mass
     type(impact_par), intent(in) :: given
     type(initial_state), intent(out) :: state
+    real(dp) :: place
     state%impact = continuum_impact(given%mass_ratio, given%restitution)
     state%modal_velocity = continuum_velocity(loaded, given%mass_ratio, given%restitution)
     state%events = [state%impact%event, continuum_capture(given%mass_ratio, given%restitution)]
     allocate (state%velocity_jump(given%profile_points), source=0.0_dp)
-    state%velocity_jump(given%profile_points) = state%impact%tip_velocity
+    place = given%position*(given%profile_points - 1)
+    if (abs(place - nint(place)) <= place*epsilon(place)) state%velocity_jump(nint(place) + 1) = state%impact%tip_velocity
   end subroutine continuum_initial_state
 
   subroutine continuum_state(source, force, time, longest, monitor, loaded, q, rate)
@@ -92,7 +94,7 @@ contains
     real(dp), intent(out) :: q(:), rate(:)          !! as many as these are long
     call source%find(first_numbers(size(q)), loaded, source%stretch*longest, monitor)
     q = 0.0_dp
-    rate = force*loaded%tip/loaded%modal_mass
+    rate = force*loaded%struck/loaded%modal_mass
     call move(loaded, time, q, rate)
   end subroutine continuum_state
 

@@ -73,7 +73,7 @@ contains
         if (outcome /= certain) exit
         opening = 3                               ! for the force between beam and mass, the second, has gone to zero
       end if
-      call add_flight(free%tip, motion, opening, last, most, contacts, outcome, monitor)
+      call add_flight(free%struck, motion, opening, last, most, contacts, outcome, monitor)
       if (outcome /= certain) exit
       event = started_event(motion)
       call motion%strike(event%impulse)
@@ -110,7 +110,7 @@ contains
     outcome = in_doubt
     if (stops(monitor)) return
     call follow_contact(motion, contacts%modes, real(last - motion%state%time, dp), outcome, impulse, segment, sway, monitor)
-    call judge(contacts%modes%tip, segment, sway, contacts, worthless)
+    call judge(contacts%modes%struck, segment, sway, contacts, worthless)
     if (outcome == in_doubt .or. worthless) then
       outcome = in_doubt
       contacts%known_until = event%time - event%time_error

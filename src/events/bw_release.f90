@@ -9,7 +9,7 @@ module bw_release
   use bw_event, only: event_type, release_event
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: first_struck, mode_set
   use bw_monitor, only: monitor_type
   use bw_segment, only: energy_type, known_energy, mass_energy, state_energy, operator(+)
   implicit none (type, external)
@@ -50,15 +50,16 @@ contains
     type(energy_type), intent(in), optional :: energy    !! of beam and mass until then; absent: that of the state
     class(monitor_type), intent(inout), optional :: monitor   !! the state means nothing where it asks to stop
     real(dp) :: tip_displacement, tip_velocity
+    integer :: i, k
     type(energy_type) :: before, leaving, after
-    tip_displacement = dot_product(loaded%tip, q)
-    tip_velocity = dot_product(loaded%tip, rate)
+    tip_displacement = dot_product(loaded%struck, q)
+    tip_velocity = dot_product(loaded%struck, rate)
     allocate (release%q(free%count), release%rate(free%count))
     release%q = free%overlap_of_beam(loaded, q, monitor)/free%modal_mass
     release%rate = free%overlap_of_beam(loaded, rate, monitor)/free%modal_mass
     if (present(remainder)) then
-      release%q = release%q - loaded%gamma*remainder%displacement*free%tip/free%modal_mass
-      release%rate = release%rate - loaded%gamma*remainder%velocity*free%tip/free%modal_mass
+      release%q = release%q - loaded%gamma*remainder%displacement*free%struck/free%modal_mass
+      release%rate = release%rate - loaded%gamma*remainder%velocity*free%struck/free%modal_mass
       tip_displacement = tip_displacement + remainder%displacement
       tip_velocity = tip_velocity + remainder%velocity
     end if
@@ -71,8 +72,10 @@ contains
       event%kind = release_event
       event%energy_before = known_energy(before)
       event%energy_after = known_energy(after)
-      event%momentum_before = dot_product(loaded%overlap_with_mass(free, [1.0_dp]), rate)/free%tip(1)
-      event%momentum_after = free%modal_mass(1)*release%rate(1)/free%tip(1) + loaded%gamma*tip_velocity
+      k = first_struck(free)
+      event%momentum_before = dot_product(loaded%overlap_with_mass(free, [(merge(1.0_dp, 0.0_dp, i == k), i=1, k)]), rate) &
+        /free%struck(k)
+      event%momentum_after = free%modal_mass(k)*release%rate(k)/free%struck(k) + loaded%gamma*tip_velocity
     end associate
     if (.not. is_missing(release%event%energy_after)) release%energy_lost = before%value - after%value
   end function release_mass

@@ -57,9 +57,13 @@ contains
     if (allocated(modes%damping)) found%damping = modes%damping
     if (allocated(modes%damped_squared)) found%damped_squared = modes%damped_squared
     if (allocated(modes%law)) found%law = modes%law
-    found%tip = modes%tip
+    found%struck = modes%struck
+    found%agree_from = modes%agree_from
+    found%struck_at = modes%struck_at
+    found%uniform = modes%uniform
     found%modal_mass = modes%modal_mass
     found%critical_speed = modes%critical_speed
+    found%grows_at_any_speed = modes%grows_at_any_speed
     found%resolved = modes%resolved
     call move_alloc(found, bent)
   end subroutine bent_set
@@ -79,6 +83,9 @@ contains
     found%stretch = source%stretch
     found%decay = source%decay
     found%quadratic = source%quadratic
+    found%agree_from = source%agree_from
+    found%struck_at = source%struck_at
+    found%uniform = source%uniform
     if (allocated(source%damping)) found%damping = source%damping
     call move_alloc(found, bent)
   end subroutine bent_source

@@ -9,23 +9,27 @@ module bw_mode_set
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
-  public :: terms_of_set, first_numbers
+  public :: terms_of_set, first_numbers, first_struck
 
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
     integer :: count = 0                          !! number of modes n
-    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ; 0 for the beam alone
+    real(dp) :: gamma = 0.0_dp                    !! captured mass γ; 0 for the beam alone
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
     type(dd), allocatable :: damped_squared(:)    !! β² − c²/4 where modes are damped, to more digits than c has, (n)
     type(damping_law), allocatable :: law         !! that c_k follow from; unallocated where nothing damps
-    real(dp), allocatable :: tip(:)               !! Φ_k(1), (n)
+    real(dp), allocatable :: struck(:)            !! Φ_k(ξ₀) at the place that a mass strikes, or has been captured at, (n)
     real(dp), allocatable :: modal_mass(:)        !! M_k, (n)
     real(dp), allocatable :: phase_velocity(:)    !! C_p, Eq. 32, missing where it does not exist, (n)
     real(dp), allocatable :: group_velocity(:)    !! C_g, Eq. 33, missing where it does not exist, (n)
+    real(dp) :: agree_from = huge(1.0_dp)         !! as that of a source
+    real(dp) :: struck_at = 1.0_dp                !! ξ₀
+    logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
     logical :: known_by_mass = .false.            !! shapes follow from γ and n alone: these are the first modes, in closed form
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
+    logical :: grows_at_any_speed = .false.       !! nothing holds the beam against turning: it does so at every ω > 0
     logical :: resolved = .true.                  !! false where no modes could be found: the numbers of a set mean nothing then
   contains
     procedure(shapes_interface), deferred :: some_shapes
@@ -51,13 +55,17 @@ module bw_mode_set
   end type full_numbers
 
   type, abstract, public :: mode_source
-    !! Modes of any number, of one beam with what its tip carries.
-    real(dp) :: gamma = 0.0_dp                    !! mass at the tip γ
+    !! Modes of any number, of one beam with what it carries.
+    real(dp) :: gamma = 0.0_dp                    !! captured mass γ
     integer :: highest = 0                        !! the highest mode number that can be found
     real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
     real(dp) :: decay = 0.0_dp
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond
     logical :: quadratic = .false.                !! phases of far modes are π²k²τ and terms linear in k (bw_coherence)
+    real(dp) :: agree_from = huge(1.0_dp)
+      !! πk from which phases may agree at samples that nothing tells beforehand; 0: those of bending waves, rarely (bw_coherence)
+    real(dp) :: struck_at = 1.0_dp                !! as those of a set
+    logical :: uniform = .true.
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find
@@ -143,6 +151,15 @@ contains
     number = [(k, k=1, count)]
   end function first_numbers
 
+  pure integer function first_struck(modes) result(k)
+    !! The first mode that a blow reaches: not one that is at rest where the mass strikes.
+    class(mode_set), intent(in) :: modes
+    real(dp), parameter :: at_rest = 1.0e-3_dp
+    associate (shape => abs(modes%struck))
+      k = max(1, findloc(shape > at_rest*maxval(shape), .true., dim=1))
+    end associate
+  end function first_struck
+
   pure subroutine damp(self, law)
     !! Damp the modes that were found: set c_k, and β² − c²/4.
     class(mode_set), intent(inout) :: self
@@ -192,7 +209,7 @@ contains
     real(dp), intent(in) :: xi(:)                 !! 0 ≤ ξ ≤ 1, (points)
     real(dp), intent(in), optional :: longest     !! as that of `find`
     type(dd), intent(out) :: beta(:)              !! √|β²| with the sign of β²: below zero for a growing mode, (modes)
-    real(dp), intent(out) :: drive(:)             !! Φ_k(1)/M_k, (modes)
+    real(dp), intent(out) :: drive(:)             !! Φ_k(ξ₀)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)         !! Φ_k(ξ), (modes, points)
     class(mode_set), allocatable :: modes
     integer :: k
@@ -204,7 +221,7 @@ contains
         beta(k) = -sqrt(-modes%beta_squared(k))
       end if
     end do
-    drive = modes%tip/modes%modal_mass
+    drive = modes%struck/modes%modal_mass
     shapes = modes%shapes(xi)
   end subroutine terms_of_set
 

@@ -9,7 +9,7 @@ module bw_scene_summary
   use bw_modes_par, only: by_tolerance
   use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
-  use bw_scene, only: changes_shapes, effects_text, scene_type
+  use bw_scene, only: changes_shapes, effects_text, scene_type, by_pieces
   use bw_scene_cases, only: case_count
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -52,6 +52,7 @@ contains
     character(:), allocatable :: text
     text = 'closed form'
     if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
+    if (by_pieces(scene)) text = 'exact modes of uniform pieces'
   end function method_text
 
   function modes_text(scene, layout) result(text)

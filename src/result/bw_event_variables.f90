@@ -15,6 +15,9 @@ module bw_event_variables
   private
   public :: impact_variables, event_variables, event_kinds
 
+  character(*), parameter :: momentum_words = &
+    'generalised momentum of the first mode that the mass strikes, per unit of displacement there'
+
 contains
 
   pure function impact_variables() result(rows)
@@ -23,12 +26,12 @@ contains
     rows = [ &
       case_variable(variable_text('velocity_jump', 'profile', 'm s-1', 'jump of the velocity along the beam at the impact', &
                                   'Fig. 3'), velocity_jump, needs='event'), &
-      case_variable(variable_text('impulse', '', 'N s', 'impulse of the impact on the beam''s tip', &
+      case_variable(variable_text('impulse', '', 'N s', 'impulse of the impact on the beam', &
                                   'Eq. 12, reference [8]'), impulse, needs='event'), &
       case_variable(variable_text('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', &
                                   'Eq. 12, reference [8]'), mass_velocity, needs='event'), &
-      case_variable(variable_text('tip_velocity', '', 'm s-1', 'velocity of the beam''s tip just after the impact', &
-                                  'Eq. 12, reference [8]'), tip_velocity, needs='event'), &
+      case_variable(variable_text('tip_velocity', '', 'm s-1', &
+                                  'velocity of the beam where the mass strikes, just after the impact', 'Eq. 12, reference [8]'), tip_velocity, needs='event'), &
       case_variable(variable_text('critical_angular_velocity', '', 'rad s-1', &
                                   'lowest angular velocity at which a mode is unstable', 'Eq. 31'), critical), &
       case_variable(variable_text('critical_angular_velocity_before', '', 'rad s-1', &
@@ -46,14 +49,14 @@ contains
                     event_time_error, needs='contacts'), &
       case_variable(variable_text('event_end_error', 'event', 's', 'estimate of the error of the end of the event'), &
                     event_end_error, needs='contacts'), &
-      case_variable(variable_text('event_impulse', 'event', 'N s', 'impulse of the event on the beam''s tip'), event_impulse), &
+      case_variable(variable_text('event_impulse', 'event', 'N s', 'impulse of the event on the beam'), event_impulse), &
       case_variable(variable_text('energy_before', 'event', 'J', 'energy of beam and mass before the event'), energy_before), &
       case_variable(variable_text('energy_after', 'event', 'J', 'energy of beam and mass after the event'), energy_after), &
       case_variable(variable_text('momentum_before', 'event', 'kg m s-1', &
-                                  'generalised momentum of the first mode per unit of tip displacement, before the event'), &
+                                  momentum_words//', before the event'), &
                     momentum_before), &
       case_variable(variable_text('momentum_after', 'event', 'kg m s-1', &
-                                  'generalised momentum of the first mode per unit of tip displacement, after the event'), &
+                                  momentum_words//', after the event'), &
                     momentum_after)]
   end function event_variables
 
@@ -106,6 +109,7 @@ contains
     class(mode_set), intent(in) :: modes
     speed = missing
     if (result%can_grow .and. modes%critical_speed%hi > 0.0_dp) speed = modes%critical_speed%hi*result%units%frequency
+    if (result%can_grow .and. modes%grows_at_any_speed) speed = 0.0_dp
   end function critical_speed
 
   pure subroutine event_time(result, values)

@@ -223,12 +223,9 @@ contains
   end function method_name
 
   pure logical function by_pieces(scene)
-    !! Its modes are found exactly, piece by piece: nothing varies along a piece, as tension does.
+    !! Its modes have no closed form, but are found exactly, piece by piece: nothing varies along a piece, as tension does.
     type(scene_type), intent(in) :: scene
-    by_pieces = .false.
-    if (allocated(scene%stiffening)) return
-    by_pieces = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
-    if (allocated(scene%impact)) by_pieces = by_pieces .or. scene%impact%position /= 1.0_dp
+    by_pieces = changes_shapes(scene) .and. .not. allocated(scene%stiffening)
   end function by_pieces
 
 end module bw_scene

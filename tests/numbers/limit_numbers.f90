@@ -109,7 +109,7 @@ contains
       do power = -12, 12
         do tenths = 0, 10, 2
           impact = strike(modes, 10.0_dp**power, 0.1_dp*tenths)
-          call table%note(abs(modes%modal_mass*impact%modal_velocity/modes%tip/impact%gamma + (impact%mass_velocity - 1)))
+          call table%note(abs(modes%modal_mass*impact%modal_velocity/modes%struck/impact%gamma + (impact%mass_velocity - 1)))
           call table%note(abs(impact%event%momentum_after/impact%event%momentum_before - 1))
         end do
       end do

@@ -41,7 +41,7 @@ contains
       set = closed_form_modes(modes, mass_ratios(g))
       allocate (gram, source=beam_part(set))
       do k = 1, modes
-        gram(:k, k) = gram(:k, k) + set%gamma*set%tip(:k)*set%tip(k)
+        gram(:k, k) = gram(:k, k) + set%gamma*set%struck(:k)*set%struck(k)
         gram(k, k) = gram(k, k) - set%modal_mass(k)
         call table%note(abs(gram(:k, k)))
       end do

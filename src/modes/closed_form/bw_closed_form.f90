@@ -103,7 +103,7 @@ contains
     modes%count = n
     modes%gamma = gamma
     if (present(omega)) modes%omega = omega
-    allocate (modes%root(n), modes%alpha(n), modes%tip(n), modes%modal_mass(n), modes%beta_squared(n))
+    allocate (modes%root(n), modes%alpha(n), modes%struck(n), modes%modal_mass(n), modes%beta_squared(n))
     allocate (modes%phase_velocity(n), modes%group_velocity(n))
   end subroutine allocate_set
 
@@ -118,7 +118,7 @@ contains
     associate (beta_squared => modes%beta_squared(first:last))
       modes%root(first:last) = shape%root
       modes%alpha(first:last) = shape%alpha
-      modes%tip(first:last) = shape%tip
+      modes%struck(first:last) = shape%tip
       modes%modal_mass(first:last) = shape%modal_mass
       square = alpha*alpha
       if (present(omega)) then
@@ -245,8 +245,8 @@ contains
     class(mode_set), intent(in) :: from            !! of beam and mass
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(self%count), force(from%count)
-    force = from%gamma*from%alpha**4*from%tip*amplitude
-    sums = (sum(force) + sum(force*from%alpha**4)/self%alpha**4)*self%tip/self%alpha**4
+    force = from%gamma*from%alpha**4*from%struck*amplitude
+    sums = (sum(force) + sum(force*from%alpha**4)/self%alpha**4)*self%struck/self%alpha**4
   end function overlap_far_below
 
   pure function closed_form_elastic(self) result(squares)
@@ -267,8 +267,8 @@ contains
     elastic = self%elastic()
     numbers%square = to_quad(self%beta_squared)
     numbers%square_error = relative_error*elastic%hi
-    numbers%mass = real(self%tip, qp)**2/4
-    numbers%mass_error = 0.0_dp*self%tip
+    numbers%mass = real(self%struck, qp)**2/4
+    numbers%mass_error = 0.0_dp*self%struck
     if (self%gamma > 0.0_dp) then
       numbers%mass = real(self%modal_mass, qp)
       numbers%mass_error = 1.0e-14_dp + numbers%mass_error

@@ -48,7 +48,7 @@ contains
       set%turning = modes%motion(modes%system%turn_row:modes%system%turn_row + rows - 2, :)
     end if
     call move_alloc(modes%strain, set%strain)
-    set%tip = tip_values(operator%gamma, modes)
+    set%struck = tip_values(operator%gamma, modes)
     call normalise(set)
     allocate (set%alpha(count), set%phase_velocity(count), set%group_velocity(count))
     call find_waves(operator, set%beta_squared, set%alpha, set%phase_velocity, set%group_velocity)
@@ -136,7 +136,7 @@ contains
     n = set%count
     allocate (set%alpha(n), set%phase_velocity(n), set%group_velocity(n), source=missing)
     allocate (set%modal_mass(n), source=1.0_dp)
-    allocate (set%tip(n), set%deflection(2, n), set%strain(2, n), source=0.0_dp)
+    allocate (set%struck(n), set%deflection(2, n), set%strain(2, n), source=0.0_dp)
     set%beta_squared = spread(dd(), 1, n)
     set%rotation = spread(0.0_dp, 1, n)
   end subroutine leave_empty
@@ -171,9 +171,9 @@ contains
     do k = 1, set%count
       scale = 1.0_dp/norm2(set%deflection(:, k))
       set%modal_mass(k) = scale**2
-      if (mod(k, 2) == 0 .neqv. set%tip(k) > 0.0_dp) scale = -scale
+      if (mod(k, 2) == 0 .neqv. set%struck(k) > 0.0_dp) scale = -scale
       if (scale < 0.0_dp) set%strain(:, k) = -set%strain(:, k)
-      set%tip(k) = scale*set%tip(k)
+      set%struck(k) = scale*set%struck(k)
       set%deflection(:, k) = scale*set%deflection(:, k)
       if (allocated(set%turning)) set%turning(:, k) = scale*set%turning(:, k)
     end do

@@ -46,7 +46,7 @@ contains
     values = matmul(transpose(self%deflection(:, first:last)), basis_values(size(self%deflection, 1), xi))
     do p = 1, size(xi)
       if (xi(p) == 0.0_dp) values(:, p) = 0.0_dp
-      if (xi(p) == 1.0_dp) values(:, p) = self%tip(first:last)
+      if (xi(p) == 1.0_dp) values(:, p) = self%struck(first:last)
     end do
   end function galerkin_shapes
 
@@ -91,7 +91,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     sums = self%overlap_of_beam(from, amplitude, monitor) &
-      + self%gamma*self%tip*sum(from%tip(:size(amplitude))*amplitude)
+      + self%gamma*self%struck*sum(from%struck(:size(amplitude))*amplitude)
   end function overlap_with_mass
 
   pure function galerkin_elastic(self) result(squares)

@@ -80,7 +80,7 @@ contains
       found%critical_speed = all%critical_speed
       found%alpha = all%alpha(number)
       found%beta_squared = all%beta_squared(number)
-      found%tip = all%tip(number)
+      found%struck = all%struck(number)
       found%modal_mass = all%modal_mass(number)
       found%phase_velocity = all%phase_velocity(number)
       found%group_velocity = all%group_velocity(number)

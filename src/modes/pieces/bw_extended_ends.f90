@@ -8,7 +8,7 @@ module bw_extended_ends
   use bw_short_piece, only: starts
   implicit none (type, external)
   private
-  public :: extended_ends
+  public :: extended_ends, hinged_below
 
   integer, parameter :: terms = 24           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
   real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed
@@ -37,6 +37,24 @@ contains
       outer(:, i + 2) = [waves%z(i)*s*g, waves%y(i)*c*g, -(moment*waves%z(i)*s*g), load*c*g]
     end do
   end function extended_ends
+
+  pure integer function hinged_below(piece, frequency) result(number)
+    !! Modes of a piece with hinged ends below a frequency.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency     !! as that of `extended_ends`
+    type(wave_numbers) :: waves
+    integer :: i
+    number = 0
+    if (is_short(piece, frequency)) then
+      if (piece%cut%hi*frequency%rho%hi > 1.0_dp) number = 1
+      return
+    end if
+    waves = wave_numbers_of(piece, frequency)
+    do i = 1, 2
+      if (waves%z(i)%hi < 0.0_dp) cycle
+      number = number + int(to_quad(waves%p(i)*piece%half)*(2.0_qp/to_quad(dd_pi))) + (i - 1)
+    end do
+  end function hinged_below
 
   pure subroutine find_c_and_s(z, p, half, c, s)
     !! C and S at the end, over cosh √(−z)h where z < 0.

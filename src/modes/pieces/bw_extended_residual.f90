@@ -5,12 +5,27 @@ module bw_extended_residual
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
   use bw_kinds, only: dp
-  use bw_mode_probe, only: mode_probe, piece_system
+  use bw_mode_probe, only: left_vector, mode_probe, piece_system, set_frequency, weigh
   implicit none (type, external)
   private
-  public :: find_drive
+  public :: find_drive, refine
 
 contains
+
+  pure subroutine refine(system, probe, lambda)
+    !! λ in double-double of the mode where a probe is.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    type(dd), intent(inout) :: lambda
+    integer :: i
+    do i = 1, 2
+      call set_frequency(system, lambda, probe)
+      call find_drive(system, probe)
+      call weigh(system, probe)
+      lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
+    end do
+    call set_frequency(system, lambda, probe)
+  end subroutine refine
 
   pure subroutine find_drive(system, probe)
     !! The drive of a probe's motion at its frequency.

@@ -4,8 +4,9 @@ module bw_mode_search
   !! Inverse iteration runs to a mode; the count of modes on both sides tells which it is, and which others are so near that
   !! they show in its motion. A bracket of two counts closes in on the mode that is asked for, whatever inverse iteration
   !! was drawn to meanwhile: none is missed and none is found twice.
-  use bw_close_modes, only: close_modes, group_for, keep, refine, separate, span, take
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
+  use bw_extended_modes, only: extended_search, find_extended, find_resting, take
+  use bw_extended_residual, only: refine
   use bw_kinds, only: dp
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, start_bodies, &
@@ -38,7 +39,7 @@ module bw_mode_search
     type(mode_bracket) :: bracket
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
-    type(close_modes) :: close                     !! the last modes that were told apart together
+    type(extended_search) :: extended              !! of modes that binary64 does not tell apart
     integer :: evaluations = 0
   end type mode_search
 
@@ -90,48 +91,24 @@ contains
     integer :: first, last
     logical :: alone
     found = .true.
-    if (k < search%close%first .or. k > search%close%last) then
+    if (k < search%extended%first .or. k > search%extended%last) then
       first = search%growing + 1
       last = search%growing + search%resting
-      if (k < first .or. k > last) then
+      if (k >= first .and. k <= last) then
+        call find_resting(search%extended, search%system%beam, first, last)
+      else
         call locate(search, k, lambda, alone, found)
+        if (alone .and. found) then
+          call surround(search, k, lambda, first, last)
+          if (first == last) return
+        end if
+        call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
         if (.not. found) return
-        call surround(search, k, lambda, first, last)
-        if (first == last .and. alone) return
       end if
-      call find_together(search, first, last, found)
-      if (.not. found) return
     end if
-    call take(search%close, k, search%probe)
+    call take(search%extended, k, search%probe)
     lambda = search%probe%frequency%lambda
   end subroutine find_mode
-
-  subroutine find_together(search, first, last, found)
-    !! Modes that are next to each other.
-    type(mode_search), intent(inout) :: search
-    integer, intent(in) :: first, last
-    logical, intent(out) :: found
-    type(dd) :: lambda
-    logical :: resting, alone
-    integer :: k
-    resting = first == search%growing + 1 .and. search%resting > 0
-    search%close = group_for(search%system, first, last)
-    found = .true.
-    do k = first, last
-      lambda = dd()
-      alone = .false.
-      if (.not. resting) call locate(search, k, lambda, alone, found)
-      if (.not. found) exit
-      if (alone) then
-        call keep(search%close, k, search%probe)
-      else
-        call span(search%close, k, lambda + beside*mode_distance(k, lambda), search%probe)
-      end if
-    end do
-    if (found) call separate(search%close, search%probe)
-    if (.not. found) search%close%last = -1
-    if (resting) search%close%modes%lambda = dd()
-  end subroutine find_together
 
   elemental real(dp) function mode_distance(k, x) result(distance)
     !! About how far apart modes near mode k are.

@@ -26,12 +26,13 @@ contains
     integer, parameter :: most = 30
     real(dp) :: number, waves, slope
     integer :: i
-    number = more - 0.5_dp                              ! a clamped root takes half of one
-    x = 1.0_dp
+    call half_waves(piece, frequency_at(beam, to_dd(start)), waves, slope)
     if (start > 0.0_dp) then
       x = start
-      call half_waves(piece, frequency_at(beam, to_dd(x)), waves, slope)
       number = max(least*waves, waves + more)
+    else
+      x = 1.0_dp
+      number = waves + more - 0.5_dp                    ! a clamped root takes half of one
     end if
     do i = 1, most
       call half_waves(piece, frequency_at(beam, to_dd(x)), waves, slope)
@@ -57,7 +58,7 @@ contains
       bending = bending + 2.0_dp*piece(i)%half%hi*p(1)/pi
       slope = slope + 2.0_dp*piece(i)%half%hi*rise(1)/pi
     end do
-    slope = slope*(number/bending)
+    if (bending > 0.0_dp) slope = slope*(number/bending)
   end subroutine half_waves
 
   pure subroutine mean_waves(piece, frequency, alpha, phase_velocity, group_velocity)

@@ -9,6 +9,7 @@ module bw_piece_overlap
   use bw_double_double, only: add_exactly, dd, operator(-)
   use bw_kinds, only: dp
   use bw_mode_probe, only: piece_system
+  use bw_monitor, only: monitor_type, stops
   use bw_piece_products, only: piece_product
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
@@ -31,13 +32,14 @@ module bw_piece_overlap
 
 contains
 
-  pure function overlap_sums(onto, from, amplitude, with_mass) result(sums)
+  function overlap_sums(onto, from, amplitude, with_mass, monitor) result(sums)
     !! Σ_i ⟨Φ_k, φ_i⟩ a_i for all k.
     type(piece_modes), intent(in) :: onto        !! Φ_k
     type(piece_modes), intent(in) :: from        !! φ_i
     real(dp), intent(in) :: amplitude(:)         !! a_i
     logical, intent(in) :: with_mass
       !! the product holds the masses of either beam, but no inertia of a body that only one of them has; else neither
+    class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
     real(dp) :: sums(size(onto%lambda))
     real(dp) :: lost(size(sums)), terms(size(sums))
     integer, allocatable :: changed(:)
@@ -49,6 +51,7 @@ contains
     sums = 0.0_dp
     lost = 0.0_dp
     do i = 1, size(amplitude)
+      if (stops(monitor)) return
       call products_with(onto, from, i, changed, with_mass, terms)
       call add_exactly(terms*amplitude(i), sums, lost)
     end do

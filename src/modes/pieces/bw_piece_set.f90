@@ -4,13 +4,13 @@ module bw_piece_set
   !!
   !! Shapes have ∫Φ² dξ = 1 of the beam's part and a tip value of sign (−1)^k. The modal mass holds all mass and inertia:
   !! M_k = ∫ρAΦ² + ρIΨ² dx + Σ mΦ² + JΨ², Ψ the turning of the sections.
-  use bw_double_double, only: dd, operator(+), operator(*)
-  use bw_kinds, only: dp
-  use bw_mode_probe, only: piece_system
-  use bw_mode_set, only: mode_set
+  use bw_damping, only: damping_law
+  use bw_double_double, only: dd, to_quad, operator(+), operator(*)
+  use bw_kinds, only: dp, qp
+  use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_piece_overlap, only: overlap_sums, piece_modes
-  use bw_piece_shape, only: beam_place, place_of, states_inside
+  use bw_piece_shape, only: beam_place, deflections_inside, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
@@ -18,6 +18,8 @@ module bw_piece_set
   type, extends(mode_set), public :: piece_set
     type(piece_modes) :: modes                   !! from which shapes follow
     real(dp), allocatable :: spun(:)             !! part of M_k on which the spin acts: translations in plane, turning out of it, (n)
+    integer :: struck_joint = 1                  !! where the mass strikes, or has been captured
+    real(dp) :: body_inertia = 0.0_dp            !! J of the body that has been captured there
   contains
     procedure :: states => states_at
     procedure :: some_shapes => piece_shapes
@@ -25,6 +27,9 @@ module bw_piece_set
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => piece_elastic
+    procedure :: coupling
+    procedure :: body_energy => energy_of_body
+    procedure :: in_full => full_numbers_of_pieces
   end type piece_set
 
 contains
@@ -57,17 +62,37 @@ contains
   end function states_at
 
   pure function piece_shapes(self, first, last, xi) result(values)
+    !! Piece by piece.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
     real(dp) :: values(last - first + 1, size(xi))
-    real(dp) :: state(4, last - first + 1, size(xi))
-    state = self%states(first, last, xi)
-    values = state(1, :, :)
+    type(beam_place) :: place(size(xi))
+    type(dd) :: offset(size(xi))
+    type(piece_frequency) :: frequency
+    integer, allocatable :: here(:)
+    integer :: i, k, p
+    do p = 1, size(xi)
+      place(p) = place_of(self%modes%system%beam, xi(p))
+      offset(p) = place(p)%offset
+    end do
+    do i = 1, size(self%modes%system%piece)
+      here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_at)
+      if (size(here) == 0) cycle
+      do k = first, last
+        frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
+        values(k - first + 1, here) = deflections_inside(self%modes%system%piece(i), frequency, self%modes%amplitude(:, i, k), &
+                                                         offset(here))
+      end do
+    end do
+    do p = 1, size(xi)
+      if (xi(p) == self%struck_at) values(:, p) = self%struck(first:last)
+      if (xi(p) == 0.0_dp .and. self%modes%system%beam%root%holds_deflection) values(:, p) = 0.0_dp
+    end do
   end function piece_shapes
 
   pure function piece_curvatures(self, first, last, xi) result(values)
-    !! The moment over EI; at a joint that of the piece inside it.
+    !! The moment over EI of the root piece; at a joint that of the piece inside it. Exactly 0 at a tip where nothing turns it.
     class(piece_set), intent(in) :: self
     integer, intent(in) :: first, last
     real(dp), intent(in) :: xi(:)
@@ -76,8 +101,9 @@ contains
     integer :: p
     state = self%states(first, last, xi)
     do p = 1, size(xi)
-      associate (place => place_of(self%modes%system%beam, xi(p)))
-        values(:, p) = state(3, :, p)/self%modes%system%beam%piece(place%piece)%stiffness%hi
+      values(:, p) = state(3, :, p)/self%modes%system%beam%piece(1)%stiffness%hi
+      associate (tip => self%modes%system%beam%joint(size(self%modes%system%beam%joint)))
+        if (xi(p) == 1.0_dp .and. tip%inertia%hi == 0.0_dp .and. tip%turning_stiffness%hi == 0.0_dp) values(:, p) = 0.0_dp
       end associate
     end do
   end function piece_curvatures
@@ -86,12 +112,11 @@ contains
     class(piece_set), intent(in) :: self
     class(mode_set), intent(in) :: from          !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor     ! not asked yet
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     select type (from)
     class is (piece_set)
-      sums = overlap_sums(self%modes, from%modes, amplitude, .true.)
-      if (present(monitor)) continue
+      sums = overlap_sums(self%modes, from%modes, amplitude, .true., monitor)
     class default
       error stop 'bw_piece_set: modes found in different ways have no overlap'
     end select
@@ -101,12 +126,11 @@ contains
     class(piece_set), intent(in) :: self
     class(mode_set), intent(in) :: from          !! of the same pieces, springs and joints
     real(dp), intent(in) :: amplitude(:)
-    class(monitor_type), intent(inout), optional :: monitor     ! not asked yet
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     select type (from)
     class is (piece_set)
-      sums = overlap_sums(self%modes, from%modes, amplitude, .false.)
-      if (present(monitor)) continue
+      sums = overlap_sums(self%modes, from%modes, amplitude, .false., monitor)
     class default
       error stop 'bw_piece_set: modes found in different ways have no overlap'
     end select
@@ -118,5 +142,77 @@ contains
     type(dd) :: squares(self%count)
     squares = self%beta_squared + self%modes%system%beam%spin_squared*(self%spun/self%modal_mass)
   end function piece_elastic
+
+  pure function energy_of_body(self, q, rate) result(energy)
+    !! ½Jψ̇² of the captured body. Rotation does no work on its turning: in plane (ω + ψ̇)² leaves none, and out of plane the body
+    !! is isotropic.
+    class(piece_set), intent(in) :: self
+    real(dp), intent(in) :: q(:), rate(:)        !! (modes)
+    real(dp) :: energy(2)
+    energy = 0.0_dp
+    if (self%body_inertia == 0.0_dp .or. size(q) == 0) return
+    energy(1) = 0.5_dp*self%body_inertia*dot_product(self%modes%turning(self%struck_joint, :size(rate)), rate)**2
+  end function energy_of_body
+
+  real(dp) function coupling(self, law) result(ratio)
+    !! The largest ratio of what damping couples two of the first modes to what damps each, |C_ij|/√(C_iiC_jj). Modes are
+    !! orthogonal with all mass and inertia, but the spin acts on one of the two only: K_ij is Ω² times what the turning of the
+    !! sections has of the product of two modes, and in plane that of bodies too. The products are means over points.
+    class(piece_set), intent(in) :: self
+    type(damping_law), intent(in) :: law         !! Rayleigh's: a ratio of each mode couples none
+    integer, parameter :: first_modes = 60       ! enough: C_ij/√(C_iiC_jj) falls with the number of the mode
+    integer, parameter :: points = 16*first_modes
+    real(dp), allocatable :: state(:, :, :), gram(:, :), turning(:)
+    real(dp) :: rate(min(first_modes, self%count))
+    type(dd) :: elastic(self%count)
+    integer :: i, j, n
+    ratio = 0.0_dp
+    n = size(rate)
+    associate (beam => self%modes%system%beam)
+      if (beam%spin_squared%hi == 0.0_dp) return
+      allocate (gram(n, n), source=0.0_dp)
+      if (any(beam%piece%rotary%hi > 0.0_dp)) then
+        state = self%states(1, n, [((i - 0.5_dp)/points, i=1, points)])
+        do i = 1, points
+          associate (place => place_of(beam, (i - 0.5_dp)/points))
+            turning = state(2, :, i)/sqrt(self%modal_mass(:n))
+            gram = gram + beam%piece(place%piece)%rotary%hi/points*spread(turning, 1, n)*spread(turning, 2, n)
+          end associate
+        end do
+      end if
+      if (beam%in_plane) then
+        do i = 1, size(beam%joint)
+          turning = self%modes%turning(i, :n)/sqrt(self%modal_mass(:n))
+          gram = gram + beam%joint(i)%inertia%hi*spread(turning, 1, n)*spread(turning, 2, n)
+        end do
+      end if
+      gram = beam%spin_squared%hi*gram
+    end associate
+    elastic = self%elastic()
+    rate = law%rates(elastic(:n)%hi)
+    do j = 1, n
+      do i = 1, j - 1
+        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(gram(i, j))/sqrt(rate(i)*rate(j)))
+      end do
+    end do
+    ratio = ratio*real(law%stiffness, dp)
+  end function coupling
+
+  pure subroutine full_numbers_of_pieces(self, numbers)
+    !! β² has the digits of double-double where it was found for a record without end; shapes, and with them M, those of binary64.
+    class(piece_set), intent(in) :: self
+    type(full_numbers), intent(out) :: numbers
+    real(dp), parameter :: square_error = 1.0e-24_dp     ! of the elastic part, relatively; next to another mode less is known
+    real(dp), parameter :: mass_error = 1.0e-14_dp       ! relatively
+    type(dd) :: elastic(self%count)
+    elastic = self%elastic()
+    numbers%square = to_quad(self%beta_squared)
+    numbers%square_error = square_error*(elastic%hi + abs(self%beta_squared%hi))
+    numbers%mass = real(self%modal_mass, qp)
+    numbers%mass_error = spread(mass_error, 1, self%count)
+    numbers%damping = 0.0_qp*numbers%square
+    if (allocated(self%law)) numbers%damping = self%law%rates(to_quad(elastic))
+    numbers%damping_error = mass_error*real(numbers%damping, dp)
+  end subroutine full_numbers_of_pieces
 
 end module bw_piece_set

@@ -7,7 +7,7 @@ module bw_piece_shape
   use bw_short_piece, only: find_series, piece_series, polynomial_states, series_terms, states_of_series
   implicit none (type, external)
   private
-  public :: place_of, states_inside, wave_values
+  public :: deflections_inside, place_of, states_inside, wave_values
 
   real(dp), parameter :: small = 0.5_dp          !! |z|h² below which exponentials would cancel: powers are summed
   integer, parameter :: terms = 10
@@ -56,6 +56,79 @@ contains
     end if
   end function states_inside
 
+  pure function deflections_inside(piece, frequency, amplitude, offset) result(values)
+    !! v alone, (places).
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    real(dp), intent(in) :: amplitude(4)
+    type(dd), intent(in) :: offset(:)
+    real(dp) :: values(size(offset)), state(4, size(offset))
+    real(dp), dimension(size(offset)) :: c, s
+    type(wave_numbers) :: waves
+    integer :: j
+    if (is_short(piece, frequency)) then
+      state = states_inside(piece, frequency, amplitude, offset)
+      values = state(1, :)
+      return
+    end if
+    waves = wave_numbers_of(piece, frequency)
+    values = 0.0_dp
+    do j = 1, 2
+      associate (y => waves%y(j)%hi, z => waves%z(j))
+        if (z%hi*piece%half%hi**2 > small) then
+          call find_circular(waves%p(j), offset, c, s)
+        else
+          call wave_values(z, waves%p(j), piece%half, offset, c, s)
+        end if
+        values = values + amplitude(j)*c + (amplitude(j + 2)/sqrt(abs(y))*z%hi)*s
+      end associate
+    end do
+  end function deflections_inside
+
+  pure subroutine find_circular(p, offset, c, s)
+    !! C and S of a wave that propagates at many places: whole quarter turns are taken off in three parts, of which the first
+    !! two are exact.
+    type(dd), intent(in) :: p, offset(:)
+    real(dp), intent(out) :: c(:), s(:)
+    real(dp), parameter :: quarter(3) = [1.570796325802803039550781_dp, 9.920935739593517155299196e-10_dp, &
+                                        5.721188726109831840121713e-18_dp]
+    real(dp), parameter :: most = 5.0e7_dp         ! quarter turns, times the 27 bits of a part
+    real(dp), dimension(size(offset)) :: angle, low, turns
+    type(dd) :: exact(size(offset))
+    exact = offset*p
+    angle = exact%hi
+    low = exact%lo
+    if (maxval(abs(angle)) > most) then
+      call circular(exact, c, s)
+    else
+      turns = anint(angle/quarter(1))
+      angle = ((angle - turns*quarter(1)) - turns*quarter(2)) + (low - turns*quarter(3))
+      c = cos(angle)
+      s = sin(angle)
+      call turn_quarters(nint(turns), c, s)
+    end if
+    s = s*(1.0_dp/p%hi)
+  end subroutine find_circular
+
+  elemental subroutine turn_quarters(turns, c, s)
+    !! Cosine and sine of an angle more.
+    integer, intent(in) :: turns
+    real(dp), intent(inout) :: c, s
+    real(dp) :: cosine
+    cosine = c
+    select case (modulo(turns, 4))
+    case (1)
+      c = -s
+      s = cosine
+    case (2)
+      c = -c
+      s = -s
+    case (3)
+      c = s
+      s = -cosine
+    end select
+  end subroutine turn_quarters
+
   pure function wave_states(piece, frequency, amplitude, offset) result(state)
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
@@ -79,7 +152,7 @@ contains
     end do
   end function wave_states
 
-  pure subroutine wave_values(z, p, half, offset, c, s)
+  elemental subroutine wave_values(z, p, half, offset, c, s)
     !! C and S at a place, over cosh √(−z)h where z < 0.
     type(dd), intent(in) :: z, p, half, offset
     real(dp), intent(out) :: c, s

@@ -1,17 +1,19 @@
 module bw_piece_source
   !! Modes of a beam of uniform pieces by their numbers: exact, and as many as are asked for.
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
-  use bw_close_modes, only: refine
+  use bw_extended_residual, only: refine
   use bw_kinds, only: dp
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source
-  use bw_monitor, only: monitor_type
-  use bw_piece_beam, only: piece_beam
+  use bw_monitor, only: monitor_type, stops
+  use bw_piece_beam, only: modes_at_rest, piece_beam
+  use bw_piece_critical, only: critical_speed_of, without_inertia
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
   use bw_piece_set, only: piece_set
-  use bw_piece_waves, only: frequency_at, piece_frequency
+  use bw_piece_waves, only: frequency_at, parts_at_rest, piece_frequency
+  use bw_scene_pieces, only: struck_beam
   implicit none (type, external)
   private
   public :: source_of_pieces, set_of_pieces
@@ -22,21 +24,48 @@ module bw_piece_source
 
   real(dp), parameter :: nearly_rigid = 0.3_dp       !! wave number below which the forces of soft springs have lost digits
 
+  integer, parameter :: asked_every = 64             !! modes, after which a monitor is asked
+
   type, extends(mode_source), public :: piece_source
-    type(piece_beam) :: beam
+    type(struck_beam) :: pieces
+    type(dd) :: critical_speed                       !! as those of a set
+    logical :: grows_at_any_speed = .false.
   contains
     procedure :: find => find_of_pieces
   end type piece_source
 
 contains
 
-  pure type(piece_source) function source_of_pieces(beam) result(source)
-    type(piece_beam), intent(in) :: beam
-    source%beam = beam
-    source%gamma = beam%joint(size(beam%joint))%mass%hi
+  type(piece_source) function source_of_pieces(pieces) result(source)
+    type(struck_beam), intent(in) :: pieces
+    source%pieces = pieces
+    source%gamma = pieces%captured%mass%hi
     source%highest = highest_mode
-    source%decay = merge(2.0_dp, 3.0_dp, any(beam%piece%compliance%hi > 0.0_dp))
+    source%critical_speed = critical_speed_of(pieces%beam)
+    source%grows_at_any_speed = modes_at_rest(without_inertia(pieces%beam)) > 0 .and. &
+      (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
+    source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
+    source%struck_at = pieces%position
+    source%uniform = size(pieces%beam%piece) == 1 .and. pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning &
+      .and. .not. any([pieces%beam%joint%stiffness%hi, pieces%beam%joint%turning_stiffness%hi] > 0.0_dp)
+    source%quadratic = size(pieces%beam%piece) == 1 .and. source%decay > 2.0_dp
+    if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
   end function source_of_pieces
+
+  pure real(dp) function lowest_cutoff(beam) result(alpha)
+    !! About the wave number of bending at the lowest cutoff of a piece, sR = 1; 0 where nothing has one.
+    type(piece_beam), intent(in) :: beam
+    real(dp) :: square                                 ! β² there
+    integer :: i
+    alpha = 0.0_dp
+    if (any(beam%piece%compliance%hi*beam%piece%rotary%hi <= 0.0_dp)) return
+    square = 1.0_dp/maxval(beam%piece%compliance%hi*beam%piece%rotary%hi)
+    do i = 1, size(beam%piece)
+      associate (piece => beam%piece(i))
+        alpha = alpha + sqrt(sqrt(square*piece%mass%hi/piece%stiffness%hi))*piece%length%hi
+      end associate
+    end do
+  end function lowest_cutoff
 
   subroutine find_of_pieces(self, number, modes, longest, monitor)
     class(piece_source), intent(in) :: self
@@ -46,25 +75,40 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(piece_set), allocatable :: found
     allocate (found)
-    if (present(monitor)) continue
-    call set_of_pieces(self%beam, number, longest, found)
+    call set_of_pieces(self%pieces%beam, number, longest, found, self%pieces%struck, monitor)
+    found%gamma = self%gamma
+    found%body_inertia = self%pieces%captured%inertia%hi
+    found%critical_speed = self%critical_speed
+    found%grows_at_any_speed = self%grows_at_any_speed
+    found%agree_from = self%agree_from
+    found%struck_at = self%struck_at
+    found%uniform = self%uniform
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_of_pieces
 
-  subroutine set_of_pieces(beam, number, longest, set)
+  subroutine set_of_pieces(beam, number, longest, set, struck, monitor)
     !! Modes of any numbers, in their order.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: number(:)               !! k ≥ 1, ascending
     real(dp), intent(in), optional :: longest      !! the longest time after which phases must still be right
     type(piece_set), intent(out) :: set
+    integer, intent(in), optional :: struck        !! the joint at which a mass strikes; absent: the tip
+    class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     type(mode_search) :: search
     type(dd) :: lambda
     logical :: found
     integer :: j
     search = search_in(beam)
     call size_set(search, size(number), set)
+    if (present(struck)) then
+      set%struck_joint = struck
+      if (size(search%system%piece) > size(beam%piece)) set%struck_joint = sum(parts_of_cut(beam, struck))
+    end if
     do j = 1, size(number)
+      if (mod(j, asked_every) == 0) then
+        if (stops(monitor)) return
+      end if
       call find_mode(search, number(j), lambda, found)
       if (.not. found) then
         set%resolved = .false.
@@ -75,6 +119,15 @@ contains
     end do
   end subroutine set_of_pieces
 
+  pure function parts_of_cut(beam, pieces) result(parts)
+    !! Into how many parts a search cuts the first pieces of a beam with modes at rest.
+    type(piece_beam), intent(in) :: beam
+    integer, intent(in) :: pieces
+    integer :: parts(pieces), all(size(beam%piece))
+    all = parts_at_rest(beam)
+    parts = all(:pieces)
+  end function parts_of_cut
+
   pure subroutine size_set(search, n, set)
     type(mode_search), intent(in) :: search
     integer, intent(in) :: n
@@ -82,9 +135,9 @@ contains
     integer :: pieces
     pieces = size(search%system%piece)
     set%count = n
-    set%gamma = search%system%beam%joint(pieces)%mass%hi
+    set%struck_joint = pieces
     set%modes%system = search%system
-    allocate (set%alpha(n), set%tip(n), set%modal_mass(n), set%spun(n), set%phase_velocity(n), set%group_velocity(n))
+    allocate (set%alpha(n), set%struck(n), set%modal_mass(n), set%spun(n), set%phase_velocity(n), set%group_velocity(n))
     allocate (set%beta_squared(n), set%modes%lambda(n), set%modes%square(n), set%modes%mass(n))
     allocate (set%modes%amplitude(4, pieces, n), set%modes%deflection(pieces, n), set%modes%turning(pieces, n))
   end subroutine size_set
@@ -132,7 +185,7 @@ contains
       modes%lambda(j) = lambda
       modes%mass(j) = probe%mass*scale**2
       set%modal_mass(j) = modes%mass(j)
-      set%tip(j) = modes%deflection(n, j)
+      set%struck(j) = modes%deflection(set%struck_joint, j)
       set%spun(j) = turning_part*scale**2
       if (system%beam%in_plane) then
         set%spun(j) = modes%mass(j) - (set%spun(j) + sum(system%beam%joint%inertia%hi*modes%turning(:, j)**2))

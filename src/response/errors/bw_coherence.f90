@@ -14,12 +14,16 @@ module bw_coherence
   !! Of steps that are commensurable with the waves one m is very good; those that are farthest from it leave
   !! 1 to 2.8 N^(1/4) times the mean square's root.
   !!
+  !! Waves of shear run nearly all at one speed: beyond the cutoff, from which sections swing on their own, the front of the blow
+  !! keeps its shape, and where it passes the phases of all modes agree. Of a beam of several pieces the waves of each come to
+  !! agree at times of their own. There Σ|A| is what is known.
+  !!
   !! **Empirical**: the factors. `tests/scenes/tails.py` shows what they are worth.
   !! **Source**: Fiedler, Jurkat and Körner, Asymptotic expansions of finite theta series, Acta Arithmetica 32 (1977) 129–146.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: combined, from_tip, largest, seen_from_blow
+  public :: combined, from_tip, largest, path_to, seen_from_blow
 
   real(dp), parameter :: chord = 0.5_dp
     !! of A/√ε. The longest chord is 0.83, but at most points only one of the two waves of each mode is near its fraction:
@@ -54,7 +58,14 @@ module bw_coherence
     real(dp) :: passing = 0.0_dp                 !! the largest |A|√(α/d) of waves that come as far as the distance d in time
     real(dp) :: alpha = huge(1.0_dp)             !! of that mode
     real(dp) :: growing = 0.0_dp                 !! the largest value of what grows, or creeps back
+    real(dp) :: agreeing = 0.0_dp                !! Σ|A| of modes whose phases may agree at any sample
   end type deviation_type
+
+  type, public :: path_type
+    !! What waves of the blow run along to a point.
+    real(dp) :: distance = 1.0_dp                !! d of the point from the blow
+    logical :: uniform = .true.                  !! of a uniform beam, from its tip: nothing comes back but from the root
+  end type path_type
 
   type :: fraction_type
     !! One of the continued fraction of ϑ, and the one before it.
@@ -85,47 +96,71 @@ contains
     both%passing = sums%passing + 2.0_dp*others%passing
     both%alpha = min(sums%alpha, others%alpha)
     both%growing = sums%growing + others%growing
+    both%agreeing = sums%agreeing + others%agreeing
   end function combined
 
-  elemental real(dp) function from_tip(xi) result(distance)
-    !! The distance d of a point from the tip, at the tip itself so small that what is over it says nothing.
+  elemental type(path_type) function from_tip(xi) result(path)
+    !! Of a uniform beam; at the tip itself the distance is so small that what is over it says nothing.
     real(dp), intent(in) :: xi                   !! ξ
-    distance = max(1.0_dp - xi, sqrt(tiny(distance)))
+    path = path_type(max(1.0_dp - xi, sqrt(tiny(xi))))
   end function from_tip
 
-  elemental real(dp) function largest(sums, xi, stretch, quadratic) result(motion)
+  elemental type(path_type) function path_to(xi, struck_at, uniform) result(path)
+    !! From a blow anywhere, on any beam.
+    real(dp), intent(in) :: xi                   !! ξ
+    real(dp), intent(in) :: struck_at            !! ξ₀
+    logical, intent(in) :: uniform               !! as that of `path_type`
+    path = path_type(max(abs(struck_at - xi), sqrt(tiny(xi))), uniform)
+  end function path_to
+
+  elemental real(dp) function largest(sums, path, stretch, quadratic) result(motion)
     !! What the modes add up to at most at one of the samples.
     type(deviation_type), intent(in) :: sums
-    real(dp), intent(in) :: xi                   !! where, ξ
+    type(path_type), intent(in) :: path          !! to the point
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: quadratic             !! phases are quadratic in the mode's number; else nothing is known of them
     real(dp) :: first
     motion = sums%growing
     if (sums%largest <= 0.0_dp) return
-    first = first_passage(sums, from_tip(xi), stretch)
+    first = first_passage(sums, path, stretch)
     if (quadratic) then
       motion = motion + min(sums%magnitude, theta_sum(sums, first, stretch))
     else
-      motion = motion + min(sums%magnitude, max(random_sum(sums, stretch), first))
+      motion = motion + min(sums%magnitude, max(random_sum(sums, stretch), first, agreement(sums)))
     end if
   end function largest
 
-  elemental real(dp) function first_passage(sums, distance, stretch) result(motion)
+  elemental real(dp) function first_passage(sums, path, stretch) result(motion)
     !! While waves pass for the first time after the blow, near the fraction 0/1, and come back from the root. Before they
     !! come and after they have gone they leave the largest amplitude over the distance from its wave to the point, since there
-    !! the waves end of a sudden; that distance is least at the last sample.
+    !! the waves end of a sudden; that distance is least at the last sample. Of a blow inboard, and where pieces meet, waves come
+    !! back from more places than one.
     type(deviation_type), intent(in) :: sums
-    real(dp), intent(in) :: distance             !! from the tip, d
+    type(path_type), intent(in) :: path
     type(stretch_type), intent(in) :: stretch
-    real(dp) :: edge, gone, way
+    real(dp), parameter :: returns = 3.0_dp      ! empirical
+    real(dp) :: distance, edge, gone, way
+    distance = path%distance
     way = 2.0_dp*sums%alpha*stretch%end
     edge = 1.0_dp/distance
     if (way < distance) edge = min(1.0_dp/(distance - way), edge + passage*sqrt(sums%alpha/distance))
     motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest*edge
+    if (.not. path%uniform) then
+      motion = returns*motion
+      return
+    end if
     gone = 2.0_dp*sums%alpha*stretch%start - distance      ! beyond the point at the first sample
     if (gone > 0.0_dp .and. way < 2.0_dp - distance) motion = min(motion, sums%largest/gone)
     motion = min(motion, near_sum(sums, half_pi*stretch%start))
   end function first_passage
+
+  elemental real(dp) function agreement(sums) result(motion)
+    !! Where the phases of all modes agree that may. Of velocities, whose amplitudes fall as 1/k, that is a wave front, as high as
+    !! k|A| tells.
+    type(deviation_type), intent(in) :: sums
+    real(dp), parameter :: front = 4.0_dp        ! 1.85 of Gibbs' phenomenon, and what two families of waves add
+    motion = min(sums%agreeing, front*sums%largest*sums%alpha/(2.0_dp*half_pi))
+  end function agreement
 
   elemental real(dp) function near_sum(sums, distance) result(motion)
     !! So near a fraction.

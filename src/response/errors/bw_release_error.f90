@@ -9,7 +9,7 @@ module bw_release_error
   !! all its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after
   !! the release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do. Where there are
   !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_remainder).
-  use bw_coherence, only: combined, deviation_type, largest, observation_type
+  use bw_coherence, only: combined, deviation_type, largest, observation_type, path_to, path_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source, mode_sources
@@ -17,7 +17,7 @@ module bw_release_error
   use bw_reach, only: amplitude_of, turns
   use bw_release, only: tip_remainder
   use bw_segment, only: move, segment_type
-  use bw_tail, only: add_amplitudes, add_tail, moving_modes, negligible, sample_window
+  use bw_tail, only: add_amplitudes, add_tail, may_agree, moving_modes, negligible, sample_window
   use bw_tip_remainder, only: find_tip_remainder
   implicit none (type, external)
   private
@@ -44,7 +44,7 @@ contains
     real(dp) :: q(count), rate(count)
     call sources%loaded%find(first_numbers(count), low)
     q = 0.0_dp
-    rate = force*low%tip/low%modal_mass
+    rate = force*low%struck/low%modal_mass
     call move(low, released, q, rate)
     error = blow_left(count, sources, force, released, seen) + force_left(low, q, rate, sources%free, seen)
   end function release_tail
@@ -63,7 +63,7 @@ contains
     since_blow%stretch%start = released%hi + seen%stretch%start
     since_blow%stretch%end = released%hi + seen%stretch%end
     call add_tail(count, sources%loaded, force, since_blow, sums, shown=sources%free)
-    error = largest(sums, seen%points, since_blow%stretch, sources%free%quadratic)
+    error = largest(sums, paths(sources%free, seen), since_blow%stretch, sources%free%quadratic)
   end function blow_left
 
   function force_left(low, q, rate, source, seen) result(error)
@@ -90,7 +90,7 @@ contains
               <= negligible*(sums%magnitude + sums%growing))) exit
       first = last + 1
     end do
-    error = largest(sums, seen%points, seen%stretch, source%quadratic)
+    error = largest(sums, paths(source, seen), seen%stretch, source%quadratic)
   end function force_left
 
   function blow_reach(free, seen, quadratic) result(reach)
@@ -100,8 +100,8 @@ contains
     logical, intent(in) :: quadratic              !! see `largest`
     real(dp) :: reach(size(seen%points))
     type(deviation_type) :: sums(size(seen%points))
-    call add_state(free, 0.0_dp*free%tip, free%tip/free%modal_mass, seen, every(free), sums)
-    reach = largest(sums, seen%points, seen%stretch, quadratic)
+    call add_state(free, 0.0_dp*free%struck, free%struck/free%modal_mass, seen, every(free), sums)
+    reach = largest(sums, path_to(seen%points, free%struck_at, free%uniform), seen%stretch, quadratic)
   end function blow_reach
 
   function release_error(after, sources, count, force, seen, monitor) result(error)
@@ -128,17 +128,17 @@ contains
     call sources%free%find(first_numbers(n), free, monitor=monitor)
     if (stops(monitor)) return
     allocate (start(n), source=0.0_dp)
-    start_rate = force*many%tip/many%modal_mass
-    usual = sqrt(0.5_dp*sum((many%tip(count + 1:)*start_rate(count + 1:))**2))    ! were the phases random
+    start_rate = force*many%struck/many%modal_mass
+    usual = sqrt(0.5_dp*sum((many%struck(count + 1:)*start_rate(count + 1:))**2))    ! were the phases random
     call find_tip_remainder(sources%loaded, force, n, after%start, tip_share*usual, remainder, highest=tip_times*n, monitor=monitor)
     call move(many, after%start, start, start_rate)
     associate (gamma => sources%loaded%gamma)
-      lacking = (free%overlap_of_beam(many, start, monitor) - gamma*remainder%displacement*free%tip)/free%modal_mass
-      lacking_rate = (free%overlap_of_beam(many, start_rate, monitor) - gamma*remainder%velocity*free%tip)/free%modal_mass
+      lacking = (free%overlap_of_beam(many, start, monitor) - gamma*remainder%displacement*free%struck)/free%modal_mass
+      lacking_rate = (free%overlap_of_beam(many, start_rate, monitor) - gamma*remainder%velocity*free%struck)/free%modal_mass
       lacking(:m) = lacking(:m) - after%q
       lacking_rate(:m) = lacking_rate(:m) - after%rate
       call add_state(free, lacking, lacking_rate, seen, every(free), sums)
-      error = margin*largest(combined(deviation_type(), sums), seen%points, seen%stretch, sources%free%quadratic) &
+      error = margin*largest(combined(deviation_type(), sums), paths(sources%free, seen), seen%stretch, sources%free%quadratic) &
         + blow_left(n, sources, force, after%start, seen) + force_left(many, start, start_rate, sources%free, seen) &
         + gamma*remainder%uncertainty*blow_reach(free, seen, sources%free%quadratic)
     end associate
@@ -156,9 +156,18 @@ contains
     c = 0.0_dp
     if (allocated(modes%damping)) c = modes%damping
     moving = moving_modes(amplitude_of(modes%beta_squared, c, q, rate, seen%stretch, seen%velocity), modes%alpha, &
-                          abs(modes%tip), turns(modes%beta_squared, c))
+                          abs(modes%struck), turns(modes%beta_squared, c), &
+                          may_agree(modes%alpha, modes%agree_from, seen%velocity), modes%struck_at, modes%uniform)
     call add_amplitudes(moving, modes%shapes(seen%points), seen, weight, sums)
   end subroutine add_state
+
+  pure function paths(source, seen)
+    !! From the blow to each point.
+    class(mode_source), intent(in) :: source
+    type(observation_type), intent(in) :: seen
+    type(path_type) :: paths(size(seen%points))
+    paths = path_to(seen%points, source%struck_at, source%uniform)
+  end function paths
 
   pure function every(modes) result(weight)
     !! Each mode stands for itself.

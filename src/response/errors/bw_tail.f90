@@ -4,7 +4,7 @@ module bw_tail
   !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
   !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
   !! and integrate cubics over it.
-  use bw_coherence, only: deviation_type, from_tip, observation_type
+  use bw_coherence, only: deviation_type, observation_type, path_to, path_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -12,13 +12,16 @@ module bw_tail
   use bw_reach, only: damped_reach, turns, undamped_reaches
   implicit none (type, external)
   private
-  public :: add_amplitudes, add_modes, add_tail, sample_window
+  public :: add_amplitudes, add_modes, add_tail, may_agree, sample_window
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
   real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
+  real(dp), parameter :: tells = 0.1_dp
+    !! a window of modes, as far as none is damped, that adds less than this tells what those beyond it add where it is known how
+    !! amplitudes fall
   real(dp), parameter, public :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
   real(dp), parameter :: velocities_end = 0.03_dp
     !! the same of ΣA² of velocities, whose Σ|A| has no bound: after some thirty times the modes
@@ -29,8 +32,11 @@ module bw_tail
     !! How some modes move.
     real(dp), allocatable :: reach(:)             !! how far, where the shape is 1, (modes)
     real(dp), allocatable :: alpha(:)             !! wave number times length, (modes)
-    real(dp), allocatable :: tip(:)               !! |Φ(1)|, (modes)
+    real(dp), allocatable :: tip(:)               !! |Φ(ξ₀)|, (modes)
     logical, allocatable :: swings(:)             !! its sign is as good as random, (modes)
+    logical, allocatable :: agrees(:)             !! but may be that of all others at once, (modes)
+    real(dp) :: struck_at = 1.0_dp                !! ξ₀
+    logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
   end type moving_modes
 
 contains
@@ -43,44 +49,63 @@ contains
     type(observation_type), intent(in) :: seen
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
-    type(deviation_type) :: before(size(seen%points))
+    type(deviation_type) :: before(size(seen%points)), octave(size(seen%points))
     real(dp) :: rising
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
-    rising = falls_beyond(source%gamma, seen%points)
+    rising = falls_beyond(source%gamma, abs(source%struck_at - seen%points))
     first = count + 1
     do while (first <= source%highest)
       last = window_end(first, source, seen%stretch%start)
       before = sums
       call add_window(source, force, first, last, seen, sums, shown)
-      if (first > rising .and. adds_nothing(before, sums, seen%velocity)) exit
+      if (first > rising .and. adds_nothing(before, sums, seen%velocity, negligible)) exit
+      if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping)) then
+        if (adds_nothing(before, sums, seen%velocity, tells)) then
+          call extrapolate(source%decay, less(sums, before), seen%velocity, sums)
+          return
+        end if
+      end if
       first = last + 1
     end do
     if (source%decay > 0.0_dp .and. first > source%highest) then
-      call extrapolate(source, force, seen, sums, shown)
+      octave = deviation_type()
+      call add_window(source, force, source%highest/2 + 1, source%highest, seen, octave, shown)
+      call extrapolate(source%decay, octave, seen%velocity, sums)
     end if
   end subroutine add_tail
 
-  pure real(dp) function falls_beyond(gamma, points) result(number)
-    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the tip shapes rise
-    !! from Φ(1).
-    real(dp), intent(in) :: gamma, points(:)
+  pure real(dp) function falls_beyond(gamma, distance) result(number)
+    !! The mode beyond which amplitudes are sure to fall: those of a light mass are level before, and near the struck place shapes
+    !! rise from Φ(ξ₀).
+    real(dp), intent(in) :: gamma
+    real(dp), intent(in) :: distance(:)           !! of the points from there
     real(dp), parameter :: risen = 3.0_dp         ! αd
     real(dp) :: nearest
-    nearest = minval(1.0_dp - points, mask=points < 1.0_dp)      ! huge where there is none
+    nearest = minval(distance, mask=distance > 0.0_dp)           ! huge where there is none
     number = max(1.0_dp/gamma, (risen/pi)/nearest)
   end function falls_beyond
 
-  pure logical function adds_nothing(before, sums, velocity)
+  elemental type(deviation_type) function less(sums, before) result(octave)
+    !! What the last window has added.
+    type(deviation_type), intent(in) :: sums, before
+    octave = sums
+    octave%magnitude = sums%magnitude - before%magnitude
+    octave%square = sums%square - before%square
+    octave%agreeing = sums%agreeing - before%agreeing
+  end function less
+
+  pure logical function adds_nothing(before, sums, velocity, nothing)
     !! A window that adds so little that those beyond it need not be looked at.
     type(deviation_type), intent(in) :: before(:) !! the sums without this window, (points)
     type(deviation_type), intent(in) :: sums(:)
     logical, intent(in) :: velocity
+    real(dp), intent(in) :: nothing               !! of the sum
     adds_nothing = all(sums%growing - before%growing <= negligible*sums%growing)
     if (velocity) then
-      adds_nothing = adds_nothing .and. all(sums%square - before%square <= velocities_end*sums%square)
+      adds_nothing = adds_nothing .and. all(sums%square - before%square <= max(velocities_end, nothing)*sums%square)
     else
-      adds_nothing = adds_nothing .and. all(sums%magnitude - before%magnitude <= negligible*sums%magnitude)
+      adds_nothing = adds_nothing .and. all(sums%magnitude - before%magnitude <= nothing*sums%magnitude)
     end if
   end function adds_nothing
 
@@ -119,10 +144,10 @@ contains
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
-      call add_modes(others, force*modes%tip/modes%modal_mass, seen, weight, sums)
+      call add_modes(others, force*modes%struck/modes%modal_mass, seen, weight, sums)
     else if (allocated(source%damping)) then
       call source%find(number, modes)
-      call add_modes(modes, force*modes%tip/modes%modal_mass, seen, weight, sums)
+      call add_modes(modes, force*modes%struck/modes%modal_mass, seen, weight, sums)
     else
       call add_terms(source, force, number, seen, weight, sums)
     end if
@@ -144,28 +169,27 @@ contains
     moving%alpha = pi*number
     moving%tip = abs(drive)
     moving%swings = beta%hi > 0.0_dp
+    moving%agrees = may_agree(moving%alpha, source%agree_from, seen%velocity)
+    moving%struck_at = source%struck_at
+    moving%uniform = source%uniform
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
-  subroutine extrapolate(source, force, seen, sums, shown)
-    !! The modes beyond the highest that can be found, as the last octave of those tells. Velocities fall as 1/k, whose
+  elemental subroutine extrapolate(decay_of_displacement, octave, velocity, sums)
+    !! The modes beyond the highest that were looked at, as the last octave of those tells. Velocities fall as 1/k, whose
     !! sum has no bound: their magnitudes then say nothing.
-    class(mode_source), intent(in) :: source
-    real(dp), intent(in) :: force
-    type(observation_type), intent(in) :: seen
-    type(deviation_type), intent(inout) :: sums(:)
-    class(mode_source), intent(in), optional :: shown
+    real(dp), intent(in) :: decay_of_displacement
+    type(deviation_type), intent(in) :: octave
+    logical, intent(in) :: velocity
+    type(deviation_type), intent(inout) :: sums
     real(dp), parameter :: no_bound = 1.0e3_dp
-    type(deviation_type) :: octave(size(seen%points))
-    real(dp) :: decay
-    call add_window(source, force, source%highest/2 + 1, source%highest, seen, octave, shown)
-    decay = merge(1.0_dp, source%decay, seen%velocity)
+    real(dp) :: decay, times
+    decay = merge(1.0_dp, decay_of_displacement, velocity)
+    times = no_bound
+    if (.not. velocity) times = 1.0_dp/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
     sums%square = sums%square + octave%square/(2.0_dp**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
-    if (seen%velocity) then
-      sums%magnitude = sums%magnitude + no_bound*octave%magnitude
-    else
-      sums%magnitude = sums%magnitude + octave%magnitude/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
-    end if
+    sums%magnitude = sums%magnitude + times*octave%magnitude
+    sums%agreeing = sums%agreeing + times*octave%agreeing
     sums%largest = max(sums%largest, octave%largest)
     sums%passing = max(sums%passing, octave%passing)
     sums%alpha = min(sums%alpha, octave%alpha)
@@ -204,11 +228,14 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     type(moving_modes) :: moving
     integer :: first, last
+    moving%struck_at = modes%struck_at
+    moving%uniform = modes%uniform
     do first = 1, modes%count, part
       last = min(first + part - 1, modes%count)
       associate (square => modes%beta_squared(first:last))
         moving%alpha = modes%alpha(first:last)
-        moving%tip = abs(modes%tip(first:last))
+        moving%tip = abs(modes%struck(first:last))
+        moving%agrees = may_agree(moving%alpha, modes%agree_from, seen%velocity)
         if (allocated(modes%damping)) then
           moving%swings = turns(square, modes%damping(first:last))
           moving%reach = abs(rate(first:last))*damped_reach(square, modes%damping(first:last), seen%stretch, seen%velocity)
@@ -230,23 +257,30 @@ contains
     real(dp), intent(in) :: weight(:)             !! (modes)
     type(deviation_type), intent(inout) :: sums(:)
     type(deviation_type) :: sum                   ! in registers
-    real(dp) :: amplitude, distance, peak
+    type(path_type) :: path
+    real(dp), parameter :: at_free_end = 2.0_dp   ! a bound of |Φ(ξ)| of any beam, nearly
+    real(dp) :: amplitude, bound, distance, peak
     logical :: slow
     integer :: k, p
     do p = 1, size(sums)
-      distance = from_tip(seen%points(p))
-      slow = run_length*min(seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
+      path = path_to(seen%points(p), moving%struck_at, moving%uniform)
+      distance = path%distance
+      slow = run_length*min(seen%points(p), 1.0_dp - seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
+      if (.not. moving%uniform) slow = slow .and. seen%points(p) /= moving%struck_at
       sum = sums(p)
       do k = 1, size(moving%reach)
         amplitude = moving%reach(k)*abs(shapes(k, p))
         peak = amplitude
         if (slow .and. weight(k) > 1.0_dp) then
-          peak = max(amplitude, moving%reach(k)*largest_shape(seen%points(p), moving%alpha(k), moving%tip(k)))
+          bound = at_free_end
+          if (moving%uniform) bound = largest_shape(seen%points(p), moving%alpha(k), moving%tip(k))
+          peak = max(amplitude, moving%reach(k)*bound)
           amplitude = max(amplitude, mean*peak)
         end if
         if (moving%swings(k)) then
           sum%magnitude = sum%magnitude + weight(k)*amplitude
           sum%square = sum%square + weight(k)*amplitude**2
+          if (moving%agrees(k)) sum%agreeing = sum%agreeing + weight(k)*amplitude
           if (peak > sum%largest) then
             sum%largest = peak
             sum%alpha = moving%alpha(k)
@@ -261,6 +295,14 @@ contains
       sums(p) = sum
     end do
   end subroutine add_amplitudes
+
+  elemental logical function may_agree(alpha, from, velocity)
+    !! Bending waves do so too rarely to say it of every velocity.
+    real(dp), intent(in) :: alpha
+    real(dp), intent(in) :: from                  !! `agree_from`
+    logical, intent(in) :: velocity
+    may_agree = alpha >= from .and. .not. (velocity .and. from == 0.0_dp)
+  end function may_agree
 
   elemental real(dp) function largest_shape(xi, alpha, tip) result(shape)
     !! A bound of |Φ(ξ)| near one end of the beam, where a run of modes does not see how far its shapes go: √2 and what the

@@ -9,7 +9,7 @@ module bw_tip_remainder
   !!
   !! What N modes lack is judged by ΣA = (1+e)V, the velocity at t = 0: less the terms that were summed it bounds the others,
   !! and with the last term also ΣA². How far their phases can agree at that one instant is that of bw_coherence.
-  use bw_coherence, only: deviation_type, largest, stretch_type
+  use bw_coherence, only: deviation_type, from_tip, largest, stretch_type
   use bw_double_double, only: accurate_sum, dd, dd_pi, operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -90,7 +90,7 @@ contains
     left = max(0.0_dp, total - sum%started)
     sums = deviation_type(magnitude=left*sum%kept, largest=min(sum%last, left)*sum%kept, passing=huge(1.0_dp), alpha=pi*last)
     sums%square = sums%magnitude*sums%largest/merge(3.0_dp, 1.0_dp, quadratic)
-    most = largest(sums, 1.0_dp, stretch_type(time%hi, 2.0_dp*time%hi, time%hi), quadratic)
+    most = largest(sums, from_tip(1.0_dp), stretch_type(time%hi, 2.0_dp*time%hi, time%hi), quadratic)
   end function uncertainty_of
 
   subroutine add_modes(source, force, first, last, time, beyond, sum, monitor)
@@ -149,11 +149,11 @@ contains
     n = size(number)
     call source%find(number, modes, min(1.0_dp, source%stretch)*time%hi)
     q = 0.0_dp
-    rate = force*modes%tip/modes%modal_mass
-    call take_terms(modes%tip*rate, sum)
+    rate = force*modes%struck/modes%modal_mass
+    call take_terms(modes%struck*rate, sum)
     energy = state_energy(modes, q, rate)
     call move_with_energy(modes, time, q, rate, energy)
-    if (beyond) call take_motion(modes%tip*q, modes%tip*rate, sum)
+    if (beyond) call take_motion(modes%struck*q, modes%struck*rate, sum)
     sum%remainder%energy = sum%remainder%energy + energy%value
     slow = slow_exponent(modes%beta_squared(n), modes%damping(n))
     sum%kept = exp(slow%hi*time%hi)

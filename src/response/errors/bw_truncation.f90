@@ -9,7 +9,7 @@ module bw_truncation
   !! are summed as they are.
   !!
   !! Velocities are sums of cosines, whose phases all agree at t = 0; there the error is known (`with_start`).
-  use bw_coherence, only: combined, deviation_type, largest, observation_type, stretch_type
+  use bw_coherence, only: combined, deviation_type, largest, observation_type, path_to, stretch_type
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: first_numbers, mode_set, mode_source
@@ -68,7 +68,8 @@ contains
       lack = deviation_type()
       if (present(lacking)) call add_modes(modes, lacking, now, spread(1.0_dp, 1, modes%count), lack)
       call add_tail(count, source, force, now, sums)
-      estimate = largest(combined(sums, lack), seen%points, now%stretch, source%quadratic)
+      estimate = largest(combined(sums, lack), path_to(seen%points, source%struck_at, source%uniform), now%stretch, &
+                         source%quadratic)
       if (allocated(source%damping) .and. .not. present(lacking) .and. i <= stretches_summed .and. i < size(stretches)) then
         estimate = min(estimate, largest_seen(count, source, force, now))
       end if
@@ -102,7 +103,7 @@ contains
           largest_motion = max(largest_motion, unsigned)
         else
           q = 0.0_dp
-          rate = force*modes%tip/modes%modal_mass
+          rate = force*modes%struck/modes%modal_mass
           call move(modes, to_dd(left%stretch%start), q, rate)
           if (seen%velocity) q = rate
           largest_motion = max(largest_motion, rounding*abs(matmul(q, modes%shapes(seen%points))) + unsigned)
@@ -133,15 +134,15 @@ contains
     end do
   end function stretches_of
 
-  elemental real(dp) function with_start(estimate, start, xi, jump) result(error)
+  elemental real(dp) function with_start(estimate, start, struck, jump) result(error)
     !! The estimate for a velocity, and no less than what its first sample lacks: of infinitely many modes the beam is at
-    !! rest but for the tip.
+    !! rest but for the place that the mass strikes.
     real(dp), intent(in) :: estimate        !! of `truncation_error` or `tail_error`
     real(dp), intent(in) :: start           !! the velocity at t = 0
-    real(dp), intent(in) :: xi              !! where, ξ
-    real(dp), intent(in) :: jump            !! of the tip's velocity, (1+e)V, in the same unit
-    real(dp), parameter :: margin = 1.25_dp ! empirical: near the tip the next samples still see some of that coherence
-    error = max(estimate, margin*abs(start - merge(jump, 0.0_dp, xi == 1.0_dp)))
+    logical, intent(in) :: struck           !! the point is that place
+    real(dp), intent(in) :: jump            !! of the velocity there, (1+e)V, in the same unit
+    real(dp), parameter :: margin = 1.25_dp ! empirical: nearby the next samples still see some of that coherence
+    error = max(estimate, margin*abs(start - merge(jump, 0.0_dp, struck)))
   end function with_start
 
 end module bw_truncation

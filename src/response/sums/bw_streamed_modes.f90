@@ -84,7 +84,7 @@ contains
       started = wall_seconds()
       call source%find([(i, i=k, min(k + at_once - 1, last))], modes, record_of(source, response%sampling%grid))
       response%mode_seconds = response%mode_seconds + (wall_seconds() - started)
-      call add_motion(modes, force*modes%tip/modes%modal_mass, monitor, response)
+      call add_motion(modes, force*modes%struck/modes%modal_mass, monitor, response)
       if (monitor%stop_requested()) return
     end do
   end subroutine add_sets

@@ -8,7 +8,7 @@ module bw_beam_par
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: beam_mass, beam_text, build_beam, check_beam
+  public :: area_of, beam_mass, beam_text, build_beam, check_beam, piece_mass, second_moment_of
 
   type, public :: beam_piece
     !! A piece of one material and one section.

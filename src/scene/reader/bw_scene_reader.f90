@@ -50,13 +50,14 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     logical :: asked
     integer :: s
+    if (.not. allocated(scene%stiffening)) return
     asked = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
     if (allocated(scene%impact)) asked = asked .or. scene%impact%position /= 1.0_dp
     do s = 1, size(scene%sweeps)
       asked = asked .or. scene%sweeps(s)%parameter == 'impact%position'
     end do
-    if (asked) call fail(error, status_bad_input, scene%file//': &beam: several pieces, &support, &body and an impact off the '// &
-                         'tip can be read, and not yet run; accepted: a uniform beam with a clamped root, struck at its tip')
+    if (asked) call fail(error, status_bad_input, scene%file//': &stiffening: its tension is that of a uniform beam with a '// &
+                         'clamped root, struck at its tip; accepted: such a beam, or the scene without &stiffening')
   end subroutine refuse_unfinished
 
   pure subroutine read_scene_text(text, path, scene, error)

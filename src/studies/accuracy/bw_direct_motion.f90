@@ -115,8 +115,8 @@ contains
       call self%hand_on(loaded, first, release, released)
     end do
     associate (q => released%q, rate => released%rate, modes => released%modes)
-      q = (q - self%sources%loaded%gamma*released%remainder(1)*modes%tip)/modes%modal_mass
-      rate = (rate - self%sources%loaded%gamma*released%remainder(2)*modes%tip)/modes%modal_mass
+      q = (q - self%sources%loaded%gamma*released%remainder(1)*modes%struck)/modes%modal_mass
+      rate = (rate - self%sources%loaded%gamma*released%remainder(2)*modes%struck)/modes%modal_mass
       call add_directly(modes, rate*self%unit, self%scene%response%points, times, displacement, displaced=q*self%unit)
     end associate
   end subroutine add_released
@@ -138,8 +138,8 @@ contains
     released%rate = released%rate + released%modes%overlap_of_beam(loaded, moved_rate)
     beyond = max(1, release%count - first + 2)            ! place of the first that does not move after it
     associate (remainder => released%remainder)
-      remainder(1) = remainder(1) - dot_product(loaded%tip(beyond:), moved(beyond:))
-      remainder(2) = remainder(2) - dot_product(loaded%tip(beyond:), moved_rate(beyond:))
+      remainder(1) = remainder(1) - dot_product(loaded%struck(beyond:), moved(beyond:))
+      remainder(2) = remainder(2) - dot_product(loaded%struck(beyond:), moved_rate(beyond:))
     end associate
   end subroutine hand_on
 

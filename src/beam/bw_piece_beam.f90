@@ -10,6 +10,8 @@ module bw_piece_beam
   private
   public :: attach, cut_at, cut_all, joint_position, modes_at_rest
 
+  real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
+
   type, public :: uniform_piece
     type(dd) :: length = dd(1.0_dp)
     type(dd) :: stiffness = dd(1.0_dp)        !! B = EI
@@ -55,8 +57,8 @@ contains
   end function joint_position
 
   pure subroutine cut_at(beam, position, i)
-    !! Make a joint at a position by cutting the piece there in two; none is cut where a joint already is. The pieces after
-    !! the cut end as before.
+    !! Make a joint at a position by cutting the piece there in two; none is cut where a joint already is, or as near as a place
+    !! that was rounded. The pieces after the cut end as before.
     type(piece_beam), intent(inout) :: beam
     type(dd), intent(in) :: position               !! from the root, 0 < position ≤ the beam's length
     integer, intent(out) :: i                      !! the joint there
@@ -64,7 +66,7 @@ contains
     type(dd) :: before, left
     do i = 1, size(beam%piece)
       left = joint_position(beam, i) - position
-      if (left%hi == 0.0_dp) return
+      if (abs(left%hi) <= same_place) return
       if (left%hi > 0.0_dp) exit
     end do
     if (i > size(beam%piece)) then                 ! beyond the tip by rounding

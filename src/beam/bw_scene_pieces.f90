@@ -1,0 +1,122 @@
+module bw_scene_pieces
+  !! The beam of a scene without tension as uniform pieces with bodies and springs at their ends, without dimensions: lengths
+  !! in l, times in l²/h, masses in m_i. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
+  use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, second_moment_of
+  use bw_beam_units, only: beam_units
+  use bw_body_par, only: body_par
+  use bw_double_double, only: dd, to_dd, operator(*)
+  use bw_kinds, only: dp, qp
+  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, uniform_piece
+  use bw_rotation, only: acts_in_plane, dimensionless_speed
+  use bw_scene, only: scene_type
+  use bw_shear_par, only: shear_par
+  use bw_support_par, only: support_par
+  implicit none (type, external)
+  private
+  public :: pieces_of
+
+  type, public :: struck_beam
+    !! A beam of pieces, and what strikes it.
+    type(piece_beam) :: beam
+    integer :: struck = 1                          !! the joint at which the mass strikes, of the beam with and without it
+    real(dp) :: position = 1.0_dp                  !! ξ₀ of it
+    type(beam_joint) :: captured                   !! what the beam has there of the mass that it has captured
+  end type struck_beam
+
+  type :: full_units
+    !! What dimensions are taken off with, in binary128.
+    real(qp) :: length = 1.0_qp                    !! l, m
+    real(qp) :: stiffness = 1.0_qp                 !! EI of the root piece, N m²
+    real(qp) :: mass = 1.0_qp                      !! m_i, kg
+  end type full_units
+
+contains
+
+  pure type(struck_beam) function pieces_of(scene, units, loaded) result(pieces)
+    !! The beam with all that the scene attaches to it.
+    type(scene_type), intent(in) :: scene          !! without sweeps, without tension
+    type(beam_units), intent(in) :: units
+    logical, intent(in) :: loaded                  !! the captured body is there
+    type(full_units) :: full
+    integer :: i
+    full = full_units_of(scene%beam)
+    associate (beam => pieces%beam)
+      if (allocated(scene%beam%pieces)) then
+        beam%piece = piece_of(scene%beam%pieces, full)
+        if (allocated(scene%shear)) call add_shear(scene%beam%pieces, scene%shear, full, beam%piece)
+      else
+        beam%piece = [uniform_piece()]
+        if (allocated(scene%shear)) call add_shear(scene%beam%beam_piece, scene%shear, full, beam%piece)
+      end if
+      allocate (beam%joint(size(beam%piece)))
+      if (allocated(scene%support)) beam%root = root_of(scene%support, full)
+      if (allocated(scene%rotation)) then
+        associate (omega => dimensionless_speed(scene%rotation, units))
+          beam%spin_squared = omega*omega
+        end associate
+        beam%in_plane = acts_in_plane(scene%rotation)
+      end if
+      if (allocated(scene%bodies)) then
+        do i = 1, size(scene%bodies)
+          call attach(beam, to_dd(scene%bodies(i)%position), joint_of(scene%bodies(i), full))
+        end do
+      end if
+      if (allocated(scene%impact)) pieces%position = scene%impact%position
+      call cut_at(beam, to_dd(pieces%position), pieces%struck)
+      if (.not. loaded) return
+      pieces%captured%mass = dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low)
+      pieces%captured%inertia = to_dd(scene%capture%rotary_inertia/full%mass/full%length**2)
+      call attach(beam, to_dd(pieces%position), pieces%captured)
+    end associate
+  end function pieces_of
+
+  pure type(full_units) function full_units_of(beam) result(full)
+    type(beam_par), intent(in) :: beam
+    full%length = beam%length
+    if (allocated(beam%pieces)) full%length = sum(real(beam%pieces%length, qp))
+    full%stiffness = beam%youngs_modulus*second_moment_of(beam%beam_piece)
+    if (allocated(beam%pieces)) full%stiffness = beam%pieces(1)%youngs_modulus*second_moment_of(beam%pieces(1))
+    full%mass = beam_mass(beam)
+  end function full_units_of
+
+  elemental type(uniform_piece) function piece_of(given, full) result(piece)
+    type(beam_piece), intent(in) :: given
+    type(full_units), intent(in) :: full
+    piece%length = to_dd(given%length/full%length)
+    piece%stiffness = to_dd(given%youngs_modulus*second_moment_of(given)/full%stiffness)
+    piece%mass = to_dd(piece_mass(given)/given%length*full%length/full%mass)
+  end function piece_of
+
+  elemental subroutine add_shear(given, shear, full, piece)
+    !! 1/(κGA) = 2(1 + ν)/κ · 1/(EA), the shear modulus being E/(2(1 + ν)), and ρI.
+    type(beam_piece), intent(in) :: given
+    type(shear_par), intent(in) :: shear
+    type(full_units), intent(in) :: full
+    type(uniform_piece), intent(inout) :: piece
+    piece%compliance = to_dd(2*(1 + real(shear%poisson_ratio, qp))/shear%shear_coefficient &
+                             /(given%youngs_modulus*area_of(given))*(full%stiffness/full%length**2))
+    piece%rotary = to_dd(given%density*second_moment_of(given)/full%mass/full%length)
+  end subroutine add_shear
+
+  pure type(beam_root) function root_of(support, full) result(root)
+    !! What is not given is rigid.
+    type(support_par), intent(in) :: support
+    type(full_units), intent(in) :: full
+    root%holds_deflection = .not. allocated(support%stiffness)
+    root%holds_turning = .not. allocated(support%rotational_stiffness)
+    if (allocated(support%stiffness)) root%stiffness = to_dd(support%stiffness/full%stiffness*full%length**3)
+    if (allocated(support%rotational_stiffness)) then
+      root%turning_stiffness = to_dd(support%rotational_stiffness/full%stiffness*full%length)
+    end if
+  end function root_of
+
+  pure type(beam_joint) function joint_of(body, full) result(joint)
+    type(body_par), intent(in) :: body
+    type(full_units), intent(in) :: full
+    joint%mass = dd(body%mass_ratio, body%mass_ratio_low)
+    joint%inertia = to_dd(body%rotary_inertia/full%mass/full%length**2)
+    joint%stiffness = to_dd(body%stiffness/full%stiffness*full%length**3)
+    joint%turning_stiffness = to_dd(body%rotational_stiffness/full%stiffness*full%length)
+  end function joint_of
+
+end module bw_scene_pieces
