@@ -31,7 +31,8 @@ contains
       case_variable(variable_text('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', &
                                   'Eq. 12, reference [8]'), mass_velocity, needs='event'), &
       case_variable(variable_text('tip_velocity', '', 'm s-1', &
-                                  'velocity of the beam where the mass strikes, just after the impact', 'Eq. 12, reference [8]'), tip_velocity, needs='event'), &
+                                  'velocity of the beam where the mass strikes, just after the impact', &
+                                  'Eq. 12, reference [8]'), tip_velocity, needs='event'), &
       case_variable(variable_text('critical_angular_velocity', '', 'rad s-1', &
                                   'lowest angular velocity at which a mode is unstable', 'Eq. 31'), critical), &
       case_variable(variable_text('critical_angular_velocity_before', '', 'rad s-1', &

@@ -5,7 +5,7 @@ module bw_piece_critical
   !! have rotary inertia, and nothing turns. Out of the plane λ = 0, and the centrifugal force turns the sections of a beam with
   !! shear, ρI Ω² on ψ: a section that has turned comes nearer the axis. There the speed is found by the count of modes of λ < 0.
   !! Of one uniform clamped piece without springs it is π/(2r), r² = ρI/(ρA) with EI = ρA = 1.
-  use bw_close_modes, only: refine
+  use bw_extended_residual, only: refine
   use bw_double_double, only: dd, dd_pi, sqrt, to_dd, operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_mode_search, only: find_mode, mode_search, search_in

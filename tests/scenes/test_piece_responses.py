@@ -1,0 +1,55 @@
+"""Beams by pieces, with bodies, springs, an elastic root, shear, rotation and blows inboard: histories of random scenes against
+modes of 50 digits and overlaps by quadrature, with as many modes as the scenes count."""
+
+import sys
+
+import numpy as np
+import pytest
+from conftest import PROJECT
+from workplace import group_text
+
+sys.path.insert(0, str(PROJECT / "tests/reference"))
+from piece_scenes import POINTS, SAMPLES, SCENES, scene  # noqa: E402
+
+TOLERANCE = 1e-11  # of the peak: capture and release are sums of products of some 30 roundings each, at most 1e-13 of their terms
+
+
+@pytest.fixture(scope="module")
+def references():
+    """Displacements, (scenes, points, samples)."""
+    table = np.loadtxt(PROJECT / "tests/reference/piece_responses.txt", comments=("#", "scene"))
+    values = np.zeros((SCENES, len(POINTS), SAMPLES))
+    values[tuple(table[:, :3].astype(int).T)] = table[:, 3]
+    return values
+
+
+@pytest.fixture(scope="module")
+def ran(shared):
+    """All scenes, run in one call."""
+    here = shared("piece_responses")
+    for number in range(SCENES):
+        here.write(f"all/s{number}.nml", "".join(group_text(name, values) for name, values in scene(number)))
+    ended = here.beamwave("run", "all")
+    assert ended.returncode == 0, ended.stderr
+    return here
+
+
+@pytest.mark.parametrize("number", range(SCENES))
+def test_histories_are_those_of_fifty_digits(ran, references, number):
+    found = ran.result(f"s{number}")["displacement"]
+    peak = np.abs(references[number]).max()
+    np.testing.assert_allclose(found, references[number], rtol=0, atol=TOLERANCE * peak)
+
+
+@pytest.mark.parametrize("number", range(SCENES))
+def test_events_keep_their_balance(ran, number):
+    result = ran.result(f"s{number}")
+    assert result.attributes["method"] == "pieces"
+    restitution = dict(scene(number))["impact"]["restitution"]
+    # what a capture adds with restitution is told; all else is kept
+    before, after = np.atleast_1d(result["momentum_before"]), np.atleast_1d(result["momentum_after"])
+    for i in range(len(before)):
+        if i != 1 or restitution == 0.0:
+            np.testing.assert_allclose(after[i], before[i], rtol=1e-11, err_msg=str(i))
+        if i != 1 or restitution == 0.0:
+            assert result["energy_after"][i] <= result["energy_before"][i] * (1 + 1e-12)
