@@ -40,6 +40,8 @@ module bw_mode_search
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
+    integer :: last = 0                            !! the last mode that was found, 0 if none, and its frequency
+    real(dp) :: last_lambda = 0.0_dp
     integer :: evaluations = 0
   end type mode_search
 
@@ -100,6 +102,8 @@ contains
         call locate(search, k, lambda, alone, found)
         if (alone .and. found) then
           call surround(search, k, lambda, first, last)
+          search%last = k
+          search%last_lambda = lambda%hi
           if (first == last) return
         end if
         call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
@@ -254,13 +258,16 @@ contains
   end subroutine count_at
 
   pure type(dd) function first_guess(search, k) result(x)
-    !! As many half waves further than the lower end of the bracket as modes are between.
+    !! As many half waves further than the lower end of the bracket as modes are between, or one more than the mode before.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: k
     x = middle(search%bracket)
     associate (low => search%bracket%low, system => search%system)
-      if (low%lambda%hi >= 0.0_dp) &
+      if (search%last == k - 1 .and. k > 1 .and. search%last_lambda > 0.0_dp) then
+        x = to_dd(next_half_wave(system%beam, system%piece, search%last_lambda, 1.0_dp, near_enough=1.0e-3_dp))
+      else if (low%lambda%hi >= 0.0_dp) then
         x = to_dd(next_half_wave(system%beam, system%piece, low%lambda%hi, real(k - low%below, dp)))
+      end if
     end associate
     if (.not. inside(search%bracket, x, 0.0_dp)) x = middle(search%bracket)
   end function first_guess

@@ -23,7 +23,7 @@ module bw_piece_waves
     type(dd) :: lambda                   !! λ
     type(dd) :: rho                      !! ρ
     type(dd) :: beta_squared             !! β²
-    type(dd) :: fourth_root              !! λ^¼, of λ > 0
+    type(dd) :: fourth_root              !! λ^¼, of λ > 0, where a piece has neither shear nor rotary inertia
     real(dp) :: body_force = 0.0_dp      !! that the heaviest body takes for a deflection of 1
     real(dp) :: body_moment = 0.0_dp     !! that the body of the largest inertia takes for a turning of 1
   end type piece_frequency
@@ -88,7 +88,8 @@ contains
       frequency%beta_squared = lambda
       frequency%rho = lambda + beam%spin_squared
     end if
-    if (lambda%hi > 0.0_dp) frequency%fourth_root = sqrt(sqrt(lambda))
+    if (lambda%hi > 0.0_dp .and. .not. all(beam%piece%compliance%hi > 0.0_dp .or. beam%piece%rotary%hi > 0.0_dp)) &
+      frequency%fourth_root = sqrt(sqrt(lambda))
     frequency%body_force = maxval(beam%joint%mass%hi)*abs(lambda%hi)
     frequency%body_moment = maxval(beam%joint%inertia%hi)*abs(frequency%beta_squared%hi)
   end function frequency_at
