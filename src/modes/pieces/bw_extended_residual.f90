@@ -17,12 +17,16 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
+    real(dp), parameter :: small = 1.0e-13_dp      ! of λ: the square of such a correction is rounding
+    real(dp) :: correction
     integer :: i
     do i = 1, 2
       call set_frequency(system, lambda, probe)
       call find_drive(system, probe)
       call weigh(system, probe)
-      lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
+      correction = sum(left_vector(probe)*probe%drive)/probe%mass
+      lambda = lambda + correction
+      if (abs(correction) <= small*abs(lambda%hi)) exit
     end do
     call set_frequency(system, lambda, probe)
   end subroutine refine
