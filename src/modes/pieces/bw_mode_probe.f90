@@ -19,7 +19,7 @@ module bw_mode_probe
   implicit none (type, external)
   private
   public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve, improve_drive
-  public :: weigh, left_vector
+  public :: eliminate_drive, weigh, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -85,8 +85,15 @@ contains
     type(dd), intent(in) :: lambda                 !! > 0, unless all pieces are short
     type(mode_probe), intent(inout) :: probe
     call set_frequency(system, lambda, probe)
-    call eliminate(system%beam%root, probe%loads, probe%ends, driven(system%beam, probe), probe%factors)
+    call eliminate_drive(system, probe)
   end subroutine probe_at
+
+  pure subroutine eliminate_drive(system, probe)
+    !! Eliminate the conditions at the frequency of a probe, with its drive.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    call eliminate(system%beam%root, probe%loads, probe%ends, driven(system%beam, probe), probe%factors)
+  end subroutine eliminate_drive
 
   pure subroutine set_frequency(system, lambda, probe)
     !! What pieces and bodies do at a frequency.
