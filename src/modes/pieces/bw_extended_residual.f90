@@ -18,15 +18,21 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
-    integer :: i
-    do i = 1, 2
-      call set_frequency(system, lambda, probe)
-      call find_drive(system, probe)
-      call weigh(system, probe)
-      lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
-    end do
+    call correct(system, probe, lambda)
+    call correct(system, probe, lambda)
     call set_frequency(system, lambda, probe)
   end subroutine refine
+
+  pure subroutine correct(system, probe, lambda)
+    !! λ by Green's identity.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    type(dd), intent(inout) :: lambda
+    call set_frequency(system, lambda, probe)
+    call find_drive(system, probe)
+    call weigh(system, probe)
+    lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
+  end subroutine correct
 
   pure subroutine polish(system, probe, lambda)
     !! Take from the motion of a mode what rounding has put into it of others, and λ in double-double: what the motion fails
@@ -35,7 +41,8 @@ contains
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
     real(dp) :: amplitude(4, size(system%piece)), motion(2, 0:size(system%piece))
-    call refine(system, probe, lambda)
+    call correct(system, probe, lambda)
+    call set_frequency(system, lambda, probe)
     call find_drive(system, probe)
     amplitude = probe%amplitude
     motion = probe%motion

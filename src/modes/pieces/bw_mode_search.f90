@@ -141,7 +141,7 @@ contains
     strays = 0
     alone = .false.
     do i = 1, most_steps
-      call probe_at(search%system, x, search%probe)
+      call probe_at(search%system, x, search%probe, rough=.not. (before < near*mode_distance(k, x)))
       call improve(search%system, search%probe, correction)
       search%evaluations = search%evaluations + 1
       lambda = x + correction
@@ -153,7 +153,7 @@ contains
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
-      else if (final) then
+      else if (final .and. .not. search%probe%frequency%rough) then
         call enclose(search, k, lambda, alone)
         if (alone .and. step*room > settled*mode_distance(k, x)) call refine(search%system, search%probe, lambda)
         found = alone
@@ -231,7 +231,7 @@ contains
     integer, intent(in) :: k
     type(dd), intent(in) :: x
     integer, intent(out) :: n
-    call probe_at(search%system, x, search%scout)
+    call probe_at(search%system, x, search%scout, rough=.true.)
     search%evaluations = search%evaluations + 1
     call count_at(search, k, search%scout, n)
   end subroutine look
@@ -247,7 +247,7 @@ contains
     call count_below(search%system, probe, n, best)
     do c = 1, cuts
       if (best >= regular_enough) exit
-      call probe_at(search%finer(c), probe%frequency%lambda, search%finer_probe(c))
+      call probe_at(search%finer(c), probe%frequency%lambda, search%finer_probe(c), rough=.true.)
       call count_below(search%finer(c), search%finer_probe(c), other, regular)
       if (regular <= best) cycle
       best = regular
