@@ -18,10 +18,10 @@ module bw_extended_modes
 
   integer, parameter :: cuts = 3                   !! ways to cut the pieces: in 1, 2 and 3 parts
   real(qp), parameter :: regular_enough = 1.0e-4_qp
-  real(dp), parameter :: cluster_width = 1.0e-20_dp    !! of λ
+  real(dp), parameter :: cluster_width = 1.0e-15_dp    !! of λ; counts may be off by less where two pivots in a row nearly vanish
   real(dp), parameter :: beside = 1.0e-15_dp       !! distance from a cluster at which its motions are found, of λ
   real(dp), parameter :: settled = 1.0e-28_dp      !! a step, of λ
-  real(dp), parameter :: rounding = 1.0e-17_dp     !! a step that does not get smaller is rounding, of λ
+  real(dp), parameter :: rounding = 1.0e-23_dp     !! a step that does not get smaller is rounding, of λ
   integer, parameter :: most_steps = 400
 
   type :: divided_beam
@@ -51,7 +51,7 @@ contains
     real(dp), intent(in) :: distance               !! to the next, about
     logical, intent(out) :: found
     type(dd) :: x, next
-    real(dp) :: correction, before
+    real(dp) :: correction, before, slack
     integer :: i
     logical :: alone
     call open_search(search, beam)
@@ -60,9 +60,9 @@ contains
     x = guess
     before = huge(before)
     do i = 1, most_steps
-      if (gap(search%high, search%low) < cluster_width*abs(search%high%hi)) exit
       alone = search%below_low == k - 1 .and. search%below_high == k
       if (.not. alone) then
+        if (gap(search%high, search%low) < cluster_width*abs(search%high%hi)) exit
         x = middle(search)
         call step_to(search, k, x)
         before = huge(before)
@@ -72,11 +72,15 @@ contains
       if (before == huge(before)) call start(search, 1)
       call improve(search, correction)
       next = x + correction
-      if (.not. (gap(next, search%low) >= 0.0_dp .and. gap(search%high, next) >= 0.0_dp)) then
+      slack = cluster_width*abs(x%hi)
+      if (.not. min(gap(next, search%low), gap(search%high, next)) > -slack) then
         x = middle(search)
       else if (abs(correction) < settled*abs(x%hi) .or. &
                (abs(correction) < rounding*abs(x%hi) .and. abs(correction) > 0.5_dp*before)) then
-        call keep_mode(search, k, next)
+        call step_to(search, k, next)              ! once more: the motion lags behind the frequency
+        call improve(search, correction)
+        call open_cluster(search, k, k, next)
+        call keep(search, 1)
         return
       else if (abs(correction) < 0.5_dp*before) then
         x = next
@@ -289,15 +293,6 @@ contains
     if (system%beam%root%holds_turning) force(2, 0) = 0.0_qp
   end subroutine hold_root
 
-  pure subroutine keep_mode(search, k, lambda)
-    !! A mode that is alone.
-    type(extended_search), intent(inout) :: search
-    integer, intent(in) :: k
-    type(dd), intent(in) :: lambda
-    call open_cluster(search, k, k, lambda)
-    call keep(search, 1)
-  end subroutine keep_mode
-
   pure subroutine open_cluster(search, first, last, lambda)
     !! Room for modes.
     type(extended_search), intent(inout) :: search
@@ -333,7 +328,7 @@ contains
     type(extended_search), intent(inout) :: search
     integer, intent(in) :: first, last             !! numbers of the modes
     type(dd), intent(in) :: lambda
-    integer, parameter :: rounds = 3
+    integer, parameter :: rounds = 5
     real(qp), allocatable :: motions(:, :, :), forces(:, :, :)
     real(dp) :: correction
     integer :: i, j, n, round

@@ -18,6 +18,7 @@ module bw_mode_search
   private
   public :: search_in, find_mode
 
+  real(dp), parameter :: contrast = 30.0_dp        !! of the pieces' masses per length
   integer, parameter :: cuts = 2                   !! other ways to cut the pieces: in two, in three
   integer, parameter :: most_steps = 400
   real(dp), parameter :: regular_enough = 1.0e-3_dp
@@ -39,6 +40,7 @@ module bw_mode_search
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
+    logical :: uneven = .false.                    !! pieces differ so much that small motions of one lose digits to another
     integer :: last = -1                           !! number of the last mode that was found
     type(dd) :: last_lambda                        !! its frequency
     integer :: evaluations = 0
@@ -51,6 +53,7 @@ contains
     integer :: c, i
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
+    search%uneven = maxval(beam%piece%mass%hi) > contrast*minval(beam%piece%mass%hi)
     if (may_grow(beam)) search%growing = growing_modes(beam, search%resting > 0)
     if (search%growing + search%resting > 0) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
     search%probe = probe_for(search%system)
@@ -100,13 +103,11 @@ contains
         alone = alone .and. found
         if (.not. alone) then
           call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
-        else if (.not. is_apart(search, k, lambda, apart)) then
-          alone = is_apart(search, k, lambda, merged)
-          if (alone) then
-            call polish(search%system, search%probe, lambda)
-          else
-            call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
-          end if
+        else if (.not. is_apart(search, k, lambda, merged)) then
+          alone = .false.
+          call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
+        else if (search%uneven .or. .not. is_apart(search, k, lambda, apart)) then
+          call polish(search%system, search%probe, lambda)
         end if
       end if
     end if
