@@ -18,7 +18,8 @@ module bw_extended_modes
 
   integer, parameter :: cuts = 3                   !! ways to cut the pieces: in 1, 2 and 3 parts
   real(qp), parameter :: regular_enough = 1.0e-4_qp
-  real(dp), parameter :: cluster_width = 1.0e-15_dp    !! of λ; counts may be off by less where two pivots in a row nearly vanish
+  real(dp), parameter :: cluster_width = 1.0e-15_dp    !! of λ
+  real(dp), parameter :: count_error = 1.0e-17_dp  !! of λ: where a count may be off, two pivots in a row nearly vanishing
   real(dp), parameter :: beside = 1.0e-15_dp       !! distance from a cluster at which its motions are found, of λ
   real(dp), parameter :: settled = 1.0e-28_dp      !! a step, of λ
   real(dp), parameter :: rounding = 1.0e-23_dp     !! a step that does not get smaller is rounding, of λ
@@ -72,15 +73,12 @@ contains
       if (before == huge(before)) call start(search, 1)
       call improve(search, correction)
       next = x + correction
-      slack = cluster_width*abs(x%hi)
+      slack = count_error*abs(x%hi)
       if (.not. min(gap(next, search%low), gap(search%high, next)) > -slack) then
         x = middle(search)
       else if (abs(correction) < settled*abs(x%hi) .or. &
                (abs(correction) < rounding*abs(x%hi) .and. abs(correction) > 0.5_dp*before)) then
-        call step_to(search, k, next)              ! once more: the motion lags behind the frequency
-        call improve(search, correction)
-        call open_cluster(search, k, k, next)
-        call keep(search, 1)
+        call keep_mode(search, k, next)
         return
       else if (abs(correction) < 0.5_dp*before) then
         x = next
@@ -292,6 +290,27 @@ contains
     if (system%beam%root%holds_deflection) force(1, 0) = 0.0_qp
     if (system%beam%root%holds_turning) force(2, 0) = 0.0_qp
   end subroutine hold_root
+
+  subroutine keep_mode(search, k, lambda)
+    !! Mode k, unless others are so near that they are a cluster.
+    type(extended_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: lambda
+    real(dp) :: correction
+    integer :: first, last, n
+    call count_at(search, lambda*(1.0_dp - cluster_width), first)
+    call count_at(search, lambda*(1.0_dp + cluster_width), last)
+    first = min(first + 1, k)
+    last = max(last, k)
+    if (last > first) then
+      call find_cluster(search, first, last, lambda)
+      return
+    end if
+    call count_at(search, lambda, n)
+    call improve(search, correction)               ! once more: the motion lags behind the frequency
+    call open_cluster(search, k, k, lambda)
+    call keep(search, 1)
+  end subroutine keep_mode
 
   pure subroutine open_cluster(search, first, last, lambda)
     !! Room for modes.

@@ -18,7 +18,6 @@ module bw_mode_search
   private
   public :: search_in, find_mode
 
-  real(dp), parameter :: contrast = 30.0_dp        !! of the pieces' masses per length
   integer, parameter :: cuts = 2                   !! other ways to cut the pieces: in two, in three
   integer, parameter :: most_steps = 400
   real(dp), parameter :: regular_enough = 1.0e-3_dp
@@ -40,7 +39,7 @@ module bw_mode_search
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
-    logical :: uneven = .false.                    !! pieces differ so much that small motions of one lose digits to another
+    logical :: uneven = .false.                    !! as `is_uneven` says
     integer :: last = -1                           !! number of the last mode that was found
     type(dd) :: last_lambda                        !! its frequency
     integer :: evaluations = 0
@@ -53,7 +52,7 @@ contains
     integer :: c, i
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
-    search%uneven = maxval(beam%piece%mass%hi) > contrast*minval(beam%piece%mass%hi)
+    search%uneven = is_uneven(beam)
     if (may_grow(beam)) search%growing = growing_modes(beam, search%resting > 0)
     if (search%growing + search%resting > 0) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
     search%probe = probe_for(search%system)
@@ -63,6 +62,19 @@ contains
       search%finer_probe(c) = probe_for(search%finer(c))
     end do
   end function search_in
+
+  pure logical function is_uneven(beam)
+    !! Pieces or bodies differ so much that motions in which the lighter ones take part lose digits to the others.
+    type(piece_beam), intent(in) :: beam
+    real(dp), parameter :: contrast = 30.0_dp
+    real(dp) :: whole
+    associate (piece => beam%piece)
+      whole = sum(piece%mass%hi*piece%length%hi)
+      is_uneven = maxval(piece%mass%hi) > contrast*minval(piece%mass%hi) &
+        .or. maxval(piece%stiffness%hi) > contrast**2*minval(piece%stiffness%hi) &
+        .or. max(maxval(beam%joint%mass%hi), maxval(beam%joint%inertia%hi)) > contrast**2*whole
+    end associate
+  end function is_uneven
 
   pure integer function growing_modes(beam, floats) result(number)
     !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
