@@ -16,19 +16,16 @@ module bw_piece_dispersion
 
 contains
 
-  pure real(dp) function next_half_wave(beam, piece, start, more, near_enough) result(x)
+  pure real(dp) function next_half_wave(beam, piece, start, more) result(x)
     !! About the λ at which the beam holds so many half waves more.
     type(piece_beam), intent(in) :: beam
     type(piece_numbers), intent(in) :: piece(:)
     real(dp), intent(in) :: start                       !! λ ≥ 0
     real(dp), intent(in) :: more                        !! may be negative
-    real(dp), intent(in), optional :: near_enough       !! in half waves; absent: 0.05
-    real(dp), parameter :: longest = 4.0_dp, least = 0.25_dp
+    real(dp), parameter :: near_enough = 0.05_dp, longest = 4.0_dp, least = 0.25_dp
     integer, parameter :: most = 30
-    real(dp) :: number, waves, slope, enough
+    real(dp) :: number, waves, slope
     integer :: i
-    enough = 0.05_dp
-    if (present(near_enough)) enough = near_enough
     call half_waves(piece, frequency_at(beam, to_dd(start)), waves, slope)
     if (start > 0.0_dp) then
       x = start
@@ -39,7 +36,7 @@ contains
     end if
     do i = 1, most
       call half_waves(piece, frequency_at(beam, to_dd(x)), waves, slope)
-      if (abs(waves - number) < enough) return
+      if (abs(waves - number) < near_enough) return
       x = x*exp(max(-longest, min(longest, (number - waves)/(slope*x))))
     end do
   end function next_half_wave
