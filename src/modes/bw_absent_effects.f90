@@ -48,11 +48,15 @@ contains
     !! the tip where it is captured.
     type(scene_type), intent(in) :: scene                              !! without sweeps
     integer, intent(in) :: number(:)                                   !! of the modes, ascending
-    real(dp), intent(out) :: change(size(number), size(absent_words))  !! 0 where the effect is on or cannot be
+    real(dp), intent(out) :: change(size(number), size(absent_words))
+      !! 0 where the effect is on or cannot be, and where shapes are not those of a uniform clamped beam with a mass at its tip
     logical, intent(out) :: steadies(size(absent_words))               !! the first mode grows, and would not
     type(shape_type) :: shape(size(number))
     real(dp) :: square(size(number)), shift(size(number), size(absent_words))
     integer :: e
+    change = 0.0_dp
+    steadies = .false.
+    if (.not. is_papers_beam(scene)) return
     shape = shapes_of(solve_roots(number, tip_mass(scene)))
     shift(:, absent_stiffening) = tension_shifts(scene, shape)
     shift(:, absent_shear) = shear_shifts(scene, shape)
@@ -70,6 +74,13 @@ contains
       steadies(e) = square(1) <= 0.0_dp .and. square(1) + shift(1, e) > 0.0_dp
     end do
   end subroutine absent_changes
+
+  pure logical function is_papers_beam(scene) result(is)
+    !! Uniform and clamped, with nothing but a mass at its tip.
+    type(scene_type), intent(in) :: scene
+    is = .not. (allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies))
+    if (is .and. allocated(scene%capture)) is = scene%impact%position == 1.0_dp
+  end function is_papers_beam
 
   elemental real(dp) function relative_change(square, shift) result(change)
     !! The relative change of a frequency whose square is shifted; 0 where there is no frequency.

@@ -22,6 +22,9 @@ WORDS = (
     "capture",
     "release",
     "recontact",
+    "support",
+    "body",
+    "position",
 )
 OFF, ON, NOT_COMBINED = 1, 2, 3
 PAPER = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 0.05, "samples": 512})

@@ -10,7 +10,7 @@ module bw_extended_modes
   use bw_extended_stiffness, only: amplitudes_of, extended_stiffness, find_stiffness, move_joints, size_stiffness
   use bw_kinds, only: dp, qp
   use bw_mode_probe, only: mode_probe, piece_system, probe_for, set_frequency, system_of, weigh
-  use bw_piece_beam, only: cut_all, piece_beam
+  use bw_piece_beam, only: cut_all, joint_position, piece_beam
   use bw_piece_overlap, only: mass_product, piece_modes
   implicit none (type, external)
   private
@@ -18,9 +18,11 @@ module bw_extended_modes
 
   integer, parameter :: cuts = 3                   !! ways to cut the pieces: in 1, 2 and 3 parts
   real(qp), parameter :: regular_enough = 1.0e-4_qp
-  real(dp), parameter :: cluster_width = 1.0e-20_dp    !! of λ
+  real(dp), parameter :: cluster_width = 1.0e-15_dp    !! of λ
+  real(dp), parameter :: count_error = 1.0e-17_dp  !! of λ: where a count may be off, two pivots in a row nearly vanishing
+  real(dp), parameter :: beside = 1.0e-15_dp       !! distance from a cluster at which its motions are found, of λ
   real(dp), parameter :: settled = 1.0e-28_dp      !! a step, of λ
-  real(dp), parameter :: rounding = 1.0e-17_dp     !! a step that does not get smaller is rounding, of λ
+  real(dp), parameter :: rounding = 1.0e-23_dp     !! a step that does not get smaller is rounding, of λ
   integer, parameter :: most_steps = 400
 
   type :: divided_beam
@@ -50,7 +52,7 @@ contains
     real(dp), intent(in) :: distance               !! to the next, about
     logical, intent(out) :: found
     type(dd) :: x, next
-    real(dp) :: correction, before
+    real(dp) :: correction, before, slack
     integer :: i
     logical :: alone
     call open_search(search, beam)
@@ -59,9 +61,9 @@ contains
     x = guess
     before = huge(before)
     do i = 1, most_steps
-      if (gap(search%high, search%low) < cluster_width*abs(search%high%hi)) exit
       alone = search%below_low == k - 1 .and. search%below_high == k
       if (.not. alone) then
+        if (gap(search%high, search%low) < cluster_width*abs(search%high%hi)) exit
         x = middle(search)
         call step_to(search, k, x)
         before = huge(before)
@@ -71,7 +73,8 @@ contains
       if (before == huge(before)) call start(search, 1)
       call improve(search, correction)
       next = x + correction
-      if (.not. (gap(next, search%low) >= 0.0_dp .and. gap(search%high, next) >= 0.0_dp)) then
+      slack = count_error*abs(x%hi)
+      if (.not. min(gap(next, search%low), gap(search%high, next)) > -slack) then
         x = middle(search)
       else if (abs(correction) < settled*abs(x%hi) .or. &
                (abs(correction) < rounding*abs(x%hi) .and. abs(correction) > 0.5_dp*before)) then
@@ -88,14 +91,57 @@ contains
     if (found) call find_cluster(search, search%below_low + 1, search%below_high, middle(search))
   end subroutine find_extended
 
-  subroutine find_resting(search, beam, first, last)
-    !! Modes of which it is known that λ = 0.
+  pure subroutine find_resting(search, beam, first, last)
+    !! Modes of which it is known that λ = 0: the beam moves as a whole, or turns about its centre of mass or what holds it.
     type(extended_search), intent(inout) :: search
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: first, last             !! their numbers
+    integer :: i, n
     call open_search(search, beam)
-    call find_cluster(search, first, last, dd())
+    call count_at(search, dd(), n)
+    call open_cluster(search, first, last, dd())
+    associate (motion => search%divided(search%parts)%stiffness%motion, divided => search%divided(search%parts)%system%beam)
+      if (moves_freely(beam)) then
+        motion(1, :) = 1.0_qp
+        motion(2, :) = 0.0_qp
+        call keep(search, 1)
+        if (first == last) return
+      end if
+      motion(2, :) = 1.0_qp
+      do i = 0, ubound(motion, 2)
+        motion(1, i) = to_quad(joint_position(divided, i)) - pivot_of(beam)
+      end do
+      call keep(search, last - first + 1)
+    end associate
   end subroutine find_resting
+
+  pure logical function moves_freely(beam)
+    !! Nothing holds its deflection.
+    type(piece_beam), intent(in) :: beam
+    moves_freely = .not. (beam%root%holds_deflection .or. beam%root%stiffness%hi > 0.0_dp &
+                          .or. any(beam%joint%stiffness%hi > 0.0_dp))
+  end function moves_freely
+
+  pure real(qp) function pivot_of(beam) result(pivot)
+    !! Where a beam that turns freely does not move: where it is held, else its centre of mass.
+    type(piece_beam), intent(in) :: beam
+    real(qp) :: outer, mass
+    integer :: i
+    pivot = 0.0_qp
+    if (beam%root%holds_deflection .or. beam%root%stiffness%hi > 0.0_dp) return
+    mass = 0.0_qp
+    do i = 1, size(beam%piece)
+      outer = to_quad(joint_position(beam, i))
+      associate (own => to_quad(beam%piece(i)%mass*beam%piece(i)%length), body => to_quad(beam%joint(i)%mass))
+        pivot = pivot + own*(outer - 0.5_qp*to_quad(beam%piece(i)%length)) + body*outer
+        mass = mass + own + body
+      end associate
+    end do
+    pivot = pivot/mass
+    do i = 1, size(beam%piece)
+      if (beam%joint(i)%stiffness%hi > 0.0_dp) pivot = to_quad(joint_position(beam, i))
+    end do
+  end function pivot_of
 
   pure subroutine open_search(search, beam)
     type(extended_search), intent(inout) :: search
@@ -245,11 +291,23 @@ contains
     if (system%beam%root%holds_turning) force(2, 0) = 0.0_qp
   end subroutine hold_root
 
-  pure subroutine keep_mode(search, k, lambda)
-    !! A mode that is alone.
+  subroutine keep_mode(search, k, lambda)
+    !! Mode k, unless others are so near that they are a cluster.
     type(extended_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: lambda
+    real(dp) :: correction
+    integer :: first, last, n
+    call count_at(search, lambda*(1.0_dp - cluster_width), first)
+    call count_at(search, lambda*(1.0_dp + cluster_width), last)
+    first = min(first + 1, k)
+    last = max(last, k)
+    if (last > first) then
+      call find_cluster(search, first, last, lambda)
+      return
+    end if
+    call count_at(search, lambda, n)
+    call improve(search, correction)               ! once more: the motion lags behind the frequency
     call open_cluster(search, k, k, lambda)
     call keep(search, 1)
   end subroutine keep_mode
@@ -285,15 +343,15 @@ contains
   end subroutine keep
 
   subroutine find_cluster(search, first, last, lambda)
-    !! Orthonormal motions of modes at one frequency: those before do not excite the next.
+    !! Orthonormal motions of modes at one frequency, from beside it: those before do not excite the next.
     type(extended_search), intent(inout) :: search
     integer, intent(in) :: first, last             !! numbers of the modes
     type(dd), intent(in) :: lambda
-    integer, parameter :: rounds = 3
+    integer, parameter :: rounds = 5
     real(qp), allocatable :: motions(:, :, :), forces(:, :, :)
     real(dp) :: correction
     integer :: i, j, n, round
-    call count_at(search, lambda, n)
+    call count_at(search, lambda*(1.0_dp + beside), n)
     call open_cluster(search, first, last, lambda)
     associate (motion => search%divided(search%parts)%stiffness%motion)
       allocate (motions(2, size(motion, 2), last - first + 1), forces(2, size(motion, 2), last - first + 1))

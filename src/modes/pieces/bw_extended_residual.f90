@@ -4,11 +4,12 @@ module bw_extended_residual
   !! gives λ to twice the digits of a motion.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
+  use bw_joint_elimination, only: solve
   use bw_kinds, only: dp
-  use bw_mode_probe, only: left_vector, mode_probe, piece_system, set_frequency, weigh
+  use bw_mode_probe, only: eliminate_drive, left_vector, mode_probe, piece_system, set_frequency, weigh
   implicit none (type, external)
   private
-  public :: find_drive, refine
+  public :: find_drive, polish, refine
 
 contains
 
@@ -17,15 +18,42 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
-    integer :: i
-    do i = 1, 2
-      call set_frequency(system, lambda, probe)
-      call find_drive(system, probe)
-      call weigh(system, probe)
-      lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
-    end do
+    call correct(system, probe, lambda)
+    call correct(system, probe, lambda)
     call set_frequency(system, lambda, probe)
   end subroutine refine
+
+  pure subroutine correct(system, probe, lambda)
+    !! λ by Green's identity.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    type(dd), intent(inout) :: lambda
+    call set_frequency(system, lambda, probe)
+    call find_drive(system, probe)
+    call weigh(system, probe)
+    lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
+  end subroutine correct
+
+  pure subroutine polish(system, probe, lambda)
+    !! Take from the motion of a mode what rounding has put into it of others, and λ in double-double: what the motion fails
+    !! is what these motions fail.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    type(dd), intent(inout) :: lambda
+    real(dp) :: amplitude(4, size(system%piece)), motion(2, 0:size(system%piece))
+    call correct(system, probe, lambda)
+    call set_frequency(system, lambda, probe)
+    call find_drive(system, probe)
+    amplitude = probe%amplitude
+    motion = probe%motion
+    call eliminate_drive(system, probe)
+    call solve(probe%factors, probe%amplitude)
+    call weigh(system, probe)
+    probe%amplitude = amplitude - probe%amplitude
+    probe%motion = motion - probe%motion
+    call find_drive(system, probe)
+    call weigh(system, probe)
+  end subroutine polish
 
   pure subroutine find_drive(system, probe)
     !! The drive of a probe's motion at its frequency.

@@ -19,7 +19,7 @@ module bw_mode_probe
   implicit none (type, external)
   private
   public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve, improve_drive
-  public :: weigh, left_vector
+  public :: eliminate_drive, weigh, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -79,23 +79,32 @@ contains
     probe%drive(2, :, :) = probe%drive(2, :, :)*(probe%push/probe%unit(4:3:-1, :))
   end subroutine start_bodies
 
-  pure subroutine probe_at(system, lambda, probe)
+  pure subroutine probe_at(system, lambda, probe, rough)
     !! Set up and eliminate the conditions at a frequency.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda                 !! > 0, unless all pieces are short
     type(mode_probe), intent(inout) :: probe
-    call set_frequency(system, lambda, probe)
-    call eliminate(system%beam%root, probe%loads, probe%ends, driven(system%beam, probe), probe%factors)
+    logical, intent(in), optional :: rough         !! binary64 will do; else phases are right to the last digit
+    call set_frequency(system, lambda, probe, rough)
+    call eliminate_drive(system, probe)
   end subroutine probe_at
 
-  pure subroutine set_frequency(system, lambda, probe)
+  pure subroutine eliminate_drive(system, probe)
+    !! Eliminate the conditions at the frequency of a probe, with its drive.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    call eliminate(system%beam%root, probe%loads, probe%ends, driven(system%beam, probe), probe%factors)
+  end subroutine eliminate_drive
+
+  pure subroutine set_frequency(system, lambda, probe, rough)
     !! What pieces and bodies do at a frequency.
     type(piece_system), intent(in) :: system
     type(dd), intent(in) :: lambda
     type(mode_probe), intent(inout) :: probe
+    logical, intent(in), optional :: rough         !! as that of `probe_at`
     real(dp) :: sizes(4, size(system%piece))
     integer :: i
-    probe%frequency = frequency_at(system%beam, lambda)
+    probe%frequency = frequency_at(system%beam, lambda, rough)
     do i = 1, size(system%piece)
       call find_ends(system%piece(i), probe%frequency, probe%ends(i))
       associate (outer => probe%ends(i)%outer)

@@ -6,7 +6,7 @@ module bw_mode_search
   !! was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_modes, only: extended_search, find_extended, find_resting, take
-  use bw_extended_residual, only: refine
+  use bw_extended_residual, only: polish, refine
   use bw_kinds, only: dp
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, start_bodies, &
@@ -25,10 +25,9 @@ module bw_mode_search
   real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
   real(dp), parameter :: settled = 1.0e-14_dp      !! likewise: from here a step is rounding
-  real(dp), parameter :: apart = 1.0e-2_dp         !! likewise: from here modes hardly show in each other's motions by rounding
+  real(dp), parameter :: apart = 0.1_dp            !! likewise: from here modes hardly show in each other's motions by rounding
+  real(dp), parameter :: merged = 1.0e-5_dp        !! likewise: up to here binary64 does not tell motions apart
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
-  real(dp), parameter :: beside = 1.0e-7_dp        !! likewise: where modes that no count tells apart are spanned
-  integer, parameter :: most_close = 64            !! modes that are told apart together
 
   type, public :: mode_search
     type(piece_system) :: system
@@ -40,6 +39,9 @@ module bw_mode_search
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
+    logical :: uneven = .false.                    !! as `is_uneven` says
+    integer :: last = -1                           !! number of the last mode that was found
+    type(dd) :: last_lambda                        !! its frequency
     integer :: evaluations = 0
   end type mode_search
 
@@ -50,6 +52,7 @@ contains
     integer :: c, i
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
+    search%uneven = is_uneven(beam)
     if (may_grow(beam)) search%growing = growing_modes(beam, search%resting > 0)
     if (search%growing + search%resting > 0) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
     search%probe = probe_for(search%system)
@@ -59,6 +62,19 @@ contains
       search%finer_probe(c) = probe_for(search%finer(c))
     end do
   end function search_in
+
+  pure logical function is_uneven(beam)
+    !! Pieces or bodies differ so much that motions in which the lighter ones take part lose digits to the others.
+    type(piece_beam), intent(in) :: beam
+    real(dp), parameter :: contrast = 30.0_dp
+    real(dp) :: whole
+    associate (piece => beam%piece)
+      whole = sum(piece%mass%hi*piece%length%hi)
+      is_uneven = maxval(piece%mass%hi) > contrast*minval(piece%mass%hi) &
+        .or. maxval(piece%stiffness%hi) > contrast**2*minval(piece%stiffness%hi) &
+        .or. max(maxval(beam%joint%mass%hi), maxval(beam%joint%inertia%hi)) > contrast**2*whole
+    end associate
+  end function is_uneven
 
   pure integer function growing_modes(beam, floats) result(number)
     !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
@@ -88,26 +104,30 @@ contains
     integer, intent(in) :: k                       !! ≥ 1
     type(dd), intent(out) :: lambda
     logical, intent(out) :: found
-    integer :: first, last
     logical :: alone
     found = .true.
+    alone = .false.
     if (k < search%extended%first .or. k > search%extended%last) then
-      first = search%growing + 1
-      last = search%growing + search%resting
-      if (k >= first .and. k <= last) then
-        call find_resting(search%extended, search%system%beam, first, last)
+      if (k > search%growing .and. k <= search%growing + search%resting) then
+        call find_resting(search%extended, search%system%beam, search%growing + 1, search%growing + search%resting)
       else
         call locate(search, k, lambda, alone, found)
-        if (alone .and. found) then
-          call surround(search, k, lambda, first, last)
-          if (first == last) return
+        alone = alone .and. found
+        if (.not. alone) then
+          call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
+        else if (.not. is_apart(search, k, lambda, merged)) then
+          alone = .false.
+          call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
+        else if (search%uneven .or. .not. is_apart(search, k, lambda, apart)) then
+          call polish(search%system, search%probe, lambda)
         end if
-        call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
-        if (.not. found) return
       end if
     end if
-    call take(search%extended, k, search%probe)
-    lambda = search%probe%frequency%lambda
+    if (.not. found) return
+    if (.not. alone) call take(search%extended, k, search%probe)
+    if (.not. alone) lambda = search%probe%frequency%lambda
+    search%last = k
+    search%last_lambda = lambda
   end subroutine find_mode
 
   elemental real(dp) function mode_distance(k, x) result(distance)
@@ -134,7 +154,7 @@ contains
     strays = 0
     alone = .false.
     do i = 1, most_steps
-      call probe_at(search%system, x, search%probe)
+      call probe_at(search%system, x, search%probe, rough=.not. (before < near*mode_distance(k, x)))
       call improve(search%system, search%probe, correction)
       search%evaluations = search%evaluations + 1
       lambda = x + correction
@@ -146,8 +166,8 @@ contains
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
-      else if (final) then
-        call enclose(search, k, lambda, min(apart*mode_distance(k, x), 0.1_dp*room), alone)
+      else if (final .and. .not. search%probe%frequency%rough) then
+        call enclose(search, k, lambda, alone)
         if (alone .and. step*room > settled*mode_distance(k, x)) call refine(search%system, search%probe, lambda)
         found = alone
         if (found) return
@@ -171,56 +191,52 @@ contains
     end do
   end subroutine locate
 
-  pure subroutine enclose(search, k, x, margin, found)
-    !! Count on both sides of a mode: is it mode k, and alone?
+  subroutine enclose(search, k, x, found)
+    !! Count on both sides of a mode: is it mode k, and alone? The count beyond tells as well whether the next mode is far.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
-    real(dp), intent(in) :: margin
     logical, intent(out) :: found
-    type(dd) :: edge(2)
-    integer :: n
-    edge = [x + (-margin), x + margin]
-    found = closed_to(search%bracket, k, edge(2))
-    if (.not. found) then
-      call look(search, k, edge(2), n)
-      found = n == k
-    end if
-    if (closed_to(search%bracket, k - 1, edge(1))) return
-    call look(search, k, edge(1), n)
-    found = found .and. n == k - 1
+    real(dp) :: margin
+    margin = min(rounding*mode_distance(k, x), 0.5_dp*width(search%bracket))
+    found = closed_to(search%bracket, k, x + margin)
+    if (.not. found) found = counted_at(search, k, x + apart*mode_distance(k, x), k)
+    if (.not. found) found = counted_at(search, k, x + margin, k)
+    if (.not. found .or. closed_to(search%bracket, k - 1, x + (-margin))) return
+    found = counted_at(search, k, x + (-apart*mode_distance(k, x)), k - 1)
+    if (.not. found) found = counted_at(search, k, x + (-margin), k - 1)
   end subroutine enclose
 
-  pure subroutine surround(search, k, x, first, last)
-    !! The modes that are next to a frequency and to each other, and none if the next on both sides are far.
+  logical function is_apart(search, k, x, margin)
+    !! No mode is so near to mode k.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
-    integer, intent(out) :: first, last
-    type(dd) :: edge(2)
-    real(dp) :: margin
+    real(dp), intent(in) :: margin                 !! of the distance of two modes
+    type(dd) :: edge
+    edge = x + 0.99_dp*margin*mode_distance(k, x)  ! inside of where was counted
+    is_apart = closed_to(search%bracket, k, edge)
+    if (.not. is_apart) is_apart = counted_at(search, k, edge, k)
+    if (.not. is_apart) return
+    edge = x + (-0.99_dp*margin*mode_distance(k, x))
+    is_apart = closed_to(search%bracket, k - 1, edge)
+    if (.not. is_apart .and. search%last == k - 1) then
+      edge = edge - search%last_lambda
+      is_apart = edge%hi > 0.0_dp
+    else if (.not. is_apart) then
+      is_apart = counted_at(search, k, edge, k - 1)
+    end if
+  end function is_apart
+
+  logical function counted_at(search, k, x, below)
+    !! So many modes lie below a frequency.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k, below
+    type(dd), intent(in) :: x
     integer :: n
-    margin = apart*mode_distance(k, x)
-    edge = [x + (-margin), x + margin]
-    first = k - 1
-    if (.not. closed_to(search%bracket, k - 1, edge(1))) call look(search, k, edge(1), first)
-    first = first + 1
-    last = k
-    if (.not. closed_to(search%bracket, k, edge(2))) call look(search, k, edge(2), last)
-    if (first == last) return
-    do while (last - first < most_close)
-      edge(1) = edge(1) + (-margin)
-      call look(search, k, edge(1), n)
-      if (n == first - 1) exit
-      first = n + 1
-    end do
-    do while (last - first < most_close)
-      edge(2) = edge(2) + margin
-      call look(search, k, edge(2), n)
-      if (n == last) exit
-      last = n
-    end do
-  end subroutine surround
+    call look(search, k, x, n)
+    counted_at = n == below
+  end function counted_at
 
   pure subroutine look(search, k, x, n)
     !! Count the modes below a frequency by a probe of its own; the bracket closes.
@@ -228,7 +244,7 @@ contains
     integer, intent(in) :: k
     type(dd), intent(in) :: x
     integer, intent(out) :: n
-    call probe_at(search%system, x, search%scout)
+    call probe_at(search%system, x, search%scout, rough=.true.)
     search%evaluations = search%evaluations + 1
     call count_at(search, k, search%scout, n)
   end subroutine look
@@ -244,7 +260,7 @@ contains
     call count_below(search%system, probe, n, best)
     do c = 1, cuts
       if (best >= regular_enough) exit
-      call probe_at(search%finer(c), probe%frequency%lambda, search%finer_probe(c))
+      call probe_at(search%finer(c), probe%frequency%lambda, search%finer_probe(c), rough=.true.)
       call count_below(search%finer(c), search%finer_probe(c), other, regular)
       if (regular <= best) cycle
       best = regular

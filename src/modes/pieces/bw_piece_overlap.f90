@@ -10,7 +10,7 @@ module bw_piece_overlap
   use bw_kinds, only: dp
   use bw_mode_probe, only: piece_system
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_products, only: piece_product
+  use bw_piece_products, only: part_of, piece_part, piece_product
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
@@ -42,17 +42,19 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
     real(dp) :: sums(size(onto%lambda))
     real(dp) :: lost(size(sums)), terms(size(sums))
+    type(piece_part), allocatable :: parts(:, :)
     integer, allocatable :: changed(:)
     integer :: i, j
     changed = [integer ::]
     do j = 1, size(onto%system%beam%joint)
       if (change_at(onto, from, j, 1) /= 0.0_dp .or. change_at(onto, from, j, 2) /= 0.0_dp) changed = [changed, j]
     end do
+    parts = parts_of(onto)
     sums = 0.0_dp
     lost = 0.0_dp
     do i = 1, size(amplitude)
       if (stops(monitor)) return
-      call products_with(onto, from, i, changed, with_mass, terms)
+      call products_with(onto, parts, from, i, changed, with_mass, terms)
       call add_exactly(terms*amplitude(i), sums, lost)
     end do
     sums = sums + lost
@@ -69,16 +71,21 @@ contains
     end if
   end function change_at
 
-  pure subroutine products_with(onto, from, i, changed, with_mass, products)
+  pure subroutine products_with(onto, parts, from, i, changed, with_mass, products)
     !! ⟨Φ_k, φ_i⟩ for all k.
     type(piece_modes), intent(in) :: onto, from
+    type(piece_part), intent(in) :: parts(:, :)  !! of `onto`, (pieces, k)
     integer, intent(in) :: i
     integer, intent(in) :: changed(:)            !! joints at which the beams differ
     logical, intent(in) :: with_mass
     real(dp), intent(out) :: products(:)         !! (k)
     real(dp), dimension(size(products)) :: gap, numerator, moved
+    type(piece_part) :: own(size(parts, 1))      ! of φ_i
     real(dp) :: mass, inertia
     integer :: c, j, k
+    do j = 1, size(own)
+      own(j) = part_of(from%system%piece(j), frequency_at(from%system%beam, from%lambda(i)), from%amplitude(:, j, i))
+    end do
     gap = (from%square(i)%hi - onto%square%hi) + (from%square(i)%lo - onto%square%lo)
     numerator = 0.0_dp
     moved = 0.0_dp
@@ -98,29 +105,54 @@ contains
     end do
     do k = 1, size(products)
       if (abs(numerator(k)) > alike*abs(gap(k))*sqrt(onto%mass(k)*from%mass(i)) .or. gap(k) == 0.0_dp) then
-        products(k) = mass_product(onto, k, from, i) + moved(k)
+        products(k) = product_of(onto, k, parts(:, k), from, i, own) + moved(k)
       else
         products(k) = numerator(k)/gap(k)
       end if
     end do
   end subroutine products_with
 
+  pure function parts_of(modes) result(parts)
+    !! The motions of all pieces in all modes.
+    type(piece_modes), intent(in) :: modes
+    type(piece_part) :: parts(size(modes%system%piece), size(modes%lambda))
+    type(piece_frequency) :: frequency
+    integer :: j, k
+    do k = 1, size(modes%lambda)
+      frequency = frequency_at(modes%system%beam, modes%lambda(k))
+      do j = 1, size(modes%system%piece)
+        parts(j, k) = part_of(modes%system%piece(j), frequency, modes%amplitude(:, j, k))
+      end do
+    end do
+  end function parts_of
+
   pure real(dp) function mass_product(one, k, other, i) result(product)
     !! ⟨Φ_k, φ_i⟩ by integration: with the mass and inertia that both beams have.
     type(piece_modes), intent(in) :: one, other
     integer, intent(in) :: k, i
-    type(piece_frequency) :: frequency, frequency_too
+    type(piece_part), dimension(size(one%system%piece)) :: part, part_too
     integer :: j
-    frequency = frequency_at(one%system%beam, one%lambda(k))
-    frequency_too = frequency_at(other%system%beam, other%lambda(i))
+    do j = 1, size(part)
+      part(j) = part_of(one%system%piece(j), frequency_at(one%system%beam, one%lambda(k)), one%amplitude(:, j, k))
+      part_too(j) = part_of(other%system%piece(j), frequency_at(other%system%beam, other%lambda(i)), other%amplitude(:, j, i))
+    end do
+    product = product_of(one, k, part, other, i, part_too)
+  end function mass_product
+
+  pure real(dp) function product_of(one, k, part, other, i, part_too) result(product)
+    !! The same of motions of which all is known.
+    type(piece_modes), intent(in) :: one, other
+    integer, intent(in) :: k, i
+    type(piece_part), intent(in) :: part(:), part_too(:)   !! (pieces)
+    integer :: j
     product = 0.0_dp
-    do j = 1, size(one%system%piece)
-      associate (piece => one%system%piece(j), joint => one%system%beam%joint(j), joint_too => other%system%beam%joint(j))
-        product = product + piece_product(piece, frequency, one%amplitude(:, j, k), frequency_too, other%amplitude(:, j, i)) &
+    do j = 1, size(part)
+      associate (joint => one%system%beam%joint(j), joint_too => other%system%beam%joint(j))
+        product = product + piece_product(one%system%piece(j), part(j), part_too(j)) &
           + min(joint%mass%hi, joint_too%mass%hi)*one%deflection(j, k)*other%deflection(j, i) &
           + min(joint%inertia%hi, joint_too%inertia%hi)*one%turning(j, k)*other%turning(j, i)
       end associate
     end do
-  end function mass_product
+  end function product_of
 
 end module bw_piece_overlap

@@ -12,37 +12,62 @@ module bw_piece_products
   use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
   implicit none (type, external)
   private
-  public :: piece_product
+  public :: part_of, piece_product
 
   integer, parameter :: nodes = 20
+  real(dp), parameter :: half_rule(10) = [ &
+    0.99312859918509492479_dp, 0.96397192727791379127_dp, 0.91223442825132590587_dp, 0.83911697182221882339_dp, &
+    0.74633190646015079261_dp, 0.63605368072651502545_dp, 0.510867001950827098_dp, 0.37370608871541956067_dp, &
+    0.22778585114164507808_dp, 0.076526521133497333755_dp]    !! nodes of Gauss's rule on −1 … 1, those above 0
+  real(dp), parameter :: half_weights(10) = [ &
+    0.017614007139152118312_dp, 0.040601429800386941331_dp, 0.06267204833410906357_dp, 0.083276741576704748725_dp, &
+    0.10193011981724043504_dp, 0.11819453196151841731_dp, 0.1316886384491766269_dp, 0.14209610931838205133_dp, &
+    0.14917298647260374679_dp, 0.1527533871307258507_dp]
+  real(dp), parameter :: node(nodes) = [half_rule, -half_rule], gauss(nodes) = [half_weights, half_weights]
   real(dp), parameter :: calm = 4.0_dp           !! |z|h² up to which products of C and of S take Gauss's rule
   real(dp), parameter :: far = 0.1_dp            !! |λ − λ'| over the larger of them from which the ends give all digits
 
+  type, public :: piece_part
+    !! A motion of one piece.
+    type(piece_frequency) :: frequency
+    type(wave_numbers) :: waves                  !! unless the piece is short
+    real(dp) :: amplitude(4) = 0.0_dp
+    real(dp) :: ends(4, 2) = 0.0_dp              !! states at its inner and its outer end
+    logical :: short = .false.
+  end type piece_part
+
 contains
 
-  pure real(dp) function piece_product(piece, one, amplitude, other, weight) result(product)
-    !! ∫ρAvv' + ρIψψ' dx of a motion with its amplitudes at one frequency and one with its own at another.
+  pure type(piece_part) function part_of(piece, frequency, amplitude) result(part)
+    !! What products take of a motion.
     type(piece_numbers), intent(in) :: piece
-    type(piece_frequency), intent(in) :: one, other
-    real(dp), intent(in) :: amplitude(4), weight(4)
+    type(piece_frequency), intent(in) :: frequency
+    real(dp), intent(in) :: amplitude(4)
+    part%frequency = frequency
+    part%amplitude = amplitude
+    part%ends = states_inside(piece, frequency, amplitude, [-piece%half, piece%half])
+    part%short = is_short(piece, frequency)
+    if (.not. part%short) part%waves = wave_numbers_of(piece, frequency)
+  end function part_of
+
+  pure real(dp) function piece_product(piece, one, other) result(product)
+    !! ∫ρAvv' + ρIψψ' dx of two motions.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_part), intent(in) :: one, other
     type(dd) :: gap
-    gap = one%lambda - other%lambda
-    if (abs(gap%hi) > far*max(abs(one%lambda%hi), abs(other%lambda%hi))) then
-      product = end_product(piece, one, amplitude, other, weight)/(-gap%hi)
-    else if (is_short(piece, one) .or. is_short(piece, other)) then
-      product = gauss_product(piece, one, amplitude, other, weight)
+    gap = one%frequency%lambda - other%frequency%lambda
+    if (abs(gap%hi) > far*max(abs(one%frequency%lambda%hi), abs(other%frequency%lambda%hi))) then
+      product = end_product(one%ends, other%ends)/(-gap%hi)
+    else if (one%short .or. other%short) then
+      product = gauss_product(piece, one%frequency, one%amplitude, other%frequency, other%amplitude)
     else
-      product = wave_product(piece, wave_numbers_of(piece, one), amplitude, wave_numbers_of(piece, other), weight)
+      product = wave_product(piece, one%waves, one%amplitude, other%waves, other%amplitude)
     end if
   end function piece_product
 
-  pure real(dp) function end_product(piece, one, amplitude, other, weight) result(product)
-    type(piece_numbers), intent(in) :: piece
-    type(piece_frequency), intent(in) :: one, other
-    real(dp), intent(in) :: amplitude(4), weight(4)
-    real(dp), dimension(4, 2) :: first, second
-    first = states_inside(piece, one, amplitude, [-piece%half, piece%half])
-    second = states_inside(piece, other, weight, [-piece%half, piece%half])
+  pure real(dp) function end_product(first, second) result(product)
+    !! Of the states at both ends.
+    real(dp), dimension(4, 2), intent(in) :: first, second
     product = dot_product(second(1:2, 2), first([4, 3], 2)) - dot_product(first(1:2, 2), second([4, 3], 2)) &
       - (dot_product(second(1:2, 1), first([4, 3], 1)) - dot_product(first(1:2, 1), second([4, 3], 1)))
   end function end_product
@@ -52,8 +77,6 @@ contains
     type(piece_frequency), intent(in) :: one, other
     real(dp), intent(in) :: amplitude(4), weight(4)
     real(dp), dimension(4, nodes) :: first, second
-    real(dp) :: node(nodes), gauss(nodes)
-    call legendre_rule(node, gauss)
     first = states_inside(piece, one, amplitude, piece%half*node)
     second = states_inside(piece, other, weight, piece%half*node)
     product = piece%half%hi*sum((piece%mass%hi*first(1, :)*second(1, :) + piece%rotary%hi*first(2, :)*second(2, :))*gauss)
@@ -81,10 +104,9 @@ contains
     !! ∫CC' dx and ∫SS' dx, as C and S are scaled in `wave_values`.
     type(dd), intent(in) :: z, p, z_too, p_too, half
     real(dp), intent(out) :: cc, ss
-    real(dp) :: c, s, c_too, s_too, sum, difference, node(nodes), gauss(nodes)
+    real(dp) :: c, s, c_too, s_too, sum, difference
     integer :: i
     if (max(abs(z%hi), abs(z_too%hi))*half%hi**2 < calm) then
-      call legendre_rule(node, gauss)
       cc = 0.0_dp
       ss = 0.0_dp
       do i = 1, nodes
@@ -143,26 +165,5 @@ contains
     cc = scale*(large + small)
     ss = scale*(large - small)/(q*q_too)
   end subroutine exponential_pair
-
-  pure subroutine legendre_rule(node, weight)
-    !! Gauss's rule on −1 … 1, by Newton's method from about the roots of Legendre's polynomial.
-    real(dp), intent(out) :: node(nodes), weight(nodes)
-    real(dp) :: x(nodes), p(nodes), last(nodes), before(nodes), slope(nodes)
-    integer :: i, j
-    x = cos(dd_pi%hi*([(real(i, dp), i=1, nodes)] - 0.25_dp)/(nodes + 0.5_dp))
-    do i = 1, 6
-      last = 1.0_dp
-      p = x
-      do j = 2, nodes
-        before = last
-        last = p
-        p = ((2*j - 1)*x*last - (j - 1)*before)/j
-      end do
-      slope = nodes*(x*p - last)/(x**2 - 1.0_dp)
-      x = x - p/slope
-    end do
-    node = x
-    weight = 2.0_dp/((1.0_dp - x**2)*slope**2)
-  end subroutine legendre_rule
 
 end module bw_piece_products

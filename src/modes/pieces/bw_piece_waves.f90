@@ -9,7 +9,7 @@ module bw_piece_waves
   !! With C = cos √z x and S = sin √z x/√z, x from the middle of the piece, v = C is the even solution of a wave and
   !! v = zS the odd one. Phases are reduced by whole quarter turns in double-double before they are rounded, so that sines
   !! and cosines are as good in mode 10⁵ as in mode 1.
-  use bw_double_double, only: dd, dd_pi, sqrt, operator(+), operator(-), operator(*), operator(/)
+  use bw_double_double, only: dd, dd_pi, sqrt, to_dd, operator(+), operator(-), operator(*), operator(/)
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam, uniform_piece
   implicit none (type, external)
@@ -23,9 +23,10 @@ module bw_piece_waves
     type(dd) :: lambda                   !! λ
     type(dd) :: rho                      !! ρ
     type(dd) :: beta_squared             !! β²
-    type(dd) :: fourth_root              !! λ^¼, of λ > 0
+    type(dd) :: fourth_root              !! λ^¼, of λ > 0, unless all pieces have shear
     real(dp) :: body_force = 0.0_dp      !! that the heaviest body takes for a deflection of 1
     real(dp) :: body_moment = 0.0_dp     !! that the body of the largest inertia takes for a turning of 1
+    logical :: rough = .false.           !! wave numbers in binary64 will do: on the way to a mode, and to count
   end type piece_frequency
 
   type, public :: piece_numbers
@@ -77,9 +78,11 @@ contains
     numbers%plain = .not. (piece%compliance%hi > 0.0_dp .or. piece%rotary%hi > 0.0_dp)
   end function numbers_of
 
-  pure type(piece_frequency) function frequency_at(beam, lambda) result(frequency)
+  pure type(piece_frequency) function frequency_at(beam, lambda, rough) result(frequency)
     type(piece_beam), intent(in) :: beam
     type(dd), intent(in) :: lambda
+    logical, intent(in), optional :: rough       !! not if absent
+    if (present(rough)) frequency%rough = rough
     frequency%lambda = lambda
     if (beam%in_plane) then
       frequency%beta_squared = lambda - beam%spin_squared
@@ -88,7 +91,13 @@ contains
       frequency%beta_squared = lambda
       frequency%rho = lambda + beam%spin_squared
     end if
-    if (lambda%hi > 0.0_dp) frequency%fourth_root = sqrt(sqrt(lambda))
+    if (lambda%hi > 0.0_dp) then
+      if (frequency%rough) then
+        frequency%fourth_root = to_dd(sqrt(sqrt(lambda%hi)))
+      else if (.not. all(beam%piece%compliance%hi > 0.0_dp)) then
+        frequency%fourth_root = sqrt(sqrt(lambda))
+      end if
+    end if
     frequency%body_force = maxval(beam%joint%mass%hi)*abs(lambda%hi)
     frequency%body_moment = maxval(beam%joint%inertia%hi)*abs(frequency%beta_squared%hi)
   end function frequency_at
@@ -145,7 +154,11 @@ contains
       call find_exponential(piece%half%hi, angle%hi/piece%half%hi, waves%c(2), waves%s(2), waves%w(2))
       return
     end if
-    numbers = wave_numbers_of(piece, frequency)
+    if (frequency%rough) then
+      numbers = rough_numbers(piece, frequency)
+    else
+      numbers = wave_numbers_of(piece, frequency)
+    end if
     waves%y = numbers%y%hi
     waves%z = numbers%z%hi
     do i = 1, 2
@@ -192,6 +205,25 @@ contains
       waves%p(2) = sqrt(-waves%z(2))
     end if
   end function wave_numbers_of
+
+  pure type(wave_numbers) function rough_numbers(piece, frequency) result(waves)
+    !! Those of `wave_numbers_of` with shear, in binary64.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    real(dp) :: u, sigma, difference, root
+    u = piece%wave%hi*frequency%lambda%hi
+    sigma = piece%shear%hi*frequency%lambda%hi
+    difference = piece%turn%hi*frequency%rho%hi - sigma
+    root = 0.5_dp*(abs(difference) + sqrt(difference**2 + 4.0_dp*u))
+    if (difference >= 0.0_dp) then
+      waves%y%hi = [root, -u/root]
+    else
+      waves%y%hi = [u/root, -root]
+    end if
+    waves%z(1)%hi = waves%y(1)%hi + sigma
+    waves%z(2)%hi = (piece%cut%hi*frequency%rho%hi - 1.0_dp)*u/waves%z(1)%hi
+    waves%p%hi = sqrt(abs(waves%z%hi))
+  end function rough_numbers
 
   pure subroutine find_circular(angle, p, c, s, quarters)
     !! C and S of a wave that propagates, and its whole quarter turns.

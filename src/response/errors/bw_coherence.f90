@@ -158,7 +158,7 @@ contains
     !! Where the phases of all modes agree that may. Of velocities, whose amplitudes fall as 1/k, that is a wave front, as high as
     !! k|A| tells.
     type(deviation_type), intent(in) :: sums
-    real(dp), parameter :: front = 4.0_dp        ! 1.85 of Gibbs' phenomenon, and what two families of waves add
+    real(dp), parameter :: front = 2.5_dp        ! empirical: 1.85 of Gibbs' phenomenon, and more where fronts meet
     motion = min(sums%agreeing, front*sums%largest*sums%alpha/(2.0_dp*half_pi))
   end function agreement
 

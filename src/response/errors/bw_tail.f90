@@ -19,9 +19,10 @@ module bw_tail
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
   real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
-  real(dp), parameter :: tells = 0.1_dp
+  real(dp), parameter :: tells = 0.25_dp
     !! a window of modes, as far as none is damped, that adds less than this tells what those beyond it add where it is known how
     !! amplitudes fall
+  integer, parameter :: usual_ratio = 2, wide_ratio = 4   !! of the last mode of a window to its first, elsewhere and there
   real(dp), parameter, public :: negligible = 1.0e-3_dp   !! a window that adds less than this ends the sum
   real(dp), parameter :: velocities_end = 0.03_dp
     !! the same of ΣA² of velocities, whose Σ|A| has no bound: after some thirty times the modes
@@ -62,7 +63,7 @@ contains
       if (first > rising .and. adds_nothing(before, sums, seen%velocity, negligible)) exit
       if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping)) then
         if (adds_nothing(before, sums, seen%velocity, tells)) then
-          call extrapolate(source%decay, less(sums, before), seen%velocity, sums)
+          call extrapolate(source%decay, real(wide_ratio, dp), less(sums, before), seen%velocity, sums)
           return
         end if
       end if
@@ -71,7 +72,7 @@ contains
     if (source%decay > 0.0_dp .and. first > source%highest) then
       octave = deviation_type()
       call add_window(source, force, source%highest/2 + 1, source%highest, seen, octave, shown)
-      call extrapolate(source%decay, octave, seen%velocity, sums)
+      call extrapolate(source%decay, real(usual_ratio, dp), octave, seen%velocity, sums)
     end if
   end subroutine add_tail
 
@@ -110,7 +111,7 @@ contains
   end function adds_nothing
 
   integer function window_end(first, source, elapsed) result(last)
-    !! Twice the first mode, or where damping has left much less of the last mode than of the first, no further than all modes
+    !! Twice the first mode, four times where it is known how amplitudes fall, or where damping has left much less of the last mode than of the first, no further than all modes
     !! are looked at: a few runs of them would not see where the others end.
     integer, intent(in) :: first
     class(mode_source), intent(in) :: source
@@ -119,7 +120,8 @@ contains
     real(dp), parameter :: nothing = 60.0_dp      ! nepers, of which nothing is left: windows may be as wide as they like
     class(mode_set), allocatable :: ends
     type(dd) :: exponent(2)
-    last = min(2*max(first, run_length), source%highest)
+    last = min(merge(wide_ratio, usual_ratio, source%decay > 0.0_dp .and. .not. allocated(source%damping)) &
+               *max(first, run_length), source%highest)
     if (.not. allocated(source%damping)) return
     do while (last - first >= 2*runs*run_length)
       call source%find([first, last], ends)
@@ -175,24 +177,25 @@ contains
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
-  elemental subroutine extrapolate(decay_of_displacement, octave, velocity, sums)
-    !! The modes beyond the highest that were looked at, as the last octave of those tells. Velocities fall as 1/k, whose
+  elemental subroutine extrapolate(decay_of_displacement, ratio, window, velocity, sums)
+    !! The modes beyond the highest that were looked at, as the last window of those tells. Velocities fall as 1/k, whose
     !! sum has no bound: their magnitudes then say nothing.
     real(dp), intent(in) :: decay_of_displacement
-    type(deviation_type), intent(in) :: octave
+    real(dp), intent(in) :: ratio                 !! of its last mode to its first
+    type(deviation_type), intent(in) :: window
     logical, intent(in) :: velocity
     type(deviation_type), intent(inout) :: sums
     real(dp), parameter :: no_bound = 1.0e3_dp
     real(dp) :: decay, times
     decay = merge(1.0_dp, decay_of_displacement, velocity)
     times = no_bound
-    if (.not. velocity) times = 1.0_dp/(2.0_dp**(decay - 1.0_dp) - 1.0_dp)
-    sums%square = sums%square + octave%square/(2.0_dp**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
-    sums%magnitude = sums%magnitude + times*octave%magnitude
-    sums%agreeing = sums%agreeing + times*octave%agreeing
-    sums%largest = max(sums%largest, octave%largest)
-    sums%passing = max(sums%passing, octave%passing)
-    sums%alpha = min(sums%alpha, octave%alpha)
+    if (.not. velocity) times = 1.0_dp/(ratio**(decay - 1.0_dp) - 1.0_dp)
+    sums%square = sums%square + window%square/(ratio**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
+    sums%magnitude = sums%magnitude + times*window%magnitude
+    sums%agreeing = sums%agreeing + times*window%agreeing
+    sums%largest = max(sums%largest, window%largest)
+    sums%passing = max(sums%passing, window%passing)
+    sums%alpha = min(sums%alpha, window%alpha)
   end subroutine extrapolate
 
   pure subroutine sample_window(first, last, number, weight)

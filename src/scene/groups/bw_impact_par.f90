@@ -71,8 +71,11 @@ contains
     ratio = shortest(impact%mass_ratio, 6)
     if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'
     text = 'impact'
-    if (impact%position /= 1.0_dp .or. values%is_swept('position')) text = text//' at xi = '// &
-      values%number_or_swept('position', '')
+    if (values%is_swept('position')) then
+      text = text//' at swept xi'
+    else if (impact%position /= 1.0_dp) then
+      text = text//' at xi = '//values%number_or_swept('position', '')
+    end if
     text = text//' (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
       ', restitution '//values%number_or_swept('restitution', '')//')'
   end function impact_text

@@ -18,6 +18,7 @@ module bw_effect_pairs
   real(dp), parameter :: tried_speed = 0.4_dp      !! of the speed at which mode 1 would be unstable
   real(dp), parameter :: tried_damping = 0.01_dp   !! ratio
   real(dp), parameter :: tried_release = 0.5_dp    !! of the duration
+  real(dp), parameter :: tried_mass = 0.01_dp      ! of the beam's
   real(dp), parameter :: tried_shear = 0.85_dp     !! coefficient of a section whose shape is not known: a rectangle's
 
   type, public :: compared_scenes
@@ -47,6 +48,10 @@ contains
     call pair_capture(scene, text, list)
     call pair_release(scene, text, list)
     call pair_recontact(text, list)
+    call pair_support(scene, text, list)
+    call pair_group(text, 'body', 'position = 0.5, mass_ratio = '//text_of(tried_mass), list, &
+                    'tried with a mass of '//text_of(tried_mass)//' of the beam''s at the midpoint')
+    call pair_position(scene, text, list)
   end subroutine pairs_of
 
   subroutine leave_out(list, effect, reason)
@@ -108,6 +113,36 @@ contains
       call add_pair(list, group, .false., with_group(text, group, values), text, remark)
     end if
   end subroutine pair_group
+
+  subroutine pair_support(scene, text, list)
+    !! Pair a root that gives with a clamped one.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    real(dp), parameter :: tried_stiffness = 100.0_dp      ! of EI/l
+    character(:), allocatable :: stiffness
+    associate (beam => scene%beam)
+      stiffness = shortest(tried_stiffness*beam%youngs_modulus*beam%second_moment/beam%length, 3)
+    end associate
+    call pair_group(text, 'support', 'rotational_stiffness = '//stiffness, list, &
+                    'tried with rotational_stiffness = '//stiffness//' N m/rad, '//shortest(tried_stiffness, 3)//' EI/l')
+  end subroutine pair_support
+
+  subroutine pair_position(scene, text, list)
+    !! Pair a blow inboard with one at the tip.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    character(*), parameter :: tried = '0.9'
+    if (.not. allocated(scene%impact)) then
+      call leave_out(list, 'position', 'needs &impact')
+    else if (scene%impact%position < 1.0_dp) then
+      call add_pair(list, 'position', .true., text, with_value(text, 'impact', 'position', '1'), 'beside a blow at the tip')
+    else
+      call add_pair(list, 'position', .false., with_value(text, 'impact', 'position', tried), text, &
+                    'a blow at xi = '//tried//' beside one at the tip')
+    end if
+  end subroutine pair_position
 
   subroutine pair_rotation(scene, text, list)
     !! Pair rotation without tension, with it, and in the other plane.

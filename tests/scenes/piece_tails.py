@@ -1,0 +1,127 @@
+"""Random beams by pieces, struck anywhere, compared with far more modes: are tolerances kept, and errors within estimates?
+
+By hand: `python tests/scenes/piece_tails.py --draws 40` prints the runs that break their promise, and a table of estimates over
+errors. That the modes themselves are right is shown elsewhere; this asks how many there must be.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from tails import RECORDS, draw_record, log_between
+from workplace import Workplace, group_text
+
+KINDS = ["body inertia", "shear", "soft root", "inboard", "pieces", "pieces with bodies"]
+FINER = 300  # times, of the tolerance that a run is compared with
+ROUNDING = 2e-13  # of the comparison, over the peak
+
+
+def pieces(rng, count):
+    return {"length": [float(v) for v in rng.uniform(0.2, 0.6, count)], "density": [log_between(rng, 1000, 9000) for _ in range(count)],
+            "youngs_modulus": [log_between(rng, 2e10, 3e11) for _ in range(count)],
+            "diameter": [log_between(rng, 0.005, 0.05) for _ in range(count)]}
+
+
+def unit_time(beam):
+    """l²/h in seconds, of the root's stiffness and the mean mass."""
+    length, mass = sum(beam["length"]), 0.0
+    for l, rho, d in zip(beam["length"], beam["density"], beam["diameter"]):
+        mass += rho * np.pi / 4 * d**2 * l
+    return np.sqrt(mass * length**3 / (beam["youngs_modulus"][0] * np.pi / 64 * beam["diameter"][0] ** 4))
+
+
+def draw(rng, kind, record, most):
+    """Groups of a scene without its `&modes`."""
+    beam = pieces(rng, int(rng.integers(2, 4)) if kind.startswith("pieces") else 1)
+    groups = [("beam", beam)]
+    if kind == "soft root":
+        groups.append(("support", {"stiffness": log_between(rng, 1e3, 1e9), "rotational_stiffness": log_between(rng, 1e2, 1e7)}))
+    if kind == "pieces with bodies":
+        for _ in range(int(rng.integers(1, 3))):
+            groups.append(("body", {"position": float(rng.uniform(0.1, 1)), "mass_ratio": log_between(rng, 0.01, 3),
+                                    "rotary_inertia": float(rng.choice([0.0, log_between(rng, 1e-5, 1e-2)]))}))
+    if kind == "shear":
+        groups.append(("shear", {}))
+    duration, samples, points = draw_record(rng, record, most)
+    duration = min(duration, 1e3)
+    if kind == "shear":  # what has hardly moved takes millions of modes
+        duration = max(duration, 3e-3)
+    position = float(rng.uniform(0.05, 1)) if kind == "inboard" or rng.random() < 0.3 and kind.startswith("pieces") else 1.0
+    groups.append(("impact", {"mass_ratio": log_between(rng, 0.01, 10), "position": position}))
+    groups.append(("capture", {"rotary_inertia": log_between(rng, 1e-6, 1e-2)} if kind == "body inertia" else {}))
+    response = {"duration": float(duration * unit_time(beam)), "samples": samples, "points": points, "velocity": True}
+    return [*groups, ("response", response)]
+
+
+def compare(here, groups, modes, finer):
+    """Estimates over errors of displacement and of velocity, and the largest error over what is allowed; None if refused."""
+    found = []
+    for name, values in (("a", modes), ("b", {"tolerance": finer})):
+        here.write(f"{name}.nml", "".join(group_text(*group) for group in [*groups, ("modes", values)]))
+        (here.directory / f"output/{name}.nc").unlink(missing_ok=True)
+        if here.beamwave("run", f"{name}.nml", "--quiet").returncode:
+            return None
+        found.append(here.result(name))
+    result, truth = found
+    ratios, missed = [], 0.0
+    for name in ("displacement", "velocity"):
+        peak = np.abs(truth[name]).max()
+        error = np.maximum(np.abs(result[name] - truth[name]).max(axis=1) - ROUNDING * peak, 0)
+        own = truth["displacement_error"] if name == "displacement" else 0.0  # of what it is held against
+        shown = np.maximum(error - own, 0)
+        ratios.append(np.where(shown > 0, result[f"{name}_error"] / np.maximum(shown, 1e-300), np.inf))
+        if name == "displacement" and "tolerance" in modes:
+            missed = (shown / (modes["tolerance"] * peak)).max()
+    return int(result["mode_count"]), missed, *ratios
+
+
+def rows(here, draws, kinds, records, most, seed):
+    for number in range(draws):
+        for kind in kinds:
+            for record in records:
+                rng = np.random.default_rng([seed, KINDS.index(kind), RECORDS.index(record), number])
+                groups = draw(rng, kind, record, most)
+                tolerance = log_between(rng, 1e-6 if kind == "shear" else 1e-7, 1e-2)
+                counts = {"before": int(log_between(rng, 2, 100)), "after": int(log_between(rng, 2, 100))}
+                for modes in ({"tolerance": tolerance}, counts):
+                    finer = max(tolerance / FINER, 1e-7 if kind == "shear" else 1e-9) if "tolerance" in modes else 1e-6
+                    found = compare(here, groups, modes, finer)
+                    if found is not None:
+                        yield kind, record, number, modes, *found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--draws", type=int, default=10)
+    parser.add_argument("--kinds", nargs="*", default=KINDS)
+    parser.add_argument("--records", nargs="*", default=RECORDS)
+    parser.add_argument("--most", type=int, default=2**12, help="samples")
+    parser.add_argument("--beamwave", type=Path, default=Path(__file__).parents[2] / "build/bin/beamwave")
+    options = parser.parse_args()
+    found, broken = [], 0
+    with tempfile.TemporaryDirectory() as directory:
+        here = Workplace(options.beamwave.resolve(), Path(directory))
+        for row in rows(here, options.draws, options.kinds, options.records, options.most, int(os.environ.get("BEAMWAVE_SEED", "1"))):
+            found.append(row)
+            kind, record, number, modes, used, missed, displacement, velocity = row
+            if missed > 1 or displacement.min() < 1 or velocity.min() < 1:
+                broken += 1
+                print(kind, record, number, modes, used, f"{missed:.3g}", displacement, velocity, file=sys.stderr, flush=True)
+    print("| class | runs | largest error over the tolerance | estimate over error: displacement | velocity |\n|---|---|---|---|---|")
+    for name in [*KINDS, *RECORDS]:
+        some = [row for row in found if name in row[:2]]
+        if some:
+            values = [np.concatenate([row[i] for row in some]) for i in (6, 7)]
+            shown = [v[np.isfinite(v)] for v in values]
+            print(f"| {name} | {len(some)} | {max(row[5] for row in some):.2f} | "
+                  + " | ".join(f"{v.min():.2f}, median {np.median(v):.1f}" if len(v) else "–" for v in shown) + " |")
+    sys.exit(bool(broken))
+
+
+if __name__ == "__main__":
+    main()
