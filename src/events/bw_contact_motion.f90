@@ -132,10 +132,14 @@ contains
   end function momentum
 
   pure real(dp) function data_error(self) result(error)
-    !! By which the numbers that the motion follows from may be off, the worst of them, as a part of themselves.
+    !! By which the numbers that the motion follows from may be off, the worst of them, as a part of themselves. That nothing
+    !! holds a mode is known exactly.
     class(contact_motion), intent(in) :: self
+    real(dp) :: elastic(self%modes)
     associate (n => self%modes)
-      error = maxval(self%parts%square_error(:n)/real(self%parts%square(:n) + self%omega**2, dp) + self%inertia_error(:n))
+      elastic = real(self%parts%square(:n) + self%omega**2, dp)
+      where (elastic == 0.0_dp) elastic = huge(elastic)
+      error = maxval(self%parts%square_error(:n)/elastic + self%inertia_error(:n))
     end associate
   end function data_error
 

@@ -110,7 +110,7 @@ contains
     values = self%seen%some_curvatures(first, last, xi)
     if (.not. allocated(self%scale)) return
     do p = 1, size(xi)
-      values(:, p) = values(:, p)/self%scale(first:last)
+      where (self%scale(first:last) > 0.0_dp) values(:, p) = values(:, p)/self%scale(first:last)    ! what is rigid does not bend
     end do
   end function curvatures
 
