@@ -104,7 +104,7 @@ contains
     integer, intent(in) :: k                       !! ≥ 1
     type(dd), intent(out) :: lambda
     logical, intent(out) :: found
-    logical :: alone
+    logical :: alone, far
     found = .true.
     alone = .false.
     if (k < search%extended%first .or. k > search%extended%last) then
@@ -113,13 +113,12 @@ contains
       else
         call locate(search, k, lambda, alone, found)
         alone = alone .and. found
-        if (.not. alone) then
+        if (alone) alone = is_apart(search, k, lambda, merged)
+        if (alone) then
+          far = is_apart(search, k, lambda, apart)
+          if (search%uneven .or. .not. far) call polish(search%system, search%probe, lambda)
+        else
           call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
-        else if (.not. is_apart(search, k, lambda, merged)) then
-          alone = .false.
-          call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
-        else if (search%uneven .or. .not. is_apart(search, k, lambda, apart)) then
-          call polish(search%system, search%probe, lambda)
         end if
       end if
     end if
