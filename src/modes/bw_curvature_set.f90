@@ -61,6 +61,7 @@ contains
     found%agree_from = modes%agree_from
     found%struck_at = modes%struck_at
     found%uniform = modes%uniform
+    found%clamped = modes%clamped
     found%modal_mass = modes%modal_mass
     found%critical_speed = modes%critical_speed
     found%grows_at_any_speed = modes%grows_at_any_speed
@@ -86,6 +87,7 @@ contains
     found%agree_from = source%agree_from
     found%struck_at = source%struck_at
     found%uniform = source%uniform
+    found%clamped = source%clamped
     if (allocated(source%damping)) found%damping = source%damping
     call move_alloc(found, bent)
   end subroutine bent_source
