@@ -43,12 +43,13 @@ contains
     class(mode_set), allocatable, intent(out) :: bent
     type(curvature_set), allocatable :: found
     type(dd), allocatable :: stiffness(:)
+    real(dp), parameter :: at_rest = 1.0e-12_dp    ! λ of a motion that bends nothing, but for rounding
     if (.not. present(modes)) return
     allocate (found)
     allocate (found%seen, source=modes)
     if (scaled) then
       stiffness = modes%elastic()
-      found%scale = sqrt(stiffness%hi)
+      found%scale = sqrt(merge(stiffness%hi, 1.0_dp, stiffness%hi > at_rest))
     end if
     found%count = modes%count
     found%gamma = modes%gamma
