@@ -22,7 +22,7 @@ module bw_extended_modes
   real(dp), parameter :: count_error = 1.0e-17_dp  !! of λ: where a count may be off, two pivots in a row nearly vanishing
   real(dp), parameter :: beside = 1.0e-15_dp       !! distance from a cluster at which its motions are found, of λ
   real(dp), parameter :: settled = 1.0e-28_dp      !! a step, of λ
-  real(dp), parameter :: rounding = 1.0e-31_dp     !! of stiffness
+  real(dp), parameter :: rounding = 1.0e-29_dp     !! of stiffness, some hundred units
   integer, parameter :: most_stays = 3             !! steps that do not get smaller: they are rounding
   integer, parameter :: most_steps = 400
 
