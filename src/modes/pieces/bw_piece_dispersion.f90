@@ -102,7 +102,9 @@ contains
     r = piece%turn%hi*frequency%rho%hi
     sigma = piece%shear%hi*frequency%lambda%hi
     cutoff = 1.0_dp - piece%cut%hi*frequency%rho%hi
-    root = sqrt(max(0.0_dp, (r - sigma)**2 + 4.0_dp*u))
+    root = (r - sigma)**2 + 4.0_dp*u
+    if (root <= 0.0_dp) return                          ! of λ < 0: all waves decay
+    root = sqrt(root)
     if (r >= sigma) then
       y = 0.5_dp*((r - sigma) + root)
     else
@@ -115,7 +117,7 @@ contains
       if (z(i) <= 0.0_dp) cycle
       p(i) = sqrt(z(i))
       rise(i) = (piece%turn%hi + piece%shear%hi)*z(i) + piece%wave%hi*(cutoff - frequency%lambda%hi*piece%cut%hi)
-      rise(i) = merge(rise(i), -rise(i), i == 1)/(2.0_dp*p(i)*max(root, tiny(root)))
+      rise(i) = merge(rise(i), -rise(i), i == 1)/(2.0_dp*p(i)*root)
     end do
   end subroutine local_waves
 

@@ -22,8 +22,6 @@ module bw_piece_source
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
 
-  real(dp), parameter :: nearly_rigid = 0.3_dp       !! wave number below which the forces of soft springs have lost digits
-
   real(dp), parameter :: immense = 1.0e250_dp        !! mass of a body that double-double numbers have no room for
   integer, parameter :: asked_every = 64             !! modes, after which a monitor is asked
 
@@ -157,7 +155,7 @@ contains
     call mean_waves(search%system%piece, frequency, alpha, phase, group)
     is_coarse = .false.
     if (lambda%hi == 0.0_dp) return
-    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi) .or. alpha < nearly_rigid
+    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi)
     if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
   end function is_coarse
 
