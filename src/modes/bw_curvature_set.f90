@@ -43,12 +43,13 @@ contains
     class(mode_set), allocatable, intent(out) :: bent
     type(curvature_set), allocatable :: found
     type(dd), allocatable :: stiffness(:)
+    real(dp), parameter :: at_rest = 1.0e-12_dp    ! λ of a motion that bends nothing, but for rounding
     if (.not. present(modes)) return
     allocate (found)
     allocate (found%seen, source=modes)
     if (scaled) then
       stiffness = modes%elastic()
-      found%scale = sqrt(stiffness%hi)
+      found%scale = sqrt(merge(stiffness%hi, 1.0_dp, stiffness%hi > at_rest))
     end if
     found%count = modes%count
     found%gamma = modes%gamma
@@ -61,6 +62,7 @@ contains
     found%agree_from = modes%agree_from
     found%struck_at = modes%struck_at
     found%uniform = modes%uniform
+    found%clamped = modes%clamped
     found%modal_mass = modes%modal_mass
     found%critical_speed = modes%critical_speed
     found%grows_at_any_speed = modes%grows_at_any_speed
@@ -86,6 +88,7 @@ contains
     found%agree_from = source%agree_from
     found%struck_at = source%struck_at
     found%uniform = source%uniform
+    found%clamped = source%clamped
     if (allocated(source%damping)) found%damping = source%damping
     call move_alloc(found, bent)
   end subroutine bent_source

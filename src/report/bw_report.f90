@@ -29,7 +29,7 @@ contains
     text = ''
     if (result%mode_count == 0) return             ! a note says why
     call report_modes(scene, result, lines)
-    if (allocated(result%impact)) call report_impact(result, lines)
+    if (allocated(result%impact)) call report_impact(scene, result, lines)
     if (allocated(result%response)) call report_histories(scene, result, lines)
     if (allocated(result%measured)) call report_measured(result, lines)
     text = lines%text()
@@ -87,17 +87,23 @@ contains
     end if
   end subroutine report_critical
 
-  subroutine report_impact(result, lines)
+  subroutine report_impact(scene, result, lines)
     !! The jump, and the balance of every event.
+    type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
+    character(:), allocatable :: struck, spot
     real(dp) :: state(3)
+    struck = 'tip'
+    spot = 'tip'
+    if (scene%impact%position < 1.0_dp) struck = 'the beam there'
+    if (scene%impact%position < 1.0_dp) spot = 'place of the blow'
     state = [named_value(result, 'impulse'), named_value(result, 'mass_velocity'), named_value(result, 'tip_velocity')]
     call lines%append_line('')
     call lines%append_line('  Just after the impact: impulse '//shortest(state(1), 6)//' N s, mass '// &
-                           shortest(state(2), 6)//' m/s, tip '//shortest(state(3), 6)//' m/s')
+                           shortest(state(2), 6)//' m/s, '//struck//' '//shortest(state(3), 6)//' m/s')
     if (result%impact%impulse == 0.0_dp .and. result%impact%gamma > 0.0_dp) call lines%append_line( &
-      '  With infinitely many modes only the very tip jumps, and that takes no impulse.')
+      '  With infinitely many modes only the very '//spot//' jumps, and that takes no impulse.')
     call report_events(result, lines)
   end subroutine report_impact
 

@@ -56,23 +56,16 @@ contains
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    integer, allocatable :: bodies(:)              ! their places among the groups
     logical :: new
     integer :: before, beam, g
     before = messages%count
     beam = position_of(scene%groups, 'beam')
     if (scene%groups(beam)%changed) call build_beam(scene%groups(beam), scene%beam, messages)
     if (messages%count > before) return
-    bodies = positions_of(scene%groups, 'body')
-    if (size(bodies) > 0 .and. .not. allocated(scene%bodies)) allocate (scene%bodies(size(bodies)))
     do g = 1, size(scene%groups)
-      new = scene%groups(g)%changed .or. (has_ratio(scene%groups(g)) .and. scene%groups(beam)%changed)
-      if (.not. new) cycle
-      if (scene%groups(g)%group == 'body') then
-        call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
-      else
-        call build_group(scene, g, messages)
-      end if
+      new = scene%groups(g)%changed
+      if (.not. new .and. scene%groups(beam)%changed) new = has_ratio(scene%groups(g))
+      if (new) call build_group(scene, g, messages)
     end do
   end subroutine build_scene
 
@@ -83,12 +76,13 @@ contains
   end function has_ratio
 
   pure subroutine build_group(scene, g, messages)
-    !! Build the component of one group; those of the beam and of bodies are built elsewhere.
+    !! Build the component of one group; the beam's is there.
     type(scene_type), intent(inout) :: scene
     integer, intent(in) :: g                       !! the group's place among `scene%groups`
     type(message_list), intent(inout) :: messages
     select case (scene%groups(g)%group)
     case ('scene'); scene%header = build_header(scene%groups(g))
+    case ('body'); call build_one_body(scene, g, messages)
     case ('support'); scene%support = build_support(scene%groups(g))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
     case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
@@ -104,6 +98,17 @@ contains
     case default                                   ! the beam was built before
     end select
   end subroutine build_group
+
+  pure subroutine build_one_body(scene, g, messages)
+    !! Build the component of one of the bodies.
+    type(scene_type), intent(inout) :: scene
+    integer, intent(in) :: g                       !! the group's place among `scene%groups`
+    type(message_list), intent(inout) :: messages
+    integer, allocatable :: bodies(:)
+    bodies = positions_of(scene%groups, 'body')
+    if (.not. allocated(scene%bodies)) allocate (scene%bodies(size(bodies)))
+    call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
+  end subroutine build_one_body
 
   pure subroutine check_rules(group, messages)
     !! The rules of a group's own names, those apart that the table of names tells.

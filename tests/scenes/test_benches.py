@@ -106,7 +106,7 @@ def test_a_small_throughput_measures_every_part(program):
 def test_effects_are_counted_or_said_not_to_be(small_run):
     _, measured, output = small_run("effects")
     paper, shear = measured["rows"]
-    assert (paper["method"], shear["method"]) == ("closed form", "galerkin")
+    assert (paper["method"], shear["method"]) == ("closed form", "pieces")
     if paper["instructions"] is None:  # no valgrind, or it does not know the instructions of this build
         assert "| – " in (output / "numbers.md").read_text()
     else:

@@ -63,7 +63,7 @@ def test_stiffness_proportional_damping_overdamps_high_modes(here):
     assert (result["growth_rate"] < 0).all()
 
 
-@pytest.mark.parametrize("shear", [None, {}], ids=["closed form", "galerkin"])
+@pytest.mark.parametrize("shear", [None, {}], ids=["closed form", "pieces"])
 def test_at_the_critical_ratio_nothing_turns_and_near_it_every_digit_counts(here, shear):
     """A beam at rest: β √(1 − ζ²) of every mode, 0 at ζ = 1, and beyond it −β(ζ − √(ζ² − 1))."""
     scene = captured_beam(rotation=None, shear=shear)

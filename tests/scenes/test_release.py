@@ -299,7 +299,7 @@ def test_estimates_of_a_tolerance_hold_against_a_finer_one(here, groups):
 
 def test_a_release_that_a_tolerance_cannot_follow_names_one_that_it_can(here):
     """A few hundred modes with tension know the velocity of the tip to 1e-3."""
-    here.scene("a", by_tolerance(1e-4, shear={}))
+    here.scene("a", by_tolerance(1e-4, stiffening={}))
     refused = here.beamwave("run", "a.nml")
     assert refused.returncode == 2
     named = re.search(r"modes%tolerance: 1e-4 cannot be reached .*; accepted: (\S+) or more", refused.stderr)

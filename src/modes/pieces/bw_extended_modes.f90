@@ -7,7 +7,7 @@ module bw_extended_modes
   use bw_double_double, only: dd, to_dd, to_quad, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
   use bw_extended_residual, only: find_drive
-  use bw_extended_stiffness, only: amplitudes_of, extended_stiffness, find_stiffness, move_joints, size_stiffness
+  use bw_extended_stiffness, only: amplitudes_of, extended_stiffness, find_stiffness, move_joints, size_stiffness, stiffness_of
   use bw_kinds, only: dp, qp
   use bw_mode_probe, only: mode_probe, piece_system, probe_for, set_frequency, system_of, weigh
   use bw_piece_beam, only: cut_all, joint_position, piece_beam
@@ -22,7 +22,8 @@ module bw_extended_modes
   real(dp), parameter :: count_error = 1.0e-17_dp  !! of λ: where a count may be off, two pivots in a row nearly vanishing
   real(dp), parameter :: beside = 1.0e-15_dp       !! distance from a cluster at which its motions are found, of λ
   real(dp), parameter :: settled = 1.0e-28_dp      !! a step, of λ
-  real(dp), parameter :: rounding = 1.0e-23_dp     !! a step that does not get smaller is rounding, of λ
+  real(dp), parameter :: rounding = 1.0e-29_dp     !! of stiffness, some hundred units
+  integer, parameter :: most_stays = 3             !! steps that do not get smaller: they are rounding
   integer, parameter :: most_steps = 400
 
   type :: divided_beam
@@ -35,6 +36,7 @@ module bw_extended_modes
     type(divided_beam), allocatable :: divided(:)  !! (cuts)
     integer :: parts = 1                           !! of each piece in the division that serves at this frequency
     real(qp), allocatable :: force(:, :)           !! that drives the inverse iteration, (2, 0:n·parts)
+    real(dp) :: error = 0.0_dp                     !! of λ by rounding of stiffness
     type(dd) :: low, high                          !! frequencies on both sides of the mode
     integer :: below_low = 0, below_high = 0       !! modes below them
     integer :: first = 0, last = -1                !! numbers of the modes of the last cluster
@@ -52,9 +54,10 @@ contains
     real(dp), intent(in) :: distance               !! to the next, about
     logical, intent(out) :: found
     type(dd) :: x, next
-    real(dp) :: correction, before, slack
-    integer :: i
-    logical :: alone
+    real(dp) :: correction, before
+    integer :: i, stays
+    logical :: alone, inside, gains
+    stays = 0
     call open_search(search, beam)
     call enclose(search, k, guess, distance, found)
     if (.not. found) return
@@ -73,18 +76,16 @@ contains
       if (before == huge(before)) call start(search, 1)
       call improve(search, correction)
       next = x + correction
-      slack = count_error*abs(x%hi)
-      if (.not. min(gap(next, search%low), gap(search%high, next)) > -slack) then
-        x = middle(search)
-      else if (abs(correction) < settled*abs(x%hi) .or. &
-               (abs(correction) < rounding*abs(x%hi) .and. abs(correction) > 0.5_dp*before)) then
+      inside = min(gap(next, search%low), gap(search%high, next)) > -max(count_error*abs(x%hi), search%error)
+      gains = abs(correction) < 0.5_dp*before
+      if ((inside .and. abs(correction) < settled*abs(x%hi)) .or. &
+          (stays > most_stays .and. abs(correction) < search%error)) then
         call keep_mode(search, k, next)
         return
-      else if (abs(correction) < 0.5_dp*before) then
-        x = next
-      else
-        x = middle(search)
       end if
+      if (.not. (inside .and. gains)) stays = stays + 1
+      x = next
+      if (.not. inside .or. (mod(stays, 2) == 0 .and. .not. gains)) x = middle(search)
       before = abs(correction)
     end do
     found = i <= most_steps
@@ -278,6 +279,7 @@ contains
         end do
         call weigh(divided%system, probe)
         correction = real(sum(motion*search%force), dp)/probe%mass
+        search%error = rounding*real(stiffness_of(divided%stiffness), dp)/probe%mass
         search%force = motion*(probe%push/unit(1:2, :))
       end associate
     end associate

@@ -9,7 +9,7 @@ module bw_extended_residual
   use bw_mode_probe, only: eliminate_drive, left_vector, mode_probe, piece_system, set_frequency, weigh
   implicit none (type, external)
   private
-  public :: find_drive, polish, refine
+  public :: find_drive, is_motion, polish, refine
 
 contains
 
@@ -34,16 +34,26 @@ contains
     lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
   end subroutine correct
 
+  logical function is_motion(system, probe)
+    !! A probe's motion meets the conditions at the joints to half of the digits.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    real(dp), parameter :: little = 1.0e-8_dp
+    call find_drive(system, probe)
+    is_motion = maxval(abs(probe%drive)) < little*maxval(abs(probe%motion)/probe%unit(1:2, :))
+  end function is_motion
+
   pure subroutine polish(system, probe, lambda)
     !! Take from the motion of a mode what rounding has put into it of others, and λ in double-double: what the motion fails
     !! is what these motions fail.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
-    real(dp) :: amplitude(4, size(system%piece)), motion(2, 0:size(system%piece))
+    real(dp) :: amplitude(4, size(system%piece)), motion(2, 0:size(system%piece)), lack
     call correct(system, probe, lambda)
     call set_frequency(system, lambda, probe)
     call find_drive(system, probe)
+    lack = maxval(abs(probe%drive))
     amplitude = probe%amplitude
     motion = probe%motion
     call eliminate_drive(system, probe)
@@ -52,6 +62,11 @@ contains
     probe%amplitude = amplitude - probe%amplitude
     probe%motion = motion - probe%motion
     call find_drive(system, probe)
+    if (.not. maxval(abs(probe%drive)) < lack) then            ! of the mode itself too much was taken away
+      probe%amplitude = amplitude
+      probe%motion = motion
+      call find_drive(system, probe)
+    end if
     call weigh(system, probe)
   end subroutine polish
 

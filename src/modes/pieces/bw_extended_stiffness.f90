@@ -14,7 +14,7 @@ module bw_extended_stiffness
   use bw_piece_waves, only: piece_frequency
   implicit none (type, external)
   private
-  public :: size_stiffness, find_stiffness, move_joints, amplitudes_of
+  public :: size_stiffness, find_stiffness, move_joints, amplitudes_of, stiffness_of
 
   integer, parameter :: width = 3                  !! of the band on both sides
   real(qp), parameter :: least_pivot = 1.0e-35_qp  !! of rows of size 1: below it is rounding
@@ -246,6 +246,16 @@ contains
       side(j) = (side(j) - dot_product(band(1:last - j, j), side(j + 1:last)))/band(0, j)
     end do
   end subroutine solve_band
+
+  pure real(qp) function stiffness_of(stiffness) result(sum_of)
+    !! Work of the joints' own forces on their motions, as if all were of one sign.
+    type(extended_stiffness), intent(in) :: stiffness      !! with its joints moved
+    integer :: j
+    sum_of = 0.0_qp
+    do j = 1, 2
+      sum_of = sum_of + sum(abs(stiffness%own(j, j, :))*stiffness%motion(j, :)**2)
+    end do
+  end function stiffness_of
 
   pure function times(k, d) result(f)
     real(qp), intent(in) :: k(2, 2), d(2)

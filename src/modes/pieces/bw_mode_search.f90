@@ -6,14 +6,15 @@ module bw_mode_search
   !! was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_modes, only: extended_search, find_extended, find_resting, take
-  use bw_extended_residual, only: polish, refine
+  use bw_extended_residual, only: is_motion, polish, refine
+  use bw_extended_stiffness, only: extended_stiffness, find_stiffness, size_stiffness
   use bw_kinds, only: dp
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, start_bodies, &
     system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
-  use bw_piece_dispersion, only: next_half_wave
-  use bw_piece_waves, only: parts_at_rest
+  use bw_piece_dispersion, only: mean_waves, next_half_wave
+  use bw_piece_waves, only: frequency_at, parts_at_rest
   implicit none (type, external)
   private
   public :: search_in, find_mode
@@ -82,14 +83,13 @@ contains
     logical, intent(in) :: floats                  !! nothing holds its deflection
     type(piece_beam) :: fine
     type(piece_system) :: system
-    type(mode_probe) :: probe
-    real(dp) :: regular
+    type(extended_stiffness) :: stiffness
     fine = cut_all(beam, parts_at_rest(beam))
     if (floats) fine%root%holds_deflection = .true.
     system = system_of(fine)
-    probe = probe_for(system)
-    call probe_at(system, beam%spin_squared*(-1.0e-24_dp), probe)
-    call count_below(system, probe, number, regular)
+    call size_stiffness(size(system%piece), stiffness)
+    call find_stiffness(system, frequency_at(fine, beam%spin_squared*(-1.0e-24_dp)), stiffness)
+    number = stiffness%below
   end function growing_modes
 
   pure logical function may_grow(beam)
@@ -104,7 +104,7 @@ contains
     integer, intent(in) :: k                       !! ≥ 1
     type(dd), intent(out) :: lambda
     logical, intent(out) :: found
-    logical :: alone, far
+    logical :: alone, far, rigid
     found = .true.
     alone = .false.
     if (k < search%extended%first .or. k > search%extended%last) then
@@ -114,9 +114,11 @@ contains
         call locate(search, k, lambda, alone, found)
         alone = alone .and. found
         if (alone) alone = is_apart(search, k, lambda, merged)
+        rigid = is_rigid(search, k, lambda)
+        if (alone .and. rigid) alone = is_motion(search%system, search%probe)
         if (alone) then
           far = is_apart(search, k, lambda, apart)
-          if (search%uneven .or. .not. far) call polish(search%system, search%probe, lambda)
+          if (search%uneven .or. rigid .or. .not. far) call polish(search%system, search%probe, lambda)
         else
           call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
         end if
@@ -128,6 +130,20 @@ contains
     search%last = k
     search%last_lambda = lambda
   end subroutine find_mode
+
+  pure logical function is_rigid(search, k, lambda)
+    !! The beam moves almost as a whole: what little its pieces bend has lost digits.
+    type(mode_search), intent(in) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: lambda
+    integer, parameter :: rigid_motions = 2
+    real(dp), parameter :: short_wave = 0.3_dp     !! wave number of a beam that bends as much as it moves
+    real(dp) :: alpha, phase, group
+    is_rigid = k <= search%growing + search%resting + rigid_motions
+    if (.not. is_rigid) return
+    call mean_waves(search%system%piece, frequency_at(search%system%beam, lambda), alpha, phase, group)
+    is_rigid = alpha < short_wave
+  end function is_rigid
 
   elemental real(dp) function mode_distance(k, x) result(distance)
     !! About how far apart modes near mode k are.

@@ -22,8 +22,7 @@ module bw_piece_source
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
 
-  real(dp), parameter :: nearly_rigid = 0.3_dp       !! wave number below which the forces of soft springs have lost digits
-
+  real(dp), parameter :: immense = 1.0e250_dp        !! mass of a body that double-double numbers have no room for
   integer, parameter :: asked_every = 64             !! modes, after which a monitor is asked
 
   type, extends(mode_source), public :: piece_source
@@ -46,7 +45,8 @@ contains
       (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
     source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
     source%struck_at = pieces%position
-    source%uniform = size(pieces%beam%piece) == 1 .and. pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning &
+    source%clamped = pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning
+    source%uniform = size(pieces%beam%piece) == 1 .and. source%clamped &
       .and. .not. any([pieces%beam%joint%stiffness%hi, pieces%beam%joint%turning_stiffness%hi] > 0.0_dp)
     source%quadratic = size(pieces%beam%piece) == 1 .and. source%decay > 2.0_dp
     if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
@@ -83,6 +83,7 @@ contains
     found%agree_from = self%agree_from
     found%struck_at = self%struck_at
     found%uniform = self%uniform
+    found%clamped = self%clamped
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_of_pieces
@@ -97,9 +98,10 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     type(mode_search) :: search
     type(dd) :: lambda
-    logical :: found
+    logical :: found, fits
     integer :: j
     search = search_in(beam)
+    fits = maxval([beam%joint%mass%hi, beam%joint%inertia%hi]) < immense
     call size_set(search, size(number), set)
     if (present(struck)) then
       set%struck_joint = struck
@@ -114,7 +116,7 @@ contains
         set%resolved = .false.
         return
       end if
-      if (is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
+      if (is_coarse(search, lambda, longest) .and. fits) call refine(search%system, search%probe, lambda)
       call set_mode(search%probe, number(j), lambda, j, set)
     end do
   end subroutine set_of_pieces
@@ -153,7 +155,7 @@ contains
     call mean_waves(search%system%piece, frequency, alpha, phase, group)
     is_coarse = .false.
     if (lambda%hi == 0.0_dp) return
-    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi) .or. alpha < nearly_rigid
+    is_coarse = abs(frequency%beta_squared%hi) < near_critical*abs(lambda%hi)
     if (present(longest)) is_coarse = is_coarse .or. .not. (group*epsilon(group)*longest < phase_error)
   end function is_coarse
 

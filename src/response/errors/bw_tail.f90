@@ -38,6 +38,7 @@ module bw_tail
     logical, allocatable :: agrees(:)             !! but may be that of all others at once, (modes)
     real(dp) :: struck_at = 1.0_dp                !! ξ₀
     logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
+    logical :: clamped = .true.                   !! the root is
   end type moving_modes
 
 contains
@@ -174,6 +175,7 @@ contains
     moving%agrees = may_agree(moving%alpha, source%agree_from, seen%velocity)
     moving%struck_at = source%struck_at
     moving%uniform = source%uniform
+    moving%clamped = source%clamped
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
@@ -233,6 +235,7 @@ contains
     integer :: first, last
     moving%struck_at = modes%struck_at
     moving%uniform = modes%uniform
+    moving%clamped = modes%clamped
     do first = 1, modes%count, part
       last = min(first + part - 1, modes%count)
       associate (square => modes%beta_squared(first:last))
@@ -276,6 +279,7 @@ contains
         peak = amplitude
         if (slow .and. weight(k) > 1.0_dp) then
           bound = at_free_end
+          if (moving%clamped) bound = at_free_end*min(1.0_dp, (moving%alpha(k)*seen%points(p))**2)
           if (moving%uniform) bound = largest_shape(seen%points(p), moving%alpha(k), moving%tip(k))
           peak = max(amplitude, moving%reach(k)*bound)
           amplitude = max(amplitude, mean*peak)

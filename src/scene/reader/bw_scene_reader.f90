@@ -40,7 +40,6 @@ contains
     character(:), allocatable :: text
     call read_scene_bytes(path, text, error)
     if (.not. allocated(error)) call read_scene_text(text, path, scene, error)
-    if (.not. allocated(error)) call refuse_unfinished(scene, error)
   end subroutine read_scene
 
   pure subroutine refuse_unfinished(scene, error)
@@ -75,6 +74,7 @@ contains
     end if
     if (messages%count == 0) call check_corners(scene, messages)
     if (messages%count > 0) call fail(error, status_bad_input, messages%text())
+    if (.not. allocated(error)) call refuse_unfinished(scene, error)
   end subroutine read_scene_text
 
   pure function stem(path) result(name)
