@@ -18,7 +18,7 @@ module bw_piece_source
   private
   public :: source_of_pieces, set_of_pieces
 
-  integer, parameter :: highest_mode = 10000000
+  integer, parameter :: highest_mode = 10000000, quick_modes = 100000
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
 
@@ -40,6 +40,7 @@ contains
     source%pieces = pieces
     source%gamma = pieces%captured%mass%hi
     source%highest = highest_mode
+    source%quickly = quick_modes
     source%critical_speed = critical_speed_of(pieces%beam)
     source%grows_at_any_speed = modes_at_rest(without_inertia(pieces%beam)) > 0 .and. &
       (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
