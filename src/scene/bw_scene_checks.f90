@@ -122,7 +122,7 @@ contains
     !! Products of masses and frequencies of a beam by pieces leave the range of numbers long before the masses do.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    real(dp), parameter :: heaviest = 1.0e250_dp
+    real(dp), parameter :: heaviest = 1.0e120_dp
     integer :: g
     real(dp) :: ratio
     ratio = 0.0_dp

@@ -124,7 +124,7 @@ contains
     type(dd) :: beta(size(number))
     real(dp), dimension(size(number)) :: angle, drive, term
     real(dp) :: tip(size(number), 1)
-    call source%terms(number, [1.0_dp], min(1.0_dp, source%stretch)*time%hi, beta, drive, tip)
+    call source%terms(number, [source%struck_at], min(1.0_dp, source%stretch)*time%hi, beta, drive, tip)
     term = force*drive*tip(:, 1)
     call take_terms(term, sum)
     sum%remainder%energy = sum%remainder%energy + 0.5_dp*force*accurate_sum(term)
