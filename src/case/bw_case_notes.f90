@@ -13,6 +13,7 @@ module bw_case_notes
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
+  use bw_tension_set, only: tension_set
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
@@ -45,6 +46,8 @@ contains
     type is (galerkin_set)
       ratio = modes%coupling(law_of(scene%damping, units))
     type is (piece_set)
+      ratio = modes%coupling(law_of(scene%damping, units))
+    type is (tension_set)
       ratio = modes%coupling(law_of(scene%damping, units))
     end select
     text = 'coupled damping: Rayleigh''s damping couples these modes and is taken without that: at most '// &
