@@ -10,14 +10,15 @@ module bw_case_modes
   use bw_kinds, only: dp
   use bw_mode_cache, only: mode_cache
   use bw_mode_choice, only: first_modes
-  use bw_mode_set, only: first_numbers, mode_source, mode_sources
+  use bw_mode_set, only: first_numbers, mode_set, mode_source, mode_sources
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_piece_source, only: source_of_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
-  use bw_scene, only: changes_shapes, scene_type, by_pieces
+  use bw_scene, only: by_pieces, changes_shapes, is_built_up, scene_type
   use bw_scene_pieces, only: pieces_of
   use bw_beam_operator, only: operator_of
+  use bw_tension_source, only: tension_source, tension_source_of
   implicit none (type, external)
   private
   public :: extend_sources, find_modes, largest_phase_error, record_stretch
@@ -30,6 +31,7 @@ module bw_case_modes
 
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes under tension that a tolerance may take, without and with shear: about two seconds' work
+  character(*), parameter :: no_basis = 'the polynomials of the Galerkin basis do not resolve the modes'
   real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, to which roots are right over the record, whatever the tolerance
   real(dp), parameter :: phase_share = 1.0e-3_dp      !! of a tolerance that phases may take
 
@@ -55,15 +57,25 @@ contains
     if (allocated(scene%capture)) then
       call sources%loaded%find(first_numbers(scene%modes%after), modes%loaded, longest, first)
       if (monitor%stop_requested()) return
+      call look_at(modes%loaded)
       call note_coupling(scene, units, modes%loaded, modes%notes)
       call note_growth(units, modes%loaded, modes%notes)
       if (by_tolerance(scene%modes)) return
       call sources%free%find(first_numbers(scene%modes%before), modes%free, monitor=second)
+      call look_at(modes%free)
     else
       call sources%free%find(first_numbers(scene%modes%before), modes%free, longest, second)
+      call look_at(modes%free)
       call note_coupling(scene, units, modes%free, modes%notes)
       call note_growth(units, modes%free, modes%notes)
     end if
+  contains
+    subroutine look_at(set)
+      !! Was every mode found?
+      class(mode_set), intent(in) :: set
+      if (modes%resolved .and. .not. set%resolved) call note_unresolved('a mode was not found', modes%notes)
+      modes%resolved = modes%resolved .and. set%resolved
+    end subroutine look_at
   end subroutine find_modes
 
   subroutine find_sources(scene, units, monitor, modes, sources, cache)
@@ -160,16 +172,31 @@ contains
       integer, intent(in) :: count
       class(mode_source), allocatable, intent(out) :: source
       type(galerkin_source), allocatable :: found
+      type(tension_source), allocatable :: found_in_pieces
+      logical :: resolved
+      if (is_built_up(scene)) then
+        allocate (found_in_pieces)
+        call tension_source_of(pieces_of(scene, units, carries_mass), scene%stiffening%hub_radius/units%length, count, &
+                               found_in_pieces, monitor)
+        resolved = found_in_pieces%solved%resolved
+        call move_alloc(found_in_pieces, source)
+        call note_resolved(resolved)
+        return
+      end if
       allocate (found)
       if (present(cache)) then
         call cache%galerkin%find(operator_of(scene, units, carries_mass), count, found, monitor)
       else
         call galerkin_source_of(operator_of(scene, units, carries_mass), count, found, monitor)
       end if
-      if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(modes%notes)
-      modes%resolved = modes%resolved .and. found%solved%resolved
+      call note_resolved(found%solved%resolved)
       call move_alloc(found, source)
     end subroutine solve
+    subroutine note_resolved(resolved)
+      logical, intent(in) :: resolved
+      if (modes%resolved .and. .not. resolved) call note_unresolved(no_basis, modes%notes)
+      modes%resolved = modes%resolved .and. resolved
+    end subroutine note_resolved
   end subroutine find_galerkin
 
   pure integer function enough_for_errors(scene) result(count)
@@ -198,6 +225,7 @@ contains
       logical, intent(in) :: carries_mass
       class(mode_source), intent(inout) :: source
       type(galerkin_source) :: more
+      type(tension_source) :: more_in_pieces
       integer :: most
       extended = .false.
       most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
@@ -209,6 +237,14 @@ contains
         if (.not. extended) return
         if (allocated(scene%damping)) more%damping = law_of(scene%damping, units)
         source = more
+      type is (tension_source)
+        if (source%highest >= most) return
+        call tension_source_of(pieces_of(scene, units, carries_mass), scene%stiffening%hub_radius/units%length, &
+                               min(2*source%highest, most), more_in_pieces, monitor)
+        extended = more_in_pieces%solved%resolved
+        if (.not. extended) return
+        if (allocated(scene%damping)) more_in_pieces%damping = law_of(scene%damping, units)
+        source = more_in_pieces
       end select
     end subroutine extend
   end subroutine extend_sources

@@ -13,6 +13,7 @@ module bw_case_notes
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
+  use bw_tension_set, only: tension_set
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
@@ -46,6 +47,8 @@ contains
       ratio = modes%coupling(law_of(scene%damping, units))
     type is (piece_set)
       ratio = modes%coupling(law_of(scene%damping, units))
+    type is (tension_set)
+      ratio = modes%coupling(law_of(scene%damping, units))
     end select
     text = 'coupled damping: Rayleigh''s damping couples these modes and is taken without that: at most '// &
       shortest(ratio, 2)//' of what it takes from the modes themselves'
@@ -76,11 +79,11 @@ contains
     call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
   end subroutine note_no_effect
 
-  subroutine note_unresolved(notes)
+  subroutine note_unresolved(why, notes)
     !! The modes of one of the beams, or of both, are not to be trusted.
+    character(*), intent(in) :: why
     type(string), allocatable, intent(inout) :: notes(:)
-    call append(notes, &
-      'not converged: the polynomials of the Galerkin basis do not resolve the modes; every number of the case is fill')
+    call append(notes, 'not converged: '//why//'; every number of the case is fill')
   end subroutine note_unresolved
 
   subroutine note_added_energy(scene, later)

@@ -7,17 +7,27 @@ module bw_local_waves
   !! shear waves of the thickness run too). P is the mean of p over the beam, C_p = β/P and C_g = dβ/dP. Without tension
   !! and shear P⁴ = λ, Eq. 2; at high speeds P is that of a string.
   use bw_kinds, only: dp
-  use bw_beam_operator, only: beam_operator, shear_numbers
+  use bw_beam_operator, only: beam_operator
   use bw_double_double, only: dd
   use bw_lapack, only: dsterf
   use bw_missing, only: missing
   use bw_strain_basis, only: basis_values
   implicit none (type, external)
   private
-  public :: find_waves, gauss_rule
+  public :: find_waves, gauss_rule, local_wave
 
   integer, parameter :: nodes = 200
     !! of the mean over a beam with tension: 1e-12 for Ω to 1000, where T reaches 0 at the tip
+
+  type, public :: wave_section
+    !! What waves at one place depend on, but for the tension: of a uniform beam without shear as it stands.
+    real(dp) :: stiffness = 1.0_dp               !! B = EI
+    real(dp) :: mass = 1.0_dp                    !! m = ρA
+    real(dp) :: compliance = 0.0_dp              !! s = 1/(κGA)
+    real(dp) :: rotary = 0.0_dp                  !! ρI
+    real(dp) :: spin = 0.0_dp                    !! Ω²
+    logical :: in_plane = .false.
+  end type wave_section
 
 contains
 
@@ -49,7 +59,7 @@ contains
     real(dp), intent(in) :: tension(:), weight(:)              !! at the nodes of a mean over the beam
     real(dp), intent(out) :: alpha, phase_velocity, group_velocity
     real(dp) :: p(size(tension)), slope(size(tension))         ! p and dp/dβ²
-    call local_wave(operator, beta_squared, tension, p, slope)
+    call local_wave(section_of(operator), beta_squared, tension, p, slope)
     alpha = sum(weight*p)
     phase_velocity = missing
     group_velocity = missing
@@ -57,22 +67,30 @@ contains
     if (beta_squared > 0.0_dp) group_velocity = 0.5_dp/(sqrt(beta_squared)*sum(weight*slope))
   end subroutine mean_wave
 
-  elemental subroutine local_wave(operator, beta_squared, tension, p, slope)
-    !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
+  pure type(wave_section) function section_of(operator) result(section)
     type(beam_operator), intent(in) :: operator
+    if (allocated(operator%shear)) then
+      section%compliance = operator%shear%compliance
+      section%rotary = operator%shear%rotary
+    end if
+    if (allocated(operator%omega)) section%spin = operator%omega%hi**2
+    section%in_plane = operator%in_plane
+  end function section_of
+
+  elemental subroutine local_wave(section, beta_squared, tension, p, slope)
+    !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
+    type(wave_section), intent(in) :: section
     real(dp), intent(in) :: beta_squared, tension
     real(dp), intent(out) :: p, slope
-    type(shear_numbers) :: shear
-    real(dp) :: turning, lambda, rho, a, b, c, root, y, spin
-    if (allocated(operator%shear)) shear = operator%shear
-    spin = 0.0_dp
-    if (allocated(operator%omega)) spin = operator%omega%hi**2
-    lambda = beta_squared + merge(spin, 0.0_dp, operator%in_plane)
-    rho = shear%rotary*(beta_squared + merge(0.0_dp, spin, operator%in_plane))
-    turning = 1.0_dp - shear%compliance*rho
-    a = 1.0_dp + shear%compliance*tension
-    b = tension*turning - shear%compliance*lambda - rho
-    c = lambda*turning
+    real(dp) :: turning, lambda, rho, a, b, c, root, y, stiff, soft
+    stiff = section%compliance*section%stiffness
+    soft = stiff*section%mass
+    lambda = beta_squared + merge(section%spin, 0.0_dp, section%in_plane)
+    rho = section%rotary*(beta_squared + merge(0.0_dp, section%spin, section%in_plane))
+    turning = 1.0_dp - section%compliance*rho
+    a = section%stiffness + stiff*tension
+    b = tension*turning - soft*lambda - rho
+    c = section%mass*lambda*turning
     root = sqrt(max(0.0_dp, b**2 + 4.0_dp*a*c))
     if (b > 0.0_dp) then
       y = 2.0_dp*c/(b + root)
@@ -83,8 +101,8 @@ contains
     p = sqrt(y)
     slope = 0.0_dp
     if (root <= 0.0_dp) return                ! λ = 0: no wave runs, and β² < 0 asks for no velocity
-    slope = turning - shear%compliance*shear%rotary*lambda &
-      + y*(shear%compliance + shear%rotary*(1.0_dp + shear%compliance*tension))
+    slope = section%mass*(turning - section%compliance*section%rotary*lambda) &
+      + y*(soft + section%rotary*(1.0_dp + section%compliance*tension))
     slope = slope/root/(2.0_dp*p)
   end subroutine local_wave
 

@@ -10,7 +10,7 @@ module bw_strain_modes
   use bw_strain_system, only: build_system, strain_system
   implicit none (type, external)
   private
-  public :: solve_strain_modes, solve_with
+  public :: solve_strain_modes, solve_with, solve_system
 
   real(dp), parameter :: negligible = 1.0e-11_dp   !! last coefficients of a resolved mode, of a norm of 1
   integer, parameter :: watched = 4                !! how many of the last: neighbours may vanish by parity
@@ -66,8 +66,16 @@ contains
     integer, intent(in) :: functions               !! ≥ `count` and 3
     type(strain_modes), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor
-    integer :: info
     call build_system(operator, functions, modes%system)
+    call solve_system(count, modes, monitor)
+  end subroutine solve_with
+
+  subroutine solve_system(count, modes, monitor)
+    !! Find modes of a system that is built; `resolved` says no more than that LAPACK had no trouble.
+    integer, intent(in) :: count                   !! ≤ unknowns
+    type(strain_modes), intent(inout) :: modes     !! of which there is a system
+    class(monitor_type), intent(inout), optional :: monitor
+    integer :: info
     associate (s => modes%system%stiffness, b => modes%system%mass_root)
       call dpotrf('L', size(s, 1), s, size(s, 1), info)
       if (info == 0) call divide_by_factor(s, b, monitor)
@@ -79,7 +87,7 @@ contains
     if (modes%resolved) modes%resolved = all(modes%period > 0.0_dp)
     if (modes%resolved) call find_strains(modes)
     deallocate (modes%system%stiffness, modes%system%mass_root)
-  end subroutine solve_with
+  end subroutine solve_system
 
   subroutine find_strains(modes)
     !! Find the unknowns x = L⁻ᵀ(right singular vector)/value, and from them the strains.

@@ -9,7 +9,7 @@ module bw_scene_reader
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_files, only: cannot_be_read, path_state
   use bw_kinds, only: i1, i8
-  use bw_scene, only: is_built_up, scene_type
+  use bw_scene, only: scene_type
   use bw_scene_cases, only: check_corners, complete
   use bw_scene_checks, only: check_groups
   use bw_scene_fill, only: fill_groups
@@ -42,16 +42,6 @@ contains
     if (.not. allocated(error)) call read_scene_text(text, path, scene, error)
   end subroutine read_scene
 
-  pure subroutine refuse_unfinished(scene, error)
-    !! What a scene can say and no case follows yet.
-    !! **Errors**: `status_bad_input`.
-    type(scene_type), intent(in) :: scene
-    type(error_type), allocatable, intent(inout) :: error
-    if (.not. (is_built_up(scene) .and. allocated(scene%stiffening))) return
-    call fail(error, status_bad_input, scene%file//': &stiffening: its tension is that of a uniform beam with a clamped root, '// &
-              'struck at its tip; accepted: such a beam, or the scene without &stiffening')
-  end subroutine refuse_unfinished
-
   pure subroutine read_scene_text(text, path, scene, error)
     !! The same for a text; `path` names it in messages.
     character(*), intent(in) :: text
@@ -74,7 +64,6 @@ contains
     end if
     if (messages%count == 0) call check_corners(scene, messages)
     if (messages%count > 0) call fail(error, status_bad_input, messages%text())
-    if (.not. allocated(error)) call refuse_unfinished(scene, error)
   end subroutine read_scene_text
 
   pure function stem(path) result(name)

@@ -1,0 +1,301 @@
+module bw_tension_modes
+  !! Modes of a beam of pieces with tension, in as many functions as they need.
+  !!
+  !! As in bw_galerkin β² comes from singular values, and again from Rayleigh's quotient, which says it where the shift would leave
+  !! a small difference; where the two do not agree the modes are not resolved.
+  use bw_double_double, only: dd, to_dd, operator(*), operator(-), operator(/)
+  use bw_kinds, only: dp
+  use bw_lapack, only: dsygv
+  use bw_local_waves, only: gauss_rule, local_wave, wave_section
+  use bw_missing, only: missing
+  use bw_monitor, only: monitor_type, stops
+  use bw_piece_strains, only: columns_of, motions_of, piece_motions, strain_layout
+  use bw_strain_basis, only: times_quadratic
+  use bw_strain_modes, only: solve_system, strain_modes
+  use bw_tension_set, only: tension_set
+  use bw_tension_system, only: build_tension_system, tension_beam, tension_matrices
+  implicit none (type, external)
+  private
+  public :: tension_modes, modes_with, critical_speed_of_pieces
+
+  integer, parameter :: most_functions = 2000      !! of all pieces together
+  integer, parameter :: watched = 4                !! of the last coefficients: neighbours may vanish by parity
+  real(dp), parameter :: negligible = 1.0e-11_dp   !! last coefficients of a resolved mode, of a norm of 1
+
+contains
+
+  subroutine tension_modes(given, count, struck, set, monitor)
+    !! Find the first `count` modes; not `resolved`, with arrays in which nothing moves, where there are none to be had.
+    type(tension_beam), intent(in) :: given
+    integer, intent(in) :: count                   !! ≥ 1
+    integer, intent(in) :: struck                  !! the joint at which the mass strikes
+    type(tension_set), intent(out) :: set
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
+    integer :: functions(size(given%beam%piece))
+    logical :: enough
+    functions = first_guess(given, count)
+    do
+      call modes_with(given, count, functions, struck, set, enough, monitor)
+      if (stops(monitor) .or. .not. set%resolved .or. enough) exit
+      functions = functions + functions/2
+      set%resolved = sum(functions) <= most_functions
+      if (.not. set%resolved) exit
+    end do
+    if (stops(monitor)) set%resolved = .false.
+    if (.not. set%resolved) call leave_empty(given, count, set)
+    set%beam = given%beam
+    set%critical_speed = critical_speed_of_pieces(given)
+  end subroutine tension_modes
+
+  pure function first_guess(given, count) result(functions)
+    !! Half a wave needs π/2 polynomials, and waves share among the pieces as they do in the beam; the ends of each need more,
+    !! and layers where tension leaves bending to them, 4/√δ of them, δ = √(B(1 + sT)/T).
+    type(tension_beam), intent(in) :: given
+    integer, intent(in) :: count
+    integer :: functions(size(given%beam%piece))
+    real(dp) :: waves(size(functions)), pull
+    integer, parameter :: ends = 20                ! tuned, as the factors are
+    integer :: i
+    associate (piece => given%beam%piece)
+      waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
+      functions = ends + ceiling(1.75_dp*count*waves/sum(waves))
+      do i = 1, size(functions)
+        pull = given%beam%spin_squared%hi*given%tension(1, i)
+        pull = pull/(piece(i)%stiffness%hi*(1.0_dp + piece(i)%compliance%hi*pull))
+        functions(i) = max(functions(i), ceiling(2.5_dp*sqrt(sqrt(pull)*piece(i)%length%hi)))
+      end do
+    end associate
+  end function first_guess
+
+  subroutine modes_with(given, count, functions, struck, set, enough, monitor)
+    !! Find modes in given numbers of functions.
+    type(tension_beam), intent(in) :: given
+    integer, intent(in) :: count
+    integer, intent(in) :: functions(:)            !! of each strain in a piece, (n)
+    integer, intent(in) :: struck
+    type(tension_set), intent(out) :: set
+    logical, intent(out) :: enough                 !! the functions were
+    class(monitor_type), intent(inout), optional :: monitor
+    type(strain_layout) :: layout
+    type(strain_modes) :: modes
+    enough = .false.
+    set%count = count
+    call build_tension_system(given, functions, layout, modes%system)
+    set%resolved = count <= layout%unknowns
+    if (.not. set%resolved) return
+    call solve_system(count, modes, monitor)
+    set%resolved = modes%resolved
+    if (.not. set%resolved) return
+    set%beam = given%beam
+    call find_motions(given, layout, modes, set)
+    call find_squares(given, modes, set)
+    enough = all(last_coefficients(set) < negligible)
+    call normalise(struck, set)
+    call find_waves(given, set)
+  end subroutine modes_with
+
+  pure subroutine find_motions(given, layout, modes, set)
+    !! What the pieces and the joints do in modes of mass 1. Deflections are those of the left singular vectors: they have
+    !! digits where strains have lost them.
+    type(tension_beam), intent(in) :: given
+    type(strain_layout), intent(in) :: layout
+    type(strain_modes), intent(in) :: modes
+    type(tension_set), intent(inout) :: set
+    real(dp), allocatable :: values(:, :)
+    integer, allocatable :: column(:)
+    integer :: i, j, n, row
+    n = size(given%beam%piece)
+    allocate (set%piece(n), set%deflection(0:n, set%count), set%turning(0:n, set%count))
+    set%deflection = joint_values(1)
+    set%turning = joint_values(2)
+    row = 0
+    do i = 1, n
+      column = columns_of(layout, i)
+      allocate (values(size(column), set%count))
+      do j = 1, size(column)
+        values(j, :) = value_of(column(j))
+      end do
+      associate (piece => given%beam%piece(i), f => layout%functions(i))
+        set%piece(i) = motions_of(piece, f, layout%shear, values)
+        set%piece(i)%deflection = modes%motion(row + 1:row + f + 2, :)/sqrt(piece%mass%hi*piece%length%hi)
+        row = row + f + 2
+        if (piece%rotary%hi > 0.0_dp) row = row + f + 1
+      end associate
+      deallocate (values)
+    end do
+  contains
+    pure function value_of(unknown) result(value)
+      integer, intent(in) :: unknown               !! 0: held
+      real(dp) :: value(size(modes%period))
+      value = 0.0_dp
+      if (unknown > 0) value = modes%strain(unknown, :)
+    end function value_of
+    pure function joint_values(which) result(joint)
+      integer, intent(in) :: which
+      real(dp) :: joint(0:size(given%beam%piece), size(modes%period))
+      integer :: i
+      do i = 0, ubound(joint, 1)
+        joint(i, :) = value_of(layout%joint(which, i))
+      end do
+    end function joint_values
+  end subroutine find_motions
+
+  pure subroutine find_squares(given, modes, set)
+    !! β², of modes of mass 1.
+    type(tension_beam), intent(in) :: given
+    type(strain_modes), intent(in) :: modes
+    type(tension_set), intent(inout) :: set
+    real(dp), parameter :: agreement = 1.0e-8_dp
+    real(dp) :: quotient(set%count), scale(set%count)
+    type(dd) :: elastic(set%count), p
+    integer :: k
+    allocate (set%beta_squared(set%count), set%rotation(set%count), set%modal_mass(set%count))
+    set%modal_mass = 1.0_dp
+    do k = 1, set%count
+      p = to_dd(modes%period(k))
+      set%beta_squared(k) = to_dd(1.0_dp)/(p*p) - modes%system%shift
+    end do
+    set%rotation = huge(1.0_dp)                    ! asks for strains alone
+    elastic = set%elastic()
+    set%rotation = [(rotation_term(given, set, k), k=1, set%count)]
+    quotient = elastic%hi + set%rotation
+    scale = abs(set%beta_squared%hi) + modes%system%shift%hi
+    set%resolved = all(abs(quotient - set%beta_squared%hi) <= agreement*scale)
+    where (abs(set%beta_squared%hi) < 0.5_dp*modes%system%shift%hi) set%beta_squared = to_dd(quotient)
+  end subroutine find_squares
+
+  pure real(dp) function rotation_term(given, set, k) result(term)
+    !! Work against the tension, less Ω² times what of the mass the centrifugal force acts on.
+    type(tension_beam), intent(in) :: given
+    type(tension_set), intent(in) :: set
+    integer, intent(in) :: k
+    integer :: i
+    term = 0.0_dp
+    do i = 1, size(set%piece)
+      associate (piece => given%beam%piece(i), joint => given%beam%joint(i), slope => set%piece(i)%slope(:, k))
+        term = term + piece%length%hi*dot_product(slope, times_quadratic(given%tension(:, i), slope))
+        if (given%beam%in_plane) then
+          term = term - piece%mass%hi*piece%length%hi*sum(set%piece(i)%deflection(:, k)**2) &
+            - joint%mass%hi*set%deflection(i, k)**2
+        else
+          term = term - piece%rotary%hi*piece%length%hi*sum(set%piece(i)%turning(:, k)**2)
+        end if
+      end associate
+    end do
+    term = given%beam%spin_squared%hi*term
+  end function rotation_term
+
+  pure function last_coefficients(set) result(largest)
+    !! The largest of the last coefficients of √(mL) v, and of √(ρIL) ψ, in any piece, (modes).
+    type(tension_set), intent(in) :: set
+    real(dp) :: largest(set%count)
+    integer :: i, n
+    largest = 0.0_dp
+    do i = 1, size(set%piece)
+      associate (piece => set%beam%piece(i), v => set%piece(i)%deflection, psi => set%piece(i)%turning)
+        n = size(v, 1)
+        largest = max(largest, sqrt(piece%mass%hi*piece%length%hi)*maxval(abs(v(n - watched + 1:, :)), dim=1))
+        largest = max(largest, sqrt(piece%rotary%hi*piece%length%hi)*maxval(abs(psi(n - watched:, :)), dim=1))
+      end associate
+    end do
+  end function last_coefficients
+
+  pure subroutine normalise(struck, set)
+    !! Scale modes from mass 1 to ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+    integer, intent(in) :: struck
+    type(tension_set), intent(inout) :: set
+    real(dp) :: scale
+    integer :: i, k
+    do k = 1, set%count
+      scale = 0.0_dp
+      do i = 1, size(set%piece)
+        scale = scale + set%beam%piece(i)%length%hi*sum(set%piece(i)%deflection(:, k)**2)
+      end do
+      scale = 1.0_dp/sqrt(scale)
+      set%modal_mass(k) = scale**2
+      if (mod(k, 2) == 0 .neqv. set%deflection(size(set%piece), k) > 0.0_dp) scale = -scale
+      set%deflection(:, k) = scale*set%deflection(:, k)
+      set%turning(:, k) = scale*set%turning(:, k)
+      do i = 1, size(set%piece)
+        associate (piece => set%piece(i))
+          piece%strain(:, k) = scale*piece%strain(:, k)
+          piece%turning(:, k) = scale*piece%turning(:, k)
+          piece%slope(:, k) = scale*piece%slope(:, k)
+          piece%deflection(:, k) = scale*piece%deflection(:, k)
+        end associate
+      end do
+    end do
+    set%struck_joint = struck
+    set%struck = set%deflection(struck, :)
+  end subroutine normalise
+
+  subroutine find_waves(given, set)
+    !! Mean wave numbers over the beam, and the velocities that follow from them.
+    type(tension_beam), intent(in) :: given
+    type(tension_set), intent(inout) :: set
+    integer, parameter :: nodes = 200              ! as in bw_local_waves
+    real(dp), allocatable :: z(:), weight(:), tension(:), p(:), rise(:)
+    real(dp) :: slope
+    integer :: i, k
+    call gauss_rule(nodes, z, weight)
+    weight = 2.0_dp*z*weight                       ! 1 − x = z²: T may vanish at the tip
+    allocate (set%alpha(set%count), source=0.0_dp)
+    allocate (set%phase_velocity(set%count), set%group_velocity(set%count), source=missing)
+    allocate (p(nodes), rise(nodes))
+    do k = 1, set%count
+      slope = 0.0_dp
+      associate (square => set%beta_squared(k)%hi)
+        do i = 1, size(set%piece)
+          associate (t => given%tension(:, i), piece => given%beam%piece(i))
+            tension = given%beam%spin_squared%hi*(t(1) + (1.0_dp - z**2)*(t(2) + (1.0_dp - z**2)*t(3)))
+            call local_wave(wave_section(piece%stiffness%hi, piece%mass%hi, piece%compliance%hi, piece%rotary%hi, &
+                                         given%beam%spin_squared%hi, given%beam%in_plane), square, tension, p, rise)
+            set%alpha(k) = set%alpha(k) + piece%length%hi*sum(weight*p)
+            slope = slope + piece%length%hi*sum(weight*rise)
+          end associate
+        end do
+        if (square >= 0.0_dp .and. set%alpha(k) > 0.0_dp) set%phase_velocity(k) = sqrt(square)/set%alpha(k)
+        if (square > 0.0_dp .and. slope > 0.0_dp) set%group_velocity(k) = 0.5_dp/(sqrt(square)*slope)
+      end associate
+    end do
+  end subroutine find_waves
+
+  pure subroutine leave_empty(given, count, set)
+    !! Make a set whose modes could not be found: arrays of the right lengths, in which nothing moves.
+    type(tension_beam), intent(in) :: given
+    integer, intent(in) :: count
+    type(tension_set), intent(out) :: set
+    integer :: i, n
+    n = size(given%beam%piece)
+    set%count = count
+    set%resolved = .false.
+    allocate (set%alpha(count), set%phase_velocity(count), set%group_velocity(count), source=missing)
+    allocate (set%modal_mass(count), source=1.0_dp)
+    allocate (set%struck(count), set%rotation(count), set%deflection(0:n, count), set%turning(0:n, count), source=0.0_dp)
+    set%beta_squared = spread(dd(), 1, count)
+    allocate (set%piece(n))
+    do i = 1, n
+      associate (piece => set%piece(i))
+        allocate (piece%strain(3, count), piece%turning(4, count), piece%slope(4, count), piece%deflection(5, count), source=0.0_dp)
+      end associate
+    end do
+  end subroutine leave_empty
+
+  type(dd) function critical_speed_of_pieces(given) result(omega)
+    !! The lowest Ω at which a mode is unstable, 0 where there is none: there Kx = Ω²Gx, G being what Ω² takes from the
+    !! stiffness; both are linear in Ω². A beam that floats or turns freely has none here.
+    type(tension_beam), intent(in) :: given
+    integer, parameter :: functions = 40           ! of the lowest mode, whatever the tension
+    real(dp), allocatable :: stiffness(:, :), push(:, :), value(:), work(:)
+    integer :: i, info
+    call tension_matrices(given, [(functions, i=1, size(given%beam%piece))], stiffness, push)
+    associate (n => size(push, 1))
+      allocate (value(n), work(64*n))
+      call dsygv(1, 'N', 'L', n, push, n, stiffness, n, value, work, size(work), info)
+      omega = dd()
+      if (info /= 0) return
+      if (value(n) > epsilon(1.0_dp)) omega = to_dd(1.0_dp/sqrt(value(n)))
+    end associate
+  end function critical_speed_of_pieces
+
+end module bw_tension_modes
