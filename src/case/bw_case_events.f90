@@ -5,7 +5,8 @@ module bw_case_events
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
   use bw_case_plan, only: force_of
-  use bw_case_result, only: case_diverged, case_events, case_ill_conditioned, case_modes, case_motion
+  use bw_case_result, only: case_diverged, case_events, case_ill_conditioned, case_modes, case_motion, &
+                            case_not_converged
   use bw_double_double, only: dd, operator(*)
   use bw_initial_state, only: continuum_initial_state, continuum_state, find_initial_state, initial_state, initial_state_cache
   use bw_kinds, only: dp, qp
@@ -144,6 +145,8 @@ contains
     later%known_until = contacts%known_until
     if (contacts%out_of_range) then
       later%ending = case_diverged
+    else if (contacts%cut) then
+      later%ending = case_not_converged
     else if (contacts%known_until < huge(1.0_dp)) then
       later%ending = case_ill_conditioned
     end if

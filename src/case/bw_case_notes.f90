@@ -153,8 +153,9 @@ contains
     type(beam_units), intent(in) :: units
     type(contacts_type), intent(in) :: contacts
     type(case_events), intent(inout) :: later
-    if (contacts%cut) call append(later%notes, 'recontact: more than the '//text_of(scene%recontact%max_contacts)// &
-      ' contacts of max_contacts; what comes after the last is the motion without another')
+    if (contacts%cut) call append(later%notes, 'contacts used up: max_contacts is '//text_of(scene%recontact%max_contacts)// &
+      ', and the mass strikes once more at t = '//known_until()//' s: the histories hold fill from there on. '// &
+      'Give a larger max_contacts, or a duration that ends there')
     if (contacts%lasting) call remark(later%notes, &
       'recontact: the last contact has not ended at the end of the record')
     if (contacts%out_of_range) call append(later%notes, &
@@ -173,9 +174,13 @@ contains
     pure function from_then_on() result(text)
       !! From when on nothing is known.
       character(:), allocatable :: text
-      text = ' from t = '//shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)// &
-        ' s on: the histories hold fill from there, and no later contact is given'
+      text = ' from t = '//known_until()//' s on: the histories hold fill from there, and no later contact is given'
     end function from_then_on
+    pure function known_until() result(seconds)
+      !! That time.
+      character(:), allocatable :: seconds
+      seconds = shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)
+    end function known_until
   end subroutine note_contacts
 
   pure function why_untrusted(notes) result(reason)
@@ -183,7 +188,7 @@ contains
     type(string), intent(in) :: notes(:)
     character(:), allocatable :: reason
     character(*), parameter :: kinds(*) = &
-      [character(15) :: 'not converged', 'tolerance', 'overflow', 'ill-conditioned', 'recontact']
+      [character(16) :: 'not converged', 'tolerance', 'overflow', 'ill-conditioned', 'recontact', 'contacts used up']
     integer :: i, k
     do k = 1, size(kinds)
       do i = 1, size(notes)

@@ -1,5 +1,5 @@
 module bw_contact_segments
-  !! Segments of the motion of beam and mass: free flight to the next contact, or past all of them, and contact that lasts, in
+  !! Segments of the motion of beam and mass: free flight to the next contact, and contact that lasts, in
   !! which both move together in the modes of bw_contact_modes until the force between them falls to zero. Units of bw_segment.
   use bw_contact_modes, only: contact_set
   use bw_contact_motion, only: contact_motion
@@ -12,7 +12,7 @@ module bw_contact_segments
   use bw_segment, only: beam_in_contact, free_beam, segment_type
   implicit none (type, external)
   private
-  public :: pass_contacts, follow_flight, follow_contact, judge_rebound
+  public :: follow_flight, follow_contact, judge_rebound
 
   real(dp), parameter :: unseen = 1.0e-12_dp      !! of V times the record: rebounds that stay below it are left out
   real(dp), parameter, public :: slow = 1.0e-9_dp !! of V: a separation below it is none
@@ -36,18 +36,6 @@ contains
     call finish(motion, from, segment, sway)
     if (outcome == certain) call motion%near%meet(motion%parts, motion%gap, motion%state)
   end subroutine follow_flight
-
-  subroutine pass_contacts(motion, longest, segment, sway)
-    !! To the end, whatever is in the way.
-    type(contact_motion), intent(inout) :: motion
-    real(dp), intent(in) :: longest               !! time from now to the end
-    type(segment_type), intent(out) :: segment
-    real(dp), intent(out) :: sway                 !! as that of `follow_flight`
-    type(moving_state) :: from
-    from = motion%state
-    call motion%parts%move(real(longest, qp), motion%state)
-    call finish(motion, from, segment, sway)
-  end subroutine pass_contacts
 
   subroutine finish(motion, from, segment, sway)
     !! What there is to say of a flight whose end the state has reached.

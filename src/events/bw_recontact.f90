@@ -5,12 +5,13 @@ module bw_recontact
   !!
   !! Contacts amplify errors, as a mass that bounces off a moving body does: twofold and more each. The motion is therefore
   !! followed in binary128, together with what its errors become (bw_perturbations), and no further than something is known
-  !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip.
+  !! of it: until the tip's displacement has fewer than three digits, or until it is open whether the mass touches the tip. Nor is
+  !! it followed into a contact beyond the number that is asked for.
   !!
   !! The gap is v_tip − y ≥ 0. Units of bw_segment: times in l²/h, velocities in V, displacements in V l²/h.
   use bw_contact_modes, only: contact_set, find_contact_modes
   use bw_contact_motion, only: contact_motion, motion_of
-  use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, pass_contacts, slow, stays, undecided
+  use bw_contact_segments, only: follow_contact, follow_flight, judge_rebound, leaves, slow, stays, undecided
   use bw_event, only: contact_event, event_type
   use bw_kinds, only: dp, qp
   use bw_missing, only: rounded
@@ -30,7 +31,7 @@ module bw_recontact
     type(contact_set), allocatable :: modes          !! unallocated where no contact lasted
     real(dp) :: known_until = huge(1.0_dp)        !! from then on nothing is known
     logical :: out_of_range = .false.             !! since the motion grows out of the range of numbers then
-    logical :: cut = .false.                      !! more contacts came than were asked for
+    logical :: cut = .false.                      !! since a contact more than were asked for begins then
     logical :: lasting = .false.                  !! the last contact had not ended when the record did
     real(dp) :: amplification = 1.0_dp            !! by the contacts, of a relative change of what the motion follows from
     real(dp), private :: sway = 0.0_dp            !! the largest the tip's displacement may have been
@@ -74,7 +75,7 @@ contains
         opening = 3                               ! for the force between beam and mass, the second, has gone to zero
       end if
       call add_flight(free%struck, motion, opening, last, most, contacts, outcome, monitor)
-      if (outcome /= certain) exit
+      if (outcome /= certain .or. contacts%cut) exit
       event = started_event(motion)
       call motion%strike(event%impulse)
       verdict = judge_rebound(motion, longest)
@@ -124,7 +125,7 @@ contains
   end subroutine add_contact
 
   subroutine add_flight(tip, motion, opening, last, most, contacts, outcome, monitor)
-    !! A free flight: a segment more, or `known_until` where nothing is known of it.
+    !! A free flight: a segment more, and `known_until` where nothing is known of it or of what follows.
     real(dp), intent(in) :: tip(:)                !! Φ_k(1) of the beam alone, (modes)
     type(contact_motion), intent(inout) :: motion
     integer, intent(in) :: opening                !! the first derivative of the gap that is not zero
@@ -133,26 +134,19 @@ contains
     type(contacts_type), intent(inout) :: contacts
     integer, intent(out) :: outcome               !! certain where a contact ends it
     class(monitor_type), intent(inout), optional :: monitor
-    type(contact_motion) :: before
     type(segment_type) :: segment
     real(dp) :: sway
-    logical :: is_last, worthless
-    is_last = size(contacts%events) == most
-    if (is_last) before = motion
+    logical :: worthless
     call follow_flight(motion, opening, real(last - motion%state%time, dp), outcome, segment, sway, monitor)
-    contacts%cut = is_last .and. outcome /= never
-    if (contacts%cut) then
-      motion = before
-      call pass_contacts(motion, real(last - motion%state%time, dp), segment, sway)
-      outcome = never
-    end if
     call judge(tip, segment, sway, contacts, worthless)
     if (worthless) then
       outcome = in_doubt
       contacts%known_until = segment%start%hi - segment%start_error
       return
     end if
+    contacts%cut = outcome == certain .and. size(contacts%events) == most
     if (outcome == in_doubt) contacts%known_until = real(motion%state%time, dp)
+    if (contacts%cut) contacts%known_until = real(motion%state%time, dp) - error_from(motion%near%lag)
     call add_segment(segment, contacts%segments)
   end subroutine add_flight
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # version_stamp_follows_git.sh SOURCE CMAKE: the commit in the version module is that of the checkout,
-# with `+` for uncommitted changes and `unknown` outside a repository, and an unchanged stamp is not touched.
+# with `+` for changes of its files and for new sources, whatever else lies in it, and `unknown` outside a repository; an
+# unchanged stamp is not touched.
 set -eu
 
 source=$1 cmake=$2
@@ -41,6 +42,17 @@ expect "$commit"
 echo two > checkout/file
 expect "$commit+"
 in_checkout checkout file
+echo '&beam /' > checkout/scene.nml
+mkdir checkout/output
+echo 1 > checkout/output/scene.nc
+expect "$commit"
+mkdir -p checkout/src/new
+for source_file in src/new/module.f90 CMakeLists.txt; do
+  echo 1 > "checkout/$source_file"
+  expect "$commit+"
+  rm "checkout/$source_file"
+  expect "$commit"
+done
 mkdir checkout/unpacked
 expect unknown "$scratch/checkout/unpacked"
 if [ "$(id -u)" -eq 0 ]; then

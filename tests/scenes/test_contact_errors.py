@@ -18,7 +18,8 @@ from workplace import PAPER_BEAM
 
 TABLES = Path(os.environ.get("BEAMWAVE_CONTACT_RUNS", PROJECT / "tests/reference"))
 SAMPLES, POINTS = 2000, [0.5, 1.0]
-ILL_CONDITIONED = 3
+NOT_CONVERGED, ILL_CONDITIONED = 2, 3
+MOST = 100  # contacts that the tables have of a scene, and max_contacts by default
 
 
 def rows(name, folder=TABLES):
@@ -124,7 +125,7 @@ def test_estimates_are_not_far_above_the_errors(runs):
 
 
 def test_what_is_not_known_is_fill_and_said(runs):
-    """All contacts are there, or the case is ill-conditioned and every number from some time on is fill."""
+    """All contacts are there, or the case is ill-conditioned or has used them up, and every number from some time on is fill."""
     for run in runs:
         known, result = run.known_contacts(), run.result
         assert results.is_fill(result["event_time"][1 + known :]).all()
@@ -133,6 +134,12 @@ def test_what_is_not_known_is_fill_and_said(runs):
         assert ended == ("nothing is known" in result.attributes.get("notes", ""))
         samples = run.known_samples()
         assert results.is_fill(result["displacement"][:, samples:]).all()
+        used_up = result["case_status"] == NOT_CONVERGED
+        assert used_up == ("contacts used up" in result.attributes.get("notes", ""))
+        if used_up:
+            assert known == len(run.contacts) == int(run.inputs["max_contacts"])
+            assert samples > float(run.contacts[-1]["end"]) * SAMPLES / float(run.inputs["duration"])
+            continue
         if not ended:
             assert (known, samples) == (len(run.contacts), SAMPLES)
             continue
@@ -173,7 +180,7 @@ def test_with_fewer_digits_of_the_modes_there_is_less_that_is_known(here, inputs
         "response": {"duration": 2.0, "samples": 10},
     }
     here.scene("a", scene)
-    result = here.run("a")
+    result = here.run("a", status=4 if len(contacts) == MOST else 0)
     known = (result["event_kind"] == 4).sum()
     assert known == len(contacts)
     for name, column in [("event_time", "start"), ("event_end", "end")]:

@@ -89,10 +89,11 @@ def test_a_sweep_over_any_name_is_its_cases(shared):
         for case, value in enumerate(values):
             here.write(f"all/n{number}_{case}.nml", namelist(with_value(scene, name, value)))
     ended = here.beamwave("run", "all")
-    assert ended.returncode == 0, ended.stderr
+    assert ended.returncode == 4, ended.stderr  # for contacts beyond max_contacts
     for number, (name, (_, values)) in enumerate(SCENES.items()):
         swept = here.result(f"n{number}")
         assert swept[coordinate_of(name)].tolist() == values
+        assert (swept["case_status"] == (2 if name == "recontact%max_contacts" else 0)).all(), name
         for case in range(len(values)):
             alone = here.result(f"n{number}_{case}")
             for variable, (_, numbers, _) in alone.variables.items():

@@ -9,14 +9,15 @@ module bw_recontact_par
   public :: build_recontact, check_recontact
 
   type, public :: recontact_par
-    integer :: max_contacts = 100       !! contacts after the first impact that are followed
+    integer :: max_contacts = 100       !! contacts after the first impact that are followed, and the motion up to one more
   end type recontact_par
 
   type(input_group), parameter, public :: recontact_group = input_group( &
     'recontact', needs='impact response', is_effect=.true., absent='a rebounded mass never returns', &
     rules='It excludes `&capture`. After the rebound the mass slides without friction in a straight guide that '// &
     'turns with the hub, and can meet the tip again. Contacts that follow each other ever faster are taken for one '// &
-    'that lasts until the mass is no longer pressed against the tip.')
+    'that lasts until the mass is no longer pressed against the tip. Where there are more than `max_contacts`, the '// &
+    'histories are missing from the next one on.')
 
   type(input_name), parameter, public :: recontact_names(*) = [ &
     input_name('recontact', 'max_contacts', integer_input, '1', number_range(1.0_dp, 1e6_dp), '100', swept=.true., &
