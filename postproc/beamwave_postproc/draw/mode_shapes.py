@@ -10,6 +10,7 @@ from ..parts.curves import panels_of
 from ..parts.labels import axis_label
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
+from ..parts.units import with_unit
 from ..result import require
 from ..style import GREY, styled
 
@@ -64,5 +65,5 @@ def _frequency(case: xr.Dataset, row: int, curves: int) -> str:
         return ""
     beta = float(case["angular_frequency"][row])
     if np.isfinite(beta):
-        return f"\n{beta / (2.0 * np.pi):.4g} Hz"
+        return f"\n{with_unit(beta / (2.0 * np.pi), 'Hz')}"
     return "\ngrows" if float(case.get("growth_rate", xr.zeros_like(case["angular_frequency"]))[row]) > 0.0 else ""
