@@ -21,13 +21,14 @@ from .film.motion import motion
 from .kinds import KINDS, pictures
 from .page.html import page_of
 from .result import NotAResult, NothingToDraw, open_result, swept_inputs, to_grid
-from .run import RunFailed, Untrusted, run
+from .run import ProgramWarning, RunFailed, Untrusted, run
 from .stress import strain, stress
 
 __all__ = [
     "KINDS",
     "NotAResult",
     "NothingToDraw",
+    "ProgramWarning",
     "RunFailed",
     "Untrusted",
     "bending_moment",

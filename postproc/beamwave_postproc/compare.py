@@ -11,15 +11,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from .parts.labels import axis_label
+from .draw.jump import draw_jump
+from .parts.curves import Curve
+from .parts.labels import axis_label, in_units
 from .parts.moving import folding_note
 from .parts.pairs import Pair, common_points, head_of_both, names_of, pairs_of
-from .parts.points import FEW, point_label
-from .parts.select import chosen, spread
-from .parts.sheet import Sheet, sheet_for
+from .parts.points import FEW, common_prefixes, point_label, rests
+from .parts.select import chosen, left_out, spread
+from .parts.sheet import sheet_for
 from .parts.units import si_prefix, units_of
 from .result import NothingToDraw, require
-from .style import COLOURS, logarithmic, styled
+from .style import COLOURS, logarithmic, say_zero, styled
 
 DEPTH = 1e-9  # of the highest line of a spectrum, that is shown
 CHANGES = {
@@ -55,10 +57,10 @@ def frequencies(first: xr.Dataset, second: xr.Dataset) -> Figure:
     names = names_of(first, second)
     values = []
     for number, pair in enumerate(pairs):
-        for ds, look, name in zip(pair[1:], _looks(number, len(pairs)), names):
+        for ds, look, label in zip(pair.both, _looks(number, len(pairs)), _labels(pair, names)):
             frequency = ds["angular_frequency"].values / (2.0 * np.pi)
             values.append(frequency[frequency > 0.0])
-            left.plot(ds["mode"], frequency, label=_label(pair, name), **{**look, "linestyle": ""})
+            left.plot(ds["mode"], frequency, label=label, **{**look, "linestyle": ""})
         _draw_changes(right, pair, number, len(pairs))
     found = np.concatenate(values)
     if not found.size:
@@ -87,24 +89,33 @@ def _draw_changes(axes: Axes, pair: Pair, number: int, pairs: int) -> None:
 
 @styled
 def histories(first: xr.Dataset, second: xr.Dataset, name: str = "displacement") -> Figure:
-    """Histories of both at up to three common points, each above its difference where the times are the same."""
+    """Histories of both at up to three common points, each above its difference where the times are the same.
+
+    Points at which both rest are left out, unless they do so at all.
+    """
     pairs, note = _both(first, second, name, "time", "point_position")
     points = common_points(first, second)
-    shown = [points[i] for i in spread(len(points), FEW)]
+    moving = [xi for xi in points if not all(map(rests, _values(pairs, name, xi)))] or points
+    shown = [moving[i] for i in spread(len(moving), FEW)]
+    prefixes = common_prefixes(
+        [max(float(np.nanmax(np.abs(row), initial=0.0)) for row in _values(pairs, name, xi)) for xi in shown],
+        units_of(first[name]),
+    )
     alike = np.array_equal(first["time"], second["time"])
     rows = 2 * len(shown) if alike else len(shown)
     sheet = sheet_for(None, rows, height=1.9, share="x")
     clock, ticks = si_prefix(np.concatenate([first["time"].values, second["time"].values]), units_of(first["time"]))
     above = sheet.axes[::2] if alike else sheet.axes
-    for axes, xi in zip(above, shown):
-        _draw_histories(axes, pairs, names_of(first, second), name, xi, ticks)
+    for axes, xi, (prefix, factor) in zip(above, shown, prefixes):
+        _draw_histories(axes, pairs, names_of(first, second), name, xi, (ticks, factor))
+        axes.set_ylabel(point_label(chosen(first, points=xi), name, 0, prefix))
     for axes, xi in zip(sheet.axes[1::2] if alike else [], shown):
         _draw_difference(axes, pairs, name, xi, ticks)
     sheet.axes[-1].set_xlabel(axis_label(first["time"], clock))
     sheet.axes[-1].set_xlim(0.0, ticks * max(_end(ds["time"].values) for ds in (first, second)) or 1.0)
     notes = [
         note,
-        f"{len(shown)} of {len(points)} points" if len(shown) < len(points) else "",
+        left_out(len(shown), len(points), "points"),
         "" if alike else "the times differ",
     ]
     return sheet.finish_with(head_of_both(first, second, notes))
@@ -115,37 +126,53 @@ def _end(time: np.ndarray) -> float:
     return float(time[-1] + (time[-1] - time[-2] if time.size > 1 else 0.0))
 
 
-def _draw_histories(axes: Axes, pairs: list[Pair], names: tuple[str, str], name: str, xi: float, ticks: float) -> None:
-    """Both histories of each pair at ξ."""
-    both = [[chosen(ds, points=xi) for ds in pair[1:]] for pair in pairs]
-    prefix, factor = si_prefix(
-        np.concatenate([ds[name].values.ravel() for two in both for ds in two]), units_of(both[0][0][name])
-    )
-    for number, (pair, two) in enumerate(zip(pairs, both)):
-        for ds, look, letter in zip(two, _looks(number, len(pairs)), names):
-            axes.plot(ticks * ds["time"], factor * ds[name][0], label=_label(pair, letter), **{**look, "marker": ""})
-    axes.set_ylabel(point_label(both[0][0], name, 0, prefix))
+def _values(pairs: list[Pair], name: str, xi: float) -> list[np.ndarray]:
+    """All histories of the pairs at ξ."""
+    return [chosen(ds, points=xi)[name][0].values for pair in pairs for ds in pair.both]
+
+
+def _draw_histories(
+    axes: Axes, pairs: list[Pair], names: tuple[str, str], name: str, xi: float, scales: tuple[float, float]
+) -> None:
+    """Both histories of each pair at ξ, times and numbers times `scales`."""
+    for number, pair in enumerate(pairs):
+        for ds, look, label in zip(pair.both, _looks(number, len(pairs)), _labels(pair, names)):
+            history = chosen(ds, points=xi)[name][0]
+            axes.plot(scales[0] * ds["time"], scales[1] * history, label=label, **{**look, "marker": ""})
+    if all(map(rests, _values(pairs, name, xi))):
+        say_zero(axes)
 
 
 def _draw_difference(axes: Axes, pairs: list[Pair], name: str, xi: float, ticks: float) -> None:
     """B less A of each pair at ξ."""
-    both = [[chosen(ds, points=xi)[name][0] for ds in pair[1:]] for pair in pairs]
+    both = [[chosen(ds, points=xi)[name][0] for ds in pair.both] for pair in pairs]
     changes = [b.values - a.values for a, b in both]
     prefix, factor = si_prefix(np.concatenate(changes), units_of(both[0][0]))
     for number, (change, (a, _)) in enumerate(zip(changes, both)):
         axes.plot(
             ticks * a["time"], factor * change, color=COLOURS[number + 1] if len(pairs) > 1 else "0.35", linewidth=0.9
         )
-    axes.set_ylabel(f"B − A ({prefix}{units_of(both[0][0])})\n" + rf"at $\xi$ = {xi:.4g}")
+    if all(map(rests, changes)):
+        say_zero(axes)
+    axes.set_ylabel("B − A\n" + rf"at $\xi$ = {xi:.4g}" + in_units(both[0][0], prefix))
 
 
 @styled
 def jumps(first: xr.Dataset, second: xr.Dataset) -> Figure:
     """The jumps in velocity of both along the beam."""
     pairs, note = _both(first, second, "velocity_jump", "profile_position")
-    sheet = _overlay(first, second, pairs, "velocity_jump", "profile_position")
-    sheet.axes[0].set_xlim(0.0, 1.0)
-    return sheet.finish_with(head_of_both(first, second, [note]))
+    sheet = sheet_for(None)
+    (axes,) = sheet.axes
+    notes = []
+    for number, pair in enumerate(pairs):
+        looks = zip(pair.both, _looks(number, len(pairs)), _labels(pair, names_of(first, second)))
+        for index, (ds, look, label) in enumerate(looks):
+            curve = Curve(2 * number + index, ds, label, look)
+            notes.append(draw_jump(axes, ds["profile_position"].values, curve))
+    if all(rests(ds["velocity_jump"].values) for pair in pairs for ds in pair.both):
+        say_zero(axes)
+    axes.set(xlim=(0.0, 1.0), xlabel=axis_label(first["profile_position"]), ylabel=axis_label(first["velocity_jump"]))
+    return sheet.finish_with(head_of_both(first, second, [note, *dict.fromkeys(notes)]))
 
 
 @styled
@@ -153,28 +180,20 @@ def spectra(first: xr.Dataset, second: xr.Dataset) -> Figure:
     """The amplitude spectra of both at the last common point."""
     pairs, note = _both(first, second, "amplitude", "frequency", "point_position")
     xi = common_points(first, second)[-1]
-    at_point = [Pair(pair.label, *(chosen(ds, points=xi).isel(point=0) for ds in pair[1:])) for pair in pairs]
-    sheet = _overlay(first, second, at_point, "amplitude", "frequency")
-    highest = max(float(ds["amplitude"].max()) for pair in at_point for ds in pair[1:]) or 1.0
-    logarithmic(sheet.axes[0], "y", DEPTH * highest, 5.0 * highest)
-    logarithmic(
-        sheet.axes[0], "x", float(first["frequency"][1]), float(max(ds["frequency"][-1] for ds in (first, second)))
-    )
-    sides = zip(names_of(first, second), (first, second), zip(*(pair[1:] for pair in pairs)))
+    sheet = sheet_for(None)
+    (axes,) = sheet.axes
+    for number, pair in enumerate(pairs):
+        for ds, look, label in zip(pair.both, _looks(number, len(pairs)), _labels(pair, names_of(first, second))):
+            line = chosen(ds, points=xi)["amplitude"][0]
+            axes.plot(ds["frequency"], line, label=label, **{**look, "marker": "", "linewidth": 1.0})
+    axes.set(xlabel=axis_label(first["frequency"]), ylabel=axis_label(first["amplitude"]))
+    highest = max(float(row.max()) for row in _values(pairs, "amplitude", xi)) or 1.0
+    logarithmic(axes, "y", DEPTH * highest, 5.0 * highest)
+    logarithmic(axes, "x", float(first["frequency"][1]), float(max(ds["frequency"][-1] for ds in (first, second))))
+    sides = zip(names_of(first, second), (first, second), zip(*(pair.both for pair in pairs)))
     said = [(name[0], folding_note([case.assign_attrs(ds.attrs) for case in cases])) for name, ds, cases in sides]
     folding = [f"{letter}: {words}" for letter, words in said if words]
     return sheet.finish_with(head_of_both(first, second, [note, rf"at $\xi$ = {xi:.4g}", *folding]))
-
-
-def _overlay(first: xr.Dataset, second: xr.Dataset, pairs: list[Pair], name: str, along: str) -> Sheet:
-    """Variable `name` of both over `along`, on one pair of axes."""
-    sheet = sheet_for(None)
-    axes = sheet.axes[0]
-    for number, pair in enumerate(pairs):
-        for ds, look, letter in zip(pair[1:], _looks(number, len(pairs)), names_of(first, second)):
-            axes.plot(ds[along], ds[name], label=_label(pair, letter), **{**look, "marker": "", "linewidth": 1.0})
-    axes.set(xlabel=axis_label(first[along]), ylabel=axis_label(first[name]))
-    return sheet
 
 
 def _both(first: xr.Dataset, second: xr.Dataset, *names: str) -> tuple[list[Pair], str]:
@@ -200,9 +219,9 @@ def _looks(number: int, pairs: int) -> tuple[dict, dict]:
     )
 
 
-def _label(pair: Pair, name: str) -> str:
-    """Legend text of one result of a pair."""
-    return f"{name}, {pair.label}" if pair.label else name
+def _labels(pair: Pair, names: tuple[str, str]) -> list[str]:
+    """Legend texts of both results of a pair."""
+    return [", ".join(filter(None, both)) for both in zip(names, pair.labels)]
 
 
 COMPARED: dict[str, Callable[[xr.Dataset, xr.Dataset], Figure]] = {

@@ -10,7 +10,7 @@ import xarray as xr
 FORMAT_VERSION = 1
 DIMENSIONS = {
     *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
-    *("rung", "effect", "unknown", "unknown_too"),
+    *("body", "rung", "effect", "unknown", "unknown_too"),
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -31,7 +32,11 @@ class RunFailed(RuntimeError):
         self.status = status
 
 
-class Untrusted(UserWarning):
+class ProgramWarning(UserWarning):
+    """What the program warns of: physics out of range, an error larger than one would expect; `notes` say it too."""
+
+
+class Untrusted(ProgramWarning):
     """The result holds numbers that cannot be trusted; `case_status` and `notes` say which and why."""
 
 
@@ -45,7 +50,8 @@ def run(scene: Scene, output: str | Path | None = None, *, program: str | Path |
     which it runs.
 
     Raises `FileNotFoundError` without a program, and `RunFailed` with the program's messages where it ends without a
-    result; warns of `Untrusted` numbers (exit status 4).
+    result. Each warning of the program becomes a `ProgramWarning`; all together are one of `Untrusted` numbers where
+    some cannot be trusted (exit status 4).
     """
     command = find_program(program)
     with tempfile.TemporaryDirectory(prefix="beamwave-") as scratch:
@@ -61,9 +67,18 @@ def run(scene: Scene, output: str | Path | None = None, *, program: str | Path |
             result = ds.load()
         if output is None:
             result.encoding.pop("source", None)  # a file that is gone
+    said = warnings_in(done.stderr)
     if done.returncode == UNTRUSTED:
-        warnings.warn(done.stderr.strip(), Untrusted, stacklevel=2)
+        warnings.warn("\n".join(said), Untrusted, stacklevel=2)
+    else:
+        for text in said:
+            warnings.warn(text, ProgramWarning, stacklevel=2)
     return result
+
+
+def warnings_in(text: str) -> list[str]:
+    """Each warning of what the program wrote to standard error, without the scene's name before it."""
+    return [part.strip() for part in re.split(r"^.*?: warning: ", text, flags=re.MULTILINE) if part.strip()]
 
 
 def find_program(program: str | Path | None = None) -> str:

@@ -104,4 +104,9 @@ def label_decades(axis: Axis, low: float, high: float) -> None:
 def say_zero(axes: Axes) -> None:
     """Put 0 alone on the y axis of what is nothing but 0: any other number would be invented."""
     axes.set(ylim=(-1.0, 1.0), yticks=[0.0])
-    axes.annotate("zero", (0.5, 0.5), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points", ha="center")
+    write_in_middle(axes, "zero")
+
+
+def write_in_middle(axes: Axes, words: str) -> None:
+    """Write `words` just above the middle of the axes."""
+    axes.annotate(words, (0.5, 0.5), xycoords="axes fraction", xytext=(0, 3), textcoords="offset points", ha="center")

@@ -48,7 +48,7 @@ def test_changes_are_those_of_b_over_a_in_per_cent(two):
 def test_histories_stand_above_their_difference_at_the_points_of_both(two):
     first, second = two
     axes = compare(first, second)["displacement"].axes
-    assert [one.get_ylabel().split("= ")[1] for one in axes] == ["0.5", "0.5", "1", "1"]
+    assert [one.get_ylabel().split("= ")[1].split(" ")[0] for one in axes] == ["0.5", "0.5", "1", "1"]
     a, b = (line.get_ydata() for line in axes[2].lines)
     np.testing.assert_allclose(a, 1e3 * first["displacement"][1], rtol=1e-15)
     np.testing.assert_allclose(b, 1e3 * second["displacement"][2], rtol=1e-15)
@@ -79,7 +79,7 @@ def test_the_head_says_what_differs(two):
     ]
     assert texts[0] == "A: Beam rest; B: Beam turning"
     assert texts[1].startswith("A: beam l = 1 m") and texts[2].startswith("B: ") and "turning.nc" in texts[2]
-    assert "they differ in ω = 0 and 50" in texts[3]
+    assert "they differ in ω = 0 rad/s and 50 rad/s" in texts[3]
     # What is the same stands in the head once.
     assert "beam" not in texts[2] and "rotation ω = 50 rad/s" in texts[2] and texts[2].endswith("else as A")
     without = head_of_both(first.assign_attrs(effects="rotation stiffening impact"), second, []).lines[1]
@@ -93,11 +93,39 @@ def test_the_head_says_what_differs(two):
 def test_sweeps_over_the_same_values_are_compared_case_by_case(paper_results):
     with open_result(paper_results / "fig6.nc") as first, open_result(paper_results / "fig7.nc") as other:
         pairs, note = pairs_of(first, first)
-        assert [pair.label.split("\u00a0")[2] for pair in pairs] == ["0", "50", "100"] and not note
+        assert [pair.labels[0].split("\u00a0")[2] for pair in pairs] == ["0", "50", "100"] and not note
+        assert all(pair.labels[0] == pair.labels[1] for pair in pairs)
         axes = compare(first, first)["displacement"].axes
         assert len(axes[0].lines) == 6 and not any(line.get_ydata().any() for line in axes[1].lines)
         pairs, note = pairs_of(first, other)
         assert len(pairs) == 1 and note == "of A and B the first case"
+        assert "γ = 0.2 and 0.1 to 1" in plain(differences(first, other)).replace("\u00a0", " ")
+
+
+def test_the_case_of_each_sweep_that_is_drawn_is_named_by_all_that_either_sweeps(paper_results):
+    with open_result(paper_results / "fig6.nc") as first, open_result(paper_results / "fig7.nc") as other:
+        for kind, fig in compare(first, other).items():
+            labels = [plain(text.get_text()).replace("\u00a0", " ") for text in fig.legends[0].get_texts()]
+            assert labels[:2] == ["A: fig6.nc, ω = 0 rad/s, γ = 0.2", "B: fig7.nc, ω = 50 rad/s, γ = 0.1"], kind
+
+
+def test_a_jump_of_the_tip_alone_has_no_ramp_beside_another_one_either(two):
+    first, second = two
+    limit = first.assign(velocity_jump=first["velocity_jump"].where(first["profile_position"] == 1.0, 0.0))
+    (axes,) = compare(limit, second)["velocity_jump"].axes
+    rest, mark, other = axes.lines
+    assert not rest.get_ydata().any() and list(mark.get_xdata()) == [1.0] and mark.get_linestyle() == "None"
+    np.testing.assert_array_equal(other.get_ydata(), second["velocity_jump"])
+    assert [mark.get_label()[0], other.get_label()[0]] == ["A", "B"]
+
+
+def test_points_at_which_both_rest_take_no_panel_and_rest_alone_invents_no_number(two):
+    first, second = (ds.assign(displacement=ds["displacement"].where(ds["point_position"] != 0.5, 0.0)) for ds in two)
+    assert ["= 1" in axes.get_ylabel() for axes in compare(first, second)["displacement"].axes] == [True, True]
+    still = [ds.assign(displacement=0.0 * ds["displacement"]) for ds in two]
+    assert all(axes.get_yticks().tolist() == [0.0] for axes in compare(*still)["displacement"].axes)
+    same = compare(two[0], two[0])["displacement"].axes
+    assert [axes.get_yticks().size > 1 for axes in same] == [True, False, True, False]
 
 
 def test_a_and_b_are_told_apart_without_colour(two):

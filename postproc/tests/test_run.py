@@ -2,13 +2,14 @@
 
 import os
 import stat
+import warnings
 from pathlib import Path
 
 import f90nml
 import numpy as np
 import pytest
 
-from beamwave_postproc import RunFailed, Untrusted, run
+from beamwave_postproc import ProgramWarning, RunFailed, Untrusted, run
 from beamwave_postproc.run import find_program, namelist
 
 PAPER = {
@@ -86,6 +87,37 @@ def test_numbers_that_cannot_be_trusted_are_a_warning(beamwave):
     scene = {**PAPER, "rotation": {"angular_velocity": 5000.0}, "response": {"duration": 1.0, "samples": 16}}
     with pytest.warns(Untrusted):
         assert int(run(scene, program=beamwave)["case_status"]) != 0
+
+
+def answering(directory, source, status, said):
+    """A program that leaves the result `source` where it is told, writes `said`, and ends with `status`."""
+    told = "".join(f"echo '{line}' >&2\n" for line in said)
+    return stand_in(directory, f'mkdir -p "$4"\ncp "{source}" "$4/scene.nc"\n{told}exit {status}')
+
+
+@pytest.mark.parametrize(("status", "kinds"), [(0, [ProgramWarning] * 2), (4, [Untrusted])])
+def test_what_the_program_warns_of_is_a_warning_in_python(tmp_path, full_result, status, kinds):
+    said = ["a scene.nml: warning: large deflection: 2: much", "b.nml: warning: aliasing", "as its second line says"]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run(PAPER, program=answering(tmp_path, full_result, status, said))
+    assert [warning.category for warning in caught] == kinds
+    assert "\n".join(str(warning.message) for warning in caught) == (
+        "large deflection: 2: much\naliasing\nas its second line says"
+    )
+    assert {Path(warning.filename) for warning in caught} == {Path(__file__)}
+
+
+def test_a_run_without_a_warning_is_silent(tmp_path, full_result):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        run(PAPER, program=answering(tmp_path, full_result, 0, []))
+
+
+def test_the_program_s_own_warnings_arrive(beamwave):
+    fast = {**PAPER, "rotation": {"angular_velocity": 200.0, "plane": "in"}}
+    with pytest.warns(ProgramWarning, match="unstable"):
+        run(fast, program=beamwave)
 
 
 def test_the_program_is_looked_for_where_the_documents_say(tmp_path, monkeypatch):

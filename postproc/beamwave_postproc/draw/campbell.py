@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 from ..parts.follow import eigenvalues, followed
 from ..parts.labels import value_text
-from ..parts.select import Chosen, chosen, spread
+from ..parts.select import Chosen, chosen, left_out, spread
 from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require, swept_inputs
 from ..style import COLOURS, DASHES, GREY, logarithmic, styled
@@ -24,6 +24,8 @@ FEW_CASES = 40  # up to which each is marked
 ORDERS = (1, 2, 3, 4, 6, 8)  # multiples of the speed
 LOGARITHMIC = 12.0  # highest over lowest frequency from where on the axis is logarithmic
 GROWS = "#F3D9C9"
+SEEN = 0.1  # of a mode's frequencies lie below where a logarithmic axis counts it
+NAME = 10.0  # points that the name of a multiple takes
 
 
 @styled
@@ -42,31 +44,46 @@ def campbell(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figur
     if not (drawn["angular_frequency"].sel(mode=numbers) > 0.0).any():
         raise NothingToDraw("no mode oscillates")
     other = [name for name in names if name != SPEED]
-    values = np.unique(ds[other[0]]) if other else np.zeros(1)
-    shown = values[spread(values.size, MAX_PANELS)]
+    values_of = np.unique(ds[other[0]]) if other else np.zeros(1)
+    shown = values_of[spread(values_of.size, MAX_PANELS)]
     columns = min(shown.size, 2)
     rows = -(-shown.size // columns)
     sheet = sheet_for(ax, rows, columns, width=6.4 if columns == 1 else 9.6, height=4.4 if rows == 1 else 3.6)
-    for axes, value in zip(sheet.axes, shown):
-        cases = drawn.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else drawn
-        limit = _draw(axes, cases.sortby(SPEED), numbers)
-        axes.set_title(", ".join(filter(None, [value_text(cases[other[0]][0]) if other else "", limit])))
+    parts = [drawn.isel(case=np.flatnonzero(ds[other[0]].values == value)) if other else drawn for value in shown]
+    parts = [part.sortby(SPEED) for part in parts]
+    branches = [_branches(part, numbers) for part in parts]
+    limits = _limits(np.concatenate(branches))
+    for axes, part, values in zip(sheet.axes, parts, branches):
+        limit = _draw(axes, part, numbers, values, limits)
+        axes.set_title(", ".join(filter(None, [value_text(part[other[0]][0]) if other else "", limit])))
     for axes in sheet.axes[shown.size :]:
         axes.set_visible(False)
-    return sheet.finish(ds, [f"{shown.size} of {values.size} values" if shown.size < values.size else ""])
+    of_modes = left_out(numbers.size, ds["mode"].size, "modes in the file") if modes is None else ""
+    return sheet.finish(ds, [left_out(shown.size, values_of.size, "values"), of_modes])
 
 
-def _draw(axes: Axes, cases: xr.Dataset, numbers: np.ndarray) -> str:
-    """One diagram of cases that differ in their speed, which ascends; the critical speed in words, if there is one."""
+def _branches(cases: xr.Dataset, numbers: np.ndarray) -> np.ndarray:
+    """Eigenvalues (case, mode) of the modes `numbers`, each followed through the cases."""
+    order = followed(cases, _signed(cases[SPEED].values))
+    places = [int(np.flatnonzero(cases["mode"].values == number)[0]) for number in numbers]
+    return np.take_along_axis(eigenvalues(cases), order, axis=1)[:, places]
+
+
+def _draw(
+    axes: Axes, cases: xr.Dataset, numbers: np.ndarray, values: np.ndarray, limits: tuple[float, float, bool]
+) -> str:
+    """One diagram of cases that differ in their speed, which ascends; the critical speed in words, if there is one.
+
+    `values` are the eigenvalues (case, mode) of the modes `numbers`, and `limits` those of all diagrams.
+    """
     speed = cases[SPEED].values
-    values = np.take_along_axis(eigenvalues(cases), followed(cases, _signed(speed)), axis=1)
-    values = values[:, [int(np.flatnonzero(cases["mode"].values == number)[0]) for number in numbers]]
     for branch, number in enumerate(numbers):
         _draw_mode(axes, speed, values[:, branch], f"mode {number}", branch)
-    if (values > 0.0).any():
-        _scale(axes, np.sqrt(values[values > 0.0]) / (2.0 * np.pi))
+    bottom, top, decades = limits
+    if decades:
+        logarithmic(axes, "y", bottom, top)
     else:
-        axes.set_yticks([])
+        axes.set_ylim(bottom, top)
     axes.set_xlim(RPM * speed[0], RPM * speed[-1])
     _draw_orders(axes)
     axes.set(xlabel="Angular velocity (rpm)", ylabel="Frequency (Hz)")
@@ -97,24 +114,35 @@ def _hertz(values: np.ndarray) -> np.ndarray:
     return np.sqrt(np.where(values >= 0.0, values, np.nan)) / (2.0 * np.pi)
 
 
-def _scale(axes: Axes, frequency: np.ndarray) -> None:
-    """From 0 on, or logarithmic where the modes are far apart."""
-    typical = np.sort(frequency)[len(frequency) // 20]  # a mode that comes to a halt goes below any axis
-    if frequency.max() > LOGARITHMIC * typical:
-        logarithmic(axes, "y", 0.4 * typical, 1.6 * frequency.max())
-    else:
-        axes.set_ylim(0.0, 1.1 * frequency.max())
+def _limits(values: np.ndarray) -> tuple[float, float, bool]:
+    """Lowest and highest frequency (Hz) of the axis for eigenvalues (case, mode), and whether it is logarithmic.
+
+    It starts at 0, or where the modes are far apart below the lowest of them. A mode that comes to a halt goes below
+    any logarithmic axis: it counts by its highest frequencies, of which all diagrams show a part.
+    """
+    frequency = _hertz(values)
+    known = frequency[np.isfinite(frequency) & (frequency > 0.0)]
+    own = [column[np.isfinite(column) & (column > 0.0)] for column in frequency.T]
+    lowest = min(np.quantile(column, SEEN) for column in own if column.size)
+    if known.max() > LOGARITHMIC * lowest:
+        return 0.4 * float(lowest), 1.6 * float(known.max()), True
+    return 0.0, 1.1 * float(known.max()), False
 
 
 def _draw_orders(axes: Axes) -> None:
-    """Multiples of the speed, named where they leave the picture."""
+    """Multiples of the speed, named where they leave the picture, the low ones first where names have no room."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     speed = np.linspace(left, right, FINE)
+    named: list[np.ndarray] = []
     for order in ORDERS:
         line = order * np.abs(speed) / 60.0
         inside = np.flatnonzero((line > bottom) & (line < top))
         if not inside.size:
             continue
+        end = axes.transData.transform((speed[inside[-1]], line[inside[-1]])) * 72.0 / axes.figure.dpi
+        if any(np.abs(end - other).max() < NAME for other in named):
+            continue
+        named.append(end)
         axes.plot(speed, line, color=GREY, linewidth=0.7, linestyle=":", zorder=1)
         axes.annotate(f"{order}×", (speed[inside[-1]], line[inside[-1]]), xytext=(3, 0), textcoords="offset points",
                       fontsize=8, color=GREY, va="center", annotation_clip=False)  # fmt: skip

@@ -12,7 +12,16 @@ from ..parts.envelope import draw_envelope, is_dense
 from ..parts.events import ROW, mark_events
 from ..parts.growth import grows, growth_note, samples_held, scale_for_growth
 from ..parts.labels import axis_label
-from ..parts.points import FEW, MAX_POINTS, error_note, point_label, sheet_of_points, shown_points, thinned
+from ..parts.points import (
+    FEW,
+    MAX_POINTS,
+    common_prefixes,
+    error_note,
+    point_label,
+    rests,
+    sheet_of_points,
+    shown_points,
+)
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given
 from ..parts.units import si_prefix, units_of
@@ -47,53 +56,70 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
     """Draw variable `name` (case, point, time): points as rows, panels of cases as columns, all against one time."""
     require(ds, name, "time", "point_position")
     drawn = panels_of(ds, name, panels=COLUMNS)
-    points = shown_points(ds, limit or ds.sizes["point"])
-    if limit and len(drawn.panels) > 1:
-        points = shown_points(ds, FEW)
+    cases = [curve.data for curve in drawn.curves]
+    points, left = shown_points(ds, cases, name, FEW if limit and len(drawn.panels) > 1 else limit)
     sheet = sheet_of_points(ax, len(points), len(drawn.panels))
-    notes = [
-        note for row, point in zip(sheet.grid, points) for note in _draw_row(list(row), ds, drawn.panels, name, point)
-    ]
+    scales = common_prefixes([_least(drawn.panels, name, point) for point in points], units_of(ds[name]))
+    notes = []
+    for row, point, (prefix, scale) in zip(sheet.grid, points, scales):
+        notes += _draw_row(list(row), ds, drawn.panels, name, point, scale)
+        row[0].set_ylabel(point_label(ds, name, point, prefix))
+    if name == "bending_moment":
+        _add_stress([row[-1] for row in sheet.grid], cases, points, [scale for _, scale in scales])
     for column, panel in zip(sheet.grid.T, drawn.panels):
         _mark_time(list(column), ds, panel, name)
-    cases = [curve.data for curve in drawn.curves]
-    told = (*drawn.notes, thinned(ds, points), growth_note(cases, name), error_note(ds, cases, name, points), *notes)
+    told = (*drawn.notes, left, growth_note(cases, name), error_note(ds, cases, name, points), *notes)
     return sheet.finish(ds, dict.fromkeys(told))
 
 
-def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], name: str, point: int) -> list[str]:
-    """Histories of all cases at one point, in the SI prefix that fits the smallest; what has to be said of them."""
-    values = [np.array([curve.data[name][point].values for curve in panel.curves]) for panel in panels]
+def _least(panels: list[Panel], name: str, point: int) -> float:
+    """The smallest of the panels' peaks at one point, but for those that rest: what a unit of the row has to fit."""
+    return min(filter(None, _peaks([_rows(panel, name, point) for panel in panels])), default=0.0)
+
+
+def _rows(panel: Panel, name: str, point: int) -> np.ndarray:
+    """Histories (curve, time) of a panel at one point."""
+    return np.array([curve.data[name][point].values for curve in panel.curves])
+
+
+def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], name: str, point: int, scale: float) -> list[str]:
+    """Histories of all cases at one point, times `scale`; what has to be said of them."""
+    values = [_rows(panel, name, point) for panel in panels]
     growing = [[grows(curve.data) for curve in panel.curves] for panel in panels]
-    least = min(filter(None, _peaks(values)), default=0.0)
-    prefix, scale = si_prefix(np.array([least]), units_of(ds[name]))
     several = sum(len(panel.curves) for panel in panels) > 1
     notes = []
     for axes, panel, rows, flags in zip(row, panels, values, growing):
         axes.set_autoscaley_on(not any(flags))  # matplotlib's margin would overflow
         notes += [_draw_history(axes, ds, curve, scale * line, several) for curve, line in zip(panel.curves, rows)]
     _scale_row(row, [scale * rows for rows in values], growing)
-    row[0].set_ylabel(point_label(ds, name, point, prefix))
-    if name == "bending_moment":
-        _add_stress(row[-1], [curve for panel in panels for curve in panel.curves], point, scale)
     return notes
 
 
-def _add_stress(axes: Axes, curves: list[Curve], point: int, scale: float) -> None:
-    """At the right the stress of the outermost fibre, where the section tells it and all cases share it."""
+def _add_stress(column: list[Axes], cases: list[xr.Dataset], points: list[int], scales: list[float]) -> None:
+    """At the right the stress of the outermost fibre, where the section tells it and all cases share it.
+
+    `column` are the axes of moments at `points`, drawn times `scales`.
+    """
     try:
-        found = {float(factors(curve.data, "stress")[point]) for curve in curves}
+        of_cases = np.array([factors(case, "stress")[points] for case in cases])
     except (KeyError, NothingToDraw):
         return
-    if len(found) > 1:
+    of_moment = of_cases[0]
+    if (of_cases != of_moment).any():
         return
-    (of_moment,) = found
-    prefix, times = si_prefix(
-        np.array([curve.data["bending_moment"][point].values for curve in curves]) * of_moment, "Pa"
-    )
-    factor = of_moment * times / scale
-    stress = axes.secondary_yaxis("right", functions=(lambda moment: moment * factor, lambda stress: stress / factor))
-    stress.set_ylabel(f"Stress of the outermost\nfibre ({prefix}Pa)")
+    peaks = [max(_peaks([case["bending_moment"][point].values for case in cases])) for point in points]
+    for axes, own, peak, scale, (prefix, times) in zip(
+        column, of_moment, peaks, scales, common_prefixes(list(of_moment * peaks), "Pa")
+    ):
+        if peak > 0.0:
+            _add_axis(axes, own * times / scale, f"Outermost fibre's\nstress ({prefix}Pa)")
+
+
+def _add_axis(axes: Axes, factor: float, label: str) -> None:
+    """A second y axis at the right, of what is `factor` times the first."""
+    axes.secondary_yaxis(
+        "right", functions=(lambda value: value * factor, lambda value: value / factor)
+    ).set_ylabel(label)
 
 
 def _draw_history(axes: Axes, ds: xr.Dataset, curve: Curve, values: np.ndarray, several: bool) -> str:
@@ -132,7 +158,7 @@ def _peaks(values: list[np.ndarray]) -> list[float]:
 def _scale_values(axes: Axes, values: np.ndarray, growing: list[bool]) -> None:
     """Choose the y axis for what is drawn: it may grow without bound, or be at rest; else it is matplotlib's."""
     axes.margins(y=0.08)
-    if not np.nan_to_num(values).any():
+    if rests(values):
         say_zero(axes)
     elif any(growing):
         scale_for_growth(axes, values, growing)

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..parts.curves import Curve, panels_of
+from ..parts.curves import Curve, panels_of, where_it_varies
 from ..parts.labels import axis_label
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
@@ -22,16 +22,17 @@ def velocity_jump(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> 
     """Draw `velocity_jump` (case, profile) in m/s against the position ξ along the beam.
 
     A jump of a single place (infinitely many modes) is a mark there, and one whose waves have too few samples is drawn
-    as samples alone, with a note.
+    as samples alone, with a note. Inputs of a sweep that do not change it make no curves.
     """
     ds = chosen(ds, cases=cases)
     require(ds, "velocity_jump", "profile_position")
-    drawn = panels_of(ds, "velocity_jump")
+    varying, same = where_it_varies(ds, "velocity_jump")
+    drawn = panels_of(varying, "velocity_jump")
     sheet = sheet_for(ax, len(drawn.panels), height=4.0 if len(drawn.panels) == 1 else 2.6, share="x")
     position = ds["profile_position"].values
-    notes = list(drawn.notes)
+    notes = [same, *drawn.notes]
     for axes, panel in zip(sheet.axes, drawn.panels):
-        notes += [_draw_jump(axes, position, curve) for curve in panel.curves]
+        notes += [draw_jump(axes, position, curve) for curve in panel.curves]
         axes.set_title(panel.title)
         axes.set_ylabel(axis_label(ds["velocity_jump"]))
         axes.set_xlim(position.min(), position.max())
@@ -41,7 +42,7 @@ def velocity_jump(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> 
     return sheet.finish(ds, dict.fromkeys(notes))
 
 
-def _draw_jump(axes: Axes, position: np.ndarray, curve: Curve) -> str:
+def draw_jump(axes: Axes, position: np.ndarray, curve: Curve) -> str:
     """One case as its line, or where a line would invent a form as marks; what has to be said of it."""
     jump = curve.data["velocity_jump"].values
     whole = {"label": curve.label or None, "clip_on": False}  # the markers at the tip are whole

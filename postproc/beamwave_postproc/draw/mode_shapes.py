@@ -6,10 +6,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from ..parts.curves import panels_of
+from ..parts.curves import panels_of, where_it_varies
 from ..parts.labels import axis_label
-from ..parts.select import Chosen, chosen
+from ..parts.select import Chosen, chosen, left_out
 from ..parts.sheet import Given, sheet_for
+from ..parts.units import with_unit
 from ..result import require
 from ..style import GREY, styled
 
@@ -27,9 +28,11 @@ def mode_shapes(ds: xr.Dataset, *, modes: Chosen = None, cases: Chosen = None, a
     """
     ds = chosen(ds, modes=modes, cases=cases)
     require(ds, "mode_shape", "profile_position")
-    if modes is None:
-        ds = ds.isel(mode=slice(MAX_MODES))
-    drawn = panels_of(ds, "mode_shape", panels=1)
+    there = ds.sizes["mode"]
+    ds = ds.isel(mode=slice(MAX_MODES if modes is None else None))
+    varying, same = where_it_varies(ds, "mode_shape")
+    drawn = panels_of(varying, "mode_shape", panels=1)
+    alone = len(drawn.curves) == 1 and not same
     count, position = ds.sizes["mode"], ds["profile_position"].values
     sheet = sheet_for(ax, height=max(0.75 * count, 1.5) + 0.7)
     axes = sheet.axes[0]
@@ -46,7 +49,7 @@ def mode_shapes(ds: xr.Dataset, *, modes: Chosen = None, cases: Chosen = None, a
     axes.set_yticks(
         range(count),
         [
-            f"mode {number}{_frequency(drawn.curves[0].data, row, len(drawn.curves))}"
+            f"mode {number}{_frequency(drawn.curves[0].data, row) if alone else ''}"
             for row, number in enumerate(ds["mode"].values)
         ],
     )
@@ -55,14 +58,14 @@ def mode_shapes(ds: xr.Dataset, *, modes: Chosen = None, cases: Chosen = None, a
     axes.spines["left"].set_visible(False)
     axes.set(xlim=(position.min(), position.max()), ylim=(-0.6, count - 0.4), xlabel=axis_label(ds["profile_position"]))
     few = f"{position.size} samples do not show modes {', '.join(map(str, sorted(set(coarse))))}" if coarse else ""
-    return sheet.finish(ds, [*drawn.notes, few])
+    return sheet.finish(ds, [*drawn.notes, same, left_out(count, there, "modes in the file"), few])
 
 
-def _frequency(case: xr.Dataset, row: int, curves: int) -> str:
-    """Second line of a mode's name: its frequency in the only case, or that it grows; empty for several cases."""
-    if curves > 1 or "angular_frequency" not in case:
+def _frequency(case: xr.Dataset, row: int) -> str:
+    """Second line of a mode's name: its frequency, or that it grows."""
+    if "angular_frequency" not in case:
         return ""
     beta = float(case["angular_frequency"][row])
     if np.isfinite(beta):
-        return f"\n{beta / (2.0 * np.pi):.4g} Hz"
+        return f"\n{with_unit(beta / (2.0 * np.pi), 'Hz')}"
     return "\ngrows" if float(case.get("growth_rate", xr.zeros_like(case["angular_frequency"]))[row]) > 0.0 else ""

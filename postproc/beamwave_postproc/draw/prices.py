@@ -9,12 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from ..parts.sheet import Given, mosaic_for
-from ..parts.units import si_prefix
+from ..parts.units import number_text, si_prefix
 from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, curve_style, logarithmic, styled
 
 LADDERS = {1: "tolerance asked for", 2: "counts: before = after", 3: "last tolerance, all roots in extended precision"}
-AIM = 0.25  # of the time at hand, for a tenth of the error: a digit that costs no more is cheap
+CHEAP = 0.25  # of the time at hand, for a tenth of the error: a digit that costs no more is cheap
 MARGIN = 2.0  # between curves and the frame of a logarithmic axis
 
 
@@ -43,7 +43,8 @@ def _average(rungs: xr.Dataset) -> str:
         return ""
     growth = (seconds[-1] / seconds[0]) ** (1.0 / np.log10(error[0] / error[-1])) - 1.0
     words = f"{100.0 * abs(growth):.0f}% {'more' if growth >= 0.0 else 'less'} time"
-    return f"each digit takes on average {words}, from an error of {error[0]:.1e} to {error[-1]:.1e}"
+    first, last = number_text(error[0], 2), number_text(error[-1], 2)
+    return f"each digit takes on average {words}, from an error of {first} to {last}"
 
 
 def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
@@ -58,7 +59,7 @@ def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
         axes.errorbar(error[mine], seconds[mine], spread, capsize=2, label=label, **curve_style(index))
     logarithmic(axes, "x", error.min() / MARGIN, error.max() * MARGIN)
     logarithmic(axes, "y", seconds.min() / MARGIN, seconds.max() * MARGIN)
-    _draw_aim(axes, error, seconds, rungs["ladder"].values == 1)
+    _draw_comparison(axes, error, seconds, rungs["ladder"].values == 1)
     floor = float(rungs.get("converged_error", np.nan))
     if error.min() / MARGIN < floor:
         axes.axvspan(error.min() / MARGIN, floor, color="0.93", zorder=0, label="not resolved by the converged run")
@@ -67,15 +68,15 @@ def _draw_errors(axes: Axes, rungs: xr.Dataset) -> None:
     axes.set_ylabel("Seconds (median)")
 
 
-def _draw_aim(axes: Axes, error: np.ndarray, seconds: np.ndarray, asked: np.ndarray) -> None:
+def _draw_comparison(axes: Axes, error: np.ndarray, seconds: np.ndarray, asked: np.ndarray) -> None:
     """From the coarsest tolerance on, a quarter more time for each digit."""
     if not asked.any():
         return
     start = np.flatnonzero(asked)[0]
     reach = np.geomspace(error[start], error.min(), 50)
     digits = np.log10(error[start] / reach)
-    label = f"the aim: on average {AIM:.0%} more time for each digit, from {error[start]:.1e} to {error.min():.1e}"
-    axes.plot(reach, seconds[start] * (1.0 + AIM) ** digits, color=GREY, linewidth=0.9, linestyle=":", label=label)
+    label = f"for comparison: {CHEAP:.0%} more time for each digit"
+    axes.plot(reach, seconds[start] * (1.0 + CHEAP) ** digits, color=GREY, linewidth=0.9, linestyle=":", label=label)
 
 
 def _draw_shares(axes: Axes, rungs: xr.Dataset) -> None:

@@ -64,7 +64,7 @@ def spectrogram(
     sheet = sheet_for(ax, columns=len(parts), width=6.4 if len(parts) == 1 else 9.6, height=3.8)
     for axes, (until, arriving) in zip(sheet.axes, parts):
         _draw(axes, case, until, window or until / WINDOWS, arriving)
-    folding = folding_note([case], "marked at the right" if (duration, False) in parts else "")
+    folding = folding_note([case], "a triangle at the right" if (duration, False) in parts else "")
     return sheet.finish(ds, [note, rf"acceleration at $\xi$ = {point:.4g}", folding])
 
 

@@ -8,53 +8,73 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.curves import Curve, Panel, panels_of
+from ..parts.growth import grows
 from ..parts.labels import axis_label
 from ..parts.moving import folded_frequencies, folding_note
-from ..parts.points import FEW, MAX_POINTS, point_label, sheet_of_points, shown_points, thinned
+from ..parts.points import FEW, MAX_POINTS, point_label, sheet_of_points, shown_points
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given
 from ..result import NothingToDraw, require
-from ..style import COLOURS, logarithmic, say_zero, styled
+from ..style import COLOURS, logarithmic, say_zero, styled, write_in_middle
 
 DEPTH = 1e-9  # what lies further below the highest line is rounding, and not shown
 FOLDED = {"color": COLOURS[2], "markersize": 5.0, "markeredgewidth": 1.1}  # of lines that are folded back
 COLUMNS = 3  # panels of cases beside each other
+ALIKE = 1e3  # times the smallest of the panels' highest lines, up to which a row has one scale
 
 
 @styled
 def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax: Given = None) -> Figure:
     """Draw `amplitude` (case, point, frequency) in m against frequency in Hz, a row of panels for each point.
 
-    Lines that are folded back from above half the sampling rate are marked, and the head says so.
+    Lines that are folded back from above half the sampling rate are marked, and the head says so. Of a motion that
+    grows the spectrum is that of the growth, and not drawn: raises `NothingToDraw` where all grow.
     """
     ds = chosen(ds, points=points, cases=cases)
     require(ds, "amplitude", "frequency", "point_position")
     if np.count_nonzero(ds["frequency"].values > 0.0) < 2:
         raise NothingToDraw("the spectrum has fewer than two frequencies above 0")
     drawn = panels_of(ds, "amplitude", panels=COLUMNS)
-    limit = ds.sizes["point"] if points is not None else MAX_POINTS if len(drawn.panels) == 1 else FEW
-    shown = shown_points(ds, limit)
-    sheet = sheet_of_points(ax, len(shown), len(drawn.panels))
+    panels, growing = _bounded(drawn.panels)
+    cases = [curve.data for panel in panels for curve in panel.curves]
+    limit = None if points is not None else MAX_POINTS if len(panels) == 1 else FEW
+    shown, left = shown_points(ds, cases, "amplitude", limit)
+    sheet = sheet_of_points(ax, len(shown), len(panels))
     for row, point in zip(sheet.grid, shown):
-        _draw_row(list(row), ds, drawn.panels, point)
-    for axes, panel in zip(sheet.grid[0], drawn.panels):
+        _draw_row(list(row), ds, panels, point)
+    for axes, panel in zip(sheet.grid[0], panels):
         axes.set_title(panel.title)
     for axes in sheet.grid[-1]:
         axes.set_xlabel(axis_label(ds["frequency"]))
     measured = "measured_angular_frequency" in ds and ds["measured_angular_frequency"].notnull().any()
     peaks = "markers: measured peaks" if measured else ""
-    folding = folding_note([curve.data.assign_attrs(ds.attrs) for curve in drawn.curves], "× marks them")
-    return sheet.finish(ds, (*drawn.notes, thinned(ds, shown), peaks, folding))
+    folding = folding_note([case.assign_attrs(ds.attrs) for case in cases], "×")
+    return sheet.finish(ds, (*drawn.notes, left, growing, peaks, folding))
+
+
+def _bounded(panels: list[Panel]) -> tuple[list[Panel], str]:
+    """The panels without the cases that grow, and how many those are; raises `NothingToDraw` where all grow."""
+    kept = [Panel(panel.title, [curve for curve in panel.curves if not grows(curve.data)]) for panel in panels]
+    count, left = (sum(len(panel.curves) for panel in some) for some in (panels, kept))
+    if not left:
+        raise NothingToDraw("a motion that grows has no spectrum worth a picture")
+    gone = count - left
+    return kept, f"{gone} of these {'grows and has' if gone == 1 else 'grow and have'} no spectrum" if gone else ""
 
 
 def _draw_row(row: list[Axes], ds: xr.Dataset, panels: list[Panel], point: int) -> None:
-    """Spectra of all cases at one point; the frequency 0 has no place on the axis."""
+    """Spectra of all cases at one point, with one scale where that suits all; the frequency 0 has no place on it."""
     frequency = ds["frequency"].values
-    values = np.array([curve.data["amplitude"][point].values for panel in panels for curve in panel.curves])
-    highest = np.nanmax(values, initial=0.0)
-    for axes, panel in zip(row, panels):
+    values = [np.array([curve.data["amplitude"][point].values for curve in panel.curves]) for panel in panels]
+    peaks = [float(np.nanmax(rows, initial=0.0)) for rows in values]
+    alike = max(peaks) < ALIKE * min(filter(None, peaks), default=1.0)
+    for axes, panel, peak in zip(row, panels, peaks):
+        highest = max(peaks) if alike else peak
         logarithmic(axes, "x", frequency[frequency > 0.0][0], frequency[-1])
-        if highest > 0.0:
+        if not panel.curves:
+            axes.set_yticks([])
+            write_in_middle(axes, "all grow")
+        elif highest > 0.0:
             logarithmic(axes, "y", DEPTH * highest, 5.0 * highest)
         else:
             say_zero(axes)
@@ -70,6 +90,8 @@ def _draw_spectrum(axes: Axes, curve: Curve, frequency: np.ndarray, row: np.ndar
     axes.plot(frequency[shown], row[shown], **{**curve.style, "marker": "", "linewidth": 0.9})
     axes.plot([], [], label=curve.label or None, **(curve.style if peaks else {**curve.style, "marker": ""}))
     folded = folded_frequencies(curve.data)
+    if not row.any():
+        return
     axes.plot(folded, _highest_near(frequency, row, folded), linestyle="", marker="x", **FOLDED)
     if peaks:
         measured = curve.data["measured_angular_frequency"].values.ravel() / (2.0 * np.pi)

@@ -9,7 +9,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
 from ..parts.labels import input_label
-from ..parts.select import Chosen, chosen
+from ..parts.select import Chosen, chosen, left_out
 from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require, require_numbers, swept_inputs, to_grid
 from ..style import COLOURS, logarithmic, styled
@@ -46,7 +46,7 @@ def sweep_map(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figu
             _draw_critical_speed(axes, ds, names)
     for axes in sheet.axes[numbers.size :]:
         axes.set_visible(False)
-    return sheet.finish(ds)
+    return sheet.finish(ds, [left_out(numbers.size, ds["mode"].size, "modes in the file")])
 
 
 def _draw_mode(axes: Axes, mode: xr.Dataset) -> None:

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.curves import Curve, Panel, panels_of
+from ..parts.describe import turns_out_of_plane
 from ..parts.labels import axis_label
 from ..parts.relation import Relation, plain_relation, relation_of
 from ..parts.select import Chosen, chosen
@@ -58,6 +59,7 @@ def _draw_panel(axes: Axes, panel: Panel, name: str, limits: tuple, *, alone: bo
     logarithmic(axes, "x", *limits[0])
     logarithmic(axes, "y", *limits[1])
     axes.set_title(panel.title)
+    _draw_comparisons(axes, panel, name)
     captured = alone and name + "_before" in panel.curves[0].data
     for curve in panel.curves:
         _draw_curve(axes, curve, name, curve.label or ("modes after the capture" if captured else "modes"))
@@ -87,21 +89,23 @@ def _limits(curves: list[Curve], name: str) -> tuple[tuple[float, float], tuple[
 
 
 def _draw_curve(axes: Axes, curve: Curve, name: str, label: str) -> None:
-    """One case: its modes as markers, on the smooth relation where they obey it, else beside it in grey."""
+    """One case: its modes as markers, on the smooth relation where they obey it."""
     p, values = _modes(curve.data, name)
     relation = relation_of(curve.data)
-    obeyed = relation is not None
-    relation = relation or plain_relation(curve.data)
     if relation is not None:
-        line = (
-            {**curve.style, "marker": ""}
-            if obeyed
-            else {"color": GREY, "linewidth": 0.8, "linestyle": ":", "marker": ""}
-        )
-        smooth = _smooth(relation, name, axes.get_xlim()[1])
-        axes.plot(*smooth, label=None if obeyed else f"{EQUATIONS[name]}, for comparison", zorder=1.5, **line)
+        axes.plot(*_smooth(relation, name, axes.get_xlim()[1]), zorder=1.5, **{**curve.style, "marker": ""})
     axes.plot(p, values, **{**curve.style, "linestyle": ""})
-    axes.plot([], [], label=label, **(curve.style if obeyed else {**curve.style, "linestyle": ""}))
+    axes.plot([], [], label=label, **(curve.style if relation is not None else {**curve.style, "linestyle": ""}))
+
+
+def _draw_comparisons(axes: Axes, panel: Panel, name: str) -> None:
+    """In grey the relation without tension, shear or damping of each case that obeys another one, each once."""
+    others = [plain_relation(curve.data) for curve in panel.curves if relation_of(curve.data) is None]
+    out_of_plane = turns_out_of_plane(panel.curves[0].data)
+    label = f"{EQUATIONS[name]}{' without rotation' if out_of_plane else ''}, for comparison"
+    for relation in dict.fromkeys(filter(None, others)):
+        smooth = _smooth(relation, name, axes.get_xlim()[1])
+        axes.plot(*smooth, label=label, color=GREY, linewidth=0.8, linestyle=":", marker="", zorder=1.5)
 
 
 def _smooth(relation: Relation, name: str, p_max: float) -> tuple[np.ndarray, np.ndarray]:

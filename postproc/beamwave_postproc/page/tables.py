@@ -11,7 +11,7 @@ import xarray as xr
 from ..parts.describe import effects_of
 from ..parts.events import events_of
 from ..parts.labels import flag_words
-from ..parts.units import unit_text, units_of
+from ..parts.units import number_text, unit_text, units_of
 
 MAX_ROWS, MAX_MODES = 20, 10
 DIGITS = 7
@@ -34,7 +34,7 @@ def tables_of(case: xr.Dataset) -> list[Table]:
 
 def number(value: float) -> str:
     """A number as in a report; a dash for what does not exist."""
-    return "–" if not math.isfinite(value) else f"{value:.{DIGITS}g}"
+    return number_text(value, DIGITS)
 
 
 def _modes(case: xr.Dataset) -> Table | None:
@@ -98,7 +98,7 @@ def _histories(case: xr.Dataset) -> Table | None:
         for point in range(case.sizes.get("point", 0) if name in case else 0):
             peak = float(np.nanmax(np.abs(case[name][point].values), initial=0.0))
             error = float(case[f"{name}_error"][point]) if f"{name}_error" in case else math.nan
-            share = f"{error / peak:.1e}" if peak > 0.0 and math.isfinite(error) else "–"
+            share = number_text(error / peak if peak > 0.0 else math.nan, 2)
             place = f"{float(case['point_position'][point]):.4g}"
             rows.append(
                 [
@@ -106,7 +106,7 @@ def _histories(case: xr.Dataset) -> Table | None:
                     place,
                     number(peak),
                     _unit(case, name),
-                    f"{error:.2g}" if math.isfinite(error) else "–",
+                    number_text(error, 2),
                     share,
                 ]
             )
@@ -139,7 +139,7 @@ def _with_error(case: xr.Dataset, name: str, i: int) -> str:
     """A number and, where the file has it, its error."""
     value = float(case[name][i])
     error = float(case[f"{name}_error"][i]) if f"{name}_error" in case else math.nan
-    return number(value) + (f" ± {error:.1e}" if math.isfinite(value) and math.isfinite(error) else "")
+    return number(value) + (f" ± {number_text(error, 2)}" if math.isfinite(value) and math.isfinite(error) else "")
 
 
 def _unit(case: xr.Dataset, name: str) -> str:

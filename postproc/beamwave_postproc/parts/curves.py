@@ -10,11 +10,12 @@ import xarray as xr
 
 from ..result import NothingToDraw, require, swept_inputs
 from ..style import MAX_CURVES, curve_style
-from .labels import flag_words, value_text
+from .labels import flag_words, symbol_of, value_text
 from .select import spread
 
 MAX_PANELS = 4
 CURVES_OF_MANY_PANELS = 5
+SAME = 1e-12  # of the largest number: rounding
 DIGITS = (4, 6, 9, 12, 17)  # of inputs in words: as many as tell the cases apart
 
 
@@ -64,6 +65,35 @@ def panels_of(ds: xr.Dataset, name: str, *, panels: int = MAX_PANELS) -> Panels:
         grid = _grid(ds, names)
         drawn = _one_panel(ds, names) if grid is None else _product(ds, names, grid, panels)
     return _with_numbers(drawn, name)
+
+
+def where_it_varies(ds: xr.Dataset, name: str) -> tuple[xr.Dataset, str]:
+    """The cases of a sweep in which variable `name` differs, and which inputs leave it as it is, in words.
+
+    Along each of those inputs the first value is kept; a single case that is left has no dimension `case`.
+    """
+    idle = [swept for swept in swept_inputs(ds) if _is_idle(ds, name, swept)]
+    if not idle:
+        return ds, ""
+    kept = ds
+    for swept in idle:
+        kept = kept.isel(case=np.flatnonzero(kept[swept].values == kept[swept].values[0]))
+    symbols = " and ".join(symbol_of(swept) for swept in idle)
+    return (kept.isel(case=0) if kept.sizes["case"] == 1 else kept), f"the same for all {symbols}"
+
+
+def _is_idle(ds: xr.Dataset, name: str, swept: str) -> bool:
+    """Whether cases that differ in the input `swept` alone, of which there are some, have one and the same `name`."""
+    others = [other for other in swept_inputs(ds) if other != swept]
+    keys = list(zip(*(ds[other].values for other in others))) if others else [()] * ds.sizes["case"]
+    first: dict[tuple, int] = {}
+    values = ds[name].values
+    size = np.nanmax(np.abs(values), initial=0.0)
+    same = [
+        np.allclose(values[case], values[first.setdefault(key, case)], rtol=0.0, atol=SAME * size, equal_nan=True)
+        for case, key in enumerate(keys)
+    ]
+    return len(first) * np.unique(ds[swept]).size == len(keys) > len(first) and all(same)
 
 
 def _grid(ds: xr.Dataset, names: list[str]) -> np.ndarray | None:

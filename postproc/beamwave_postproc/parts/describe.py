@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from .labels import symbol_of, value_text
-from .units import unit_text, units_of
+from .units import number_text, unit_text, units_of
 
-FEW = 4  # swept values that are listed
+FEW = 4  # swept values that are listed, and bodies that are told one by one
 WORDS = {"plane": {"out": "out of plane", "in": "in plane"}}  # of inputs that are words, those that are told
 NOT_TOLD = ("profile_points", "max_contacts", "shear_coefficient")
 DEFAULTS = {"impact_position": 1.0}  # as most inputs do by 0, these say nothing by this value
@@ -30,7 +30,8 @@ def file_of(ds: xr.Dataset) -> str:
 def description_of(ds: xr.Dataset) -> str:
     """Beam, effects and inputs of a result in one line, groups apart by semicolons, and its file."""
     beam = _group(ds, "beam")
-    groups = ["" if beam == "beam" else beam, *(_group(ds, name) for name in effects_of(ds)), _modes(ds)]
+    effects = [_bodies(ds) if name == "body" else _group(ds, name) for name in effects_of(ds)]
+    groups = ["" if beam == "beam" else beam, *effects, _modes(ds)]
     return "; ".join(filter(None, [*groups, file_of(ds)]))
 
 
@@ -58,14 +59,24 @@ def _group(ds: xr.Dataset, group: str) -> str:
     return " ".join(filter(None, [group, ", ".join(told), *words]))
 
 
+def _bodies(ds: xr.Dataset) -> str:
+    """What is attached to the beam: of few bodies each with what it has, of many how many there are."""
+    count = ds.sizes.get("body", 0)
+    if not 0 < count <= FEW:
+        return f"{count} bodies" if count else _group(ds, "body")
+    inputs = ds[[name for name in ds.variables if str(name).startswith("body_")]]
+    return "; ".join(_group(inputs.isel(body=body), "body") for body in range(count))
+
+
 def _says_something(ds: xr.Dataset, name: str, group: str) -> bool:
     """Whether an input is a number that is not left at what means nothing."""
     variable = ds[name]
     if name.removeprefix(f"{group}_") in NOT_TOLD or variable.dtype.kind not in "if" or variable.ndim > 1:
         return False
     values = variable.values
-    nothing = DEFAULTS.get(name, 0.0)
-    return bool(np.isfinite(values).any() and (name == "rotation_angular_velocity" or (values != nothing).any()))
+    known = values[np.isfinite(values)]
+    always = name in ("rotation_angular_velocity", "body_position")
+    return bool(known.size and (always or (known != DEFAULTS.get(name, 0.0)).any()))
 
 
 def _input(variable: xr.DataArray) -> str:
@@ -77,9 +88,10 @@ def _input(variable: xr.DataArray) -> str:
     if variable.dims != ("case",):
         values = variable.values
     elif values.size > FEW:
-        text = f"{symbol}\u00a0from {values[0]:.4g} to {values[-1]:.4g}\u00a0{units}".rstrip("\u00a0")
+        first, last = number_text(values[0]), number_text(values[-1])
+        text = f"{symbol}\u00a0from {first} to {last}\u00a0{units}".rstrip("\u00a0")
         return f"{text} ({values.size}\u00a0values)"
-    listed = ",\u00a0".join(f"{value:.4g}" for value in values[: 2 * FEW])
+    listed = ",\u00a0".join(map(number_text, values[: 2 * FEW]))
     return f"{symbol}\u00a0=\u00a0{listed}\u00a0{units}".rstrip("\u00a0")
 
 

@@ -10,6 +10,7 @@ from matplotlib.ticker import NullLocator
 GROWN = 4.0  # growth rate × duration beyond which a linear axis shows little of the start: fiftyfold
 START = 50  # a growing history has this part of its samples, at its start, on the linear part of the axis
 LINEAR_SHARE = 4.0  # decades of the axis to one of its linear part, on either side of 0
+ROOM = 1.2  # times the largest number of the linear part, that it ends beyond it
 MARGIN = 0.03  # of the decades, kept free beyond the largest number
 LARGEST = 307.9  # common logarithm of the end of an axis at the latest: the next decades are infinite
 LABELS = 6  # decades that are labelled on either side of 0
@@ -17,7 +18,7 @@ LABELS = 6  # decades that are labelled on either side of 0
 
 def grows(case: xr.Dataset) -> bool:
     """Whether a mode of `case` is unstable and has the time to grow out of any linear axis."""
-    if "growth_rate" not in case:
+    if "growth_rate" not in case or "time" not in case:
         return False
     rates = case["growth_rate"].values
     duration = float(case["time"][-1] - case["time"][0])
@@ -35,7 +36,8 @@ def growth_note(cases: list[xr.Dataset], name: str) -> str:
     growing = [case for case in cases if grows(case)]
     if not growing:
         return ""
-    words = "unstable: symmetric logarithmic scale"
+    some = f"{len(growing)} of these " if len(growing) < len(cases) else ""
+    words = f"{some}unstable: symmetric logarithmic scale"
     held = [samples_held(case, name) for case in growing]
     if min(held) == growing[0].sizes["time"]:
         return words
@@ -47,7 +49,7 @@ def scale_for_growth(axes: Axes, rows: np.ndarray, growing: list[bool]) -> None:
     sizes = np.abs(rows[:, : max(int(np.isfinite(rows).any(axis=0).sum()), 1)])
     bounded = sizes[~np.array(growing)]
     start = bounded if bounded.size else sizes[:, : max(sizes.shape[1] // START, 2)]
-    linear = np.nanmax(start, initial=0.0) or np.nanmin(sizes[sizes > 0.0], initial=np.inf)
+    linear = ROOM * np.nanmax(start, initial=0.0) or np.nanmin(sizes[sizes > 0.0], initial=np.inf)
     highest = np.nanmax(sizes)
     if not 0.0 < linear < highest:
         return

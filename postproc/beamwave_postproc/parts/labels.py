@@ -19,6 +19,7 @@ INPUT_SYMBOLS = {
     "impact_position": r"$\xi_0$",
     "modes_before": "$n$",
     "modes_after": r"$\bar{n}$",
+    "body_position": r"$\xi$",
     "beam_length": "$l$",
     "beam_diameter": "$D$",
     "beam_density": r"$\rho$",
@@ -42,7 +43,7 @@ QUANTITIES = {
     "velocity": r"Velocity $\dot{v}$",
     "bending_moment": "Bending moment",
     "amplitude": "Amplitude",
-    "event_impulse": "Impulse on the tip",
+    "event_impulse": "Impulse on the beam",
     "time": "Time $t$",
     "frequency": "Frequency",
     "profile_position": r"Position along the beam $\xi = x/l$",
@@ -58,9 +59,18 @@ def flag_words(variable: xr.DataArray) -> dict[int, str]:
 
 def axis_label(variable: xr.DataArray, prefix: str = "") -> str:
     """Quantity and unit (with an SI `prefix`) of a variable, for an axis."""
-    words = QUANTITIES.get(str(variable.name), str(variable.attrs.get("long_name", variable.name)))
+    return quantity(variable) + in_units(variable, prefix)
+
+
+def quantity(variable: xr.DataArray) -> str:
+    """What a variable is, in words and with its symbol."""
+    return QUANTITIES.get(str(variable.name), str(variable.attrs.get("long_name", variable.name)))
+
+
+def in_units(variable: xr.DataArray, prefix: str = "") -> str:
+    """Unit of a variable (with an SI `prefix`) in brackets after a blank; empty where it has none."""
     units = unit_text(prefix + units_of(variable))
-    return words + (f" ({units})" if units else "")
+    return f" ({units})" if units else ""
 
 
 def symbol_of(name: str) -> str:
@@ -72,9 +82,8 @@ def input_label(variable: xr.DataArray) -> str:
     """Words, symbol and unit of an input, for an axis."""
     name = str(variable.name)
     words = INPUT_WORDS.get(name, str(variable.attrs.get("long_name", name.replace("_", " "))))
-    units = unit_text(units_of(variable))
     symbol = INPUT_SYMBOLS.get(name)
-    return words[:1].upper() + words[1:] + (f" {symbol}" if symbol else "") + (f" ({units})" if units else "")
+    return words[:1].upper() + words[1:] + (f" {symbol}" if symbol else "") + in_units(variable)
 
 
 def value_text(variable: xr.DataArray, digits: int = 4) -> str:

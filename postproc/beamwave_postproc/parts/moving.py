@@ -57,17 +57,19 @@ def folded_frequencies(case: xr.Dataset) -> np.ndarray:
     return np.sort(np.abs(above - 2.0 * half * np.round(above / (2.0 * half))))
 
 
-def folding_note(cases: list[xr.Dataset], marks: str = "") -> str:
-    """That lines are folded back, where modes of `cases` lie above half the sampling rate, and what `marks` them."""
+def folding_note(cases: list[xr.Dataset], mark: str = "") -> str:
+    """That lines are folded back, where modes of `cases` lie above half the sampling rate, and by which `mark`."""
     folding = [case for case in cases if _is_folding(case)]
     if not folding:
         return ""
     half = half_the_sampling_rate(folding[0])
     words = f"lines of modes above half the sampling rate ({with_unit(half, 'Hz')}) are folded back"
-    if not marks or not any(folded_frequencies(case).size for case in folding):
+    marked = [case for case in folding if folded_frequencies(case).size]
+    if not mark or not marked:
         return words
     all_there = all(not _has_more_modes(case) and last_modes(case) is not None for case in folding)
-    return f"{words}: {marks}" + ("" if all_there else " of those in the file")
+    there = last_modes(marked[0]).sizes["mode"]
+    return f"{words}; {mark} marks " + ("them" if all_there else f"those of the {there} modes in the file")
 
 
 def _is_folding(case: xr.Dataset) -> bool:

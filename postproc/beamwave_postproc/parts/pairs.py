@@ -12,6 +12,7 @@ from .describe import description_of, effects_of, file_of, title_of
 from .head import Head
 from .labels import symbol_of, value_text
 from .select import spread
+from .units import units_of, with_unit
 
 MAX_PAIRS = 4
 INPUTS = (
@@ -31,11 +32,16 @@ INPUTS = (
 
 
 class Pair(NamedTuple):
-    """A case of each of two results, and what the cases are called where there are several."""
+    """A case of each of two results, and what each is called where it is one of several."""
 
-    label: str
+    labels: tuple[str, str]
     first: xr.Dataset
     second: xr.Dataset
+
+    @property
+    def both(self) -> tuple[xr.Dataset, xr.Dataset]:
+        """The two cases."""
+        return self.first, self.second
 
 
 def pairs_of(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Pair], str]:
@@ -48,10 +54,14 @@ def pairs_of(first: xr.Dataset, second: xr.Dataset) -> tuple[list[Pair], str]:
         names = swept_inputs(first)
         labels = [", ".join(value_text(first[name][case]) for name in names) for case in shown]
         note = f"{shown.size} of {first.sizes['case']} cases" if shown.size < first.sizes["case"] else ""
-        return [Pair(label, first.isel(case=case), second.isel(case=case)) for label, case in zip(labels, shown)], note
+        return [
+            Pair((label, label), first.isel(case=case), second.isel(case=case)) for label, case in zip(labels, shown)
+        ], note
+    names = dict.fromkeys([*swept_inputs(first), *swept_inputs(second)])
     ones = [ds.isel(case=0) if "case" in ds.dims else ds for ds in (first, second)]
+    labels = [", ".join(value_text(one[name]) for name in names if name in one and one[name].ndim == 0) for one in ones]
     swept = [name for name, ds in zip("AB", (first, second)) if "case" in ds.dims and ds.sizes["case"] > 1]
-    return [Pair("", *ones)], f"of {' and '.join(swept)} the first case" if swept else ""
+    return [Pair((labels[0], labels[1]), *ones)], f"of {' and '.join(swept)} the first case" if swept else ""
 
 
 def _same_sweep(first: xr.Dataset, second: xr.Dataset) -> bool:
@@ -82,9 +92,14 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> str:
     for name in [str(name) for name in first.variables if name in second and str(name).split("_")[0] in INPUTS]:
         mine, other = first[name], second[name]
         if mine.shape != other.shape or not np.array_equal(mine.values, other.values):
-            both = [f"{float(one):.6g}" if one.ndim == 0 else "several" for one in (mine, other)]
-            words.append(f"{symbol_of(name)}\u00a0=\u00a0{both[0]} and {both[1]}")
+            words.append(f"{symbol_of(name)}\u00a0=\u00a0{_values(mine)} and {_values(other)}")
     return f"they differ in {', '.join(words)}" if words else "effects and inputs are the same"
+
+
+def _values(variable: xr.DataArray) -> str:
+    """Value of an input with its unit, or of several the first and the last."""
+    ends = dict.fromkeys(with_unit(float(variable.values.flat[i]), units_of(variable), 6) for i in (0, -1))
+    return " to ".join(ends) + (" by pieces" if "piece" in variable.dims else "")
 
 
 def names_of(first: xr.Dataset, second: xr.Dataset) -> tuple[str, str]:

@@ -5,17 +5,43 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from .labels import axis_label
-from .select import spread
+from .labels import in_units, quantity
+from .select import left_out, spread
 from .sheet import Given, Sheet, sheet_for
+from .units import number_text, si_prefix
 
 MAX_POINTS = 6
+SMALL = 0.01  # in a prefix: a smaller peak takes its own
 FEW = 3  # panels up to which the figure stays on a screen at full height
 
 
-def shown_points(ds: xr.Dataset, limit: int = MAX_POINTS) -> list[int]:
-    """Indices of all points, or of `limit` of them spread evenly."""
-    return [int(i) for i in spread(ds.sizes["point"], limit)]
+def shown_points(ds: xr.Dataset, cases: list[xr.Dataset], name: str, limit: int | None) -> tuple[list[int], str]:
+    """Indices of all points, or of `limit` of those at which `name` is not 0 throughout, spread evenly.
+
+    The words say what is left out. Where all points rest they are shown.
+    """
+    every = list(range(ds.sizes["point"]))
+    if limit is None:
+        return every, ""
+    resting = [point for point in every if all(rests(case[name][point].values) for case in cases)]
+    there = [point for point in every if point not in resting] or every
+    shown = [there[i] for i in spread(len(there), limit)]
+    words = [left_out(len(shown), len(there), "points that move" if len(there) < len(every) else "points")]
+    if len(there) < len(every):
+        places = ds["point_position"].values[resting]
+        words.append(rf"zero throughout at $\xi$ = {', '.join(map(number_text, places))}")
+    return shown, "; ".join(filter(None, words))
+
+
+def rests(values: np.ndarray) -> bool:
+    """Whether nothing but zeros is known."""
+    return not np.nan_to_num(values).any() and bool(np.isfinite(values).any())
+
+
+def common_prefixes(peaks: list[float], units: str) -> list[tuple[str, float]]:
+    """SI prefix and factor for rows of these `peaks`: one for all, but for those that would be small numbers in it."""
+    prefix, factor = si_prefix(np.array(peaks), units)
+    return [(prefix, factor) if peak * factor >= SMALL or not peak else si_prefix(np.array([peak]), units) for peak in peaks]
 
 
 def sheet_of_points(ax: Given, rows: int, columns: int) -> Sheet:
@@ -26,13 +52,8 @@ def sheet_of_points(ax: Given, rows: int, columns: int) -> Sheet:
 
 def point_label(ds: xr.Dataset, name: str, point: int, prefix: str = "") -> str:
     """Label of variable `name` at one point, in two lines: neighbours do not meet."""
-    return f"{axis_label(ds[name], prefix)}\n" + rf"at $\xi$ = {float(ds['point_position'][point]):.4g}"
-
-
-def thinned(ds: xr.Dataset, points: list[int]) -> str:
-    """Words for how many of the points are drawn; empty where all are."""
-    count = ds.sizes["point"]
-    return f"{len(points)} of {count} points" if len(points) < count else ""
+    place = rf"at $\xi$ = {float(ds['point_position'][point]):.4g}"
+    return f"{quantity(ds[name])}\n{place}{in_units(ds[name], prefix)}"
 
 
 def error_note(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[int]) -> str:
@@ -55,4 +76,4 @@ def error_note(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[
 
 def percent(share: float) -> str:
     """A share to two digits, in per cent unless it is very small."""
-    return f"{float(f'{100.0 * share:.2g}'):g} %" if share >= 1e-4 else f"{share:.1e}"
+    return f"{number_text(100.0 * share, 2)} %" if share >= 1e-4 else number_text(share, 2)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from .describe import turns_out_of_plane
 from .section import sections_of
 
 # A result's modes obey Eq. 2 to rounding, or (tension, shear, damping) follow another relation.
@@ -46,10 +47,13 @@ def bending_constant(case: xr.Dataset) -> float | None:
 
 
 def plain_relation(case: xr.Dataset) -> Relation | None:
-    """Eq. 2 by the inputs of one case, whether or not its modes obey it; None where the beam is not uniform."""
+    """Eq. 2 by the inputs of one case, whether or not its modes obey it; None where the beam is not uniform.
+
+    Of a beam that bends out of the plane of rotation the angular velocity does not enter.
+    """
     h = bending_constant(case)
-    omega = float(case["rotation_angular_velocity"]) if "rotation_angular_velocity" in case else 0.0
-    return None if h is None else Relation(h, omega)
+    turns = "rotation_angular_velocity" in case and not turns_out_of_plane(case)
+    return None if h is None else Relation(h, float(case["rotation_angular_velocity"]) if turns else 0.0)
 
 
 def relation_of(case: xr.Dataset) -> Relation | None:

@@ -45,6 +45,11 @@ def spread(count: int, limit: int) -> np.ndarray:
     return np.unique(np.linspace(0, count - 1, min(count, limit)).round().astype(int))
 
 
+def left_out(shown: int, count: int, words: str) -> str:
+    """How many of what there is are shown; empty where all are."""
+    return f"{shown} of {count} {words}" if shown < count else ""
+
+
 def _taken(ds: xr.Dataset, dim: str, coordinate: str, wanted: Chosen, words: str) -> xr.Dataset:
     """Those along `dim` whose coordinate is one of `wanted`."""
     if wanted is None:

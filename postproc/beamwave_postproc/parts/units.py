@@ -52,8 +52,15 @@ def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
     return "", 1.0
 
 
+def number_text(number: float, digits: int = 4) -> str:
+    """A number to so many digits, as the program's report has it: 9e-5, not 9e-05; a dash for what does not exist."""
+    if not np.isfinite(number):
+        return "–"
+    return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", f"{float(f'{number:.{digits}g}'):.15g}")
+
+
 def with_unit(number: float, units: str, digits: int = 4) -> str:
     """A number in its unit, with a prefix where that reads better: 0.037 'm' becomes 37 mm. The blanks do not break."""
     prefix, factor = si_prefix(np.array([number]), units)
-    text = f"{float(f'{number * factor:.{digits}g}'):.15g}\u00a0{unit_text(prefix + units)}"
+    text = f"{number_text(number * factor, digits)}\u00a0{unit_text(prefix + units)}"
     return text.rstrip("\u00a0").replace(" ", "\u00a0")

@@ -115,3 +115,28 @@ def test_a_mode_that_is_chosen_is_followed_beyond_those_that_are_not():
 def test_where_no_mode_oscillates_there_is_no_diagram(sweep):
     with pytest.raises(NothingToDraw, match="oscillates"):
         campbell(sweep.sel(case=slice(8, None)), modes=1)
+
+
+def test_all_panels_of_a_second_input_have_one_scale_that_shows_every_mode(grid_result):
+    with open_result(grid_result) as ds:
+        heavy = ds.assign(angular_frequency=ds["angular_frequency"].where((ds["case"] < 49) | (ds["case"] > 51)))
+        fig = campbell(heavy)  # of the last mass most cases of mode 1 have no frequency
+    limits = {(axes.get_yscale(), axes.get_ylim()) for axes in fig.axes}
+    assert len(limits) == 1
+    ((scale, (bottom, top)),) = limits
+    first = ds["angular_frequency"].sel(mode=1).values / (2 * np.pi)
+    assert scale == "log" and bottom < np.nanquantile(first, 0.1) and top > first[0]
+    assert any("5 of 6 modes in the file" in text.get_text() for text in fig.texts)
+
+
+def test_names_of_multiples_stand_apart():
+    speed = np.linspace(0.0, 60.0, 11)  # to 573 rpm, below modes that are near each other and far above the multiples
+    ds = xr.Dataset(
+        {"angular_frequency": (("case", "mode"), np.full((11, 2), 2200.0) + [0.0, 900.0])},
+        {"case": np.arange(1, 12), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)},
+    )
+    (axes,) = campbell(ds).axes
+    axes.figure.draw_without_rendering()
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert axes.texts[0].get_text() == "1×" and len(boxes) > 1
+    assert not any(one.overlaps(other) for i, one in enumerate(boxes) for other in boxes[:i])

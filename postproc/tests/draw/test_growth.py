@@ -27,9 +27,10 @@ def test_the_bounded_history_keeps_a_fair_share_of_the_axis(growing):
     axes = displacement(growing).axes[0]
     peak = np.abs(axes.lines[0].get_ydata()).max()
     foot, head, zero, top = axes.transData.transform([(0, -peak), (0, peak), (0, 0), (0, axes.get_ylim()[1])])[:, 1]
-    assert axes.get_yscale() == "symlog"
+    assert axes.get_yscale() == "symlog" and axes.get_ylim()[0] < -1.1 * peak  # which is not cut
     assert (head - foot) > 0.15 * (top - foot) and top > head > zero
     assert axes.get_xlim()[1] == pytest.approx(1.0)  # one of the curves lasts
+    assert "1 of these unstable" in notes(displacement(growing))
 
 
 def test_a_history_that_overflows_is_drawn_to_its_last_number(growing):

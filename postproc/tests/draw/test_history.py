@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 import synthetic
+import xarray as xr
 
-from beamwave_postproc import NothingToDraw, displacement, open_result, velocity
+from beamwave_postproc import NothingToDraw, bending_moment, displacement, open_result, velocity
 
 
 def test_one_panel_per_point_and_a_curve_per_case(paper_results, full_result):
@@ -79,4 +80,47 @@ def test_the_worst_point_is_named_with_its_error(full_result):
     notes = " ".join(text.get_text() for text in told.texts)
     assert "estimated error 1.3 % of the peak at ξ = 0.5, the largest here" in notes
     notes = " ".join(text.get_text() for text in alone.texts)
-    assert "2.0e-07 of the peak at ξ = 1" in notes and "largest" not in notes
+    assert "2e-7 of the peak at ξ = 1" in notes and "largest" not in notes
+
+
+@pytest.fixture
+def five_points(tmp_path):
+    """A history at five points from the root, which rests, to the tip, whose bending moment is zero."""
+    points = [0.0, 0.25, 0.5, 0.75, 1.0]
+    settings = synthetic.scene(response={"duration": 0.1, "samples": 64, "points": points, "bending_moment": True})
+    with open_result(synthetic.write(tmp_path / "five.nc", settings)) as ds:
+        moment = ds["bending_moment"].where(ds["point_position"] < 1.0, 0.0)
+        return ds.load().assign(bending_moment=moment, displacement=ds["displacement"].where(ds["point"] > 0, 0.0))
+
+
+def words(fig):
+    return " ".join(text.get_text() for text in fig.texts).replace("\n", " ")
+
+
+def test_points_that_rest_throughout_are_named_in_the_head_and_take_no_panel(five_points):
+    fig = displacement(five_points)
+    assert len(fig.axes) == 4 and "zero throughout at ξ = 0" in words(fig)
+    fig = bending_moment(five_points)
+    assert len(fig.axes) == 4 and "zero throughout at ξ = 1" in words(fig)
+    assert all(axes.child_axes for axes in fig.axes)
+    chosen = bending_moment(five_points, points=[0.5, 1.0])  # what is asked for is drawn
+    assert len(chosen.axes) == 2 and chosen.axes[1].get_yticks().tolist() == [0.0]
+    assert not chosen.axes[1].child_axes  # no axis of a stress that is nothing but zero
+
+
+def test_all_panels_have_one_unit_unless_numbers_become_too_small(five_points):
+    def units(fig):
+        return [axes.get_ylabel().rsplit("(")[-1] for axes in fig.axes]
+
+    size = xr.DataArray([1.0, 3e-2, 1.0, 0.2, 1e-5], dims="point") / np.abs(five_points["displacement"]).max("time")
+    scaled = five_points.assign(displacement=five_points["displacement"] * size.where(np.isfinite(size), 0.0))
+    assert units(displacement(scaled)) == ["m)", "m)", "m)", "µm)"]
+    assert len(set(units(bending_moment(five_points)))) == 1
+
+
+def test_labels_stay_beside_their_panels(five_points):
+    fig = bending_moment(five_points)
+    fig.draw_without_rendering()
+    for axes in fig.axes:
+        for label in (axes.yaxis.label, axes.child_axes[0].yaxis.label):
+            assert label.get_window_extent().height < 1.1 * axes.bbox.height

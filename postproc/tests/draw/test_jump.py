@@ -35,6 +35,19 @@ def test_a_jump_of_the_tip_alone_is_a_mark_without_a_ramp(full_result):
     assert mark.get_linestyle() == "None" and "infinitely many modes" in notes(fig)
 
 
+def test_inputs_that_do_not_change_the_jump_make_no_curves(grid_result, tmp_path):
+    with open_result(grid_result) as ds:
+        (axes,) = velocity_jump(ds).axes  # the mass ratios in one panel: the speed leaves the jump as it is
+        assert len(axes.lines) == 4 and "the same for all ω" in notes(velocity_jump(ds))
+        assert "ω from 0 to 150" in notes(velocity_jump(ds)).replace("\u00a0", " ")
+        alone = velocity_jump(ds.isel(case=slice(3)))
+    assert len(alone.axes[0].lines) == 1 and not alone.legends
+    settings = synthetic.scene(modes={"before": 5, "after": 5})
+    path = synthetic.write(tmp_path / "v.nc", settings, {"impact_approach_velocity": [1.0, 1.0 + 1e-9]})
+    with open_result(path) as ds:
+        assert len(velocity_jump(ds).axes[0].lines) == 2  # a small difference is one
+
+
 def test_no_jump_is_a_line_at_zero(full_result):
     with open_result(full_result) as ds:
         fig = velocity_jump(ds.assign(velocity_jump=0.0 * ds["velocity_jump"]))

@@ -5,6 +5,7 @@ import pytest
 
 from beamwave_postproc import NothingToDraw, mode_shapes, open_result
 from beamwave_postproc.draw.mode_shapes import HALF
+from beamwave_postproc.parts.units import with_unit
 
 
 def shapes_drawn(axes):
@@ -23,6 +24,20 @@ def test_each_shape_stands_on_its_own_line_at_one_size(full_result):
         )
 
 
+def test_the_head_says_how_many_modes_are_left_out(full_result):
+    with open_result(full_result) as ds:
+        assert any("6 of 40 modes in the file" in text.get_text() for text in mode_shapes(ds).texts)
+        assert not any("modes in the file" in text.get_text() for text in mode_shapes(ds, modes=[1, 7]).texts)
+
+
+def test_shapes_that_are_the_same_in_all_cases_are_drawn_once_without_a_frequency(paper_results):
+    with open_result(paper_results / "fig2.nc") as ds:
+        fig = mode_shapes(ds)
+    assert len(shapes_drawn(fig.axes[0])) == 6 and not fig.legends
+    assert any("the same for all ω" in text.get_text() for text in fig.texts)
+    assert fig.axes[0].get_yticklabels()[0].get_text() == "mode 1"
+
+
 def test_modes_are_called_by_number_and_frequency(full_result):
     with open_result(full_result) as ds:
         (axes,) = mode_shapes(ds, modes=[2, 5]).axes
@@ -32,7 +47,7 @@ def test_modes_are_called_by_number_and_frequency(full_result):
         )
         grown = mode_shapes(unstable, modes=1).axes[0].get_yticklabels()[0].get_text()
     labels = [label.get_text() for label in axes.get_yticklabels()]
-    assert labels == [f"mode {mode}\n{value:.4g} Hz" for mode, value in zip((2, 5), hertz)]
+    assert labels == [f"mode {mode}\n{with_unit(value, 'Hz')}" for mode, value in zip((2, 5), hertz)]
     assert grown == "mode 1\ngrows"
 
 

@@ -27,8 +27,8 @@ def test_lines_folded_back_are_marked_and_the_head_says_so(full_result):
     remainder = above % rate
     # The remainder is of numbers up to 1e5.
     np.testing.assert_allclose(marked.get_xdata(), np.sort(np.minimum(remainder, rate - remainder)), atol=1e-9)
-    assert says(fig, "above half the sampling rate (8.192\u00a0kHz) are folded back: × marks them")
-    assert says(spectrogram(ds), "are folded back: marked at the right")
+    assert says(fig, "above half the sampling rate (8.192\u00a0kHz) are folded back; × marks them")
+    assert says(spectrogram(ds), "are folded back; a triangle at the right marks them")
     few = ds.isel(mode=frequency < rate / 2)
     few = few.assign(mode_count=few.sizes["mode"])
     assert not any(line.get_marker() == "x" for line in drawn_lines(spectrum(few)))
@@ -36,6 +36,7 @@ def test_lines_folded_back_are_marked_and_the_head_says_so(full_result):
     # The file may hold fewer modes than were summed: the notes tell.
     more = few.assign(mode_count=40).assign_attrs(notes="remark: left out: modes 9 to 40, folded back from above")
     assert all(says(picture(more), "folded back") for picture in (spectrum, spectrogram))
+    assert says(spectrum(ds.assign(mode_count=60)), "folded back; × marks those of the 40 modes in the file")
 
 
 def test_a_marker_stands_on_each_measured_peak(full_result):
@@ -111,3 +112,46 @@ def test_measured_frequencies_are_in_hertz(full_result):
 def test_a_quantity_that_is_not_measured_is_refused(full_result):
     with open_result(full_result) as ds, pytest.raises(ValueError, match="wavenumber"):
         measured(ds, "alpha")
+
+
+@pytest.fixture
+def growing_sweep(tmp_path):
+    """Two masses (panels) by three speeds: the heavier beam grows at the second, both at the third."""
+    settings = synthetic.scene(
+        modes={"before": 3, "after": 3}, response={"duration": 0.5, "samples": 512}, spectrum={"max_peaks": 3}
+    )
+    sweep = {"rotation_angular_velocity": [0.0, 110.0, 150.0], "impact_mass_ratio": [0.2, 0.5]}
+    with open_result(synthetic.write(tmp_path / "grows.nc", settings, sweep)) as ds:
+        return ds.load()
+
+
+def test_cases_that_grow_have_no_spectrum_and_no_say_in_the_scale(growing_sweep):
+    fig = spectrum(growing_sweep)
+    row = fig.axes[:3]
+    assert says(fig, "3 of these grow and have no spectrum")
+    assert [text.get_text() for text in row[2].texts] == ["all grow"]
+    for axes, count in zip(row, (2, 1, 0)):
+        drawn = [line for line in axes.lines if len(line.get_xdata()) > 20]
+        assert len(drawn) == count
+        bottom, top = axes.get_ylim()
+        assert all(bottom < line.get_ydata().max() < top < 1.0 for line in drawn)
+    with pytest.raises(NothingToDraw, match="grows"):
+        spectrum(growing_sweep.isel(case=slice(4, None)))
+
+
+def test_panels_far_apart_have_their_own_scales(growing_sweep):
+    still = growing_sweep.isel(case=slice(2))
+    both = xr.concat([still, still.assign(amplitude=1e12 * still["amplitude"])], dim="case", data_vars="all")
+    both = both.assign_coords(case=[1, 2, 3, 4], rotation_angular_velocity=("case", [0.0, 0.0, 1.0, 1.0]))
+    left, right = spectrum(both, points=1.0).axes
+    assert right.get_ylim()[0] == pytest.approx(1e12 * left.get_ylim()[0])
+
+
+def test_markers_stand_on_no_line_that_is_zero(full_result):
+    with open_result(full_result) as ds:
+        resting = ds.assign(amplitude=ds["amplitude"].where(ds["point_position"] > 0.6, 0.0))
+        fig = spectrum(resting)
+        chosen = spectrum(resting, points=0.5)
+    assert len(fig.axes) == 1 and says(fig, "zero throughout at ξ = 0.5")
+    assert [text.get_text() for text in chosen.axes[0].texts] == ["zero"]
+    assert all(line.get_marker() in ("", "None") for line in drawn_lines(chosen))

@@ -78,6 +78,25 @@ def test_modes_that_obey_another_relation_are_marks_alone_beside_the_paper_s_in_
     assert all(line.get_linestyle() == "None" for line in axes.lines if line is not plain)
 
 
+def out_of_plane(ds):
+    """The result with its plane of rotation in its scene."""
+    return ds.assign_attrs(scene="&rotation\n  plane = 'out'\n/\n")
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_out_of_plane_the_speed_does_not_enter_what_tension_is_compared_with(paper_results, name):
+    with open_result(paper_results / "fig2.nc") as ds:
+        stiffened = ds.assign({other: 1.3 * ds[other] for other in PICTURES})
+        in_plane, out = (PICTURES[name](case).axes[0] for case in (stiffened, out_of_plane(stiffened)))
+        h = relation_of(ds.isel(case=0)).h
+    assert [line.get_label().split(",")[1] for line in smooth_lines(in_plane)] == [" for comparison"] * 3
+    (line,) = smooth_lines(out)  # one for all speeds
+    p, shown = line.get_xdata(), line.get_ydata()
+    expected = {"angular_frequency": h * p**2, "phase_velocity": h * p, "group_velocity": 2 * h * p}[name]
+    # The picture goes from P to β and back.
+    np.testing.assert_allclose(shown, expected, rtol=1e-12)
+
+
 def test_a_beam_of_pieces_has_marks_alone(full_result):
     with open_result(full_result) as ds:
         pieces = ds.drop_vars("beam_length").assign(beam_length=("piece", [0.5, 0.5]))

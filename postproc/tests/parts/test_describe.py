@@ -62,3 +62,34 @@ def test_axes_of_the_caller_get_no_head(full_result):
     with open_result(full_result) as ds:
         assert displacement(ds, 1.0, ax=fig.subplots()) is fig
     assert not fig.texts and not fig.legends
+
+
+def attached(ds, **inputs):
+    """The result with bodies, whose inputs are lists."""
+    units = {"mass": "kg", "stiffness": "N m-1"}
+    variables = {
+        f"body_{name}": ("body", list(values), {"units": units.get(name, "1")}) for name, values in inputs.items()
+    }
+    return ds.assign(variables).assign_attrs(effects=f"body {ds.attrs['effects']}")
+
+
+def test_each_of_few_bodies_is_told_with_what_it_has(full_result):
+    with open_result(full_result) as ds:
+        two = attached(
+            ds,
+            position=[0.0, 0.75],
+            mass=[0.2, float("nan")],
+            mass_ratio=[float("nan"), 0.05],
+            stiffness=[0.0, 10000.0],
+            rotary_inertia=[0.0, 0.0],
+        )
+        many = attached(ds, position=[0.1 * i for i in range(1, 8)], mass=[0.1] * 7)
+        texts = [read(description_of(both)) for both in (two, many)]
+    assert "; body ξ = 0, mass = 0.2 kg; body ξ = 0.75, mass ratio = 0.05, stiffness = 10000 N/m; rotation" in texts[0]
+    assert "nan" not in texts[0] and "inertia" not in texts[0] and "; 7 bodies;" in texts[1]
+
+
+def test_the_pieces_of_a_beam_are_told_in_their_order(full_result):
+    with open_result(full_result) as ds:
+        pieces = ds.assign(beam_length=("piece", [0.7, 0.3], {"units": "m"}))
+        assert "beam l = 0.7, 0.3 m, D = 37 mm" in read(description_of(pieces))

@@ -34,7 +34,7 @@ def seven(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def many_points(tmp_path_factory):
-    settings = synthetic.scene(response={"duration": 0.1, "samples": 64, "points": np.linspace(0.0, 1.0, 100)})
+    settings = synthetic.scene(response={"duration": 0.1, "samples": 64, "points": np.linspace(0.01, 1.0, 100)})
     with open_result(synthetic.write(tmp_path_factory.mktemp("points") / "points.nc", settings)) as ds:
         return ds.load()
 

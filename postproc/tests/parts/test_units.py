@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from beamwave_postproc.parts.units import si_prefix, unit_text, with_unit
+from beamwave_postproc.parts.units import number_text, si_prefix, unit_text, with_unit
 
 
 @pytest.mark.parametrize(
@@ -35,3 +35,12 @@ def test_numbers_in_words_do_not_break_and_have_no_power_of_ten_where_none_is_ne
     assert with_unit(7870.0, "kg m-3") == "7870\u00a0kg/m³"
     assert with_unit(3.1e-4, "s", 2) == "310\u00a0µs"
     assert with_unit(0.2, "1") == "0.2"
+    assert with_unit(17420.0, "Hz") == "17.42\u00a0kHz"
+    assert with_unit(9e-5, "m2") == "9e-5\u00a0m²"
+
+
+def test_powers_of_ten_are_as_in_the_report():
+    numbers = {9e-5: "9e-5", 1e-10: "1e-10", -2.345678e-7: "-2.346e-7", 1.23456e20: "1.235e20", 7870.0: "7870"}
+    for number, text in numbers.items():
+        assert number_text(number) == text and float(text) == pytest.approx(number, rel=1e-3)
+    assert number_text(np.nan) == "–"
