@@ -51,6 +51,8 @@ contains
     call file%create(path, error)
     if (allocated(error)) return
     call put_global_attributes(file, scene, error, study)
+    if (allocated(scene%beam%pieces)) call file%put_axis('piece', size(scene%beam%pieces), 'piece, from the root', error)
+    if (allocated(scene%bodies)) call file%put_axis('body', size(scene%bodies), 'body, in the order of the scene', error)
     call put_inputs(file, scene, error)
     call file%put_known(error)
   end subroutine create_study

@@ -4,7 +4,6 @@ REFUSED = [
     ({"release"}, {"capture"}, r"&release: needs &capture"),
     ({"recontact", "capture"}, set(), r"&recontact: excludes &capture"),
     ({"stiffening"}, {"rotation"}, r"&stiffening: needs &rotation"),
-    ({"stiffening", "support"}, set(), r"&stiffening: its tension is that of a uniform beam"),
 ]
 
 

@@ -21,7 +21,7 @@ SAMPLES = {  # each effect group's variants
     "support": [{"rotational_stiffness": 2e5}],
     "body": [{"position": 0.6, "mass_ratio": 0.1, "rotary_inertia": 1e-3}],
 }
-EVERY = 5  # of the scenes with a support and a body, which stand together here, one in so many is run
+EVERY = 11  # of the scenes with a support and a body, which stand together here, one in so many is run
 
 
 def known_groups(here):

@@ -84,15 +84,13 @@ contains
     type(strain_layout), intent(in) :: layout
     type(part_weights), intent(in) :: weights
     real(dp), allocatable, intent(out) :: form(:, :)   !! (unknowns, unknowns)
-    real(dp), allocatable :: part(:, :)
     integer, allocatable :: column(:), known(:)
     integer :: i, j
     allocate (form(layout%unknowns, layout%unknowns), source=0.0_dp)
     do i = 1, size(given%beam%piece)
       column = columns_of(layout, i)
       known = pack([(j, j=1, size(column))], column > 0)
-      part = part_of_piece(given, layout, weights, i)
-      form(column(known), column(known)) = form(column(known), column(known)) + part(known, known)
+      form(column(known), column(known)) = form(column(known), column(known)) + part_of_piece(given, layout, weights, i, known)
     end do
     associate (root => given%beam%root)
       call add_joint(layout%joint(:, 0), weights%elastic*[root%stiffness%hi, root%turning_stiffness%hi], form)
@@ -115,22 +113,22 @@ contains
     end do
   end subroutine add_joint
 
-  pure function part_of_piece(given, layout, weights, i) result(part)
+  pure function part_of_piece(given, layout, weights, i, known) result(part)
     !! What a piece has of a form, by the unknowns that move it.
     type(tension_beam), intent(in) :: given
     type(strain_layout), intent(in) :: layout
     type(part_weights), intent(in) :: weights
     integer, intent(in) :: i
-    real(dp), allocatable :: part(:, :)
+    integer, intent(in) :: known(:)                    !! of `columns_of`: those that are not held
+    real(dp) :: part(size(known), size(known))
     type(piece_motions) :: unit
-    real(dp), allocatable :: pulled(:, :)
+    real(dp) :: pulled(layout%functions(i) + 1, size(known))
     integer :: j
-    unit = unit_motions(given, layout, i)
+    unit = unit_motions(given, layout, i, known)
     associate (piece => given%beam%piece(i), length => given%beam%piece(i)%length%hi)
       part = weights%elastic*matmul(transpose(unit%strain), unit%strain)
       if (weights%tension /= 0.0_dp) then
-        pulled = unit%slope
-        do j = 1, size(pulled, 2)
+        do j = 1, size(known)
           pulled(:, j) = times_quadratic(given%tension(:, i), unit%slope(:, j))
         end do
         part = part + weights%tension*length*matmul(transpose(unit%slope), pulled)
@@ -144,17 +142,17 @@ contains
     end associate
   end function part_of_piece
 
-  pure type(piece_motions) function unit_motions(given, layout, i) result(motions)
+  pure type(piece_motions) function unit_motions(given, layout, i, known) result(motions)
     !! What each unknown of size 1 does in a piece.
     type(tension_beam), intent(in) :: given
     type(strain_layout), intent(in) :: layout
     integer, intent(in) :: i
-    real(dp), allocatable :: unit(:, :)
-    integer :: j, n
-    n = size(columns_of(layout, i))
-    allocate (unit(n, n), source=0.0_dp)
-    do j = 1, n
-      unit(j, j) = 1.0_dp
+    integer, intent(in) :: known(:)                    !! as that of `part_of_piece`
+    real(dp) :: unit(size(columns_of(layout, i)), size(known))
+    integer :: j
+    unit = 0.0_dp
+    do j = 1, size(known)
+      unit(known(j), j) = 1.0_dp
     end do
     motions = motions_of(given%beam%piece(i), layout%functions(i), layout%shear, unit)
   end function unit_motions
@@ -173,12 +171,12 @@ contains
       do i = 1, n
         column = columns_of(layout, i)
         known = pack([(j, j=1, size(column))], column > 0)
-        unit = unit_motions(given, layout, i)
+        unit = unit_motions(given, layout, i, known)
         associate (piece => beam%piece(i), f => layout%functions(i))
-          root(row + 1:row + f + 2, column(known)) = sqrt(piece%mass%hi*piece%length%hi)*unit%deflection(:, known)
+          root(row + 1:row + f + 2, column(known)) = sqrt(piece%mass%hi*piece%length%hi)*unit%deflection
           row = row + f + 2
           if (piece%rotary%hi > 0.0_dp) then
-            root(row + 1:row + f + 1, column(known)) = sqrt(piece%rotary%hi*piece%length%hi)*unit%turning(:, known)
+            root(row + 1:row + f + 1, column(known)) = sqrt(piece%rotary%hi*piece%length%hi)*unit%turning
             row = row + f + 1
           end if
         end associate

@@ -62,7 +62,8 @@ contains
       before = sums
       call add_window(source, force, first, last, seen, sums, shown)
       if (first > rising .and. adds_nothing(before, sums, seen%velocity, negligible)) exit
-      if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping)) then
+      if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping) &
+          .and. .not. (seen%velocity .and. source%quadratic)) then
         if (adds_nothing(before, sums, seen%velocity, tells)) then
           call extrapolate(source%decay, real(wide_ratio, dp), less(sums, before), seen%velocity, sums)
           return
@@ -143,7 +144,7 @@ contains
     class(mode_set), allocatable :: modes, others
     integer, allocatable :: number(:)
     real(dp), allocatable :: weight(:)
-    call sample_window(first, last, number, weight)
+    call sample_window(first, last, number, weight, sparse=source%quickly < huge(1))
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
@@ -200,14 +201,18 @@ contains
     sums%alpha = min(sums%alpha, window%alpha)
   end subroutine extrapolate
 
-  pure subroutine sample_window(first, last, number, weight)
+  pure subroutine sample_window(first, last, number, weight, sparse)
     !! All mode numbers of a short window, runs of neighbours of a long one.
     integer, intent(in) :: first, last
     integer, allocatable, intent(out) :: number(:)
     real(dp), allocatable, intent(out) :: weight(:)        !! for how many modes each stands
+    logical, intent(in), optional :: sparse                !! modes take so long to find that no more are asked for than a few runs
+    integer :: most                                        ! modes of a short window
     real(dp) :: width, outermost, outer, each(runs)
     integer :: i, k, start
-    if (last - first + 1 <= 2*runs*run_length) then
+    most = 2*runs*run_length
+    if (present(sparse)) most = merge(3*runs*run_length/2, most, sparse)     ! from here on runs do not overlap
+    if (last - first + 1 <= most) then
       number = [(k, k=first, last)]
       weight = spread(1.0_dp, 1, size(number))
       return
