@@ -19,7 +19,6 @@ contains
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
     call correct(system, probe, lambda)
-    call correct(system, probe, lambda)
     call set_frequency(system, lambda, probe)
   end subroutine refine
 

@@ -26,7 +26,7 @@ module bw_mode_search
   real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
   real(dp), parameter :: settled = 1.0e-14_dp      !! likewise: from here a step is rounding
-  real(dp), parameter :: apart = 0.1_dp            !! likewise: from here modes hardly show in each other's motions by rounding
+  real(dp), parameter :: apart = 0.05_dp           !! likewise: from here modes hardly show in each other's motions by rounding
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here binary64 does not tell motions apart
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
 
