@@ -3,7 +3,8 @@ module bw_extended_probe
   !! is next to a clamped mode of its own its ends hardly move: it is cut in parts.
   use bw_double_double, only: dd
   use bw_extended_ends, only: extended_ends
-  use bw_extended_stiffness, only: amplitudes_of, extended_stiffness, find_stiffness, move_joints, size_stiffness, stiffness_of
+  use bw_extended_stiffness, only: extended_stiffness, find_stiffness, size_stiffness
+  use bw_joint_motion, only: amplitudes_of, move_joints, stiffness_of
   use bw_kinds, only: dp, qp
   use bw_mode_probe, only: mode_probe, piece_system, probe_for, set_frequency, system_of, weigh
   use bw_piece_beam, only: cut_all, piece_beam
