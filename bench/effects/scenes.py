@@ -44,6 +44,12 @@ VARIANTS = (
         "with the body's rotary inertia",
         (BEAM, ROTATION, IMPACT, "&capture rotary_inertia = 1e-3 /", RESPONSE),
     ),
+    Variant(
+        "captured at xi = 0.7",
+        (BEAM, ROTATION, "&impact mass_ratio = 0.2, position = 0.7 /", CAPTURE, RESPONSE),
+    ),
+    Variant("with a soft root", (*PAPER, "&support rotational_stiffness = 1.84e5 /")),
+    Variant("with a body at xi = 0.5", (*PAPER, "&body position = 0.5, mass_ratio = 0.01 /")),
     Variant("with release at half time", (*PAPER, "&release time = 0.5 /")),
     Variant("rebound, e = 0.9", REBOUND),
     Variant("rebound with recontact", (*REBOUND, "&recontact /"), "rebound, e = 0.9"),

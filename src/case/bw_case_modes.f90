@@ -10,7 +10,7 @@ module bw_case_modes
   use bw_kinds, only: dp
   use bw_mode_cache, only: mode_cache
   use bw_mode_choice, only: first_modes
-  use bw_mode_set, only: first_numbers, mode_source, mode_sources
+  use bw_mode_set, only: first_numbers, mode_set, mode_source, mode_sources
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_piece_source, only: source_of_pieces
@@ -31,6 +31,7 @@ module bw_case_modes
 
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes under tension that a tolerance may take, without and with shear: about two seconds' work
+  character(*), parameter :: no_basis = 'the polynomials of the Galerkin basis do not resolve the modes'
   real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, to which roots are right over the record, whatever the tolerance
   real(dp), parameter :: phase_share = 1.0e-3_dp      !! of a tolerance that phases may take
 
@@ -56,15 +57,25 @@ contains
     if (allocated(scene%capture)) then
       call sources%loaded%find(first_numbers(scene%modes%after), modes%loaded, longest, first)
       if (monitor%stop_requested()) return
+      call look_at(modes%loaded)
       call note_coupling(scene, units, modes%loaded, modes%notes)
       call note_growth(units, modes%loaded, modes%notes)
       if (by_tolerance(scene%modes)) return
       call sources%free%find(first_numbers(scene%modes%before), modes%free, monitor=second)
+      call look_at(modes%free)
     else
       call sources%free%find(first_numbers(scene%modes%before), modes%free, longest, second)
+      call look_at(modes%free)
       call note_coupling(scene, units, modes%free, modes%notes)
       call note_growth(units, modes%free, modes%notes)
     end if
+  contains
+    subroutine look_at(set)
+      !! Was every mode found?
+      class(mode_set), intent(in) :: set
+      if (modes%resolved .and. .not. set%resolved) call note_unresolved('a mode was not found', modes%notes)
+      modes%resolved = modes%resolved .and. set%resolved
+    end subroutine look_at
   end subroutine find_modes
 
   subroutine find_sources(scene, units, monitor, modes, sources, cache)
@@ -183,7 +194,7 @@ contains
     end subroutine solve
     subroutine note_resolved(resolved)
       logical, intent(in) :: resolved
-      if (modes%resolved .and. .not. resolved) call note_unresolved(modes%notes)
+      if (modes%resolved .and. .not. resolved) call note_unresolved(no_basis, modes%notes)
       modes%resolved = modes%resolved .and. resolved
     end subroutine note_resolved
   end subroutine find_galerkin

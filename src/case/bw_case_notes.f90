@@ -79,11 +79,11 @@ contains
     call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
   end subroutine note_no_effect
 
-  subroutine note_unresolved(notes)
+  subroutine note_unresolved(why, notes)
     !! The modes of one of the beams, or of both, are not to be trusted.
+    character(*), intent(in) :: why
     type(string), allocatable, intent(inout) :: notes(:)
-    call append(notes, &
-      'not converged: the polynomials of the Galerkin basis do not resolve the modes; every number of the case is fill')
+    call append(notes, 'not converged: '//why//'; every number of the case is fill')
   end subroutine note_unresolved
 
   subroutine note_added_energy(scene, later)

@@ -82,6 +82,7 @@ contains
     found%scaled = scaled
     found%gamma = source%gamma
     found%highest = source%highest
+    found%quickly = source%quickly
     found%stretch = source%stretch
     found%decay = source%decay
     found%quadratic = source%quadratic

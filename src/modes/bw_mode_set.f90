@@ -59,6 +59,7 @@ module bw_mode_set
     !! Modes of any number, of one beam with what it carries.
     real(dp) :: gamma = 0.0_dp                    !! captured mass γ
     integer :: highest = 0                        !! the highest mode number that can be found
+    integer :: quickly = huge(1)                  !! as many as can be found in about a second
     real(dp) :: stretch = 1.0_dp                  !! phases are to be right for so many times the length of a record
     real(dp) :: decay = 0.0_dp
       !! amplitudes of a struck beam's displacement beyond the highest mode fall as k^(−decay), 2 or 3; 0: none are beyond

@@ -8,7 +8,7 @@ module bw_scene_checks
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, qp
-  use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
+  use bw_scene, only: by_pieces, check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: check_product, message_list
   use bw_text, only: shortest, text_of
   implicit none (type, external)
@@ -114,8 +114,25 @@ contains
     end if
     call check_held(scene, messages)
     call check_method(scene, messages)
+    if (by_pieces(scene)) call check_masses(scene, messages)
     if (allocated(scene%response)) call check_times(scene, highest, messages)
   end subroutine check_scales
+
+  pure subroutine check_masses(scene, messages)
+    !! Products of masses and frequencies of a beam by pieces leave the range of numbers long before the masses do.
+    type(scene_type), intent(in) :: scene
+    type(message_list), intent(inout) :: messages
+    real(dp), parameter :: heaviest = 1.0e120_dp
+    integer :: g
+    real(dp) :: ratio
+    ratio = 0.0_dp
+    if (allocated(scene%capture)) ratio = scene%impact%mass_ratio
+    if (allocated(scene%bodies)) ratio = max(ratio, maxval(scene%bodies%mass_ratio))
+    if (ratio <= heaviest) return
+    g = max(position_of(scene%groups, 'impact'), 1)
+    call messages%add(scene%groups(g)%line, '&'//trim(scene%groups(g)%group), 'has a mass of '//shortest(ratio, 2)// &
+                      ' of the beam''s; accepted: up to '//shortest(heaviest, 2)//' with shear, bodies or pieces')
+  end subroutine check_masses
 
   pure subroutine check_times(scene, highest, messages)
     !! The scales of the time histories.

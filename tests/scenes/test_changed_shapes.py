@@ -57,6 +57,22 @@ def test_the_scenes_of_the_effects_show_what_they_promise(effects):
                                              f"{100 * (1 - body[9] / plain[2]):.0f}", f"{plain[2]:.0f}", f"{100 * lost:.2f}"]
 
 
+def test_the_scenes_of_pieces_show_what_they_promise(here):
+    names = ["effects/stepped_beam", "effects/soft_root", "inboard_capture"]
+    ended = here.beamwave("run", *(PROJECT / f"input/{name}.nml" for name in names))
+    assert ended.returncode == 0, ended.stderr
+    stepped, soft, inboard = (here.result(name.split("/")[-1]) for name in names)
+    plain = 46.6304239974881 * np.array([1.6163996601559350880, 29.138585642520606567]) ** 2
+    lost = 1 - stepped["energy_after"][1] / stepped["energy_before"][1]
+    assert promised("stepped_beam") == ["10", "1", f"{stepped['angular_frequency'][0]:.2f}", f"{plain[0]:.2f}", f"{100 * lost:.2f}"]
+    body = soft["angular_frequency"]
+    assert promised("soft_root") == ["1", f"{body[0]:.2f}", f"{plain[0]:.2f}", "10", f"{body[9]:.0f}",
+                                     f"{100 * (1 - body[9] / plain[1]):.0f}", f"{plain[1]:.0f}"]
+    speed = f"{inboard['critical_angular_velocity']:.2f}"
+    assert promised("../inboard_capture") == ["0.7", "1", f"{inboard['angular_frequency'][0]:.2f}", speed]
+    assert {result.attributes["method"] for result in (stepped, soft, inboard)} == {"pieces"}
+
+
 @pytest.mark.parametrize("name", EFFECTS)
 def test_momentum_is_kept_and_energy_never_grows(here, name):
     here.write("scene.nml", BEAM + EFFECTS[name] + STRUCK + HISTORY)
@@ -225,7 +241,7 @@ def test_modes_that_the_basis_cannot_hold_are_fill(here):
     np.testing.assert_array_equal(here.result("alone")["displacement"], result["displacement"][0])
 
 
-@pytest.mark.parametrize("mass_ratio", [1e24, 1e60, 1e300])
+@pytest.mark.parametrize("mass_ratio", [1e24, 1e60, 1e120])
 @pytest.mark.parametrize("damping", [None, {"ratio": 1e-4}, {"mass_proportional": 0.0, "stiffness_proportional": 1e-6}])
 @pytest.mark.parametrize("omega", [3e-5, 4.0])
 @pytest.mark.parametrize("groups", [{"capture": {"rotary_inertia": 1e-3}}, {"shear": {}}], ids=["inertia", "shear"])

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 from conftest import PROJECT
-from workplace import group_text
+from workplace import captured_beam, group_text
 
 sys.path.insert(0, str(PROJECT / "tests/reference"))
 from piece_scenes import POINTS, SAMPLES, SCENES, scene  # noqa: E402
@@ -53,3 +53,18 @@ def test_events_keep_their_balance(ran, number):
             np.testing.assert_allclose(after[i], before[i], rtol=1e-11, err_msg=str(i))
         if i != 1 or restitution == 0.0:
             assert result["energy_after"][i] <= result["energy_before"][i] * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("position", [0.37, 0.7, 1.0])
+@pytest.mark.parametrize("groups", [{}, {"shear": {}}, {"capture": {"rotary_inertia": 1e-3}}], ids=["plain", "shear", "inertia"])
+def test_a_tolerance_and_many_modes_agree_after_a_release_anywhere(here, position, groups):
+    """Two ways to infinitely many modes: what the modes that are not there add to the velocity of the struck place, or their sum."""
+    scene = captured_beam(body={"position": 0.3, "mass_ratio": 0.2}, impact={"position": position}, release={"time": 0.02}, **groups)
+    scene |= {"response": {"duration": 0.05, "samples": 100, "points": [0.3, 0.5, 1.0]}}
+    here.scene("a", {**scene, "modes": {"tolerance": 1e-3}})
+    here.scene("b", {**scene, "modes": {"before": 400, "after": 400}})
+    assert here.beamwave("run", "a.nml", "b.nml").returncode == 0
+    one, other = here.result("a"), here.result("b")
+    difference = np.abs(one["displacement"] - other["displacement"]).max(axis=1)
+    assert (difference <= one["displacement_error"] + other["displacement_error"]).all()
+    assert difference.max() <= 2e-3 * np.abs(other["displacement"]).max()  # the tolerance, and what 400 modes lack

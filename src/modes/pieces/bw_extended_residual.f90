@@ -18,7 +18,12 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     type(dd), intent(inout) :: lambda
+    real(dp), parameter :: small = 1.0e-13_dp      ! of λ: the square of such a change is rounding
+    type(dd) :: before, change
+    before = lambda
     call correct(system, probe, lambda)
+    change = lambda - before
+    if (abs(change%hi) > small*abs(lambda%hi)) call correct(system, probe, lambda)
     call set_frequency(system, lambda, probe)
   end subroutine refine
 

@@ -3,6 +3,7 @@ module bw_piece_source
   use bw_double_double, only: dd, sqrt, operator(+), operator(*)
   use bw_extended_residual, only: refine
   use bw_kinds, only: dp
+  use bw_missing, only: missing
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source
@@ -18,11 +19,10 @@ module bw_piece_source
   private
   public :: source_of_pieces, set_of_pieces
 
-  integer, parameter :: highest_mode = 10000000
+  integer, parameter :: highest_mode = 10000000, quick_modes = 100000
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
 
-  real(dp), parameter :: immense = 1.0e250_dp        !! mass of a body that double-double numbers have no room for
   integer, parameter :: asked_every = 64             !! modes, after which a monitor is asked
 
   type, extends(mode_source), public :: piece_source
@@ -40,6 +40,7 @@ contains
     source%pieces = pieces
     source%gamma = pieces%captured%mass%hi
     source%highest = highest_mode
+    source%quickly = quick_modes
     source%critical_speed = critical_speed_of(pieces%beam)
     source%grows_at_any_speed = modes_at_rest(without_inertia(pieces%beam)) > 0 .and. &
       (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
@@ -98,10 +99,9 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
     type(mode_search) :: search
     type(dd) :: lambda
-    logical :: found, fits
+    logical :: found
     integer :: j
     search = search_in(beam)
-    fits = maxval([beam%joint%mass%hi, beam%joint%inertia%hi]) < immense
     call size_set(search, size(number), set)
     if (present(struck)) then
       set%struck_joint = struck
@@ -116,7 +116,7 @@ contains
         set%resolved = .false.
         return
       end if
-      if (is_coarse(search, lambda, longest) .and. fits) call refine(search%system, search%probe, lambda)
+      if (is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
       call set_mode(search%probe, number(j), lambda, j, set)
     end do
   end subroutine set_of_pieces
@@ -131,6 +131,7 @@ contains
   end function parts_of_cut
 
   pure subroutine size_set(search, n, set)
+    !! Arrays in which nothing moves.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: n
     type(piece_set), intent(inout) :: set
@@ -139,9 +140,12 @@ contains
     set%count = n
     set%struck_joint = pieces
     set%modes%system = search%system
-    allocate (set%alpha(n), set%struck(n), set%modal_mass(n), set%spun(n), set%phase_velocity(n), set%group_velocity(n))
-    allocate (set%beta_squared(n), set%modes%lambda(n), set%modes%square(n), set%modes%mass(n))
-    allocate (set%modes%amplitude(4, pieces, n), set%modes%deflection(pieces, n), set%modes%turning(pieces, n))
+    allocate (set%alpha(n), set%phase_velocity(n), set%group_velocity(n), source=missing)
+    allocate (set%modal_mass(n), set%modes%mass(n), source=1.0_dp)
+    allocate (set%struck(n), set%spun(n), source=0.0_dp)
+    allocate (set%beta_squared(n), set%modes%lambda(n), set%modes%square(n))
+    allocate (set%modes%amplitude(4, pieces, n), source=0.0_dp)
+    allocate (set%modes%deflection(pieces, n), set%modes%turning(pieces, n), source=0.0_dp)
   end subroutine size_set
 
   pure logical function is_coarse(search, lambda, longest)

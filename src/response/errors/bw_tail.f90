@@ -62,7 +62,8 @@ contains
       before = sums
       call add_window(source, force, first, last, seen, sums, shown)
       if (first > rising .and. adds_nothing(before, sums, seen%velocity, negligible)) exit
-      if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping)) then
+      if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping) &
+          .and. .not. (seen%velocity .and. source%quadratic)) then
         if (adds_nothing(before, sums, seen%velocity, tells)) then
           call extrapolate(source%decay, real(wide_ratio, dp), less(sums, before), seen%velocity, sums)
           return

@@ -38,7 +38,7 @@ contains
 
   subroutine find_tip_remainder(source, force, first, time, bound, remainder, highest, monitor)
     !! Find the remainder by summing more and more modes, until its uncertainty is within a bound, or all modes there are, or
-    !! 10⁷, or `highest`, have been summed. Roots are solved in extended precision where phases call for it, but not because a
+    !! 10⁷, or those that are found quickly, or `highest`, have been summed. Roots are solved in extended precision where phases call for it, but not because a
     !! scene asks for that in every root: the terms fall as k⁻².
     class(mode_source), intent(in) :: source      !! of beam and mass, γ > 0
     real(dp), intent(in) :: force                 !! (1+e)γ: modal velocities at t = 0 are this times Φ_k(1)/M_k
@@ -50,7 +50,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor   !! what is found means nothing where it asks to stop
     type(running_sum) :: sum
     integer :: last, most, next
-    most = min(most_terms, source%highest)
+    most = min(most_terms, source%highest, max(source%quickly, first))
     if (present(highest)) most = min(most, highest)
     last = min(first, most)
     call add_modes(source, force, 1, last, time, .false., sum, monitor)
@@ -124,7 +124,7 @@ contains
     type(dd) :: beta(size(number))
     real(dp), dimension(size(number)) :: angle, drive, term
     real(dp) :: tip(size(number), 1)
-    call source%terms(number, [1.0_dp], min(1.0_dp, source%stretch)*time%hi, beta, drive, tip)
+    call source%terms(number, [source%struck_at], min(1.0_dp, source%stretch)*time%hi, beta, drive, tip)
     term = force*drive*tip(:, 1)
     call take_terms(term, sum)
     sum%remainder%energy = sum%remainder%energy + 0.5_dp*force*accurate_sum(term)
