@@ -128,7 +128,7 @@ contains
     call plan_case(scene, monitor, count, error)
     if (monitor%stop_requested()) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
-      'the polynomials of the Galerkin basis do not resolve the modes; every number of the case would be fill')
+      'the polynomials of the Galerkin basis do not resolve the modes; no number of the case would be given')
     text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')
   end subroutine plan_tolerance
 

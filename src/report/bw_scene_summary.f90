@@ -8,7 +8,7 @@ module bw_scene_summary
   use bw_modes_par, only: by_tolerance
   use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
-  use bw_scene, only: changes_shapes, effects_text, scene_type
+  use bw_scene, only: count_methods, effects_text, scene_type
   use bw_scene_cases, only: case_count
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -46,11 +46,16 @@ contains
   end function scene_summary
 
   pure function method_text(scene) result(text)
-    !! How modes are found.
+    !! How modes are found; of a sweep in how many cases, where not all have the same method.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
+    character(*), parameter :: otherwise = 'Galerkin, polynomials in the strains'
+    integer(i8) :: closed, cases
+    call count_methods(scene, closed, cases)
     text = 'closed form'
-    if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
+    if (closed == 0) text = otherwise
+    if (closed > 0 .and. closed < cases) text = text_of(closed)//' of '//text_of(cases)//' cases in closed form, the others '// &
+      otherwise
   end function method_text
 
   function modes_text(scene, layout) result(text)

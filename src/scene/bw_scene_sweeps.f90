@@ -1,7 +1,7 @@
 module bw_scene_sweeps
   !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
   use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable, place_of
-  use bw_input_table, only: group_row, name_row, name_table, unknown_group, unknown_name
+  use bw_input_table, only: closest, group_row, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
   use bw_scene_checks, only: check_group
@@ -61,6 +61,7 @@ contains
     call check_group(source, messages)
     if (.not. source%known('parameter')) return
     call find_target(source, groups, row, messages)
+    if (row == 0) call excuse_missing(lower(source%text('parameter')), groups)
     if (row == 0) return
     g = position_of(groups, name_table(row)%group)
     v = groups(g)%at(name_table(row)%name)
@@ -97,7 +98,7 @@ contains
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
     else if (row == 0) then
-      problem = unknown_name(group, name)
+      problem = unknown_name(group, name, to_sweep=.true.)
     else
       problem = obstacle(name_table(row), groups)
     end if
@@ -105,6 +106,26 @@ contains
     row = 0
     call messages%add(source%line_of('parameter'), 'sweep%parameter', shown(parameter)//' '//problem)
   end subroutine find_target
+
+  pure subroutine excuse_missing(parameter, groups)
+    !! A sweep was meant to give some input its values, and names none: the one that it likely meant counts as given, so that
+    !! no second message calls it missing; where none is likely, all that are required in the group.
+    character(*), intent(in) :: parameter
+    type(group_values), intent(inout) :: groups(:)
+    character(:), allocatable :: group, name
+    integer :: g, v
+    group = parameter(:max(0, scan(parameter, '%.:/ ') - 1))
+    name = parameter(scan(parameter, '%.:/ ', back=.true.) + 1:)
+    do g = 1, size(groups)
+      v = groups(g)%at(name)
+      if (v == 0 .and. groups(g)%group == group) v = closest(name, groups(g)%values%name)
+      if (v > 0) then
+        if (is_sweepable(name_table(groups(g)%values(v)%row))) groups(g)%values(v)%given = .true.
+      else if (groups(g)%group == group .or. group_row(group) == 0) then
+        where (name_table(groups(g)%values%row)%required) groups(g)%values%given = .true.
+      end if
+    end do
+  end subroutine excuse_missing
 
   pure function likely_target(parameter) result(text)
     !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing.

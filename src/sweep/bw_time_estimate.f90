@@ -45,6 +45,7 @@ module bw_time_estimate
     type(scene_type) :: scene
     type(result_layout) :: layout
     type(scene_type) :: one                   !! the case at hand, or the one before it
+    integer(i8) :: index = 0                  !! its number
     type(case_cache) :: cache                  !! what cases share
     type(time_limit) :: limit
     type(forecast_type) :: forecast
@@ -74,7 +75,7 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
-    if (size(timer%forecast%cases) == 0) call timer%forecast%foretell(timer%one, timer%layout, monitor)
+    if (size(timer%forecast%cases) == 0) call timer%forecast%foretell(timer%index, timer%one, timer%layout, monitor)
     forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds
@@ -135,6 +136,7 @@ contains
     logical :: whole
     call cpu_time(began)
     whole = .true.
+    self%index = index
     call case_scene(self%scene, index, self%one, error)
     call self%limit%start(self%one, deadline)
     if (.not. allocated(error)) call run_case(self%one, self%layout, watch, self%limit, self%cache, result, whole)
