@@ -13,7 +13,7 @@ module bw_scene_summary
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, disk_bytes, working_bytes
 
 contains
 
@@ -143,6 +143,15 @@ contains
     if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
     text = text//new_line('a')
   end function cost_summary
+
+  function disk_bytes(scene, layout) result(bytes)
+    !! What a run writes, until its result is complete.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    integer(i8) :: bytes
+    bytes = result_bytes(scene, layout)
+    if (layout%cases > 0) bytes = bytes + journal_bytes(layout)
+  end function disk_bytes
 
   pure integer(i8) function journal_bytes(layout) result(bytes)
     !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.

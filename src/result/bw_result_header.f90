@@ -64,14 +64,28 @@ contains
       allocate (character(length) :: word)
       if (length > 0) call get_command_argument(i, word)
       named = named .or. word == scene%file
-      if (scan(word, ' ''"$\*?;&|<>()') > 0 .or. length == 0) word = ''''//word//''''
-      text = text//' '//word
+      text = text//' '//quoted(word)
     end do
     if (i == 1 .and. present(study)) text = text//' '//study                 ! no program of a command line
     if (i == 1 .and. .not. present(study)) text = text//' run'
     if (i == 1) text = text//' '//scene%file
     if (i > 1 .and. .not. named) text = text//' ('//scene%file//')'
   end function called_as
+
+  pure function quoted(word) result(text)
+    !! A word as a shell takes it for that word.
+    character(*), intent(in) :: word
+    character(:), allocatable :: text
+    integer :: i
+    text = word
+    if (scan(word, ' ''"$\*?;&|<>()') == 0 .and. len(word) > 0) return
+    text = ''''
+    do i = 1, len(word)
+      if (word(i:i) == '''') text = text//'''\'''
+      text = text//word(i:i)
+    end do
+    text = text//''''
+  end function quoted
 
   function time_stamp() result(text)
     !! Now, as ISO 8601.
