@@ -4,19 +4,21 @@ module bw_check_command
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_forecast, only: few_modes, few_samples, forecast_type
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
+  use bw_process, only: free_disk, free_memory
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
-  use bw_scene_summary, only: cost_summary, scene_heading, scene_summary
+  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, scene_heading, scene_summary, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
+  use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
   use bw_text, only: shortest, text_of
-  use bw_time_estimate, only: estimated_seconds
+  use bw_time_estimate, only: estimated_seconds, fits
   implicit none (type, external)
   private
   public :: check_command
@@ -35,8 +37,10 @@ contains
     type(error_type), allocatable :: error
     type(scene_tally) :: tally
     character(:), allocatable :: count_line, time_line, notes
+    real(dp) :: left, began                        ! s: of the time for all scenes, which most do not need
     integer :: i, count
     logical :: seen                                ! the report has shown the warnings to the same eyes
+    left = check_seconds
     progress = terminal_progress_to(huge(1.0_dp), quiet=.true.)
     call read_and_list(command%words, .true., scenes, count, status, tally)
     do i = 1, count
@@ -44,7 +48,10 @@ contains
       notes = ''
       time_line = ''
       call plan_tolerance(scenes(i), progress, count_line, error)
-      if (.not. allocated(error)) call try_scene(scenes(i), layout, check_seconds/count, progress, time_line, notes)
+      began = wall_seconds()
+      if (.not. allocated(error)) call try_scene(scenes(i), layout, max(0.5_dp*left, check_seconds/count), progress, &
+                                                 time_line, notes)
+      left = left - (wall_seconds() - began)
       if (progress%stop_requested()) then
         call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
         status = max(status, status_stopped)
@@ -94,7 +101,7 @@ contains
     time_line = '  time       about '//expected_text(seconds)//' on one core'
     if (layout%cases > 1) time_line = time_line//', shared by the processes of beamwave-mpi'
     time_line = time_line//new_line('a')
-    notes = forecast%notes%lines(merge(size(forecast%cases), 0, layout%cases > 0))
+    notes = room_notes(scene, layout)//forecast%notes%lines(merge(size(forecast%cases), 0, layout%cases > 0))
     if (forecast%from_few) then
       time_line = time_line//'  tried      '//text_of(few_modes)//' modes and '//text_of(few_samples)// &
         ' samples; only a run tells the errors of histories'//new_line('a')
@@ -104,6 +111,21 @@ contains
       time_line = time_line//new_line('a')
     end if
   end subroutine try_scene
+
+  function room_notes(scene, layout) result(notes)
+    !! Whether the machine has the memory and the disk that a run takes, where the check is made: a line for what it lacks.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    character(:), allocatable :: notes
+    integer(i8) :: memory, disk
+    memory = free_memory()
+    disk = free_disk('.')
+    notes = ''
+    if (.not. fits(working_bytes(layout), memory)) notes = notes//'memory: a run takes '//bytes_text(working_bytes(layout))// &
+      ', and this machine has '//bytes_text(memory)//' free'//new_line('a')
+    if (.not. fits(disk_bytes(scene, layout), disk)) notes = notes//'disk: a run takes '//bytes_text(disk_bytes(scene, layout))// &
+      ', and here '//bytes_text(disk)//' are free'//new_line('a')
+  end function room_notes
 
   pure function expected_text(seconds) result(text)
     !! Seconds as `duration_text` writes them, with a digit more where whole seconds would be too coarse.
@@ -128,7 +150,7 @@ contains
     call plan_case(scene, monitor, count, error)
     if (monitor%stop_requested()) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
-      'the polynomials of the Galerkin basis do not resolve the modes; every number of the case would be fill')
+      'the polynomials of the Galerkin basis do not resolve the modes; no number of the case would be given')
     text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')
   end subroutine plan_tolerance
 

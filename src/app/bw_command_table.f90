@@ -172,10 +172,8 @@ contains
         end do
         if (number == size(options)) then
           text = text//' takes'
-        else if (number == size(options) - 1 .and. .not. lists(rows(i)%options, options(size(options))%name)) then
-          text = text//' all of these but the last'
         else
-          text = text//' takes '//trim(rows(i)%options)
+          text = text//trim(merge(' take ', ' takes', any(rows(i + 1:)%options == rows(i)%options)))//' '//trim(rows(i)%options)
         end if
       end do
     end do

@@ -36,7 +36,7 @@ module bw_case_errors
 contains
 
   subroutine estimate_errors(scene, motion, histories, monitor, errors)
-    !! There is none of a rebound without contacts, whose impulse belongs to its truncation, nor of histories that overflow.
+    !! There is none of a rebound without contacts, whose impulse depends on the number of modes, nor of histories that overflow.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(case_histories), intent(in) :: histories

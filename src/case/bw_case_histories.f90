@@ -40,7 +40,7 @@ contains
       call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
     else if (by_tolerance(scene%modes) .and. motion%plan%reached > scene%modes%tolerance) then
       histories%status = case_not_converged
-      call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion%sources, motion%plan)//'; the histories are fill')
+      call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion%sources, motion%plan)//'; no histories are given')
       call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
     else if (by_tolerance(scene%modes)) then
       call sum_to_tolerance(scene, motion, grid, monitor, workspace, histories%response)

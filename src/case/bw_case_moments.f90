@@ -60,7 +60,7 @@ contains
     response%bending_moment(first:, :) = missing
     errors%status = case_diverged
     call append(errors%notes, 'overflow of the bending moment: it leaves the range of numbers at t = '// &
-      shortest((first - 1)*(scene%response%duration/scene%response%samples), 6)//' s; it is fill from there on')
+      shortest((first - 1)*(scene%response%duration/scene%response%samples), 6)//' s; none is given from there on')
   end subroutine fill_overflow
 
   subroutine find_errors(plain, motion, bent, response, monitor, error)

@@ -50,8 +50,8 @@ contains
     type is (tension_set)
       ratio = modes%coupling(law_of(scene%damping, units))
     end select
-    text = 'coupled damping: Rayleigh''s damping couples these modes and is taken without that: at most '// &
-      shortest(ratio, 2)//' of what it takes from the modes themselves'
+    text = 'coupled damping: Rayleigh''s damping couples these modes, which is left out: the coupling is at most '// &
+      shortest(ratio, 2)//' of the modes'' own damping'
     if (ratio > worth_a_warning) then
       call append(notes, text)
     else if (ratio > nothing) then
@@ -83,7 +83,7 @@ contains
     !! The modes of one of the beams, or of both, are not to be trusted.
     character(*), intent(in) :: why
     type(string), allocatable, intent(inout) :: notes(:)
-    call append(notes, 'not converged: '//why//'; every number of the case is fill')
+    call append(notes, 'not converged: '//why//'; no number of the case is given')
   end subroutine note_unresolved
 
   subroutine note_added_energy(scene, later)
@@ -131,7 +131,7 @@ contains
       return
     end if
     text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
-    if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with what the centrifugal force does)'
+    if (.not. is_missing(joules(2))) text = text//' ('//shortest(joules(2), 4)//' J with the potential of the centrifugal force)'
     if (.not. is_missing(joules(3))) text = text//' of '//shortest(joules(3), 4)//' J in all'
     if (.not. (is_missing(joules(4)) .or. by_tolerance(scene%modes))) then
       text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
@@ -144,7 +144,7 @@ contains
     type(case_events), intent(inout) :: later
     if (.not. any(is_missing([later%events%energy_before, later%events%energy_after]))) return
     call append(later%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
-                'numbers; it is fill where fewer than three digits are left')
+                'numbers; it is left out where fewer than three digits are left')
   end subroutine note_rounding
 
   subroutine note_contacts(scene, units, contacts, later)
@@ -167,7 +167,7 @@ contains
       'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
       'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
     if (any(is_missing(contacts%events%energy_after))) call append(later%notes, &
-      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are fill')
+      'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are left out')
     if (size(contacts%events) == 0 .and. later%ending == case_done) call remark(later%notes, &
       'recontact: the mass does not come back within the record')
   contains

@@ -2,7 +2,7 @@ module bw_case_validity
   !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
   !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
   use bw_beam_operator, only: axial_strain
-  use bw_beam_par, only: beam_par
+  use bw_beam_par, only: beam_mass, beam_par
   use bw_beam_units, only: beam_units, slenderness
   use bw_case_result, only: case_motion, history_errors
   use bw_coherence, only: stretch_type
@@ -21,6 +21,7 @@ module bw_case_validity
 
   integer, parameter :: looked_at = 20                        !! modes, the first
   real(dp), parameter :: wave_speeds(2) = [100.0_dp, 20000.0_dp]   !! √(E/ρ) of solids, m/s: of soft rubber to that of diamond
+  real(dp), parameter :: longest = 200.0_dp                   !! m: a rotor blade of 2025 has 150
   real(dp), parameter :: thickest = 0.1_dp                    !! D/l of a slender beam
   real(dp), parameter :: largest_deflection = 0.1_dp          !! over the length
   real(dp), parameter :: largest_strain = 0.005_dp
@@ -41,7 +42,6 @@ contains
     if (.not. present(response)) return
     if (response%finite_samples == 0) return                   ! another note says why
     peak = largest_magnitude(response%displacement(:response%finite_samples, :))
-    call note_deflection(scene, peak, notes)
     if (allocated(motion%modes%loaded)) then
       call note_amplitudes(scene, motion, motion%modes%loaded, peak, notes)
     else
@@ -50,7 +50,7 @@ contains
   end subroutine note_validity
 
   pure subroutine note_beam(scene, notes)
-    !! The material is one, and the beam is slender or has shear.
+    !! The material is one, the length is in metres, and the beam is slender or has shear.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: speed, thickness
@@ -58,6 +58,8 @@ contains
     if (speed < wave_speeds(1) .or. speed > wave_speeds(2)) call append(notes, 'material: sqrt(E/rho), the speed of waves '// &
       'along the beam, is '//shortest(speed, 3)//' m/s; of solids it is 100 to 20000 m/s. Is youngs_modulus in Pa, and density '// &
       'in kg/m3?')
+    if (scene%beam%length > longest) call append(notes, 'long beam: '//shortest(scene%beam%length, 6)//' m, of a mass of '// &
+      shortest(real(beam_mass(scene%beam), dp), 3)//' kg. Is length in m, not in mm, and the section too?')
     thickness = 4.0_dp*slenderness(scene%beam)
     if (thickness <= thickest .or. allocated(scene%shear)) return
     call append(notes, 'thick beam: '//thickness_words(scene%beam)//' is '//shortest(thickness, 3)//' of the length, more than '// &
@@ -83,15 +85,29 @@ contains
     if (.not. beam%round) words = '4 sqrt(I/A), the diameter of a circle,'
   end function thickness_words
 
-  pure subroutine note_deflection(scene, peak, notes)
-    !! The deflection at the points is small beside the length.
+  pure subroutine note_size(scene, peak, strain, notes)
+    !! The deflection at the points is small beside the length, and so is the strain. One note says all of that; where a beam is
+    !! deflected by more than its length, its strain is beside the point.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: peak                   !! m
+    real(dp), intent(in) :: strain                 !! at the root
     type(string), allocatable, intent(inout) :: notes(:)
-    if (peak <= largest_deflection*scene%beam%length) return
-    call append(notes, 'large deflection: up to '//shortest(peak, 3)//' m of a beam of '//shortest(scene%beam%length, 6)// &
-                ' m; linear theory holds up to about a tenth of the length')
-  end subroutine note_deflection
+    character(*), parameter :: strained = 'bending strains the root by about ', limit = '; linear theory holds up to about '
+    character(:), allocatable :: text
+    associate (length => scene%beam%length)
+      if (peak > largest_deflection*length) then
+        text = 'large deflection: up to '//shortest(peak, 3)//' m of a beam of '//shortest(length, 6)//' m'
+        if (strain > largest_strain .and. peak <= length) then
+          text = text//', and '//strained//shortest(100.0_dp*strain, 2)//' %'//limit//'a tenth of the length and 0.5 %'
+        else
+          text = text//limit//'a tenth of the length'
+        end if
+        call append(notes, text)
+      else if (strain > largest_strain) then
+        call append(notes, 'large strain: '//strained//shortest(100.0_dp*strain, 2)//' %'//limit//'0.5 %')
+      end if
+    end associate
+  end subroutine note_size
 
   subroutine note_amplitudes(scene, motion, modes, peak, notes)
     !! What the amplitudes of the first modes say of the strain at the root and of the time between samples.
@@ -113,7 +129,7 @@ contains
       grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
       associate (step => grid%step%hi, unit => abs(scene%impact%approach_velocity)*units%time%hi)
         amplitude = amplitude_of(square, c, 0.0_dp, rate, stretch_type(0.0_dp, grid%samples*step, step), .false.)
-        call note_strain_at_root(scene, units, modes, amplitude, notes)
+        call note_size(scene, peak, strain_at_root(scene, units, modes, amplitude), notes)
         above = sqrt(max(0.0_dp, square%hi))*step > acos(-1.0_dp)
         fast = maxval(merge(amplitude, 0.0_dp, above))
         if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
@@ -123,7 +139,7 @@ contains
     end associate
   end subroutine note_amplitudes
 
-  subroutine note_strain_at_root(scene, units, modes, amplitude, notes)
+  function strain_at_root(scene, units, modes, amplitude) result(strain)
     !! The strain of the outermost fibre at the root, D/2 times the curvature there, which is largest where the beam is held: the
     !! sum of the amplitudes of the first modes. Of a captured mass of 0.05 to 50 times the beam's it is 0.9 to 1.5 times the
     !! largest strain.
@@ -131,15 +147,12 @@ contains
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: amplitude(:)           !! of the first modes, V l²/h
-    type(string), allocatable, intent(inout) :: notes(:)
-    real(dp) :: curvature(size(amplitude), 1), strain
+    real(dp) :: strain
+    real(dp) :: curvature(size(amplitude), 1)
     curvature = modes%some_curvatures(1, size(amplitude), [0.0_dp])
     strain = 2.0_dp*slenderness(scene%beam)*sum(abs(curvature(:, 1))*amplitude)
     strain = scaled(scaled(strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)     ! what grows may overflow
-    if (strain <= largest_strain) return
-    call append(notes, 'large strain: bending strains the root by about '//shortest(100.0_dp*strain, 2)// &
-                ' %; linear theory holds up to about 0.5 %')
-  end subroutine note_strain_at_root
+  end function strain_at_root
 
   subroutine note_aliasing(scene, modes, amplitude, above, notes)
     !! The samples are close enough for every mode whose line stands out of the spectrum of the displacement.
@@ -165,9 +178,9 @@ contains
                 'frequencies, folded back')
   end subroutine note_aliasing
 
-  subroutine note_history_errors(points, response, errors, notes)
-    !! Which histories are far off.
-    real(dp), intent(in) :: points(:)              !! ξ, (points)
+  subroutine note_history_errors(scene, response, errors, notes)
+    !! Which histories are far off, and what would bring them nearer.
+    type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
     type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
     type(string), allocatable, intent(inout) :: notes(:)
@@ -192,10 +205,25 @@ contains
       where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
-      call append(notes, 'error of the '//quantity//': at xi = '//shortest(points(p), 6)//' it may be off by '// &
-                  part_words(part(p))//others(count(part > 0.0_dp) - 1))
+      call append(notes, 'error of the '//quantity//': at xi = '//shortest(scene%response%points(p), 6)// &
+                  ' it may be off by '//part_words(part(p))//others(count(part > 0.0_dp) - 1)//'; '//remedy(scene, quantity))
     end subroutine note_error
   end subroutine note_history_errors
+
+  pure function remedy(scene, quantity) result(words)
+    !! What would lessen the error of a history. A velocity and a bending moment inside the beam fall with the square root of the
+    !! number of modes (docs/equations.md), unless the modes are damped.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: quantity
+    character(:), allocatable :: words
+    if (allocated(scene%recontact)) then
+      words = 'contacts amplify every error, and a shorter duration has fewer of them'
+    else if (quantity == 'displacement' .or. allocated(scene%damping)) then
+      words = 'more modes lessen it: larger counts, or a smaller tolerance'
+    else
+      words = 'ten times as many modes (before, after) leave about a third of it, and &damping far less'
+    end if
+  end function remedy
 
   pure function others(count) result(words)
     !! How many more points there are of which that is said.

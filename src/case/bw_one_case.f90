@@ -90,7 +90,7 @@ contains
 
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
-      call note_history_errors(scene%response%points, histories%response, errors, validity)
+      call note_history_errors(scene, histories%response, errors, validity)
     end if
     call add_notes(motion%modes%notes, validity)
 

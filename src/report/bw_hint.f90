@@ -25,6 +25,7 @@ module bw_hint
     integer :: last = 0                  !! the last mode that was asked for
     real(dp) :: last_change = 0.0_dp     !! of that one
     logical :: steadies = .false.        !! mode 1 grows without bound, and would not
+    integer(i8) :: case = 0              !! of a sweep: the case that this is said of
   end type estimate_type
 
 contains
@@ -38,24 +39,31 @@ contains
     type(scene_type) :: one
     type(error_type), allocatable :: error
     real(dp) :: tolerance, back, again
+    integer(i8) :: case, back_case
     integer :: i, e
     tolerance = default_tolerance
     back = missing
+    back_case = 0
     do i = 1, merge(1, 2, size(scene%sweeps) == 0)
-      call case_scene(scene, merge(1_i8, case_count(scene), i == 1), one, error)
+      case = merge(1_i8, case_count(scene), i == 1)
+      call case_scene(scene, case, one, error)
       if (allocated(error)) cycle
       if (by_tolerance(one%modes)) tolerance = one%modes%tolerance
       now = estimate_absent(one)
+      if (size(scene%sweeps) > 0) now%case = case
       do e = 1, size(found)
         if (weight(now(e)) > weight(found(e))) found(e) = now(e)
       end do
       again = return_time(one)
-      if (is_missing(back)) back = again
-      if (.not. is_missing(again)) back = min(back, again)
+      if (is_missing(again)) cycle
+      if (.not. is_missing(back) .and. back <= again) cycle
+      back = again
+      back_case = now(1)%case
     end do
     text = frequency_words(found, tolerance)
     if (text /= '' .and. .not. is_missing(back)) text = text//'; '
     if (.not. is_missing(back)) text = text//'recontact: the mass would be back '//time_words(back)
+    if (back_case > 0) text = text//' in case '//text_of(back_case)
     if (text /= '') text = '  left out   '//text//new_line('a')
   end function hint_line
 
@@ -115,12 +123,20 @@ contains
     character(:), allocatable :: text
     text = ''
     if (estimate%steadies) text = 'mode 1 would not grow'
-    if (estimate%change == 0.0_dp) return
-    if (estimate%steadies) text = text//', '
-    text = text//'mode '//text_of(estimate%mode)//' '//percent(estimate%change)//' %'
-    if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) then
-      text = text//', mode '//text_of(estimate%last)//' '//percent(estimate%last_change)//' %'
-    end if
+    if (estimate%change /= 0.0_dp .and. estimate%steadies) text = text//', '
+    if (estimate%change /= 0.0_dp) text = text//change_words(estimate%mode, estimate%change)
+    if (estimate%last > estimate%mode .and. abs(estimate%last_change) > abs(estimate%change)) &
+      text = text//', '//change_words(estimate%last, estimate%last_change)
+    if (estimate%case > 0) text = text//' in case '//text_of(estimate%case)
   end function words
+
+  pure function change_words(mode, change) result(text)
+    !! What an effect would do to a mode: of one that loses all its frequency nothing is left but growth.
+    integer, intent(in) :: mode
+    real(dp), intent(in) :: change               !! relative
+    character(:), allocatable :: text
+    text = 'mode '//text_of(mode)//' '//percent(change)//' %'
+    if (change <= -1.0_dp) text = 'mode '//text_of(mode)//' would grow'
+  end function change_words
 
 end module bw_hint

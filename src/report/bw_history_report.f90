@@ -40,7 +40,7 @@ contains
       if (allocated(scene%capture)) then
         call lines%append_line('  -: no error is estimated of a motion that leaves the range of numbers.')
       else
-        call lines%append_line('  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
+        call lines%append_line('  -: a rebound depends on the number of modes: no error against infinitely many is estimated.')
       end if
     end associate
   end subroutine report_histories
@@ -85,12 +85,14 @@ contains
     type(text_builder), intent(inout) :: lines
     real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
     real(dp), allocatable, dimension(:) :: frequency, bound, wavenumber, phase, group
+    integer :: shown
     if (result%measured%peak_count == 0) return
     frequency = named_value(result, 'measured_angular_frequency')
     bound = named_value(result, 'measured_angular_frequency_error')
     wavenumber = named_value(result, 'measured_wavenumber')
     phase = named_value(result, 'measured_phase_velocity')
     group = named_value(result, 'measured_group_velocity')
+    shown = min(shown_peaks, size(wavenumber))
     call lines%append_line('')
     call lines%append_line('  Measured in the tip and midpoint histories alone; +/- is a bound of the error')
     call lines%append_line('  peak   frequency        +/-   frequency  wave number  phase velocity  group velocity')
@@ -98,7 +100,7 @@ contains
     call numbered_rows(lines, shown_peaks, [12, 11, 12, 13, 16, 16], &
                        reshape([frequency, bound, frequency/two_pi, wavenumber, phase, group], [size(frequency), 6]), &
                        rounded=2)
-    if (any(is_missing(wavenumber)) .and. .not. all(is_missing(wavenumber))) call lines%append_line( &
+    if (any(is_missing(wavenumber(:shown))) .and. .not. all(is_missing(wavenumber))) call lines%append_line( &
       '  -: it is not sure which mode this peak is, so that it has no wave number.')
     if (all(is_missing(wavenumber))) call lines%append_line('  -: the notes below say why there are no wave numbers.')
   end subroutine report_measured

@@ -9,12 +9,12 @@ module bw_scene_summary
   use bw_modes_par, only: by_tolerance
   use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
-  use bw_scene, only: changes_shapes, effects_text, scene_type, by_pieces
+  use bw_scene, only: by_pieces, count_methods, effects_text, scene_type
   use bw_scene_cases, only: case_count
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, working_bytes
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, disk_bytes, working_bytes
 
 contains
 
@@ -47,12 +47,18 @@ contains
   end function scene_summary
 
   pure function method_text(scene) result(text)
-    !! How modes are found.
+    !! How modes are found; of a sweep in how many cases, where not all have the same method.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: text
+    character(:), allocatable :: otherwise
+    integer(i8) :: closed, cases
+    otherwise = 'Galerkin, polynomials in the strains'
+    if (by_pieces(scene)) otherwise = 'exact modes of uniform pieces'
+    call count_methods(scene, closed, cases)
     text = 'closed form'
-    if (changes_shapes(scene)) text = 'Galerkin, polynomials in the strains'
-    if (by_pieces(scene)) text = 'exact modes of uniform pieces'
+    if (closed == 0) text = otherwise
+    if (closed > 0 .and. closed < cases) text = text_of(closed)//' of '//text_of(cases)//' cases in closed form, the others '// &
+      otherwise
   end function method_text
 
   function modes_text(scene, layout) result(text)
@@ -140,6 +146,15 @@ contains
     if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
     text = text//new_line('a')
   end function cost_summary
+
+  function disk_bytes(scene, layout) result(bytes)
+    !! What a run writes, until its result is complete.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    integer(i8) :: bytes
+    bytes = result_bytes(scene, layout)
+    if (layout%cases > 0) bytes = bytes + journal_bytes(layout)
+  end function disk_bytes
 
   pure integer(i8) function journal_bytes(layout) result(bytes)
     !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.

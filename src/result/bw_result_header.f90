@@ -33,15 +33,12 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in), optional :: study   !! the study whose result it is; absent: a run's
     integer(i4), parameter :: format_version = 1
-    character(:), allocatable :: command
-    command = 'run'
-    if (present(study)) command = study
     call file%put_text('Conventions', 'CF-1.11', error)
     if (.not. allocated(error)) call file%check(nf90_put_att(file%id, nf90_global, 'format_version', format_version), error)
     call file%put_text('title', trim(scene%header%title), error)
     call file%put_text('source', source_text(), error)
     call file%put_text('created', time_stamp(), error)
-    call file%put_text('history', time_stamp()//': beamwave '//command//' '//scene%file, error)
+    call file%put_text('history', time_stamp()//': '//called_as(scene, study), error)
     if (present(study)) call file%put_text('study', study, error)
     call file%put_text('scene', trim(resolved_text(scene)), error)
     call file%put_text('effects', effect_names(scene), error)
@@ -52,6 +49,44 @@ contains
                        error)
     call file%put_text('libraries', program_libraries, error)
   end subroutine put_global_attributes
+
+  function called_as(scene, study) result(text)
+    !! The command as it was called, with its options; behind it the scene's file where a directory stands for that.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in), optional :: study   !! as above
+    character(:), allocatable :: text, word
+    logical :: named
+    integer :: i, length
+    text = 'beamwave'
+    named = .false.
+    do i = 1, command_argument_count()
+      call get_command_argument(i, length=length)
+      if (allocated(word)) deallocate (word)
+      allocate (character(length) :: word)
+      if (length > 0) call get_command_argument(i, word)
+      named = named .or. word == scene%file
+      text = text//' '//quoted(word)
+    end do
+    if (i == 1 .and. present(study)) text = text//' '//study                 ! no program of a command line
+    if (i == 1 .and. .not. present(study)) text = text//' run'
+    if (i == 1) text = text//' '//scene%file
+    if (i > 1 .and. .not. named) text = text//' ('//scene%file//')'
+  end function called_as
+
+  pure function quoted(word) result(text)
+    !! A word as a shell takes it for that word.
+    character(*), intent(in) :: word
+    character(:), allocatable :: text
+    integer :: i
+    text = word
+    if (scan(word, ' ''"$\*?;&|<>()') == 0 .and. len(word) > 0) return
+    text = ''''
+    do i = 1, len(word)
+      if (word(i:i) == '''') text = text//'''\'''
+      text = text//word(i:i)
+    end do
+    text = text//''''
+  end function quoted
 
   function time_stamp() result(text)
     !! Now, as ISO 8601.

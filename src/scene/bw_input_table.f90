@@ -7,7 +7,7 @@ module bw_input_table
   use bw_capture_par, only: capture_group, capture_names
   use bw_damping_par, only: damping_group, damping_names
   use bw_impact_par, only: impact_group, impact_names
-  use bw_input_name, only: input_group, input_name, name_length
+  use bw_input_name, only: input_group, input_name, is_sweepable, name_length
   use bw_modes_par, only: modes_group, modes_names
   use bw_recontact_par, only: recontact_group, recontact_names
   use bw_release_par, only: release_group, release_names
@@ -93,13 +93,15 @@ contains
     text = 'is no known group'//suggestion(group, group_table%name, '&')//'; accepted: '//joined(group_table%name, '&')
   end function unknown_group
 
-  pure function unknown_name(group, name) result(text)
+  pure function unknown_name(group, name, to_sweep) result(text)
     !! Message for a name that is not in its group.
     character(*), intent(in) :: group, name
+    logical, intent(in), optional :: to_sweep   !! a sweep names it, and accepts fewer names
     character(:), allocatable :: text
     character(name_length), allocatable :: names(:)
     integer :: i
     names = pack(name_table%name, name_table%group == group)
+    if (present(to_sweep)) names = pack(name_table%name, name_table%group == group .and. is_sweepable(name_table))
     text = suggestion(name, names, '')
     i = findloc(name_table%name, name, dim=1)
     if (text == '' .and. i > 0) text = ' (it belongs to &'//trim(name_table(i)%group)//')'
@@ -110,7 +112,7 @@ contains
   end function unknown_name
 
   pure integer function closest(word, known)
-    !! Place of the nearest of the known words; 0 where none is near.
+    !! Place of the nearest of the known words, else of the first that has the word as a part or is a part of it; 0 for none.
     character(*), intent(in) :: word
     character(*), intent(in) :: known(:)
     integer :: i, distance, least
@@ -124,7 +126,19 @@ contains
         closest = i
       end if
     end do
+    if (closest > 0) return
+    do i = 1, size(known)                     ! as velocity for approach_velocity, or damping_ratio for ratio
+      if (is_part(trim(word), trim(known(i))) .or. is_part(trim(known(i)), trim(word))) closest = i
+      if (closest > 0) return
+    end do
   end function closest
+
+  pure logical function is_part(word, name)
+    !! A word is the beginning or the end of a name whose words underscores join.
+    character(*), intent(in) :: word, name
+    is_part = .false.
+    if (len(name) > len(word)) is_part = index(name, word//'_') == 1 .or. name(len(name) - len(word):) == '_'//word
+  end function is_part
 
   pure function suggestion(word, known, before) result(text)
     !! ` (did you mean &beam?)`, or nothing.

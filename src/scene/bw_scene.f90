@@ -8,7 +8,7 @@ module bw_scene
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   use bw_modes_par, only: build_modes, modes_par, settle_modes
   use bw_recontact_par, only: build_recontact, check_recontact, recontact_par
   use bw_release_par, only: build_release, release_par, release_text
@@ -24,7 +24,7 @@ module bw_scene
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, settle_groups
-  public :: by_pieces, changes_shapes, effect_names, effects_text, is_built_up, method_name
+  public :: by_pieces, changes_shapes, count_methods, effect_names, effects_text, is_built_up, method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -173,16 +173,24 @@ contains
       case ('damping'); text = text//', '//damping_text(scene%groups(g))
       case ('impact')
         text = text//', '//impact_text(scene%groups(g), scene%impact)
-        if (.not. allocated(scene%capture)) text = text//', rebound'
+        if (.not. allocated(scene%capture)) text = text//after_impact(scene%groups(g))
       case ('capture'); text = text//', '//capture_text(scene%groups(g))
       case ('release'); text = text//', '//release_text(scene%groups(g))
-      case ('recontact'); text = text//' and recontact'
+      case ('recontact'); text = text//', recontact'
       case default                                   ! no effect
       end select
     end do
     if (text == '') text = ', none: modes and wave velocities of the beam alone'
     text = text(3:)
   end function effects_text
+
+  pure function after_impact(impact) result(text)
+    !! What becomes of a mass that is not captured: without restitution it goes on with the tip at first.
+    type(group_values), intent(in) :: impact
+    character(:), allocatable :: text
+    text = ', rebound'
+    if (impact%number('restitution') == 0.0_dp .and. .not. impact%is_swept('restitution')) text = ', no capture'
+  end function after_impact
 
   pure function effect_names(scene) result(names)
     !! The groups of a scene that are effects or events, by blanks, in the order of the table of groups.
@@ -223,14 +231,47 @@ contains
   end function is_plain
 
   pure function method_name(scene) result(name)
-    !! How the modes of a scene are found.
+    !! How the modes of a scene are found, those of all its cases.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: name
+    integer(i8) :: closed, cases
+    call count_methods(scene, closed, cases)
     name = 'closed form'
-    if (.not. changes_shapes(scene)) return
+    if (closed == cases) return
     name = 'galerkin'
     if (by_pieces(scene)) name = 'pieces'
+    if (closed > 0) name = 'closed form, '//name
   end function method_name
+
+  pure subroutine count_methods(scene, closed, cases)
+    !! Of how many cases the modes have a closed form: swept numbers of which the table says that they change shapes are the plain
+    !! ones in them.
+    type(scene_type), intent(in) :: scene
+    integer(i8), intent(out) :: closed
+    integer(i8), intent(out) :: cases              !! 1 without sweeps
+    type(scene_type) :: rest                       ! with the plain numbers in the place of swept ones
+    integer :: g, v, s
+    rest%groups = scene%groups
+    rest%beam = scene%beam
+    cases = 1
+    do s = 1, size(scene%sweeps)
+      cases = cases*size(scene%sweeps(s)%values)
+    end do
+    closed = cases
+    do g = 1, size(rest%groups)
+      do v = 1, size(rest%groups(g)%values)
+        associate (value => rest%groups(g)%values(v), row => name_table(rest%groups(g)%values(v)%row))
+          if (.not. (row%changes_shapes .and. value%follows_sweep())) cycle
+          associate (values => scene%sweeps(value%sweeps(1))%values)
+            closed = closed/size(values)*count(values == row%plain)
+          end associate
+          value%numbers = row%plain
+          value%sweeps = 0
+        end associate
+      end do
+    end do
+    if (changes_shapes(rest)) closed = 0
+  end subroutine count_methods
 
   pure logical function by_pieces(scene)
     !! Its modes have no closed form, but are found exactly, piece by piece: nothing varies along a piece, as tension does.

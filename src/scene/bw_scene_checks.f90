@@ -49,7 +49,8 @@ contains
       if (.not. has_word(group_table(row)%needs, group_table(j)%name)) cycle
       if (position_of(groups, group_table(j)%name) > 0) cycle
       call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs &'//trim(group_table(j)%name)// &
-                        ', which is absent ('//trim(group_table(j)%absent)//'); accepted: both, or neither')
+                        ', which is absent ('//trim(group_table(j)%absent)//'); accepted: a scene with &'// &
+                        trim(group_table(j)%name)//', or without &'//trim(groups(i)%group))
     end do
   end subroutine check_needs
 

@@ -1,14 +1,14 @@
 module bw_scene_sweeps
   !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, place_of
-  use bw_input_table, only: name_table
+  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_sweepable, place_of
+  use bw_input_table, only: closest, group_row, name_table
   use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_scene_checks, only: check_group
   use bw_scene_messages, only: message_list
   use bw_sweep_par, only: build_sweep, sweep_lines, sweep_par
   use bw_sweep_target, only: find_target, sweep_target
-  use bw_text, only: text_of
+  use bw_text, only: lower, text_of
   implicit none (type, external)
   private
   public :: extract_sweeps
@@ -63,7 +63,10 @@ contains
     call check_group(source, messages)
     if (.not. source%known('parameter')) return
     call find_target(source, groups, target, messages)
-    if (target%group == 0) return
+    if (target%group == 0) then
+      call excuse_missing(lower(source%text('parameter')), groups)
+      return
+    end if
     associate (value => groups(target%group)%values(target%value))
       if (.not. allocated(value%numbers)) call value%set_numbers([0.0_dp], source%line_of('parameter'))
       value%known = value%known .or. size(value%numbers) == 1
@@ -80,6 +83,26 @@ contains
       value%known = value%known .and. messages%count == before
     end associate
   end subroutine apply_sweep
+
+  pure subroutine excuse_missing(parameter, groups)
+    !! A sweep was meant to give some input its values, and names none: the one that it likely meant counts as given, so that
+    !! no second message calls it missing; where none is likely, all that are required in the group.
+    character(*), intent(in) :: parameter
+    type(group_values), intent(inout) :: groups(:)
+    character(:), allocatable :: group, name
+    integer :: g, v
+    group = parameter(:max(0, scan(parameter, '(%.:/ ') - 1))
+    name = parameter(scan(parameter, '%.:/ ', back=.true.) + 1:)
+    do g = 1, size(groups)
+      v = groups(g)%at(name)
+      if (v == 0 .and. groups(g)%group == group) v = closest(name, groups(g)%values%name)
+      if (v > 0) then
+        if (is_sweepable(name_table(groups(g)%values(v)%row))) groups(g)%values(v)%given = .true.
+      else if (groups(g)%group == group .or. group_row(group) == 0) then
+        where (name_table(groups(g)%values%row)%required) groups(g)%values%given = .true.
+      end if
+    end do
+  end subroutine excuse_missing
 
   pure subroutine check_values(source, sweep, row, messages)
     !! Each value has to be one that the name itself would accept.

@@ -38,7 +38,7 @@ contains
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
     else if (name_row(group, name) == 0) then
-      problem = unknown_name(group, name)
+      problem = unknown_name(group, name, to_sweep=.true.)
     else
       call resolve(groups, name_table(name_row(group, name)), group_number, name_number, target, problem)
     end if

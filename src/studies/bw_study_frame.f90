@@ -4,7 +4,6 @@ module bw_study_frame
   use bw_error, only: error_type, status_stopped
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: i8
-  use bw_note, only: remark
   use bw_outcome, only: outcome_type
   use bw_report, only: notes_report
   use bw_result_layout, only: layout_of
@@ -12,7 +11,7 @@ module bw_study_frame
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_summary, only: scene_heading, scene_summary
   use bw_study_file, only: create_study, study_file, study_values
-  use bw_text, only: string, text_of
+  use bw_text, only: shortest, string, text_of
   use bw_work_directory, only: work_directory
   implicit none (type, external)
   private
@@ -63,20 +62,34 @@ contains
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(inout) :: error
     type(string), allocatable :: lines(:)
+    character(:), allocatable :: report
     integer :: i
     allocate (lines(0))
     if (present(notes)) lines = notes
-    if (size(scene%sweeps) > 0) call remark(lines, 'sweep: the first of '//text_of(case_count(scene))//' cases is measured')
+    report = which_case(scene)//body
     outcome%notes = ''
     do i = 1, size(lines)
       outcome%notes = outcome%notes//lines(i)%text//nl
     end do
-    call self%write_file(values, outcome%notes_text(), body, error)
+    call self%write_file(values, outcome%notes_text(), report, error)
     call self%work%leave()
     if (allocated(error)) return
-    outcome%report = scene_heading(self%scene)//scene_summary(self%scene, layout_of(self%scene))//body//nl// &
+    outcome%report = scene_heading(self%scene)//scene_summary(self%scene, layout_of(self%scene))//report//nl// &
       notes_report(outcome%notes_text())//'  result     '//outcome%file//nl
   end subroutine end_study
+
+  pure function which_case(scene) result(text)
+    !! Of a sweep: which of its cases the study is about, on a line of its own.
+    type(scene_type), intent(in) :: scene           !! as it was read
+    character(:), allocatable :: text
+    integer :: s
+    text = ''
+    if (size(scene%sweeps) == 0) return
+    do s = 1, size(scene%sweeps)
+      text = text//', '//scene%sweeps(s)%parameter//' = '//shortest(scene%sweeps(s)%values(1), 6)
+    end do
+    text = nl//'  Of '//text_of(case_count(scene))//' cases only the first is measured: '//text(3:)//'.'//nl
+  end function which_case
 
   subroutine write_file(self, values, notes, report, error)
     !! Write the file in a process of its own, and give it its final name.

@@ -40,10 +40,11 @@ contains
     call self%notes%add(index, notes)
   end subroutine add
 
-  subroutine foretell(self, scene, layout, monitor)
+  subroutine foretell(self, index, scene, layout, monitor)
     !! The notes of a case that takes longer than there is time, from few of its modes and samples: from samples of its whole record,
     !! and from its first ones, which are as close to each other as those of the case.
     class(forecast_type), intent(inout) :: self
+    integer(i8), intent(in) :: index              !! of the case
     type(scene_type), intent(in) :: scene         !! of the case
     type(result_layout), intent(in) :: layout
     class(monitor_type), intent(inout) :: monitor !! nothing is foretold where it asks to stop
@@ -62,7 +63,7 @@ contains
       if (.not. whole) return
       call take_notes(result%notes, .true., notes)
     end if
-    call self%add(1_i8, notes)
+    call self%add(index, notes)
     self%from_few = .true.
   end subroutine foretell
 

@@ -91,7 +91,7 @@ contains
       end if
       call built%append(unmarked(self%texts(k)%text))
       if (cases > 0 .and. self%last_texts(k)%text /= self%texts(k)%text) then
-        call built%append('; in case '//text_of(self%kinds(k)%last)//', the last: '// &
+        call built%append('; case '//text_of(self%kinds(k)%last)//', the last: '// &
                           what_differs(self%last_texts(k)%text, self%texts(k)%text))
       end if
       call built%append_line('')
@@ -100,20 +100,24 @@ contains
   end function chosen_lines
 
   pure function what_differs(text, first) result(rest)
-    !! A note of the same kind as the first one, without the kind and without the clauses at its end that the first one has said.
+    !! A note of the same kind as the first one, without the words at its beginning and the clauses at its end that the first one
+    !! has said.
     character(*), intent(in) :: text, first       !! not the same
     character(:), allocatable :: rest
-    integer :: cut, at
+    integer :: cut, at, begin
     cut = len(text)
     do
-      at = index(text(:cut), '; ', back=.true.)
+      at = max(index(text(:cut), '; ', back=.true.), index(text(:cut), ', ', back=.true.), index(text(:cut), ': ', back=.true.))
       if (at == 0) exit
       if (.not. ends_with(first, text(at:))) exit
       cut = at - 1
     end do
-    rest = unmarked(text(:cut))
-    rest = rest(len(kind_of(rest)) + 1:)
-    if (index(rest, ': ') == 1) rest = rest(3:)
+    begin = 0
+    do at = 1, min(len(first), cut)
+      if (text(at:at) /= first(at:at)) exit
+      if (text(at:at) == ' ') begin = at
+    end do
+    rest = text(begin + 1:cut)
   end function what_differs
 
   pure logical function ends_with(text, ending)

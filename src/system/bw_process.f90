@@ -6,12 +6,12 @@ module bw_process
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
   use bw_error, only: error_type, fail, status_bad_file, status_fault
   use bw_kinds, only: i8
-  use bw_system_calls, only: bw_leave, bw_open_standard_streams, bw_pause, bw_set_environment, bw_settle_openblas, &
-    bw_stack_limit, bw_stop_signal, bw_watch
+  use bw_system_calls, only: bw_free_disk, bw_free_memory, bw_leave, bw_open_standard_streams, bw_pause, &
+    bw_set_environment, bw_settle_openblas, bw_stack_limit, bw_stop_signal, bw_watch
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: open_standard_streams, watch_over_process, settle_libraries, stop_signal, leave, pause
+  public :: free_disk, free_memory, open_standard_streams, watch_over_process, settle_libraries, stop_signal, leave, pause
 
   character(kind=c_char, len=*), parameter :: &
     fault_message = 'beamwave: a fault in the program: please report it'//new_line('a')//c_null_char, &
@@ -52,6 +52,17 @@ contains
                 text_of(openblas_bytes/1000000)//' MB')
     end if
   end subroutine settle_libraries
+
+  integer(i8) function free_disk(path) result(bytes)
+    !! What may still be written where a path is; below 0: not known.
+    character(*), intent(in) :: path
+    bytes = bw_free_disk(path//c_null_char)
+  end function free_disk
+
+  integer(i8) function free_memory() result(bytes)
+    !! Memory that the machine can still grant without swapping, as far as it tells; below 0: not known.
+    bytes = bw_free_memory()
+  end function free_memory
 
   logical function stack_is_small()
     !! Whether this process may have less stack than a run needs.

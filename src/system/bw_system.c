@@ -16,6 +16,7 @@
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -372,6 +373,31 @@ int64_t bw_stack_limit(void)
   struct rlimit limit;
   if (getrlimit(RLIMIT_STACK, &limit) < 0 || limit.rlim_cur == RLIM_INFINITY) return -1;
   return (int64_t)limit.rlim_cur;
+}
+
+/* Bytes that this user may still write where a path is; below 0: not known. */
+int64_t bw_free_disk(const char *path)
+{
+  struct statvfs found;
+  int result;
+  AGAIN_WHERE_INTERRUPTED(result = statvfs(path, &found));
+  if (result < 0) return -1;
+  if (found.f_bavail > (uint64_t)INT64_MAX / (found.f_frsize ? found.f_frsize : 1)) return INT64_MAX;
+  return (int64_t)(found.f_bavail * found.f_frsize);
+}
+
+/* Bytes of memory that the machine can still grant without swapping; where that is not told, all that it has. Below 0: not
+   known. */
+int64_t bw_free_memory(void)
+{
+  long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+  long long kilobytes = -1;
+  char line[128];
+  FILE *told = fopen("/proc/meminfo", "re");
+  while (told && kilobytes < 0 && fgets(line, sizeof line, told)) sscanf(line, "MemAvailable: %lld kB", &kilobytes);
+  if (told) fclose(told);
+  if (kilobytes >= 0) return (int64_t)kilobytes * 1024;
+  return pages < 0 || size < 0 ? -1 : (int64_t)pages * size;
 }
 
 /* Where LAPACK is OpenBLAS, it works with one thread, and claims the memory of so many bytes that it takes at its first call:

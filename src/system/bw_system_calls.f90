@@ -202,6 +202,15 @@ module bw_system_calls
       import :: c_int64_t
       implicit none (type, external)
     end function bw_stack_limit
+    integer(c_int64_t) function bw_free_disk(path) bind(c)
+      import :: c_char, c_int64_t
+      implicit none (type, external)
+      character(c_char), intent(in) :: path(*)
+    end function bw_free_disk
+    integer(c_int64_t) function bw_free_memory() bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+    end function bw_free_memory
     integer(c_int) function bw_settle_openblas(bytes) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)

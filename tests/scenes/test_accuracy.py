@@ -154,7 +154,7 @@ def test_of_a_sweep_the_first_case_is_measured_and_replaces_another_study_when_t
     assert here.left() == ["a.accuracy.nc"]
     with xr.open_dataset(here.directory / "output/a.accuracy.nc") as ds:
         assert ds.rotation_angular_velocity == 30.0
-        assert "remark: sweep: the first of 2 cases is measured" in ds.attrs["notes"]
+        assert "Of 2 cases only the first is measured: " in ds.attrs["report"].splitlines()[1]
 
 
 def test_a_result_of_a_run_is_not_taken_for_a_study(here):

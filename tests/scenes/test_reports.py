@@ -1,5 +1,7 @@
 """What a person reads: warnings in `check` and `run`, reports again, many scenes in few lines, remarks that are no warnings."""
 
+import re
+
 import numpy as np
 import pytest
 from workplace import SECONDS
@@ -52,7 +54,39 @@ def test_check_foretells_what_it_has_not_the_time_to_run(here):
     turning = {"rotation": {"angular_velocity": 500.0}, "response": {"duration": 0.5, "samples": 100}, "modes": many}
     here.scene("a", {**STRUCK, **turning})
     kinds = [line.split(": ")[2] for line in warnings_of(here.beamwave("check", "a.nml", "--quiet"))]
-    assert kinds == ["unstable", "large deflection", "large strain"]
+    assert kinds == ["unstable", "large deflection"]
+
+
+def test_a_case_that_is_foretold_is_named_by_its_number(here):
+    """A light mass leaves the beam where it is: of the sweep's cases it is not the first that deflects it."""
+    masses = np.linspace(1e-4, 0.2, 1000).tolist()
+    struck = {"mass_ratio": 0.0, "approach_velocity": 60.0}
+    many = {"modes": {"before": 3000}, "response": {"duration": 0.1, "samples": 6_000_000}}
+    here.scene("a", {**STRUCK, **many, "impact": struck}, {"parameter": "impact%mass_ratio", "values": masses})
+    found = re.search(r"case (\d+): (large deflection: up to \S+ m)", here.beamwave("check", "a.nml").stderr)
+    few = {"modes": {"before": 20}, "response": {"duration": 0.1, "samples": 1000}}
+    here.scene("b", {**STRUCK, **few, "impact": {**struck, "mass_ratio": masses[int(found[1]) - 1]}})
+    assert int(found[1]) > 1
+    assert found[2] in here.beamwave("run", "b.nml").stderr
+
+
+def test_check_says_what_the_machine_has_not_the_room_for(here):
+    """Nothing is asked for that is not there: 16 TB of memory, and of disk some hundred times that."""
+    vast = {"duration": 1.0, "samples": 1_000_000_000, "points": np.linspace(0.0, 1.0, 500).tolist()}
+    here.scene("a", {**STRUCK, "response": vast}, {"parameter": "impact%mass_ratio", "first": 0.1, "last": 0.2, "count": 1000})
+    here.scene("b", {**STRUCK, "response": WATCHED})
+    ended = here.beamwave("check", "a.nml")
+    assert ended.returncode == 0, ended.stderr
+    assert re.search(r"memory: a run takes 16000 GB, and this machine has \d\S* .B free", ended.stderr)
+    assert re.search(r"disk: a run takes 8000000 GB, and here \d\S* .B are free", ended.stderr)
+    assert "tried      20 modes and 1000 samples" in ended.stdout
+    assert warnings_of(here.beamwave("check", "b.nml")) == []
+
+
+def test_a_scene_without_its_ending_is_pointed_out(here):
+    here.scene("a", STRUCK)
+    assert here.beamwave("run", "a").stderr == "a: cannot be read: No such file or directory; a.nml is there\n"
+    assert "is there" not in here.beamwave("run", "b").stderr
 
 
 @pytest.mark.parametrize("more", [{}, {"damping": {"ratio": 0.01}}, {"rotation": {"angular_velocity": 50.0}}])
@@ -94,7 +128,7 @@ def test_many_scenes_have_one_line_each_and_are_counted(here):
     lines = ended.stdout.splitlines()
     assert ended.returncode == 2
     assert lines[:12] == [f"output/a{i:02}.nc: done" for i in range(12)]
-    assert lines[12] == "output/b.nc: done; warnings: unstable, large deflection, large strain"
+    assert lines[12] == "output/b.nc: done; warnings: unstable, large deflection"
     assert lines[13:] == ["14 scenes: 13 done (1 with warnings), 1 wrong"]
     assert here.beamwave("run", "set").stdout.endswith("14 scenes: 13 done (13 there already, 1 with warnings), 1 wrong\n")
     assert here.beamwave("check", "set").stdout.endswith("14 scenes: 13 good (1 with warnings), 1 wrong\n")

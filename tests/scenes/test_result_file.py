@@ -140,6 +140,16 @@ def test_every_number_of_the_scene_is_a_variable(full):
         assert full[name] == value, name
 
 
+def test_the_history_is_the_command_with_its_options(here):
+    here.scene("set/a", captured_beam())
+    ended = here.beamwave("run", "set/a.nml", "--output", "it's here", "--overwrite", "--max-seconds=600")
+    assert ended.returncode == 0, ended.stderr
+    said = here.result("a", "it's here").attributes["history"].split(": ", 1)[1]
+    assert said == "beamwave run set/a.nml --output 'it'\\''s here' --overwrite --max-seconds=600"
+    here.beamwave("run", "set")
+    assert here.result("a").attributes["history"].endswith(": beamwave run set (set/a.nml)")
+
+
 def test_the_attributes_say_what_made_the_file(full):
     attributes = full.attributes
     assert attributes["Conventions"] == "CF-1.11"

@@ -62,8 +62,8 @@ contains
         call modes%settle('tolerance', default_tolerance, 0)
         return
       else if (response .and. rebound) then
-        call ask_for_counts('&response with &impact and without &capture', 'a rebound belongs to its truncation '// &
-                            '(its impulse goes to 0 as modes are added)', messages)
+        call ask_for_counts('&response with &impact and without &capture', 'the motion after a rebound '// &
+                            'depends on their number (its impulse goes to 0 as modes are added)', messages)
         return
       end if
       call modes%settle('before', real(default_count, dp), 0)

@@ -32,7 +32,8 @@ contains
     !! What a report calls it: `release at 0.1 s`.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    text = 'release at '//values%number_or_swept('time', ' s')
+    text = 'release at a swept time'
+    if (.not. values%is_swept('time')) text = 'release at '//values%number_or_swept('time', ' s')
   end function release_text
 
 end module bw_release_par

@@ -216,13 +216,14 @@ contains
     if (problem /= '') call messages%add(source%line, place_of(row), problem//'; accepted: '//accepted_text(row))
   end subroutine read_scalar
 
-  pure subroutine read_number(row, piece, source, number, messages)
+  pure subroutine read_number(row, piece, source, number, messages, pair)
     !! A real or a whole number within the row's range.
     type(input_name), intent(in) :: row
     character(*), intent(in) :: piece
     type(item), intent(in) :: source
     real(dp), intent(out) :: number
     type(message_list), intent(inout) :: messages
+    character(*), intent(in), optional :: pair   !! the word with the one before it, of a list
     character(:), allocatable :: problem
     if (source%quote /= ' ') then
       problem = shown(piece)//' is a text'
@@ -238,16 +239,36 @@ contains
       call messages%add(source%line, place_of(row), problem)
     else if (.not. in_range(row%range, number)) then
       call messages%add(source%line, place_of(row), shown(piece)//' is out of range; accepted: '//accepted_text(row)// &
-                        place_hint(row))
+                        place_hint(row, pair))
     end if
   end subroutine read_number
 
-  pure function place_hint(row) result(hint)
-    !! Places along the beam are often given in metres.
+  pure logical function has_decimal_commas(text, items) result(has)
+    !! Pairs of whole numbers, with a comma alone in each pair and blanks alone between pairs: `0,5 1,0`.
+    character(*), intent(in) :: text
+    type(item), intent(in) :: items(:)
+    integer :: i
+    has = .false.
+    if (size(items) < 4 .or. mod(size(items), 2) == 1) return
+    do i = 2, size(items)
+      associate (gap => text(items(i - 1)%last + 1:items(i)%first - 1))
+        if (mod(i, 2) == 0 .and. gap /= ',') return
+        if (mod(i, 2) == 1 .and. index(gap, ',') > 0) return
+      end associate
+      if (mod(i, 2) == 1) cycle
+      if (value_hint(text(items(i - 1)%first:items(i)%last), '') == '') return
+    end do
+    has = .true.
+  end function has_decimal_commas
+
+  pure function place_hint(row, pair) result(hint)
+    !! Places along the beam are often given in metres, or with a decimal comma.
     type(input_name), intent(in) :: row
+    character(*), intent(in), optional :: pair   !! as that of `read_number`
     character(:), allocatable :: hint
     hint = ''
-    if (row%name == 'points' .or. row%name == 'position') &
+    if (present(pair)) hint = value_hint(pair, '')
+    if (hint == '' .and. (row%name == 'points' .or. row%name == 'position')) &
       hint = '; places are xi = x/l, from 0 at the root to 1 at the tip, and not in metres'
   end function place_hint
 
@@ -264,12 +285,19 @@ contains
       call messages%add(items(1)%line, place_of(row), 'has too many values; accepted: '//accepted_text(row))
       return
     end if
+    if (has_decimal_commas(text, items)) then
+      call messages%add(items(1)%line, place_of(row), shown(text(items(1)%first:items(2)%last))// &
+                        ' may be one number or two'//value_hint(text(items(1)%first:items(2)%last), '')// &
+                        '; accepted: a blank behind each comma that separates')
+      return
+    end if
     n = sum(items%repeat)
     allocate (value%numbers(n), value%lines(n), value%sweeps(n))
     value%sweeps = 0
     n = 0
     do i = 1, size(items)
-      call read_number(row, text(items(i)%first:items(i)%last), items(i), number, messages)
+      call read_number(row, text(items(i)%first:items(i)%last), items(i), number, messages, &
+                       text(items(max(1, i - 1))%first:items(i)%last))
       value%numbers(n + 1:n + items(i)%repeat) = number
       value%lines(n + 1:n + items(i)%repeat) = items(i)%line
       n = n + items(i)%repeat

@@ -97,6 +97,12 @@ contains
     character(*), intent(in) :: text
     type(scanner), intent(inout) :: lex
     type(message_list), intent(inout) :: messages
+    if (text(lex%at:lex%at) == '#' .or. text(lex%at:min(lex%at + 1, len(text))) == '//') then
+      call messages%add(lex%line, 'text', shown(text(lex%at:line_end(text, lex%at) - 1))// &
+                        ' is no comment here; a comment opens with !')
+      lex%at = line_end(text, lex%at)              ! what it was meant to be
+      return
+    end if
     select case (text(lex%at:lex%at))
     case ('/')
       call add_token(lex, end_token, lex%at, lex%at)
@@ -214,11 +220,23 @@ contains
     last = merge(len(text), lex%at + last - 2, last == 0)
     associate (piece => text(lex%at:last))
       call messages%add(lex%line, 'text', shown(piece(:verify(piece, blanks, back=.true.)))// &
-                        ' stands outside the groups: a group opens with &name and ends at the first /, '// &
-                        'so write 0.5 instead of 1/2; a comment opens with !')
+                        ' stands outside the groups'//outside_hint(piece))
     end associate
     lex%at = last + 1
   end subroutine lex_outside
+
+  pure function outside_hint(piece) result(hint)
+    !! What is likely meant by text outside groups: a comment of another language, or what comes behind a fraction's stroke.
+    character(*), intent(in) :: piece
+    character(:), allocatable :: hint
+    character(2), parameter :: signs(*) = ['# ', '//', '/ ', '/*', '--', '% ', ';;', '{ ']
+    integer :: i
+    hint = '; a comment opens with !'
+    do i = 1, size(signs)
+      if (index(piece, trim(signs(i))) == 1) return
+    end do
+    hint = ': a group opens with &name and ends at the first /, so write 0.5 instead of 1/2'//hint
+  end function outside_hint
 
   pure integer function word_end(text, first)
     !! Last character of the word that starts at `first`; first − 1 for none.

@@ -7,7 +7,7 @@ module bw_scene_reader
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
-  use bw_files, only: cannot_be_read, path_state
+  use bw_files, only: cannot_be_read, look_at, path_state
   use bw_kinds, only: i1, i8
   use bw_scene, only: scene_type
   use bw_scene_cases, only: check_corners, complete
@@ -88,6 +88,8 @@ contains
     if (problem == 0) problem = look_at_open(descriptor, state)
     if (problem /= 0) then
       call cannot_be_read(error, path, problem)
+      if (look_at(path//'.nml', state) == 0 .and. state%kind == is_file) error%message = error%message//'; '//path// &
+        '.nml is there'
     else if (state%kind == is_directory) then
       call fail(error, status_bad_file, path//': is a directory')
     else if (state%kind == is_file) then

@@ -72,9 +72,9 @@ contains
       call fail(error, status_bad_input, scene%file//': &response: is absent, so that there is no history whose error '// &
                 'could be measured'//accepted)
     else if (.not. allocated(scene%capture)) then
-      call fail(error, status_bad_input, scene%file//': &capture: is absent: a rebound belongs to its truncation (its '// &
-                'impulse goes to 0 as modes are added), so that there is no converged answer'//accepted//'; instead: '// &
-                '&sweep parameter=''modes%before'', which shows what changes with their number')
+      call fail(error, status_bad_input, scene%file//': &capture: is absent: the motion after a rebound depends on '// &
+                'the number of modes (its impulse goes to 0 as modes are added), so that there is no converged answer'// &
+                accepted//'; instead: &sweep parameter=''modes%before'', which shows what changes with their number')
     end if
   end subroutine refuse
 
