@@ -18,7 +18,7 @@ TAKES = {
     "N s": ("", "m", "µ", "n"),
     "J": ("", "m", "µ", "n"),
 }
-LEAST = 0.5  # a prefix suits if the largest number is at least this in it
+LEAST = 0.5  # a prefix suits if the largest number is at least this in it, k and beyond from 1 on
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -47,7 +47,7 @@ def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
     finite = np.abs(values[np.isfinite(values)])
     largest = finite.max() if finite.size else 0.0
     for prefix in TAKES.get(units, ()):
-        if largest * PREFIXES[prefix] >= LEAST:
+        if largest * PREFIXES[prefix] >= (LEAST if PREFIXES[prefix] >= 1.0 else 1.0):
             return prefix, PREFIXES[prefix]
     return "", 1.0
 

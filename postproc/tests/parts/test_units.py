@@ -26,6 +26,8 @@ def test_units_are_quotients(udunits, read):
 def test_a_prefix_suits_the_largest_number_of_a_unit_that_takes_one():
     assert si_prefix(np.array([1e-4, -0.03, np.nan]), "m") == ("m", 1e3)
     assert si_prefix(np.array([2e11]), "Pa")[0] == "G"
+    assert [si_prefix(np.array([size]), "Hz")[0] for size in (549.0, 1000.0)] == ["", "k"]
+    assert [si_prefix(np.array([size]), "m")[0] for size in (0.49, 0.5, 600.0)] == ["m", "", ""]
     assert si_prefix(np.array([0.03]), "m s-1") == ("", 1.0)
     assert si_prefix(np.array([]), "m") == ("", 1.0)
 
