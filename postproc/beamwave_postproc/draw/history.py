@@ -117,9 +117,8 @@ def _add_stress(column: list[Axes], cases: list[xr.Dataset], points: list[int], 
 
 def _add_axis(axes: Axes, factor: float, label: str) -> None:
     """A second y axis at the right, of what is `factor` times the first."""
-    axes.secondary_yaxis(
-        "right", functions=(lambda value: value * factor, lambda value: value / factor)
-    ).set_ylabel(label)
+    right = axes.secondary_yaxis("right", functions=(lambda value: value * factor, lambda value: value / factor))
+    right.set_ylabel(label)
 
 
 def _draw_history(axes: Axes, ds: xr.Dataset, curve: Curve, values: np.ndarray, several: bool) -> str:

@@ -15,7 +15,7 @@ from matplotlib.patches import Circle
 from PIL import Image
 
 from ..parts.head import MARGIN, Head, grow_by_head
-from ..parts.units import si_prefix
+from ..parts.units import number_text, si_prefix
 from ..style import COLOURS, GREY, RC
 from .motion import FEW_POINTS, Motion
 
@@ -95,8 +95,8 @@ class Film:
         prefix, factor = si_prefix(shown.time, "s")
         time = f"t = {shown.time[frame] * factor:.4g} {prefix}s" if shown.time[frame] >= 0.0 else "before the impact"
         step = np.median(np.diff(shown.time)) if shown.time.size > 1 else 0.0
-        pace = f", slowed {_round(FRAME_MS / 1e3 / step)} times" if step > 0.0 else ""
-        return f"{time}{pace}; deflection drawn {_round(scale)} times as large"
+        pace = f", slowed {number_text(FRAME_MS / 1e3 / step, 2)} times" if step > 0.0 else ""
+        return f"{time}{pace}; deflection drawn {number_text(scale, 2)} times as large"
 
 
 class _BeamView:
@@ -227,9 +227,3 @@ def _names(shown: Motion, frame: int) -> str:
     kinds = [event.kind for event in shown.events[frame]]
     counts = {kind: kinds.count(kind) for kind in kinds}
     return ", ".join(kind if count == 1 else f"{count} {kind}s" for kind, count in counts.items())
-
-
-def _round(value: float) -> str:
-    """Two digits, without a power of ten where that can be read."""
-    rounded = float(f"{value:.2g}")
-    return f"{rounded:g}" if abs(rounded) < 1e6 else f"{rounded:.1e}"

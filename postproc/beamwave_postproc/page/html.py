@@ -23,7 +23,8 @@ p.about { color: #555; margin-top: 0; } ul { padding-left: 1.2rem; }
 table { border-collapse: collapse; font-size: .85rem; display: block; overflow-x: auto; }
 th, td { padding: .2rem .6rem; text-align: right; }
 td { white-space: nowrap; }
-th { border-bottom: 1px solid #888; font-weight: 600; vertical-align: bottom; } th:first-child, td:first-child { text-align: left; }
+th { border-bottom: 1px solid #888; font-weight: 600; vertical-align: bottom; }
+th:first-child, td:first-child { text-align: left; }
 tr:nth-child(even) td { background: #f6f6f6; }
 pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
 @media print { table { font-size: .6rem; } figure, tr { break-inside: avoid; } }

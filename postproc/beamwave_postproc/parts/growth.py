@@ -7,6 +7,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from .units import number_text
+
 GROWN = 4.0  # growth rate × duration beyond which a linear axis shows little of the start: fiftyfold
 START = 50  # a growing history has this part of its samples, at its start, on the linear part of the axis
 LINEAR_SHARE = 4.0  # decades of the axis to one of its linear part, on either side of 0
@@ -41,7 +43,7 @@ def growth_note(cases: list[xr.Dataset], name: str) -> str:
     held = [samples_held(case, name) for case in growing]
     if min(held) == growing[0].sizes["time"]:
         return words
-    return f"{words}; numbers overflow after {float(growing[0]['time'][max(min(held) - 1, 0)]):.3g} s"
+    return f"{words}; numbers overflow after {number_text(float(growing[0]['time'][max(min(held) - 1, 0)]), 3)} s"
 
 
 def scale_for_growth(axes: Axes, rows: np.ndarray, growing: list[bool]) -> None:

@@ -19,6 +19,7 @@ TAKES = {
     "J": ("", "m", "µ", "n"),
 }
 LEAST = 0.5  # a prefix suits if the largest number is at least this in it, k and beyond from 1 on
+LONG = 1e6  # numbers from here on have a power of ten
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -56,7 +57,9 @@ def number_text(number: float, digits: int = 4) -> str:
     """A number to so many digits, as the program's report has it: 9e-5, not 9e-05; a dash for what does not exist."""
     if not np.isfinite(number):
         return "–"
-    return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", f"{float(f'{number:.{digits}g}'):.15g}")
+    rounded = float(f"{number:.{digits}g}")
+    text = f"{rounded:.15g}" if abs(rounded) < LONG else f"{rounded:.{digits}g}"
+    return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", text)
 
 
 def with_unit(number: float, units: str, digits: int = 4) -> str:
