@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..parts.curves import Curve, Panel, panels_of
 from ..parts.envelope import draw_envelope, is_dense
 from ..parts.events import ROW, mark_events
-from ..parts.growth import grows, growth_note, samples_held, scale_for_growth
+from ..parts.growth import end_note, grows, growth_note, samples_held, scale_for_growth
 from ..parts.labels import axis_label
 from ..parts.points import (
     FEW,
@@ -68,7 +68,8 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
         _add_stress([row[-1] for row in sheet.grid], cases, points, [scale for _, scale in scales])
     for column, panel in zip(sheet.grid.T, drawn.panels):
         _mark_time(list(column), ds, panel, name)
-    told = (*drawn.notes, left, growth_note(cases, name), error_note(ds, cases, name, points), *notes)
+    ends = (growth_note(cases, name), end_note(cases, name))
+    told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes)
     return sheet.finish(ds, dict.fromkeys(told))
 
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.events import ROW, mark_events
-from ..parts.growth import grows, samples_held
+from ..parts.growth import end_note, grows, samples_held
 from ..parts.labels import axis_label
 from ..parts.line import beam_line, places_of_line, whole_line
 from ..parts.passage import first_part
@@ -42,7 +42,7 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
     sheet.axes[0].set_ylabel(r"Place $\xi$ (0 root, 1 tip)")
-    return sheet.finish(ds, [note])
+    return sheet.finish(ds, [note, end_note([case], name)])
 
 
 def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:

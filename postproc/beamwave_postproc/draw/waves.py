@@ -51,7 +51,7 @@ def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
         axes.set_xlabel(axis_label(ds["wavenumber"]))
     for axes in sheet.axes[len(drawn.panels) :]:
         axes.set_visible(False)
-    return sheet.finish(ds, [*drawn.notes, _growing(drawn.curves)])
+    return sheet.finish(ds, [*drawn.notes, _first_modes(ds), _growing(drawn.curves)])
 
 
 def _draw_panel(axes: Axes, panel: Panel, name: str, limits: tuple, *, alone: bool) -> None:
@@ -114,6 +114,13 @@ def _smooth(relation: Relation, name: str, p_max: float) -> tuple[np.ndarray, np
     beta_max = relation.h * p_max**2
     beta = np.geomspace(LOWEST * beta_max, beta_max, SAMPLES)
     return relation.wavenumber(beta), relation.value(name, beta)
+
+
+def _first_modes(ds: xr.Dataset) -> str:
+    """That more modes were summed than the file holds; empty where it holds all."""
+    count = ds.sizes["mode"]
+    more = "mode_count" in ds and count < float(ds["mode_count"].max()) and int(ds["mode"][-1]) == count
+    return f"the first {count} modes, which are in the file" if more else ""
 
 
 def _growing(curves: list[Curve]) -> str:
