@@ -91,13 +91,13 @@ def program_is_there():
 
 
 def test_the_readme_says_what_runs(tmp_path, monkeypatch, paper_results, grid_result):
-    (tmp_path / "output/scan").mkdir(parents=True)
+    (tmp_path / "output").mkdir()
     (tmp_path / "input").symlink_to(README.parents[1] / "input")
     (tmp_path / "output/paper").symlink_to(paper_results)
-    (tmp_path / "output/map.nc").symlink_to(grid_result)
-    for modes in (4, 9):
+    (tmp_path / "output/critical_speed.nc").symlink_to(grid_result)
+    for name, modes in (("moving_beam", 4), ("spectrum", 9), ("waves", 6)):
         settings = synthetic.scene(modes={"before": modes, "after": modes})
-        synthetic.write(tmp_path / f"output/scan/modes{modes}.nc", settings)
+        synthetic.write(tmp_path / f"output/{name}.nc", settings)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     names = {}
@@ -109,5 +109,14 @@ def test_the_readme_says_what_runs(tmp_path, monkeypatch, paper_results, grid_re
     assert names["fundamental"].dims == ("case",)
     assert float(names["at_50"].rotation_angular_velocity) == 50.0
     assert set(names["lowest"].dims) == {"rotation_angular_velocity"}
-    assert names["runs"].sizes == {"scene": 2, "mode": 9}
-    assert names["runs"]["wavenumber"].sel(scene="modes4").count() == 4
+    assert names["runs"].sizes == {"scene": 3, "mode": 9}
+    assert names["runs"]["wavenumber"].sel(scene="moving_beam").count() == 4
+
+
+def test_every_result_that_the_readme_opens_is_one_that_its_commands_make():
+    text = README.read_text(encoding="utf-8")
+    scenes = README.parents[1] / "input"
+    made = {path.stem for path in scenes.glob("*.nml") if f"input/{path.name}" in text}
+    made |= {f"paper/{path.stem}" for path in scenes.glob("paper/*.nml")}  # by ./run.sh
+    opened = set(re.findall(r"output/([\w/*]+)\.nc", text))
+    assert opened and opened <= made

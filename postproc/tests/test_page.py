@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 import synthetic
 
 from beamwave_postproc import cli, dispersion, open_result, page_of, velocity_jump
+from beamwave_postproc.page.html import STYLE
 from beamwave_postproc.page.tables import MAX_MODES, number, tables_of
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -99,3 +100,15 @@ def test_of_a_sweep_the_report_is_that_of_the_first_case_and_says_so(paper_resul
     with open_result(paper_results / "fig7.nc") as ds:
         page = read(page_of(ds, {}))
     assert "Of case 1 of 4: γ = 0.1." in page.words
+
+
+def test_titles_of_tables_are_smaller_than_those_of_sections():
+    sizes = [float(re.search(rf"{tag} {{ font-size: ([\d.]+)rem", STYLE)[1]) for tag in ("h1", "h2", "h3")]
+    assert sizes == sorted(sizes, reverse=True) and len(set(sizes)) == 3
+
+
+def test_the_words_of_a_wide_table_s_columns_may_break_but_no_number_and_no_unit(full_result):
+    with open_result(full_result) as ds:
+        text = page_of(ds, {})
+    assert "<th>impulse (N\u00a0s)</th>" in text and "<th>time (s)</th>" in text
+    assert "\ntd { white-space: nowrap; }" in STYLE and "nowrap" not in STYLE.split("th, td {")[1].split("}")[0]

@@ -12,6 +12,7 @@ from matplotlib.patches import Rectangle
 from ..parts.labels import flag_words
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
+from ..parts.units import number_text
 from ..result import NothingToDraw, require
 from ..style import GREY, styled
 
@@ -41,7 +42,7 @@ def changes(ds: xr.Dataset, *, modes: Chosen = None, ax: Given = None) -> Figure
     _draw_spare(axes, rows)
     _name(axes, rows)
     words = "change of the frequencies, of the response (over its peak) and of the run's time by each effect"
-    framed = f"framed: the first mode that it changes by more than {float(ds['frequency_tolerance']):.2g}"
+    framed = f"framed: the first mode that it changes by more than {number_text(float(ds['frequency_tolerance']), 2)}"
     return sheet.finish(ds, [words, framed])
 
 
@@ -102,7 +103,7 @@ def _write(axes: Axes, x: float, y: float, text: str, colour: str) -> None:
 
 def times(cost: float) -> str:
     """How many times as long, two digits; a dash for what does not exist."""
-    return f"× {float(f'{cost:.2g}'):g}" if np.isfinite(cost) else "–"
+    return f"× {number_text(cost, 2)}" if np.isfinite(cost) else "–"
 
 
 def percent(change: float) -> str:
@@ -116,4 +117,4 @@ def percent(change: float) -> str:
     if size < 1e-3:
         digit, power = f"{size:.0e}".split("e")
         return rf"{sign}{digit}·10$^{{{int(power)}}}$%"
-    return f"{sign}{float(f'{size:.2g}'):g}%"
+    return f"{sign}{number_text(size, 2)}%"

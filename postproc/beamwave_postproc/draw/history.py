@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from ..parts.curves import Curve, Panel, panels_of
 from ..parts.envelope import draw_envelope, is_dense
 from ..parts.events import ROW, mark_events
-from ..parts.growth import grows, growth_note, samples_held, scale_for_growth
+from ..parts.growth import end_note, grows, growth_note, samples_held, scale_for_growth
 from ..parts.labels import axis_label
 from ..parts.points import (
     FEW,
@@ -68,7 +68,8 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
         _add_stress([row[-1] for row in sheet.grid], cases, points, [scale for _, scale in scales])
     for column, panel in zip(sheet.grid.T, drawn.panels):
         _mark_time(list(column), ds, panel, name)
-    told = (*drawn.notes, left, growth_note(cases, name), error_note(ds, cases, name, points), *notes)
+    ends = (growth_note(cases, name), end_note(cases, name))
+    told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes)
     return sheet.finish(ds, dict.fromkeys(told))
 
 
@@ -117,9 +118,8 @@ def _add_stress(column: list[Axes], cases: list[xr.Dataset], points: list[int], 
 
 def _add_axis(axes: Axes, factor: float, label: str) -> None:
     """A second y axis at the right, of what is `factor` times the first."""
-    axes.secondary_yaxis(
-        "right", functions=(lambda value: value * factor, lambda value: value / factor)
-    ).set_ylabel(label)
+    right = axes.secondary_yaxis("right", functions=(lambda value: value * factor, lambda value: value / factor))
+    right.set_ylabel(label)
 
 
 def _draw_history(axes: Axes, ds: xr.Dataset, curve: Curve, values: np.ndarray, several: bool) -> str:

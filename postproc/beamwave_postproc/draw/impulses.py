@@ -31,7 +31,7 @@ def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figur
         raise NothingToDraw("there are not two impulses or more")
     sheet = sheet_for(ax, height=3.2)
     axes = sheet.axes[0]
-    last = float(ds["time"][-1]) if "time" in ds else max(event.time for events in blows for event in events)
+    last = max(_end(ds), *(event.time for events in blows for event in events))
     clock, ticks = si_prefix(np.array([last]), units_of(ds["event_time"]))
     prefix, factor = si_prefix(
         np.array([event.impulse for events in blows for event in events]), units_of(ds["event_impulse"])
@@ -53,6 +53,14 @@ def impulses(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> Figur
     axes.set(xlabel=f"Time $t$ ({clock}s)", ylabel=axis_label(ds["event_impulse"], prefix))
     counts = f"{len(blows[0]) - 1} contacts" if len(blows) == 1 else ""
     return sheet.finish(ds, [*drawn.notes, counts])
+
+
+def _end(ds: xr.Dataset) -> float:
+    """The last moment (s) of which a case has a number; 0 without histories."""
+    if "displacement" not in ds or "time" not in ds:
+        return 0.0
+    held = ds["displacement"].notnull().any([dim for dim in ds["displacement"].dims if dim != "time"])
+    return float(ds["time"].values[held.values].max(initial=0.0))
 
 
 def _draw(axes: Axes, curve: Curve, events: list[Event]) -> None:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from ..parts.curves import Curve, panels_of, where_it_varies
 from ..parts.labels import axis_label
+from ..parts.places import mark_places
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given, sheet_for
 from ..result import require
@@ -33,6 +34,7 @@ def velocity_jump(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = None) -> 
     notes = [same, *drawn.notes]
     for axes, panel in zip(sheet.axes, drawn.panels):
         notes += [draw_jump(axes, position, curve) for curve in panel.curves]
+        mark_places(axes, ds, "x")
         axes.set_title(panel.title)
         axes.set_ylabel(axis_label(ds["velocity_jump"]))
         axes.set_xlim(position.min(), position.max())

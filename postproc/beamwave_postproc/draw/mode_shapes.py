@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from ..parts.curves import panels_of, where_it_varies
 from ..parts.labels import axis_label
+from ..parts.places import mark_places
 from ..parts.select import Chosen, chosen, left_out
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import with_unit
@@ -53,6 +54,7 @@ def mode_shapes(ds: xr.Dataset, *, modes: Chosen = None, cases: Chosen = None, a
             for row, number in enumerate(ds["mode"].values)
         ],
     )
+    mark_places(axes, ds, "x")
     axes.grid(visible=False)
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)

@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.events import ROW, mark_events
-from ..parts.growth import grows, samples_held
+from ..parts.growth import end_note, grows, samples_held
 from ..parts.labels import axis_label
 from ..parts.line import beam_line, places_of_line, whole_line
 from ..parts.passage import first_part
+from ..parts.places import mark_places
 from ..parts.select import Chosen, chosen, one_case
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, units_of
@@ -41,7 +42,7 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
     sheet.axes[0].set_ylabel(r"Place $\xi$ (0 root, 1 tip)")
-    return sheet.finish(ds, [note])
+    return sheet.finish(ds, [note, end_note([case], name)])
 
 
 def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:
@@ -56,6 +57,7 @@ def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.nd
     extent = (ticks * (time[0] - step / 2), ticks * (time[-1] + step / 2), places[0], 1.0)
     largest = np.abs(image).max() or 1.0
     shown = axes.imshow(image, origin="lower", aspect="auto", extent=extent, cmap="RdBu_r", vmin=-largest, vmax=largest)
+    mark_places(axes, case, "y")
     axes.grid(visible=False)
     axes.set_xlabel(axis_label(case["time"], clock))
     axes.figure.colorbar(shown, ax=axes, label=words, pad=0.02)

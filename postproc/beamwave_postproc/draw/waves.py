@@ -51,7 +51,7 @@ def _against_wavenumber(ds: xr.Dataset, name: str, ax: Given) -> Figure:
         axes.set_xlabel(axis_label(ds["wavenumber"]))
     for axes in sheet.axes[len(drawn.panels) :]:
         axes.set_visible(False)
-    return sheet.finish(ds, [*drawn.notes, _growing(drawn.curves)])
+    return sheet.finish(ds, [*drawn.notes, _first_modes(ds), _growing(drawn.curves)])
 
 
 def _draw_panel(axes: Axes, panel: Panel, name: str, limits: tuple, *, alone: bool) -> None:
@@ -59,10 +59,10 @@ def _draw_panel(axes: Axes, panel: Panel, name: str, limits: tuple, *, alone: bo
     logarithmic(axes, "x", *limits[0])
     logarithmic(axes, "y", *limits[1])
     axes.set_title(panel.title)
-    _draw_comparisons(axes, panel, name)
     captured = alone and name + "_before" in panel.curves[0].data
     for curve in panel.curves:
         _draw_curve(axes, curve, name, curve.label or ("modes after the capture" if captured else "modes"))
+    _draw_comparisons(axes, panel, name)
     if captured:
         p, values = _modes(panel.curves[0].data, name, "_before")
         axes.plot(p, values, linestyle="", marker="x", color="0.3", label="modes before the capture")
@@ -100,10 +100,11 @@ def _draw_curve(axes: Axes, curve: Curve, name: str, label: str) -> None:
 
 def _draw_comparisons(axes: Axes, panel: Panel, name: str) -> None:
     """In grey the relation without tension, shear or damping of each case that obeys another one, each once."""
-    others = [plain_relation(curve.data) for curve in panel.curves if relation_of(curve.data) is None]
+    obeyed = [relation_of(curve.data) for curve in panel.curves]
+    others = [plain_relation(curve.data) for curve, own in zip(panel.curves, obeyed) if own is None]
     out_of_plane = turns_out_of_plane(panel.curves[0].data)
     label = f"{EQUATIONS[name]}{' without rotation' if out_of_plane else ''}, for comparison"
-    for relation in dict.fromkeys(filter(None, others)):
+    for relation in dict.fromkeys(other for other in others if other not in (None, *obeyed)):
         smooth = _smooth(relation, name, axes.get_xlim()[1])
         axes.plot(*smooth, label=label, color=GREY, linewidth=0.8, linestyle=":", marker="", zorder=1.5)
 
@@ -113,6 +114,13 @@ def _smooth(relation: Relation, name: str, p_max: float) -> tuple[np.ndarray, np
     beta_max = relation.h * p_max**2
     beta = np.geomspace(LOWEST * beta_max, beta_max, SAMPLES)
     return relation.wavenumber(beta), relation.value(name, beta)
+
+
+def _first_modes(ds: xr.Dataset) -> str:
+    """That more modes were summed than the file holds; empty where it holds all."""
+    count = ds.sizes["mode"]
+    more = "mode_count" in ds and count < float(ds["mode_count"].max()) and int(ds["mode"][-1]) == count
+    return f"the first {count} modes, which are in the file" if more else ""
 
 
 def _growing(curves: list[Curve]) -> str:

@@ -15,12 +15,13 @@ from matplotlib.patches import Circle
 from PIL import Image
 
 from ..parts.head import MARGIN, Head, grow_by_head
-from ..parts.units import si_prefix
+from ..parts.units import number_text, si_prefix
 from ..style import COLOURS, GREY, RC
 from .motion import FEW_POINTS, Motion
 
 DPI = 90
-BODY = 3.1  # inches, height below the head
+BELOW = 3.1  # inches, height below the head
+LEFT = 0.85  # inches, room for the numbers and words of the y axis
 FRAME_MS, HOLD_MS = 50, 500  # how long a frame stands, and one with an event
 FLASH, WORDS = 6, 16  # frames that a flash, and the name of its event, remain
 PALETTE = 64  # colours of the GIF
@@ -28,7 +29,7 @@ EDGE = 0.93  # of half the height: where a mass beyond the picture is marked
 ROOM = 1.3  # of the largest deflection, above and below
 GROWN = 0.1  # a growing motion fills the picture from this part of its frames on
 HUB = 0.07  # radius of the hub as drawn, in lengths of the beam
-BEAM, MASS, FLASHES = COLOURS[1], COLOURS[2], COLOURS[6]
+BEAM, MASS, FLASHES, BODIES = COLOURS[1], COLOURS[2], COLOURS[6], "0.3"
 
 
 def save_film(shown: Motion, path: Path) -> None:
@@ -49,11 +50,12 @@ class Film:
     def __init__(self, shown: Motion) -> None:
         self.shown = shown
         turning = shown.angle is not None
-        figure = Figure(figsize=(8.6 if turning else 6.4, BODY), dpi=DPI)
+        figure = Figure(figsize=(8.6 if turning else 6.4, BELOW), dpi=DPI)
         self.canvas = FigureCanvasAgg(figure)
-        share = BODY / (BODY + grow_by_head(figure, Head(shown.title, [shown.label])))
+        share = BELOW / (BELOW + grow_by_head(figure, Head(shown.title, [shown.label])))
         self.limits = limits(shown)
-        self.beam = _BeamView(figure.add_axes((0.09, 0.16 * share, 0.56 if turning else 0.87, 0.72 * share)), shown)
+        left, right = LEFT / figure.get_figwidth(), 0.65 if turning else 0.96
+        self.beam = _BeamView(figure.add_axes((left, 0.16 * share, right - left, 0.72 * share)), shown)
         self.hub = _HubView(figure.add_axes((0.69, 0.02, 0.3, 0.86 * share)), shown) if turning else None
         self.heading = figure.text(MARGIN / figure.get_figwidth(), 0.98 * share, "", va="top", fontsize=9.5)
         self.moving = [self.heading, *self.beam.moving, *(self.hub.moving if self.hub else ())]
@@ -93,8 +95,8 @@ class Film:
         prefix, factor = si_prefix(shown.time, "s")
         time = f"t = {shown.time[frame] * factor:.4g} {prefix}s" if shown.time[frame] >= 0.0 else "before the impact"
         step = np.median(np.diff(shown.time)) if shown.time.size > 1 else 0.0
-        pace = f", slowed {_round(FRAME_MS / 1e3 / step)} times" if step > 0.0 else ""
-        return f"{time}{pace}; deflection drawn {_round(scale)} times as large"
+        pace = f", slowed {number_text(FRAME_MS / 1e3 / step, 2)} times" if step > 0.0 else ""
+        return f"{time}{pace}; deflection drawn {number_text(scale, 2)} times as large"
 
 
 class _BeamView:
@@ -102,10 +104,9 @@ class _BeamView:
 
     def __init__(self, axes: Axes, shown: Motion) -> None:
         self.axes, self.shown = axes, shown
-        prefix, self.factor = si_prefix(shown.line, "m")
+        self.factor = 1.0
         length, few = shown.length, shown.points.size < FEW_POINTS
         axes.set(xlim=(-0.06 * length, 1.12 * length), xlabel="Place along the beam (m)")
-        axes.set_ylabel(f"Deflection ({prefix}m)")
         axes.axhline(0.0, color="0.8", linewidth=0.8, zorder=0)
         axes.axvline(
             shown.struck, color=GREY, linewidth=0.8, linestyle=(0, (1, 3)), zorder=0, visible=shown.mass is not None
@@ -114,13 +115,16 @@ class _BeamView:
         clamp.set_visible(shown.clamped)
         (self.line,) = axes.plot([], [], color=BEAM, linewidth=1.2 if few else 3.0, linestyle="--" if few else "-")
         (self.dots,) = axes.plot([], [], "o", color=BEAM, markersize=5, visible=few)
+        (self.bodies,) = axes.plot([], [], "s", color=BODIES, markersize=8)
         (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=11, clip_on=False)
         (self.flash,) = axes.plot([], [], "o", color=FLASHES, markerfacecolor="none")
         self.words = axes.text(0.08, 0.96, "", transform=axes.transAxes, va="top", color="0.3")
-        self.moving = [self.line, self.dots, self.mass, self.flash, self.words]
+        self.moving = [self.line, self.dots, self.bodies, self.mass, self.flash, self.words]
 
     def set_limit(self, limit: float) -> None:
-        """Let the picture reach from -`limit` to `limit` (m)."""
+        """Let the picture reach from -`limit` to `limit` (m), in the unit that suits."""
+        prefix, self.factor = si_prefix(np.array([limit]), "m")
+        self.axes.set_ylabel(f"Deflection ({prefix}m)")
         self.axes.set_ylim(-limit * self.factor, limit * self.factor)
 
     def place(self, frame: int, limit: float) -> float:
@@ -128,6 +132,7 @@ class _BeamView:
         shown = self.shown
         self.line.set_data(shown.place, shown.line[frame] * self.factor)
         self.dots.set_data(shown.points, shown.deflection[frame] * self.factor)
+        self.bodies.set_data(shown.bodies, _on_line(shown, frame, shown.bodies) * self.factor)
         if shown.mass is not None:
             self._place_mass(frame, limit)
         self._place_events(frame)
@@ -150,8 +155,8 @@ class _BeamView:
         flashing = bool(ages) and ages[0] < FLASH
         self.flash.set_visible(flashing)
         if flashing:
-            there = np.interp(self.shown.struck, self.shown.place, self.shown.line[frame])
-            self.flash.set_data([self.shown.struck], [there * self.factor])
+            there = np.array([self.shown.struck])
+            self.flash.set_data(there, _on_line(self.shown, frame, there) * self.factor)
             self.flash.set(markersize=14 + 7 * ages[0], markeredgewidth=3.0 * (1.0 - ages[0] / FLASH))
 
 
@@ -168,8 +173,9 @@ class _HubView:
         (self.mark,) = axes.plot([], [], color="0.5", linewidth=1.2, zorder=4)
         (self.rest,) = axes.plot([], [], color="0.8", linewidth=0.8)
         (self.line,) = axes.plot([], [], color=BEAM, linewidth=2.0)
+        (self.bodies,) = axes.plot([], [], "s", color=BODIES, markersize=4.5)
         (self.mass,) = axes.plot([], [], "o", color=MASS, markersize=6)
-        self.moving = [self.rest, self.mark, self.line, self.mass]
+        self.moving = [self.rest, self.mark, self.line, self.bodies, self.mass]
         words = "from above; the beam bends along the axis" if shown.out_of_plane else "seen from above"
         axes.set_title(words, fontsize="small", color="0.3")
 
@@ -178,15 +184,21 @@ class _HubView:
         shown, angle = self.shown, self.shown.angle[frame]
         scale = 0.0 if shown.out_of_plane else scale
         self.line.set_data(*_turned(angle, shown.place, scale * shown.line[frame]))
+        self.bodies.set_data(*_turned(angle, shown.bodies, scale * _on_line(shown, frame, shown.bodies)))
         self.rest.set_data(*_turned(angle, np.array([0.0, shown.length]), np.zeros(2)))
         self.mark.set_data(*_turned(angle, np.array([-HUB, HUB]) * shown.length, np.zeros(2)))
         if shown.mass is not None:
             self.mass.set_data(*_turned(angle, np.array([shown.struck]), scale * shown.mass[frame : frame + 1]))
 
 
+def _on_line(shown: Motion, frame: int, places: np.ndarray) -> np.ndarray:
+    """Deflection (m) of the beam's line at `places` (m)."""
+    return np.interp(places, shown.place, shown.line[frame])
+
+
 def _palette(pixels: np.ndarray) -> Image.Image:
     """Colours of `pixels` (rows, columns, 3), those of small things among them, as an image without content."""
-    own = [round(255 * part) for colour in (BEAM, MASS, FLASHES) for part in to_rgb(colour)]
+    own = [round(255 * part) for colour in (BEAM, MASS, FLASHES, BODIES) for part in to_rgb(colour)]
     found = Image.fromarray(pixels).quantize(PALETTE).getpalette()[: 3 * PALETTE]
     palette = Image.new("P", (1, 1))
     palette.putpalette([*own, *found])
@@ -215,9 +227,3 @@ def _names(shown: Motion, frame: int) -> str:
     kinds = [event.kind for event in shown.events[frame]]
     counts = {kind: kinds.count(kind) for kind in kinds}
     return ", ".join(kind if count == 1 else f"{count} {kind}s" for kind, count in counts.items())
-
-
-def _round(value: float) -> str:
-    """Two digits, without a power of ten where that can be read."""
-    rounded = float(f"{value:.2g}")
-    return f"{rounded:g}" if abs(rounded) < 1e6 else f"{rounded:.1e}"

@@ -12,6 +12,7 @@ from ..parts.events import Event, events_of
 from ..parts.growth import grows, samples_held
 from ..parts.line import FEW_POINTS, SAME_PLACE, beam_line, is_clamped, moving_points, places_of_line
 from ..parts.passage import blow_at, length_of
+from ..parts.places import body_places
 from ..parts.select import one_case
 from ..result import require, require_numbers
 from .mass_path import Tip, mass_path
@@ -39,6 +40,7 @@ class Motion:
     out_of_plane: bool
     grows: bool
     struck: float  # x of the blow, m
+    bodies: np.ndarray  # x of what is attached to the beam, m
     title: str  # of the scene
     label: str  # effects and inputs, of a sweep those of the case
     remarks: list[str]  # what the film cannot show
@@ -77,6 +79,7 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
         out_of_plane=turns_out_of_plane(case),
         grows=grows(case),
         struck=blow_at(case) * length,
+        bodies=body_places(case) * length,
         title=title_of(ds),
         label=description_of(case),
         remarks=_remarks(ds, xi),

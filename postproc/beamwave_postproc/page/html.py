@@ -17,11 +17,14 @@ from .tables import Table, tables_of
 DPI = 130
 STYLE = """
 body { font: 16px/1.45 system-ui, sans-serif; color: #222; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.5rem; margin-bottom: .3rem; } h2 { font-size: 1.15rem; margin-top: 2.2rem; }
+h1 { font-size: 1.6rem; margin-bottom: .3rem; } h2 { font-size: 1.3rem; margin-top: 2.2rem; }
+h3 { font-size: 1rem; margin: 1.4rem 0 .4rem; }
 p.about { color: #555; margin-top: 0; } ul { padding-left: 1.2rem; }
 table { border-collapse: collapse; font-size: .85rem; display: block; overflow-x: auto; }
-th, td { padding: .2rem .7rem; text-align: right; white-space: nowrap; }
-th { border-bottom: 1px solid #888; font-weight: 600; } th:first-child, td:first-child { text-align: left; }
+th, td { padding: .2rem .6rem; text-align: right; }
+td { white-space: nowrap; }
+th { border-bottom: 1px solid #888; font-weight: 600; vertical-align: bottom; }
+th:first-child, td:first-child { text-align: left; }
 tr:nth-child(even) td { background: #f6f6f6; }
 pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
 @media print { table { font-size: .6rem; } figure, tr { break-inside: avoid; } }
@@ -72,10 +75,16 @@ def _page(title: str, parts: list[str]) -> str:
 
 def _table(table: Table) -> str:
     """One table with its title and note."""
-    head = "".join(f"<th>{escape(name)}</th>" for name in table.columns)
+    head = "".join(f"<th>{escape(_unit_whole(name))}</th>" for name in table.columns)
     rows = "\n".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows)
     note = f"<p>{escape(table.note)}</p>" if table.note else ""
     return f"<h3>{escape(table.title)}</h3>\n<table>\n<tr>{head}</tr>\n{rows}\n</table>{note}"
+
+
+def _unit_whole(name: str) -> str:
+    """The name of a column, whose words may stand below each other, but not the parts of its unit."""
+    words, bracket, unit = name.partition("(")
+    return words + bracket + unit.replace(" ", "\u00a0")
 
 
 def _figure(kind: str, fig: Figure) -> str:

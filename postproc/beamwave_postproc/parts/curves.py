@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..result import NothingToDraw, require, swept_inputs
 from ..style import MAX_CURVES, curve_style
-from .labels import flag_words, symbol_of, value_text
+from .labels import how_it_ended, symbol_of, value_text
 from .select import spread
 
 MAX_PANELS = 4
@@ -156,13 +156,5 @@ def _with_numbers(drawn: Panels, name: str) -> Panels:
         raise NothingToDraw(f"{name} holds nothing but fill")
     gone = {id(curve) for curve in empty}
     panels = [Panel(panel.title, [c for c in panel.curves if id(c) not in gone]) for panel in drawn.panels]
-    words = [f"no numbers: {curve.label}{_reason(curve.data)}" for curve in empty if curve.label]
+    words = [f"no numbers: {curve.label}{how_it_ended(curve.data)}" for curve in empty if curve.label]
     return Panels([panel for panel in panels if panel.curves], [*drawn.notes, *words])
-
-
-def _reason(case: xr.Dataset) -> str:
-    """How a case ended, in brackets, where that was not well."""
-    if "case_status" not in case:
-        return ""
-    word = flag_words(case["case_status"]).get(int(case["case_status"]), "done").replace("_", " ")
-    return "" if word == "done" else f" ({word})"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,7 +15,8 @@ from .labels import flag_words
 
 ROW = 11.0  # height of a row of words, points
 GAP = 4.0  # between words of one row, points
-LASTING = "0.88"  # colour of a span of time
+LASTING: dict[str, Any] = {"color": "0.88", "zorder": 0}  # look of a span of time
+ON_AN_IMAGE: dict[str, Any] = {"color": "black", "alpha": 0.12, "zorder": 0.4}  # through which the image is seen
 
 
 class Event(NamedTuple):
@@ -63,8 +64,8 @@ def _draw(axes: Axes, start: float, end: float) -> None:
     """A line at `start`, and a span to `end` where that is later; the limits of the axes stay as they are."""
     whole = axes.get_xaxis_transform()
     if end > start:
-        span = Rectangle((start, 0.0), end - start, 1.0, transform=whole, color=LASTING, linewidth=0.0, zorder=0)
-        axes.add_artist(span)
+        look = ON_AN_IMAGE if axes.images else LASTING
+        axes.add_artist(Rectangle((start, 0.0), end - start, 1.0, transform=whole, linewidth=0.0, **look))
     line = Line2D(
         [start, start], [0.0, 1.0], transform=whole, color=GREY, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.5
     )

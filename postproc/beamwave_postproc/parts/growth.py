@@ -7,6 +7,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.ticker import NullLocator
 
+from .labels import how_it_ended
+from .units import number_text, with_unit
+
 GROWN = 4.0  # growth rate × duration beyond which a linear axis shows little of the start: fiftyfold
 START = 50  # a growing history has this part of its samples, at its start, on the linear part of the axis
 LINEAR_SHARE = 4.0  # decades of the axis to one of its linear part, on either side of 0
@@ -41,7 +44,17 @@ def growth_note(cases: list[xr.Dataset], name: str) -> str:
     held = [samples_held(case, name) for case in growing]
     if min(held) == growing[0].sizes["time"]:
         return words
-    return f"{words}; numbers overflow after {float(growing[0]['time'][max(min(held) - 1, 0)]):.3g} s"
+    return f"{words}; numbers overflow after {number_text(float(growing[0]['time'][max(min(held) - 1, 0)]), 3)} s"
+
+
+def end_note(cases: list[xr.Dataset], name: str) -> str:
+    """When the numbers of a bounded history end before its record does, and why; empty where none does."""
+    ending = [case for case in cases if not grows(case) and 0 < samples_held(case, name) < case.sizes["time"]]
+    if not ending:
+        return ""
+    last = [float(case["time"][samples_held(case, name) - 1]) for case in ending]
+    some = f" of {len(ending)} of these" if len(ending) < len(cases) else ""
+    return f"the numbers{some} end at {with_unit(min(last), 's', 3)}{how_it_ended(ending[0])}"
 
 
 def scale_for_growth(axes: Axes, rows: np.ndarray, growing: list[bool]) -> None:

@@ -57,6 +57,14 @@ def flag_words(variable: xr.DataArray) -> dict[int, str]:
     return {int(value): word for value, word in zip(np.atleast_1d(variable.attrs.get("flag_values", [])), words)}
 
 
+def how_it_ended(case: xr.Dataset) -> str:
+    """How a case ended, in brackets, where that was not well."""
+    if "case_status" not in case:
+        return ""
+    word = flag_words(case["case_status"]).get(int(case["case_status"]), "done").replace("_", " ")
+    return "" if word == "done" else f" ({word})"
+
+
 def axis_label(variable: xr.DataArray, prefix: str = "") -> str:
     """Quantity and unit (with an SI `prefix`) of a variable, for an axis."""
     return quantity(variable) + in_units(variable, prefix)

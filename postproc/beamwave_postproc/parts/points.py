@@ -41,7 +41,8 @@ def rests(values: np.ndarray) -> bool:
 def common_prefixes(peaks: list[float], units: str) -> list[tuple[str, float]]:
     """SI prefix and factor for rows of these `peaks`: one for all, but for those that would be small numbers in it."""
     prefix, factor = si_prefix(np.array(peaks), units)
-    return [(prefix, factor) if peak * factor >= SMALL or not peak else si_prefix(np.array([peak]), units) for peak in peaks]
+    small = [0.0 < peak * factor < SMALL for peak in peaks]
+    return [si_prefix(np.array([peak]), units) if own else (prefix, factor) for peak, own in zip(peaks, small)]
 
 
 def sheet_of_points(ax: Given, rows: int, columns: int) -> Sheet:

@@ -18,7 +18,8 @@ TAKES = {
     "N s": ("", "m", "µ", "n"),
     "J": ("", "m", "µ", "n"),
 }
-LEAST = 0.5  # a prefix suits if the largest number is at least this in it
+LEAST = 0.5  # a prefix suits if the largest number is at least this in it, k and beyond from 1 on
+LONG = 1e6  # numbers from here on have a power of ten
 RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -47,7 +48,7 @@ def si_prefix(values: np.ndarray, units: str) -> tuple[str, float]:
     finite = np.abs(values[np.isfinite(values)])
     largest = finite.max() if finite.size else 0.0
     for prefix in TAKES.get(units, ()):
-        if largest * PREFIXES[prefix] >= LEAST:
+        if largest * PREFIXES[prefix] >= (LEAST if PREFIXES[prefix] >= 1.0 else 1.0):
             return prefix, PREFIXES[prefix]
     return "", 1.0
 
@@ -56,7 +57,9 @@ def number_text(number: float, digits: int = 4) -> str:
     """A number to so many digits, as the program's report has it: 9e-5, not 9e-05; a dash for what does not exist."""
     if not np.isfinite(number):
         return "–"
-    return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", f"{float(f'{number:.{digits}g}'):.15g}")
+    rounded = float(f"{number:.{digits}g}")
+    text = f"{rounded:.15g}" if abs(rounded) < LONG else f"{rounded:.{digits}g}"
+    return re.sub(r"e([+-])0*", lambda sign: f"e{sign.group(1).rstrip('+')}", text)
 
 
 def with_unit(number: float, units: str, digits: int = 4) -> str:

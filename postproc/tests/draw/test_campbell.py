@@ -132,7 +132,7 @@ def test_all_panels_of_a_second_input_have_one_scale_that_shows_every_mode(grid_
 def test_names_of_multiples_stand_apart():
     speed = np.linspace(0.0, 60.0, 11)  # to 573 rpm, below modes that are near each other and far above the multiples
     ds = xr.Dataset(
-        {"angular_frequency": (("case", "mode"), np.full((11, 2), 2200.0) + [0.0, 900.0])},
+        {"angular_frequency": (("case", "mode"), np.tile([2200.0, 3100.0], (11, 1)))},
         {"case": np.arange(1, 12), "mode": [1, 2], "rotation_angular_velocity": ("case", speed)},
     )
     (axes,) = campbell(ds).axes

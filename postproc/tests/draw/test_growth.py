@@ -58,3 +58,13 @@ def test_a_point_at_rest_says_zero_and_invents_no_number(growing):
     axes = displacement(case.assign(displacement=0.0 * case["displacement"])).axes[0]
     assert axes.get_yticks().tolist() == [0.0]
     assert "zero" in [text.get_text() for text in axes.texts]
+
+
+def test_a_bounded_history_that_ends_early_says_when_and_why(growing):
+    case = growing.isel(case=0)
+    status = ((), 2, {"flag_values": np.array([0, 1, 2]), "flag_meanings": "done diverged not_converged"})
+    short = case.assign(displacement=case["displacement"].where(case["time"] < 0.2), case_status=status)
+    said = notes(displacement(short)).replace("\u00a0", " ")
+    assert "the numbers end at 199 ms (not converged)" in said and "unstable" not in said
+    assert displacement(short).axes[1].get_xlim()[1] == pytest.approx(0.2)
+    assert "end at" not in notes(displacement(case))

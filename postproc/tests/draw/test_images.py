@@ -154,3 +154,12 @@ def test_a_growing_motion_over_place_and_time_is_over_its_largest_so_far(whole):
 def test_a_clamped_beam_has_its_root_in_the_image_and_an_elastic_one_its_points(whole):
     elastic = space_time(whole.assign_attrs(effects="support impact")).axes[1].images[0]
     assert elastic.get_extent()[2] == POINTS[0]
+
+
+def test_a_lasting_contact_lets_the_image_be_seen(whole):
+    ends = whole["event_end"].copy(data=[0.02, np.nan])
+    kinds = whole["event_kind"].copy(data=[4, 4])
+    lasting = whole.assign(event_end=ends, event_kind=kinds, event_time=whole["event_time"].copy(data=[0.0, 0.03]))
+    for axes in (axes for axes in space_time(lasting).axes if axes.get_xlabel()):
+        spans = [artist for artist in axes.patches if artist.get_width() > 0.0]
+        assert spans and all(span.get_alpha() < 0.3 for span in spans)

@@ -40,3 +40,10 @@ def test_each_impulse_stands_at_its_time_and_lasts_as_its_contact(bounces):
 def test_a_single_impulse_is_no_picture(full_result):
     with open_result(full_result) as ds, pytest.raises(NothingToDraw, match="two impulses"):
         impulses(ds)
+
+
+def test_the_axis_of_time_ends_with_the_numbers(bounces):
+    short = bounces.assign(displacement=bounces["displacement"].where(bounces["time"] < 0.25))
+    assert impulses(short).axes[0].get_xlim()[1] == pytest.approx(1.015 * 0.6)  # the last contact
+    early = short.assign(event_time=bounces["event_time"] / 10.0)
+    assert impulses(early).axes[0].get_xlim()[1] == pytest.approx(1.015 * 250.0, rel=1e-3)  # ms

@@ -118,6 +118,13 @@ def test_modes_that_grow_are_named(tmp_path):
         assert any("mode 1 grows and is not drawn" in text.get_text() for text in dispersion(ds).texts)
 
 
+def test_the_head_says_that_more_modes_were_summed_than_the_file_holds(full_result):
+    with open_result(full_result) as ds:
+        few, every = (phase_velocity(ds.assign(mode_count=count)).texts for count in (487, 40))
+    assert any("the first 40 modes, which are in the file" in text.get_text() for text in few)
+    assert not any("in the file" in text.get_text() for text in every)
+
+
 def test_out_of_plane_modes_lie_on_the_relation_without_rotation(full_result):
     with open_result(full_result) as ds:
         relation = relation_of(ds)

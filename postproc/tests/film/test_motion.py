@@ -210,3 +210,19 @@ def test_a_mass_out_of_plane_is_not_driven_outward(tmp_path):
         case = with_events(ds, (0.0, 0.0, IMPACT, 0.1), mass_velocity=-0.3)
         place, _ = mass_path(case, Tip(case["time"].values, case["displacement"].values[-1]), np.array([0.04]))
     assert place[0] == pytest.approx(-0.3 * 0.04)
+
+
+@pytest.mark.parametrize("speed", [0.0, 50.0, 150.0])
+def test_words_and_numbers_beside_the_film_are_inside_it(tmp_path, speed):
+    settings = synthetic.scene(
+        rotation={"angular_velocity": speed},
+        modes={"before": 6, "after": 6},
+        response={"duration": 0.5, "samples": 500, "points": POINTS},
+    )
+    with open_result(synthetic.write(tmp_path / "film.nc", settings)) as ds:
+        film = Film(motion(ds, frames=9))
+    axes = film.beam.axes
+    for frame in range(film.shown.time.size):
+        film.image(frame)
+        assert axes.get_tightbbox().x0 >= 0.0
+        assert max(abs(end) for end in axes.get_ylim()) >= 0.5 or "nm" in axes.get_ylabel()  # in a unit that suits

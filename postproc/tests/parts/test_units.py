@@ -26,6 +26,8 @@ def test_units_are_quotients(udunits, read):
 def test_a_prefix_suits_the_largest_number_of_a_unit_that_takes_one():
     assert si_prefix(np.array([1e-4, -0.03, np.nan]), "m") == ("m", 1e3)
     assert si_prefix(np.array([2e11]), "Pa")[0] == "G"
+    assert [si_prefix(np.array([size]), "Hz")[0] for size in (549.0, 1000.0)] == ["", "k"]
+    assert [si_prefix(np.array([size]), "m")[0] for size in (0.49, 0.5, 600.0)] == ["m", "", ""]
     assert si_prefix(np.array([0.03]), "m s-1") == ("", 1.0)
     assert si_prefix(np.array([]), "m") == ("", 1.0)
 
@@ -40,7 +42,14 @@ def test_numbers_in_words_do_not_break_and_have_no_power_of_ten_where_none_is_ne
 
 
 def test_powers_of_ten_are_as_in_the_report():
-    numbers = {9e-5: "9e-5", 1e-10: "1e-10", -2.345678e-7: "-2.346e-7", 1.23456e20: "1.235e20", 7870.0: "7870"}
+    numbers = {
+        9e-5: "9e-5",
+        1e-10: "1e-10",
+        -2.345678e-7: "-2.346e-7",
+        1.23456e20: "1.235e20",
+        123456.0: "123500",
+        2e6: "2e6",
+    }
     for number, text in numbers.items():
         assert number_text(number) == text and float(text) == pytest.approx(number, rel=1e-3)
     assert number_text(np.nan) == "–"

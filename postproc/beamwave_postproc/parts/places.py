@@ -1,0 +1,39 @@
+"""Places along the beam that a picture marks: attached bodies, and where the mass strikes."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+
+TIP = 1.0
+BODY: dict[str, Any] = {"color": "0.35", "linewidth": 0.9, "linestyle": (0, (6, 2, 1.5, 2))}
+STRUCK: dict[str, Any] = {"color": "0.35", "linewidth": 0.9, "linestyle": (0, (1, 2))}
+
+
+def body_places(ds: xr.Dataset) -> np.ndarray:
+    """Places ξ of the attached bodies, each once, ascending; of a sweep over them none."""
+    if "body_position" not in ds or "case" in ds["body_position"].dims:
+        return np.empty(0)
+    places = np.unique(ds["body_position"].values)
+    return places[np.isfinite(places)]
+
+
+def struck_inside(ds: xr.Dataset) -> float | None:
+    """Where the mass strikes, ξ; None at the tip, without an impact, and where cases differ in it."""
+    if "impact_position" not in ds:
+        return None
+    places = np.unique(ds["impact_position"].values)
+    return float(places[0]) if places.size == 1 and places[0] < TIP else None
+
+
+def mark_places(axes: Axes, ds: xr.Dataset, along: Literal["x", "y"]) -> None:
+    """Lines across the axes at the bodies and at the struck place, ξ being on the axis `along`; named in the legend."""
+    draw = axes.axvline if along == "x" else axes.axhline
+    bodies, struck = body_places(ds), struck_inside(ds)
+    for place in bodies:
+        draw(place, label="body" if bodies.size == 1 else "bodies", zorder=0.8 if along == "x" else 2.0, **BODY)
+    if struck is not None:
+        draw(struck, label="struck place", zorder=0.8 if along == "x" else 2.0, **STRUCK)
