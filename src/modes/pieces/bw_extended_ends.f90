@@ -11,6 +11,7 @@ module bw_extended_ends
   public :: extended_ends, hinged_below
 
   integer, parameter :: terms = 24           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
+  real(dp), parameter :: nothing = 40.0_dp   !! qh from which tanh qh is 1 to 34 digits
   real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed
 
 contains
@@ -79,8 +80,10 @@ contains
       call find_circular(angle, c, s)
       s = s/p
     else
-      e = to_dd(exp(-2.0_qp*to_quad(angle)))
       c = to_dd(1.0_dp)
+      s = c/p
+      if (angle%hi > nothing) return
+      e = to_dd(exp(-2.0_qp*to_quad(angle)))
       s = (c - e)/((c + e)*p)
     end if
   end subroutine find_c_and_s

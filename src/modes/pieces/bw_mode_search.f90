@@ -5,10 +5,11 @@ module bw_mode_search
   !! they show in its motion. A bracket of two counts closes in on the mode that is asked for, whatever inverse iteration
   !! was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
-  use bw_extended_modes, only: extended_search, find_extended, find_resting, take
+  use bw_extended_modes, only: extended_search, find_at_rest, find_extended
   use bw_extended_residual, only: is_motion, polish, refine
   use bw_extended_stiffness, only: extended_stiffness, find_stiffness, size_stiffness
   use bw_kinds, only: dp
+  use bw_mode_cluster, only: take
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, start_bodies, &
     system_of
@@ -26,7 +27,7 @@ module bw_mode_search
   real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
   real(dp), parameter :: settled = 1.0e-14_dp      !! likewise: from here a step is rounding
-  real(dp), parameter :: apart = 0.1_dp            !! likewise: from here modes hardly show in each other's motions by rounding
+  real(dp), parameter :: apart = 0.05_dp           !! likewise: from here modes hardly show in each other's motions by rounding
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here binary64 does not tell motions apart
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
 
@@ -107,9 +108,9 @@ contains
     logical :: alone, far, rigid
     found = .true.
     alone = .false.
-    if (k < search%extended%first .or. k > search%extended%last) then
+    if (k < search%extended%cluster%first .or. k > search%extended%cluster%last) then
       if (k > search%growing .and. k <= search%growing + search%resting) then
-        call find_resting(search%extended, search%system%beam, search%growing + 1, search%growing + search%resting)
+        call find_at_rest(search%extended, search%system%beam, search%growing + 1, search%growing + search%resting)
       else
         call locate(search, k, lambda, alone, found)
         alone = alone .and. found
@@ -125,7 +126,7 @@ contains
       end if
     end if
     if (.not. found) return
-    if (.not. alone) call take(search%extended, k, search%probe)
+    if (.not. alone) call take(search%extended%cluster, k, search%probe)
     if (.not. alone) lambda = search%probe%frequency%lambda
     search%last = k
     search%last_lambda = lambda
