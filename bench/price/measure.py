@@ -26,6 +26,7 @@ NUMBERS = {  # our name: the file's variable
     "upper": "seconds_upper",
     "digit_seconds": "digit_seconds",
     "digit_growth": "digit_growth",
+    "digit_noise": "digit_noise",
 }
 WHOLE = ("modes", "extended", "repeats")
 

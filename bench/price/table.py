@@ -78,8 +78,10 @@ def rung(row: dict[str, Any], resolved: float) -> list[str]:
     measured = row["error"] > resolved
     share = {stage: 100.0 * seconds / sum(row["stages"].values()) for stage, seconds in row["stages"].items()}
     step = ""
-    if "digit_growth" in row:
-        step = f"{1e3 * row['digit_seconds']:+.2g} ms, {row['digit_growth']:+.0%}"
+    if "digit_growth" in row:  # a price below zero is noise too: a finer tolerance never sums fewer modes
+        step = "within noise"
+        if row["digit_seconds"] > row["digit_noise"]:
+            step = f"{1e3 * row['digit_seconds']:+.2g} ms, {row['digit_growth']:+.0%}"
     return [
         name.get(row["ladder"], f"tolerance {tolerance}"),
         str(row["modes"]),

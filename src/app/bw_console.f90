@@ -1,8 +1,9 @@
 module bw_console
   !! What the program prints: reports to standard output, warnings and errors to standard error. Every text goes out at
   !! once: what waits in a buffer is lost when a process is killed.
-  use bw_descriptors, only: is_terminal, standard_error, standard_output, write_text
+  use bw_descriptors, only: look_at_open, standard_error, standard_output, write_text
   use bw_error, only: error_type
+  use bw_files, only: path_state, same_file
   use bw_note, only: is_remark
   use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_nobody_reads
@@ -45,9 +46,11 @@ contains
   end subroutine print_warnings
 
   logical function seen_together()
-    !! Whether report and warnings come to the same eyes: the report ends with the same warnings.
-    seen_together = is_terminal(standard_output)
-    if (seen_together) seen_together = is_terminal(standard_error)
+    !! Whether report and warnings go to the same terminal, file or pipe: the report ends with the same warnings.
+    type(path_state) :: output, warnings
+    seen_together = look_at_open(standard_output, output) == 0
+    if (seen_together) seen_together = look_at_open(standard_error, warnings) == 0
+    if (seen_together) seen_together = same_file(output, warnings)
   end function seen_together
 
   subroutine print_error(error)

@@ -7,14 +7,15 @@ module bw_case_moments
   !! velocity are, and no tolerance is promised.
   use bw_case_errors, only: estimate_contacts, missing_motion, rounding_errors
   use bw_case_histories, only: sum_histories
-  use bw_case_result, only: case_done, case_histories, case_motion, history_errors
+  use bw_case_result, only: case_diverged, case_histories, case_motion, history_errors
   use bw_curvature_set, only: bent_set, bent_source
   use bw_kinds, only: dp
-  use bw_missing, only: scaled
+  use bw_missing, only: is_missing, missing, scaled
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: response_type
   use bw_scene, only: scene_type
+  use bw_text, only: append, shortest
   implicit none (type, external)
   private
   public :: find_moments
@@ -45,7 +46,22 @@ contains
     end if
     allocate (histories%response%bending_moment, mold=found%response%displacement)
     histories%response%bending_moment(:, :) = scaled(found%response%displacement, stiffness)
+    call fill_overflow(scene, histories%response, errors)
   end subroutine find_moments
+
+  subroutine fill_overflow(scene, response, errors)
+    !! Moments that leave the range of numbers before the displacements do are fill from there on, and a note says so.
+    type(scene_type), intent(in) :: scene
+    type(response_type), intent(inout) :: response
+    type(history_errors), intent(inout) :: errors         !! whose notes and status are those of the case
+    integer :: first
+    first = findloc(any(is_missing(response%bending_moment), dim=2), .true., dim=1)
+    if (first == 0 .or. first > response%finite_samples) return
+    response%bending_moment(first:, :) = missing
+    errors%status = case_diverged
+    call append(errors%notes, 'overflow of the bending moment: it leaves the range of numbers at t = '// &
+      shortest((first - 1)*(scene%response%duration/scene%response%samples), 6)//' s; it is fill from there on')
+  end subroutine fill_overflow
 
   subroutine find_errors(plain, motion, bent, response, monitor, error)
     !! Estimates of the largest error of the sums of curvatures, m, (points).

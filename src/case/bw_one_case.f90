@@ -101,6 +101,7 @@ contains
       call watch%lap(stage_spectrum)
     end if
     whole = .true.
+    result%profile_points = layout%profile
     call compose(scene, motion, histories, errors, spectrum, result)
   end subroutine run_case
 
@@ -111,7 +112,7 @@ contains
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
     type(case_spectrum), intent(inout) :: spectrum
-    type(case_result), intent(out) :: result
+    type(case_result), intent(inout) :: result
     allocate (result%notes(0))
     call add_notes(result%notes, motion%modes%notes)
     call add_notes(result%notes, motion%later%notes)

@@ -1,6 +1,6 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
@@ -11,6 +11,10 @@ module bw_result_layout
 
   character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
     'point', 'time', 'frequency', 'peak', 'piece', 'body', 'stage']
+
+  integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
+  integer(i8), parameter :: most_shape_numbers = 200000
+    !! of mode shapes, all cases together, that a result holds unasked: 1.6 MB, 49 cases of 20 modes
 
   type, public :: result_layout
     !! A length of 0 means that nothing has this dimension.
@@ -29,6 +33,7 @@ module bw_result_layout
     logical :: bending_moment = .false.   !! and bending moments
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
     logical :: contacts = .false.     !! histories go through contacts, which amplify errors
+    logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
   end type result_layout
@@ -40,10 +45,10 @@ contains
     type(scene_type), intent(in) :: scene
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
     call count_modes(scene, layout)
+    call plan_profile(scene, layout)
     if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
     if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
     if (allocated(scene%impact)) then
-      layout%profile = scene%impact%profile_points
       layout%events = 1
       if (allocated(scene%capture)) layout%events = 2
       if (allocated(scene%release)) layout%events = 3
@@ -74,6 +79,16 @@ contains
     layout%modes = merge(after, before, allocated(scene%capture))
     layout%modes_before = merge(before, 0, allocated(scene%capture))
   end subroutine count_modes
+
+  pure subroutine plan_profile(scene, layout)
+    !! Places along the beam: of the velocity jump, and of the mode shapes unless these are too many numbers.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(inout) :: layout
+    layout%profile = usual_profile
+    if (allocated(scene%impact)) layout%profile = scene%impact%profile_points
+    layout%mode_shapes = int(layout%profile, i8)*layout%modes*max(1, layout%cases) <= most_shape_numbers
+    if (.not. (layout%mode_shapes .or. allocated(scene%impact))) layout%profile = 0
+  end subroutine plan_profile
 
   pure integer function largest(scene, group, name, count)
     !! The largest value of a count, which may be swept, or follow another that is.
@@ -113,7 +128,7 @@ contains
 
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
-    !! that go through them), `estimates` (of the errors of histories).
+    !! that go through them), `estimates` (of the errors of histories), `mode_shapes` (there are not too many).
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -127,6 +142,7 @@ contains
     case (''); there = .true.
     case ('velocity'); there = layout%velocity
     case ('bending_moment'); there = layout%bending_moment
+    case ('mode_shapes'); there = layout%mode_shapes
     case ('contacts'); there = layout%contacts
     case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0

@@ -36,8 +36,12 @@ contains
         'where a history is largest, and where its error is the largest part of it.')
       if (allocated(scene%recontact)) call lines%append_line( &
         '  The error is the distance from the exact motion of these modes, on whose number a rebound depends.')
-      if (.not. allocated(response%displacement_error)) call lines%append_line( &
-        '  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
+      if (allocated(response%displacement_error)) return
+      if (allocated(scene%capture)) then
+        call lines%append_line('  -: no error is estimated of a motion that leaves the range of numbers.')
+      else
+        call lines%append_line('  -: a rebound belongs to its number of modes, and no error against infinitely many is estimated.')
+      end if
     end associate
   end subroutine report_histories
 

@@ -109,9 +109,26 @@ contains
     text = text_of(case_count(scene))//' cases:'
     do s = 1, size(scene%sweeps)
       if (s > 1) text = text//' x'
-      text = text//' '//text_of(size(scene%sweeps(s)%values))//' of '//scene%sweeps(s)%parameter
+      text = text//' '//text_of(size(scene%sweeps(s)%values))//' of '//scene%sweeps(s)%parameter//span_text(scene%sweeps(s)%values)
     end do
   end function sweep_text
+
+  pure function span_text(values) result(text)
+    !! The swept values, or the first and the last of many, in brackets.
+    real(dp), intent(in) :: values(:)
+    integer, parameter :: most = 4                !! that are listed
+    character(:), allocatable :: text
+    integer :: i
+    text = shortest(values(1), 6)
+    if (size(values) > most) then
+      text = text//' to '//shortest(values(size(values)), 6)
+    else
+      do i = 2, size(values)
+        text = text//', '//shortest(values(i), 6)
+      end do
+    end if
+    text = ' ('//text//')'
+  end function span_text
 
   function cost_summary(scene, layout) result(text)
     !! What `beamwave check` says of memory and of the disk.

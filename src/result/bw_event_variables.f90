@@ -25,7 +25,7 @@ contains
     type(result_variable) :: rows(6)
     rows = [ &
       case_variable(variable_text('velocity_jump', 'profile', 'm s-1', 'jump of the velocity along the beam at the impact', &
-                                  'Fig. 3'), velocity_jump), &
+                                  'Fig. 3'), velocity_jump, needs='event'), &
       case_variable(variable_text('impulse', '', 'N s', 'impulse of the impact on the beam', &
                                   'Eq. 12, reference [8]'), impulse, needs='event'), &
       case_variable(variable_text('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', &

@@ -4,7 +4,7 @@ module bw_modal_variables
   use bw_beam_units, only: beam_units
   use bw_case_result, only: case_result
   use bw_kinds, only: dp
-  use bw_missing, only: scaled
+  use bw_missing, only: missing, scaled
   use bw_modal_flow, only: find_angular_frequencies, find_growth_rates
   use bw_mode_set, only: mode_set
   use bw_netcdf, only: variable_text
@@ -18,7 +18,8 @@ contains
   pure function modal_variables() result(rows)
     !! Of the modes in force after t = 0 over `mode`, and of those before a capture over `mode_before`.
     type(result_variable), allocatable :: rows(:)
-    rows = [rows_of_set('mode', ''), rows_of_set('mode_before', '_before')]
+    rows = [rows_of_set('mode', ''), rows_of_set('mode_before', '_before'), &
+            case_variable(variable_text('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18'), mode_shape, 'mode_shapes')]
   end function modal_variables
 
   pure function rows_of_set(dimension, suffix) result(rows)
@@ -111,6 +112,17 @@ contains
     real(dp), intent(out), contiguous :: values(:)
     values = result%impact%modal_velocity(:size(values))*result%approach_velocity
   end subroutine modal_velocity_jump
+
+  pure subroutine mode_shape(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    integer :: j, n
+    n = min(result%modes%count*result%profile_points, size(values))
+    associate (last => result%profile_points - 1)
+      values(:n) = pack(transpose(result%modes%some_shapes(1, n/(last + 1), [(real(j, dp)/last, j=0, last)])), .true.)
+    end associate
+    values(n + 1:) = missing
+  end subroutine mode_shape
 
   pure subroutine phase_velocity(modes, units, values)
     class(mode_set), intent(in) :: modes

@@ -82,7 +82,7 @@ contains
     character(:), allocatable :: name
     name = ''
     if (index(dimensions, 'point') == 1) name = ' point_position'
-    if (dimensions == 'profile') name = ' profile_position'
+    if (index(' '//dimensions, ' profile') > 0) name = ' profile_position'
   end function position_of
 
   subroutine find_variables(file, error)

@@ -106,20 +106,21 @@ contains
       if (rows(i)%is_integer) then
         call file%define_known(rows(i), error, count=dimension_length(layout, trim(rows(i)%dimensions)))
       else
-        call file%define_known(rows(i), error, axis(scene, trim(rows(i)%name)))
+        call file%define_known(rows(i), error, axis(scene, layout, trim(rows(i)%name)))
       end if
     end do
   end subroutine put_coordinates
 
-  pure function axis(scene, name) result(values)
+  pure function axis(scene, layout, name) result(values)
     !! Places along the beam, times in s, or frequencies in Hz.
     type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
     character(*), intent(in) :: name                  !! of the coordinate
     real(dp), allocatable :: values(:)
     integer :: j
     select case (name)
     case ('profile_position')
-      values = [(real(j, dp)/(scene%impact%profile_points - 1), j=0, scene%impact%profile_points - 1)]
+      values = [(real(j, dp)/(layout%profile - 1), j=0, layout%profile - 1)]
     case ('point_position'); values = scene%response%points
     case ('time'); values = sample_times(scene%response%duration, scene%response%samples)
     case ('frequency'); values = frequency_axis(scene%response%samples, scene%response%duration)

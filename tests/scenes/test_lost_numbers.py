@@ -45,6 +45,20 @@ def test_the_histories_are_fill_from_the_first_lost_sample_on(here):
     assert f"{time[first]:.6g}" in result.attributes["notes"]
 
 
+def test_a_bending_moment_that_is_lost_earlier_has_its_own_note(here):
+    watched = {**OVERFLOWING["response"], "bending_moment": True}
+    here.scene("a", {**OVERFLOWING, "response": watched})
+    here.scene("b", {**OVERFLOWING, "response": {**watched, "duration": float(709.0 / growth(here.run("a", status=4)))}})
+    for name in ["a", "b"]:  # in the second only the moment is lost, EI/l² being 18 kN
+        result = here.run(name, status=4) if name == "b" else here.result(name)
+        lost = results.is_fill(result["bending_moment"])
+        first = int(np.argmax(lost[0]))
+        assert not lost[:, :first].any() and lost[:, first:].all()
+        assert not results.is_fill(result["displacement"][:, : first + 1]).any()
+        (note,) = re.findall(r"overflow of the bending moment: .* at t = (\S+) s; .*", result.attributes["notes"])
+        np.testing.assert_allclose(float(note), result["time"][first], rtol=1e-5)
+
+
 def test_what_came_before_is_what_a_shorter_run_gives(here):
     here.scene("a", OVERFLOWING)
     lost = here.run("a", status=4)

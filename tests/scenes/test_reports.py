@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from workplace import SECONDS
 
 BEAM = {"length": 1.0, "density": 7870.0, "youngs_modulus": 2e11, "diameter": 0.037}
 STRUCK = {"beam": BEAM, "impact": {"mass_ratio": 0.2}, "capture": {}}
@@ -29,6 +30,21 @@ def test_check_warns_of_all_that_a_run_warns_of(here, scene):
     ended = here.beamwave("run", "a.nml", "--quiet")
     assert (checked.returncode, ended.returncode) == (0, 0)
     assert warnings_of(checked) == warnings_of(ended) != []
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_log_of_both_streams_has_each_warning_once(here, command):
+    here.scene("a", DOUBTFUL["few modes"])
+    here.scene("b", DOUBTFUL["few modes"])
+    apart = here.beamwave(command, "b.nml")
+    assert warnings_of(apart)
+    with (here.directory / "log").open("w+") as log:
+        assert here.start(command, "a.nml", stdout=log, stderr=log).wait(SECONDS) == 0
+        log.seek(0)
+        together = log.read()
+    for warning in warnings_of(apart):
+        text = warning.removeprefix("b.nml: ")
+        assert apart.stdout.count(text) == together.count(text) == 1
 
 
 def test_check_foretells_what_it_has_not_the_time_to_run(here):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import results
 from conftest import PROJECT
+from scipy.integrate import simpson
 from workplace import captured_beam
 
 MODAL = [
@@ -32,6 +33,7 @@ DIMENSIONS = {
     **dict.fromkeys(["critical_angular_velocity", "critical_angular_velocity_before"], ()),
     **dict.fromkeys(["mode_count", "peak_count", "case_status"], ()),
     "velocity_jump": ("profile",),
+    "mode_shape": ("mode", "profile"),
     **dict.fromkeys(["displacement_error", "velocity_error"], ("point",)),
     "displacement": ("point", "time"),
     "velocity": ("point", "time"),
@@ -179,6 +181,21 @@ def test_wave_quantities_agree_with_each_other(full):
     np.testing.assert_array_equal(full["growth_rate"], 0.0)
 
 
+def test_mode_shapes_are_orthogonal_over_beam_and_mass(full):
+    shape, position = full["mode_shape"], full["profile_position"]
+    products = simpson(shape[:, None] * shape, x=position) + full["impact_mass_ratio"] * np.outer(shape[:, -1], shape[:, -1])
+    # Simpson's rule errs by about (2αh)⁴/180 of the highest mode, α = 29 and h = 1/200
+    mass = full["beam_density"] * np.pi / 4 * full["beam_diameter"] ** 2 * full["beam_length"]
+    np.testing.assert_allclose(products, np.diag(full["modal_mass"] / mass), atol=1e-4)
+
+
+def test_mode_shapes_that_would_be_too_many_are_left_out(here):
+    here.scene("few", {"beam": captured_beam()["beam"], "modes": {"before": 995}})
+    here.scene("many", {"beam": captured_beam()["beam"], "modes": {"before": 996}})
+    assert here.run("few")["mode_shape"].shape == (995, 201)
+    assert not {"mode_shape", "profile_position"} & set(here.run("many").variables)
+
+
 def test_velocity_is_the_slope_of_displacement(here):
     here.scene("a", captured_beam(response={"duration": 1e-3, "samples": 2048, "velocity": True}))
     result = here.run("a")
@@ -190,7 +207,7 @@ def test_velocity_is_the_slope_of_displacement(here):
 
 def test_what_was_not_asked_for_is_not_in_the_file(place):
     plain, rebound, one = (set(place.result(name).variables) for name in ["plain", "rebound", "one"])
-    of_an_impact = ["velocity_jump", "impulse", "mass_velocity", "tip_velocity", "modal_velocity", "profile_position"]
+    of_an_impact = ["velocity_jump", "impulse", "mass_velocity", "tip_velocity", "modal_velocity"]
     for name in [*EVENTS, *of_an_impact]:
         assert name not in plain
         assert name in rebound
