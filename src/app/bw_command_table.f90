@@ -158,12 +158,12 @@ contains
   end function column
 
   pure function options_heading(rows) result(text)
-    !! Which commands take which of the options that stand below it, those that take fewest first.
+    !! Which commands take which of the options that stand below it, those that take most first.
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text
     integer :: number, i, j
     text = ''
-    do number = 1, size(options)
+    do number = size(options), 1, -1
       do i = 1, size(rows)
         if (count(lists(rows(i)%options, options%name)) /= number .or. any(rows(:i - 1)%options == rows(i)%options)) cycle
         text = text//'; '//trim(rows(i)%name)
@@ -171,7 +171,7 @@ contains
           if (rows(j)%options == rows(i)%options) text = text//' and '//trim(rows(j)%name)
         end do
         if (number == size(options)) then
-          text = text//' takes'
+          text = text//' takes all of these'
         else
           text = text//trim(merge(' take ', ' takes', any(rows(i + 1:)%options == rows(i)%options)))//' '//trim(rows(i)%options)
         end if
