@@ -82,7 +82,8 @@ def _says_something(ds: xr.Dataset, name: str, group: str) -> bool:
 def _input(variable: xr.DataArray) -> str:
     """One input: its value, or what it is swept over."""
     values = np.unique(variable.values)
-    if values.size == 1:
+    add_up = variable.name == "beam_length" and variable.size > 1 and "piece" in variable.dims
+    if values.size == 1 and not add_up:
         return value_text(variable if variable.ndim == 0 else variable[0])
     symbol, units = symbol_of(str(variable.name)), unit_text(units_of(variable))
     if variable.dims != ("case",):

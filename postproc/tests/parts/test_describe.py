@@ -93,3 +93,5 @@ def test_the_pieces_of_a_beam_are_told_in_their_order(full_result):
     with open_result(full_result) as ds:
         pieces = ds.assign(beam_length=("piece", [0.7, 0.3], {"units": "m"}))
         assert "beam l = 0.7, 0.3 m, D = 37 mm" in read(description_of(pieces))
+        alike = ds.assign(beam_length=("piece", [0.5, 0.5], {"units": "m"}))
+        assert "beam l = 0.5, 0.5 m, D = 37 mm" in read(description_of(alike))
