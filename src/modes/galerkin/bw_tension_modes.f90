@@ -286,6 +286,7 @@ contains
     !! stiffness; both are linear in Ω². A beam that floats or turns freely has none here.
     type(tension_beam), intent(in) :: given
     integer, parameter :: functions = 40           ! of the lowest mode, whatever the tension
+    real(dp), parameter :: rounding = 1.0e-13_dp   ! of the largest value: where tension holds everything, nothing is left but it
     real(dp), allocatable :: stiffness(:, :), push(:, :), value(:), work(:)
     integer :: i, info
     call tension_matrices(given, [(functions, i=1, size(given%beam%piece))], stiffness, push)
@@ -294,7 +295,7 @@ contains
       call dsygv(1, 'N', 'L', n, push, n, stiffness, n, value, work, size(work), info)
       omega = dd()
       if (info /= 0) return
-      if (value(n) > epsilon(1.0_dp)) omega = to_dd(1.0_dp/sqrt(value(n)))
+      if (value(n) > rounding*maxval(abs(value))) omega = to_dd(1.0_dp/sqrt(value(n)))
     end associate
   end function critical_speed_of_pieces
 
