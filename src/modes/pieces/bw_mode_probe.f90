@@ -186,7 +186,14 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
+    real(dp), parameter :: large = 1.0e60_dp
+    real(dp) :: largest
     call solve(probe%factors, probe%amplitude)
+    largest = maxval(abs(probe%amplitude))
+    if (largest > large) then                      ! beside an immense mass its mass would overflow
+      probe%amplitude = scale(probe%amplitude, -exponent(largest))
+      probe%drive = scale(probe%drive, -exponent(largest))
+    end if
     call weigh(system, probe)
     correction = sum(left_vector(probe)*probe%drive)/probe%mass
     call improve_drive(probe)
