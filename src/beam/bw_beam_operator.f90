@@ -11,14 +11,14 @@ module bw_beam_operator
   !! - tip: \( s^{-2}(v'-\psi) + Tv' = \gamma(\beta^2 [+\Omega^2])v \), \( \psi' = J\beta^2\psi \) in either plane.
   !!
   !! Without shear v' = ψ and r = 0.
-  use bw_beam_units, only: beam_units, body_inertia, shear_numbers, shear_of, slenderness
+  use bw_beam_units, only: beam_units, body_inertia, shear_numbers, shear_of
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_rotation, only: acts_in_plane, dimensionless_speed, tension_of
   use bw_scene, only: scene_type
   implicit none (type, external)
   private
-  public :: axial_strain, operator_of, shear_numbers
+  public :: operator_of, shear_numbers
 
   type, public :: beam_operator
     !! An unallocated component is an effect that is absent. A component that is added here stands in `same_operator`, too.
@@ -72,17 +72,5 @@ contains
       .and. self%shear%rotary == other%shear%rotary
     if (allocated(self%tip_inertia)) same = same .and. self%tip_inertia == other%tip_inertia
   end function same_operator
-
-  pure real(dp) function axial_strain(scene, units) result(measure)
-    !! Ω√(I/A)/l, ΩD/(4l) for a solid circle: half its square is the largest strain that rotation brings into a beam
-    !! without hub and mass. Linear theory wants 0.1 at most.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(dd) :: omega
-    measure = 0.0_dp
-    if (.not. allocated(scene%rotation)) return
-    omega = dimensionless_speed(scene%rotation, units)
-    measure = omega%hi*slenderness(scene%beam)
-  end function axial_strain
 
 end module bw_beam_operator

@@ -1,10 +1,10 @@
 module bw_case_validity
   !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
   !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
-  use bw_beam_operator, only: axial_strain
-  use bw_beam_par, only: beam_mass, beam_par
-  use bw_beam_units, only: beam_units, slenderness
+  use bw_beam_par, only: beam_mass, beam_par, beam_piece
+  use bw_beam_units, only: slenderness
   use bw_case_result, only: case_motion, history_errors
+  use bw_case_strains, only: centrifugal_strain, largest_bending, pieces_of_beam, placed_strain
   use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -25,6 +25,7 @@ module bw_case_validity
   real(dp), parameter :: thickest = 0.1_dp                    !! D/l of a slender beam
   real(dp), parameter :: largest_deflection = 0.1_dp          !! over the length
   real(dp), parameter :: largest_strain = 0.005_dp
+  real(dp), parameter :: largest_told = 1.0e300_dp            !! per cent of it are numbers still
   real(dp), parameter :: unnoticed = 0.01_dp
     !! of a history's peak: an error, or what is above half the sampling rate, that needs no warning
 
@@ -38,7 +39,7 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: peak
     call note_beam(scene, notes)
-    call note_rotation(axial_strain(scene, motion%units), notes)
+    call note_rotation(centrifugal_strain(scene), notes)
     if (.not. present(response)) return
     if (response%finite_samples == 0) return                   ! another note says why
     peak = largest_magnitude(response%displacement(:response%finite_samples, :))
@@ -53,11 +54,8 @@ contains
     !! The material is one, the length is in metres, and the beam is slender or has shear.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
-    real(dp) :: speed, thickness
-    speed = sqrt(scene%beam%youngs_modulus/scene%beam%density)
-    if (speed < wave_speeds(1) .or. speed > wave_speeds(2)) call append(notes, 'material: sqrt(E/rho), the speed of waves '// &
-      'along the beam, is '//shortest(speed, 3)//' m/s; of solids it is 100 to 20000 m/s. Is youngs_modulus in Pa, and density '// &
-      'in kg/m3?')
+    real(dp) :: thickness
+    call note_material(pieces_of_beam(scene%beam), notes)
     if (scene%beam%length > longest) call append(notes, 'long beam: '//shortest(scene%beam%length, 6)//' m, of a mass of '// &
       shortest(real(beam_mass(scene%beam), dp), 3)//' kg. Is length in m, not in mm, and the section too?')
     thickness = 4.0_dp*slenderness(scene%beam)
@@ -66,16 +64,43 @@ contains
                 'the 0.1 of a slender beam; its waves need &shear')
   end subroutine note_beam
 
-  pure subroutine note_rotation(measure, notes)
-    !! The strain that the centrifugal force brings into the beam alone is small, with or without its tension in the equations.
-    real(dp), intent(in) :: measure                !! `axial_strain`
+  pure subroutine note_material(pieces, notes)
+    !! The first piece that is of no material, and how many more there are.
+    type(beam_piece), intent(in) :: pieces(:)
     type(string), allocatable, intent(inout) :: notes(:)
-    real(dp) :: strain
-    strain = 0.5_dp*measure**2
-    if (strain <= largest_strain) return
-    call append(notes, 'outside linear theory: the centrifugal force strains the root by about '//shortest(100.0_dp*strain, 2)// &
+    real(dp) :: speed(size(pieces))
+    logical :: strange(size(pieces))
+    character(:), allocatable :: place, others
+    integer :: i
+    speed = sqrt(pieces%youngs_modulus/pieces%density)
+    strange = speed < wave_speeds(1) .or. speed > wave_speeds(2)
+    i = findloc(strange, .true., dim=1)
+    if (i == 0) return
+    place = ''
+    others = ''
+    if (size(pieces) > 1) place = ' of piece '//text_of(i)
+    if (count(strange) > 1) others = ' (that of '//text_of(count(strange) - 1)//' more of the pieces too)'
+    call append(notes, 'material'//place//': sqrt(E/rho), the speed of waves along the beam, is '//shortest(speed(i), 3)// &
+                ' m/s; of solids it is 100 to 20000 m/s'//others//'. Is youngs_modulus in Pa, and density in kg/m3?')
+  end subroutine note_material
+
+  pure subroutine note_rotation(found, notes)
+    !! The strain that the centrifugal force brings into the beam alone is small, with or without its tension in the equations.
+    type(placed_strain), intent(in) :: found
+    type(string), allocatable, intent(inout) :: notes(:)
+    if (found%strain <= largest_strain) return
+    call append(notes, 'outside linear theory: the centrifugal force strains '//place_words(found)//' by about '// &
+                shortest(100.0_dp*min(found%strain, largest_told), 2)// &
                 ' %, more than 0.5 %. Is angular_velocity in rad/s, not in rpm?')
   end subroutine note_rotation
+
+  pure function place_words(found) result(words)
+    !! Where a strain is.
+    type(placed_strain), intent(in) :: found
+    character(:), allocatable :: words
+    words = 'the root'
+    if (found%position > 0.0_dp) words = 'the beam at xi = '//shortest(found%position, 3)
+  end function place_words
 
   pure function thickness_words(beam) result(words)
     !! What is compared with the length.
@@ -85,38 +110,40 @@ contains
     if (.not. beam%round) words = '4 sqrt(I/A), the diameter of a circle,'
   end function thickness_words
 
-  pure subroutine note_size(scene, peak, strain, notes)
+  pure subroutine note_size(scene, peak, bending, notes)
     !! The deflection at the points is small beside the length, and so is the strain. One note says all of that; where a beam is
     !! deflected by more than its length, its strain is beside the point.
     type(scene_type), intent(in) :: scene
     real(dp), intent(in) :: peak                   !! m
-    real(dp), intent(in) :: strain                 !! at the root
+    type(placed_strain), intent(in) :: bending
     type(string), allocatable, intent(inout) :: notes(:)
-    character(*), parameter :: strained = 'bending strains the root by about ', limit = '; linear theory holds up to about '
-    character(:), allocatable :: text
-    associate (length => scene%beam%length)
+    character(*), parameter :: limit = '; linear theory holds up to about '
+    character(:), allocatable :: strained, text
+    strained = 'bending strains '//place_words(bending)//' by about '//shortest(100.0_dp*min(bending%strain, largest_told), 2)//' %'
+    associate (length => scene%beam%length, strain => bending%strain)
       if (peak > largest_deflection*length) then
         text = 'large deflection: up to '//shortest(peak, 3)//' m of a beam of '//shortest(length, 6)//' m'
         if (strain > largest_strain .and. peak <= length) then
-          text = text//', and '//strained//shortest(100.0_dp*strain, 2)//' %'//limit//'a tenth of the length and 0.5 %'
+          text = text//', and '//strained//limit//'a tenth of the length and 0.5 %'
         else
           text = text//limit//'a tenth of the length'
         end if
         call append(notes, text)
       else if (strain > largest_strain) then
-        call append(notes, 'large strain: '//strained//shortest(100.0_dp*strain, 2)//' %'//limit//'0.5 %')
+        call append(notes, 'large strain: '//strained//limit//'0.5 %')
       end if
     end associate
   end subroutine note_size
 
   subroutine note_amplitudes(scene, motion, modes, peak, notes)
-    !! What the amplitudes of the first modes say of the strain at the root and of the time between samples.
+    !! What the amplitudes of the first modes say of the strain and of the time between samples.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     class(mode_set), intent(in) :: modes           !! that the impact leaves in motion
     real(dp), intent(in) :: peak                   !! of the displacement at all points, m
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp), parameter :: largest_shape = 2.0_dp
+    type(placed_strain) :: bending
     type(time_grid) :: grid
     real(dp), dimension(min(looked_at, modes%count)) :: amplitude, c
     logical :: above(size(amplitude))              ! half the sampling rate
@@ -129,7 +156,9 @@ contains
       grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
       associate (step => grid%step%hi, unit => abs(scene%impact%approach_velocity)*units%time%hi)
         amplitude = amplitude_of(square, c, 0.0_dp, rate, stretch_type(0.0_dp, grid%samples*step, step), .false.)
-        call note_size(scene, peak, strain_at_root(scene, units, modes, amplitude), notes)
+        bending = largest_bending(scene, modes, amplitude)
+        bending%strain = scaled(scaled(bending%strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)
+        call note_size(scene, peak, bending, notes)
         above = sqrt(max(0.0_dp, square%hi))*step > acos(-1.0_dp)
         fast = maxval(merge(amplitude, 0.0_dp, above))
         if (all(square%hi >= 0.0_dp) .and. largest_shape*fast*unit > unnoticed*peak) then
@@ -138,21 +167,6 @@ contains
       end associate
     end associate
   end subroutine note_amplitudes
-
-  function strain_at_root(scene, units, modes, amplitude) result(strain)
-    !! The strain of the outermost fibre at the root, D/2 times the curvature there, which is largest where the beam is held: the
-    !! sum of the amplitudes of the first modes. Of a captured mass of 0.05 to 50 times the beam's it is 0.9 to 1.5 times the
-    !! largest strain.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: amplitude(:)           !! of the first modes, V l²/h
-    real(dp) :: strain
-    real(dp) :: curvature(size(amplitude), 1)
-    curvature = modes%some_curvatures(1, size(amplitude), [0.0_dp])
-    strain = 2.0_dp*slenderness(scene%beam)*sum(abs(curvature(:, 1))*amplitude)
-    strain = scaled(scaled(strain, abs(scene%impact%approach_velocity)), 1.0_dp/units%velocity)     ! what grows may overflow
-  end function strain_at_root
 
   subroutine note_aliasing(scene, modes, amplitude, above, notes)
     !! The samples are close enough for every mode whose line stands out of the spectrum of the displacement.

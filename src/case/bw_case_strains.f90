@@ -1,0 +1,139 @@
+module bw_case_strains
+  !! How far the material of a beam is strained, and where the most: by bending, and by the centrifugal force. Linear theory
+  !! holds for small strains alone.
+  use bw_beam_par, only: area_of, beam_par, beam_piece, piece_mass, second_moment_of
+  use bw_kinds, only: dp, qp
+  use bw_missing, only: is_missing, scaled
+  use bw_mode_set, only: mode_set
+  use bw_scene, only: scene_type
+  implicit none (type, external)
+  private
+  public :: centrifugal_strain, largest_bending, pieces_of_beam
+
+  type, public :: placed_strain
+    real(dp) :: strain = 0.0_dp                    !! the largest there is, or what is known of it
+    real(dp) :: position = 0.0_dp                  !! ξ at which it is found, 0 at the root
+  end type placed_strain
+
+  type :: fibre
+    !! The outermost fibre of a section of the beam, which is looked at.
+    real(dp) :: position = 0.0_dp                  !! ξ
+    real(dp) :: strain = 0.0_dp                    !! of a curvature M/(EI of the root piece) of 1/l
+  end type fibre
+
+  real(dp), parameter :: quarters(3) = [0.25_dp, 0.5_dp, 0.75_dp]
+
+contains
+
+  pure function pieces_of_beam(beam) result(pieces)
+    !! All pieces, one of a uniform beam.
+    type(beam_par), intent(in) :: beam
+    type(beam_piece), allocatable :: pieces(:)
+    if (allocated(beam%pieces)) then
+      pieces = beam%pieces
+    else
+      pieces = [beam%beam_piece]
+    end if
+  end function pieces_of_beam
+
+  function largest_bending(scene, modes, amplitude) result(found)
+    !! The largest strain c v'' of an outermost fibre, by the sum of the amplitudes of the first modes, in V l²/h over l. A uniform
+    !! clamped beam that is struck at its tip is bent the most at its root: of a captured mass of 0.05 to 50 times the beam's the
+    !! sum there is 0.9 to 1.5 times the largest strain. Any other beam is looked at wherever the most may be.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: amplitude(:)           !! of the first modes, V l²/h
+    type(placed_strain) :: found
+    type(fibre), allocatable :: places(:)
+    real(dp), allocatable :: curvature(:, :), strain(:)
+    integer :: p
+    places = [fibre(0.0_dp, fibre_strain(scene%beam%beam_piece, scene%beam))]
+    if (.not. modes%uniform) places = places_of(scene)
+    curvature = modes%some_curvatures(1, size(amplitude), places%position)
+    strain = [(scaled(sum(abs(curvature(:, p))*amplitude), places(p)%strain), p=1, size(places))]
+    p = maxloc(strain, dim=1)
+    found = placed_strain(strain(p), places(p)%position)
+  end function largest_bending
+
+  pure function places_of(scene) result(places)
+    !! The root, both sides of each joint, body and struck place, where moments jump or end, and some places between these.
+    type(scene_type), intent(in) :: scene
+    type(fibre), allocatable :: places(:)
+    real(dp), parameter :: beside = 8.0_dp*epsilon(1.0_dp)     ! so near to a joint is its inner or its outer side
+    type(beam_piece), allocatable :: pieces(:)
+    real(dp), allocatable :: between(:)
+    real(dp) :: inner, outer, strain
+    integer :: b, i
+    pieces = pieces_of_beam(scene%beam)
+    between = quarters
+    if (allocated(scene%impact)) between = [between, [1.0_dp - beside, 1.0_dp + beside]*scene%impact%position]
+    if (allocated(scene%bodies)) then
+      do b = 1, size(scene%bodies)
+        between = [between, [1.0_dp - beside, 1.0_dp + beside]*scene%bodies(b)%position]
+      end do
+    end if
+    allocate (places(0))
+    inner = 0.0_dp
+    do i = 1, size(pieces)
+      outer = real(sum(real(pieces(:i)%length, qp))/sum(real(pieces%length, qp)), dp)
+      strain = fibre_strain(pieces(i), scene%beam)
+      places = [places, fibres([inner*(1.0_dp + beside), inner + quarters*(outer - inner), outer*(1.0_dp - beside)], strain)]
+      places = [places, fibres(pack(between, between > inner .and. between < outer), strain)]
+      inner = outer
+    end do
+  end function places_of
+
+  elemental type(fibre) function fibres(position, strain)
+    real(dp), intent(in) :: position, strain
+    fibres = fibre(position, strain)
+  end function fibres
+
+  pure real(dp) function fibre_strain(piece, beam) result(strain)
+    !! c/l over EI of the piece by that of the root piece, c being the distance of the outermost fibre from the axis: D/2 of a
+    !! circle, h/2 of a rectangle, and 2√(I/A), D/2 of a circle, of any other section.
+    type(beam_piece), intent(in) :: piece
+    type(beam_par), intent(in) :: beam
+    real(qp) :: c
+    c = 2*sqrt(second_moment_of(piece)/area_of(piece))
+    if (.not. is_missing(piece%height)) c = 0.5_qp*piece%height
+    c = c/beam%length*(beam%youngs_modulus*second_moment_of(beam%beam_piece))/(piece%youngs_modulus*second_moment_of(piece))
+    strain = real(min(c, real(huge(strain), qp)), dp)
+  end function fibre_strain
+
+  pure function centrifugal_strain(scene) result(found)
+    !! The largest strain T/(EA) of the tension that rotation brings into the beam, whether it is in the equations or not: at the
+    !! inner end of a piece, of all that lies beyond it.
+    type(scene_type), intent(in) :: scene
+    type(placed_strain) :: found
+    type(beam_piece), allocatable :: pieces(:)
+    real(qp) :: hub, inner, pull, strain
+    integer :: b, i
+    if (.not. allocated(scene%rotation)) return
+    pieces = pieces_of_beam(scene%beam)
+    hub = 0.0_qp
+    if (allocated(scene%stiffening)) hub = scene%stiffening%hub_radius
+    pull = 0.0_qp
+    do i = size(pieces), 1, -1
+      inner = sum(real(pieces(:i - 1)%length, qp))
+      pull = pull + piece_mass(pieces(i))*(hub + inner + 0.5_qp*pieces(i)%length)
+      strain = pull
+      if (allocated(scene%bodies)) then
+        do b = 1, size(scene%bodies)
+          strain = strain + force_of(scene%bodies(b)%mass, scene%bodies(b)%position)
+        end do
+      end if
+      if (allocated(scene%capture)) strain = strain + force_of(scene%impact%mass, scene%impact%position)
+      strain = strain*real(scene%rotation%angular_velocity, qp)**2/(pieces(i)%youngs_modulus*area_of(pieces(i)))
+      if (strain <= found%strain) cycle
+      found = placed_strain(real(min(strain, real(huge(1.0_dp), qp)), dp), real(inner/scene%beam%length, dp))
+    end do
+  contains
+    pure real(qp) function force_of(mass, position) result(force)
+      !! Over ω²; none of a body further inwards.
+      real(dp), intent(in) :: mass, position
+      force = 0.0_qp
+      if (position*scene%beam%length > inner) force = mass*(hub + real(position, qp)*scene%beam%length)
+    end function force_of
+  end function centrifugal_strain
+
+end module bw_case_strains
