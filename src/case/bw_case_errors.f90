@@ -4,6 +4,7 @@ module bw_case_errors
   !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
   use bw_case_histories, only: last_sample
   use bw_case_modes, only: largest_phase_error
+  use bw_case_notes, only: note_failure
   use bw_case_plan, only: captured_samples, force_of, seen_after_release, seen_while_captured, shows_release
   use bw_case_result, only: case_done, case_histories, case_motion, case_not_converged, history_errors
   use bw_coherence, only: observation_type, stretch_type
@@ -24,7 +25,7 @@ module bw_case_errors
   use bw_truncation, only: tail_error, truncation_error, with_start
   implicit none (type, external)
   private
-  public :: estimate_errors
+  public :: drop_errors, estimate_errors
   public :: estimate_contacts, missing_motion, rounding_errors     ! of bending moments too
 
   type :: shapes_at_points
@@ -57,6 +58,17 @@ contains
       end if
     end if
   end subroutine estimate_errors
+
+  subroutine drop_errors(motion, errors)
+    !! There are no estimates where a mode that they asked for was not found.
+    type(case_motion), intent(in) :: motion
+    type(history_errors), intent(inout) :: errors          !! all of a case
+    associate (failure => motion%sources%failure())
+      if (failure%first == 0 .or. errors%status /= case_done) return
+      errors = history_errors(status=case_not_converged)
+      call note_failure(failure, 'no errors of the histories are given', errors%notes)
+    end associate
+  end subroutine drop_errors
 
   subroutine note_missed_tolerance(scene, motion, response, errors)
     !! The number of modes was planned for a larger motion than there is.

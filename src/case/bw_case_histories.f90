@@ -2,7 +2,7 @@ module bw_case_histories
   !! The histories of a case, from the state after each event to the next: of the modes that a scene counts, or of as many
   !! as its tolerance takes. A sample at exactly the time of an event belongs to what comes after it.
   use bw_beam_units, only: beam_units
-  use bw_case_notes, only: out_of_reach
+  use bw_case_notes, only: note_failure, out_of_reach
   use bw_case_plan, only: captured_samples, force_of
   use bw_case_result, only: case_diverged, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
@@ -25,7 +25,7 @@ module bw_case_histories
 contains
 
   subroutine sum_histories(scene, motion, monitor, workspace, histories)
-    !! Fill where the modes mean nothing or the tolerance is out of reach, and from the first overflow on.
+    !! Fill where the modes mean nothing, or one was not found, or the tolerance is out of reach, and from the first overflow on.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     class(monitor_type), intent(inout) :: monitor        !! the histories mean nothing where it asks to stop
@@ -52,6 +52,12 @@ contains
       call sum_whole(motion%modes%free)
     end if
     if (histories%response%failing_mode > 0) call note_overflow(scene, histories)
+    associate (failure => motion%sources%failure())
+      if (failure%first == 0 .or. histories%status == case_not_converged) return
+      histories%status = case_not_converged
+      call note_failure(failure, 'no histories are given', histories%notes)
+      call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
+    end associate
   contains
     subroutine sum_whole(modes)
       class(mode_set), intent(in) :: modes

@@ -9,7 +9,7 @@ module bw_case_notes
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_choice, only: most_modes, most_released
-  use bw_mode_set, only: mode_set, mode_sources
+  use bw_mode_set, only: mode_set, mode_sources, search_failure
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
@@ -20,7 +20,7 @@ module bw_case_notes
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
-  public :: note_coupling, note_growth, note_no_effect, note_unresolved
+  public :: note_coupling, note_failure, note_growth, note_no_effect, note_unresolved
   public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
   public :: out_of_reach, why_untrusted
 
@@ -85,6 +85,15 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'not converged: '//why//'; no number of the case is given')
   end subroutine note_unresolved
+
+  subroutine note_failure(failure, lost, notes)
+    !! A mode was not found among those that are found one after the other, and not kept.
+    type(search_failure), intent(in) :: failure
+    character(*), intent(in) :: lost               !! what is not given for that
+    type(string), allocatable, intent(inout) :: notes(:)
+    call append(notes, 'not converged: one of the modes '//text_of(failure%first)//' to '//text_of(failure%last)// &
+                ' was not found; '//lost)
+  end subroutine note_failure
 
   subroutine note_added_energy(scene, later)
     !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.

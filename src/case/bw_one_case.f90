@@ -3,7 +3,7 @@ module bw_one_case
   !! stage takes the values of those before it and returns its own.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
-  use bw_case_errors, only: estimate_errors
+  use bw_case_errors, only: drop_errors, estimate_errors
   use bw_case_events, only: follow_events, start_motion
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache, find_modes
@@ -18,6 +18,7 @@ module bw_one_case
   use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
+  use bw_mode_set, only: search_failure
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_result_layout, only: result_layout
@@ -54,6 +55,7 @@ contains
     type(case_spectrum) :: spectrum
     type(string), allocatable :: validity(:)
     type(part_monitor) :: part                       ! for a stage
+    type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
     call watch%start()
     share = case_shares(scene)
@@ -63,6 +65,7 @@ contains
     part = stage_part(monitor, share, modes_share)
     call find_modes(scene, motion%units, part, motion%modes, motion%sources, cache%modes)
     if (monitor%stop_requested()) return
+    call motion%sources%note_failures_in(failure)
     part = part_monitor(monitor, sum(share(:modes_share)), 0.0_dp)          ! how long a plan takes is not known
     call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan)
     if (monitor%stop_requested()) return
@@ -86,6 +89,7 @@ contains
       if (monitor%stop_requested()) return
       call watch%lap(stage_response)
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
+      call drop_errors(motion, errors)
     end if
 
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
@@ -156,16 +160,18 @@ contains
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
     type(case_motion) :: motion
+    type(search_failure), target :: failure
     character(:), allocatable :: place
     integer :: line
     count = 0
     motion%units = units_of(scene%beam)
     call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
     if (monitor%stop_requested()) return
+    call motion%sources%note_failures_in(failure)
     call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
-    count = motion%plan%count
+    if (failure%first == 0) count = motion%plan%count
     if (present(reached)) reached = motion%plan%reached
-    if (monitor%stop_requested()) return
+    if (monitor%stop_requested() .or. failure%first > 0) return
     if (motion%plan%reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file

@@ -80,6 +80,7 @@ contains
     allocate (found)
     allocate (found%seen, source=source)
     found%scaled = scaled
+    found%failure => source%failure
     found%gamma = source%gamma
     found%highest = source%highest
     found%quickly = source%quickly

@@ -55,8 +55,17 @@ module bw_mode_set
     real(dp), allocatable :: mass_error(:)        !! of M, relatively, (n)
   end type full_numbers
 
+  type, public :: search_failure
+    !! Numbers of modes among which one was not found, the first time that happened. A sum to which such a mode adds nothing is
+    !! wrong, and so is an estimate: whoever asks for sums or estimates looks here afterwards.
+    integer :: first = 0                          !! 0: all modes were found
+    integer :: last = 0
+  end type search_failure
+
   type, abstract, public :: mode_source
     !! Modes of any number, of one beam with what it carries.
+    type(search_failure), pointer :: failure => null()
+      !! where a search that fails is noted; null: nowhere. It outlives the source and its copies
     real(dp) :: gamma = 0.0_dp                    !! captured mass γ
     integer :: highest = 0                        !! the highest mode number that can be found
     integer :: quickly = huge(1)                  !! as many as can be found in about a second
@@ -73,12 +82,16 @@ module bw_mode_set
   contains
     procedure(find_interface), deferred :: find
     procedure :: terms => terms_of_set
+    procedure :: note_failure
   end type mode_source
 
   type, public :: mode_sources
     !! Where modes of any number come from.
     class(mode_source), allocatable :: free       !! of the beam alone
     class(mode_source), allocatable :: loaded     !! of beam and mass; unallocated: the mass is not captured
+  contains
+    procedure :: note_failures_in
+    procedure :: failure => failure_of_sources
   end type mode_sources
 
   abstract interface
@@ -145,6 +158,29 @@ contains
     real(dp) :: sums(self%count)
     sums = self%overlap_of_beam(from, amplitude)
   end function overlap_far_below
+
+  subroutine note_failure(self, number)
+    !! One of the modes of these numbers was not found.
+    class(mode_source), intent(in) :: self
+    integer, intent(in) :: number(:)              !! ascending
+    if (.not. associated(self%failure) .or. size(number) == 0) return
+    if (self%failure%first == 0) self%failure = search_failure(number(1), number(size(number)))
+  end subroutine note_failure
+
+  subroutine note_failures_in(self, failure)
+    !! Have searches of either source that fail noted.
+    class(mode_sources), intent(inout) :: self
+    type(search_failure), intent(in), target :: failure      !! outlives the sources
+    if (allocated(self%free)) self%free%failure => failure
+    if (allocated(self%loaded)) self%loaded%failure => failure
+  end subroutine note_failures_in
+
+  pure type(search_failure) function failure_of_sources(self) result(failure)
+    !! The first that was noted of either source.
+    class(mode_sources), intent(in) :: self
+    if (.not. allocated(self%free)) return
+    if (associated(self%free%failure)) failure = self%free%failure
+  end function failure_of_sources
 
   pure function first_numbers(count) result(number)
     !! 1 … count: the first modes of a source.

@@ -85,6 +85,7 @@ contains
     found%struck_at = self%struck_at
     found%uniform = self%uniform
     found%clamped = self%clamped
+    if (.not. found%resolved) call self%note_failure(number)
     call found%damp(self%damping)
     call move_alloc(found, modes)
   end subroutine find_of_pieces
