@@ -4,7 +4,6 @@ module bw_case_notes
   use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
-  use bw_galerkin_set, only: galerkin_set
   use bw_input_values, only: position_of
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
@@ -13,10 +12,10 @@ module bw_case_notes
   use bw_modes_par, only: by_tolerance, coarsest_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
-  use bw_tension_set, only: tension_set
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
+  use bw_strain_set, only: strain_set
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
@@ -43,11 +42,9 @@ contains
     if (by_ratio(scene%damping)) return
     ratio = 0.0_dp
     select type (modes)
-    type is (galerkin_set)
+    class is (strain_set)
       ratio = modes%coupling(law_of(scene%damping, units))
     type is (piece_set)
-      ratio = modes%coupling(law_of(scene%damping, units))
-    type is (tension_set)
       ratio = modes%coupling(law_of(scene%damping, units))
     end select
     text = 'coupled damping: Rayleigh''s damping couples these modes, which is left out: the coupling is at most '// &

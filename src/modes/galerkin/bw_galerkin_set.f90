@@ -2,11 +2,11 @@ module bw_galerkin_set
   !! Modes that are known by the coefficients of their strains: shapes, overlaps and energies are sums of products, the
   !! polynomials being orthonormal.
   use bw_kinds, only: dp
-  use bw_damping, only: damping_law
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_mode_set, only: mode_set
   use bw_monitor, only: monitor_type
   use bw_strain_basis, only: basis_values, slope_of
+  use bw_strain_set, only: products, strain_set
   implicit none (type, external)
   private
 
@@ -17,11 +17,10 @@ module bw_galerkin_set
     real(dp) :: compliance = 0.0_dp                !! s² of the beam
   end type tip_body
 
-  type, extends(mode_set), public :: galerkin_set
-    !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+  type, extends(strain_set), public :: galerkin_set
+    !! Of a uniform beam.
     real(dp), allocatable :: deflection(:, :)      !! coefficients of Φ, (functions, n)
     real(dp), allocatable :: turning(:, :)         !! coefficients of rψ; unallocated without shear, (functions, n)
-    real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
     real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
     type(tip_body) :: body
   contains
@@ -30,7 +29,7 @@ module bw_galerkin_set
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => galerkin_elastic
-    procedure :: coupling
+    procedure :: works => works_of_strains
     procedure :: body_energy => energy_of_body
   end type galerkin_set
 
@@ -103,25 +102,11 @@ contains
     where (abs(self%rotation) <= squares%hi) squares = self%beta_squared + to_dd(-self%rotation)
   end function galerkin_elastic
 
-  real(dp) function coupling(self, law) result(ratio)
-    !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj): how far the matrix that is
-    !! treated as diagonal is from being so.
+  pure function works_of_strains(self) result(works)
     class(galerkin_set), intent(in) :: self
-    type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
-    real(dp) :: gram(self%count, self%count), rate(self%count)
-    type(dd) :: elastic(self%count)
-    integer :: i, j
-    gram = matmul(transpose(self%strain), self%strain)
-    elastic = self%elastic()
-    rate = law%rates(elastic%hi)
-    ratio = 0.0_dp
-    do j = 1, self%count
-      do i = 1, j - 1
-        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(gram(i, j))/sqrt(rate(i)*rate(j)))
-      end do
-    end do
-    ratio = ratio*real(law%stiffness, dp)
-  end function coupling
+    real(dp) :: works(self%count, self%count)
+    works = matmul(transpose(self%strain), self%strain)
+  end function works_of_strains
 
   pure function energy_of_body(self, q, rate) result(energy)
     !! ½Jψ̇² at the tip, and ½T(1)∫v'² dξ: how far the centrifugal force of the body has been drawn inwards. Rotation does no
@@ -138,15 +123,5 @@ contains
       energy(2) = 0.5_dp*body%pull*sum(slope_of(n, strain, body%compliance)**2)
     end associate
   end function energy_of_body
-
-  pure function products(onto, from, amplitude) result(sums)
-    !! Σ_i a_i Σ_j o_jk f_ji over the coefficients that both sets have, (modes of `onto`).
-    real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
-    real(dp), intent(in) :: amplitude(:)
-    real(dp) :: sums(size(onto, 2))
-    integer :: n
-    n = min(size(onto, 1), size(from, 1))
-    sums = matmul(matmul(from(:n, :size(amplitude)), amplitude), onto(:n, :))
-  end function products
 
 end module bw_galerkin_set

@@ -73,20 +73,10 @@ contains
     type(galerkin_set), allocatable :: found
     allocate (found)
     associate (all => self%solved)
-      found%count = size(number)
-      found%gamma = all%gamma
-      found%resolved = all%resolved
+      call found%take_numbers(all, number)
       found%body = all%body
-      found%critical_speed = all%critical_speed
-      found%alpha = all%alpha(number)
-      found%beta_squared = all%beta_squared(number)
-      found%struck = all%struck(number)
-      found%modal_mass = all%modal_mass(number)
-      found%phase_velocity = all%phase_velocity(number)
-      found%group_velocity = all%group_velocity(number)
       found%deflection = all%deflection(:, number)
       found%strain = all%strain(:, number)
-      found%rotation = all%rotation(number)
       if (allocated(all%turning)) found%turning = all%turning(:, number)
     end associate
     call found%damp(self%damping)

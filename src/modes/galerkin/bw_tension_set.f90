@@ -1,6 +1,5 @@
 module bw_tension_set
   !! Modes of a beam of pieces with tension, known by the coefficients of their strains in each piece.
-  use bw_damping, only: damping_law
   use bw_double_double, only: dd, to_dd, operator(+)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
@@ -9,16 +8,15 @@ module bw_tension_set
   use bw_piece_shape, only: beam_place, place_of
   use bw_piece_strains, only: piece_motions
   use bw_strain_basis, only: basis_values
+  use bw_strain_set, only: products, strain_set
   implicit none (type, external)
   private
 
-  type, extends(mode_set), public :: tension_set
-    !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+  type, extends(strain_set), public :: tension_set
     type(piece_beam) :: beam
     type(piece_motions), allocatable :: piece(:)   !! coefficients of the shapes and of their strains, (pieces)
     real(dp), allocatable :: deflection(:, :)      !! of the joints, (0:pieces, n)
     real(dp), allocatable :: turning(:, :)         !! of the joints, (0:pieces, n)
-    real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
     integer :: struck_joint = 1                    !! where the mass strikes, or has been captured
     real(dp) :: body_inertia = 0.0_dp              !! J of the body that has been captured there
     real(dp) :: body_pull = 0.0_dp                 !! Ω²γ(ξ₀ + R): tension that its mass brings into the beam inside of it
@@ -28,7 +26,7 @@ module bw_tension_set
     procedure :: overlap_with_mass
     procedure :: overlap_of_beam
     procedure :: elastic => elastic_of_strains
-    procedure :: coupling
+    procedure :: works => works_of_strains
     procedure :: body_energy => energy_of_body
   end type tension_set
 
@@ -149,24 +147,14 @@ contains
     end associate
   end function work_of
 
-  real(dp) function coupling(self, law) result(ratio)
-    !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj).
+  pure function works_of_strains(self) result(works)
     class(tension_set), intent(in) :: self
-    type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
-    real(dp) :: rate(self%count)
-    type(dd) :: elastic(self%count)
+    real(dp) :: works(self%count, self%count)
     integer :: i, j
-    elastic = self%elastic()
-    rate = law%rates(elastic%hi)
-    ratio = 0.0_dp
     do j = 1, self%count
-      do i = 1, j - 1
-        if (rate(i) <= 0.0_dp .or. rate(j) <= 0.0_dp) cycle
-        ratio = max(ratio, abs(work_of(self, i, j))/sqrt(self%modal_mass(i)*self%modal_mass(j)*rate(i)*rate(j)))
-      end do
+      works(:, j) = [(work_of(self, i, j)/sqrt(self%modal_mass(i)*self%modal_mass(j)), i=1, self%count)]
     end do
-    ratio = ratio*real(law%stiffness, dp)
-  end function coupling
+  end function works_of_strains
 
   pure function energy_of_body(self, q, rate) result(energy)
     !! ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inside of it: how far its centrifugal force has been drawn inwards.
@@ -182,15 +170,5 @@ contains
         *sum(matmul(self%piece(i)%slope(:, :size(q)), q)**2)
     end do
   end function energy_of_body
-
-  pure function products(onto, from, amplitude) result(sums)
-    !! Σ_i a_i Σ_j o_jk f_ji over the coefficients that both sets have, (modes of `onto`).
-    real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
-    real(dp), intent(in) :: amplitude(:)
-    real(dp) :: sums(size(onto, 2))
-    integer :: n
-    n = min(size(onto, 1), size(from, 1))
-    sums = matmul(matmul(from(:n, :size(amplitude)), amplitude), onto(:n, :))
-  end function products
 
 end module bw_tension_set

@@ -63,17 +63,13 @@ contains
     type(tension_set), allocatable :: found
     integer :: i
     allocate (found)
-    found = self%solved
-    found%count = size(number)
     associate (all => self%solved)
-      found%alpha = all%alpha(number)
-      found%beta_squared = all%beta_squared(number)
-      found%struck = all%struck(number)
-      found%modal_mass = all%modal_mass(number)
-      found%phase_velocity = all%phase_velocity(number)
-      found%group_velocity = all%group_velocity(number)
-      found%rotation = all%rotation(number)
-      deallocate (found%deflection, found%turning)
+      call found%take_numbers(all, number)
+      found%beam = all%beam
+      found%struck_joint = all%struck_joint
+      found%body_inertia = all%body_inertia
+      found%body_pull = all%body_pull
+      allocate (found%piece(size(all%piece)))
       allocate (found%deflection(0:size(all%piece), size(number)), source=all%deflection(:, number))
       allocate (found%turning(0:size(all%piece), size(number)), source=all%turning(:, number))
       do i = 1, size(all%piece)
