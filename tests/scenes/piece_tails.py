@@ -54,6 +54,11 @@ def draw(rng, kind, record, most):
     if kind == "shear":  # what has hardly moved takes millions of modes
         duration = max(duration, 3e-3)
     position = float(rng.uniform(0.05, 1)) if kind == "inboard" or rng.random() < 0.3 and kind.startswith("pieces") else 1.0
+    if kind == "inboard":  # places whose spans have waves in common, and what is seen where the mass is
+        if rng.random() < 0.5:
+            position = float(rng.choice([0.5, 0.25, 0.75, 1 / 3, 2 / 3, 0.8]))
+        if rng.random() < 0.5:
+            points[0] = position
     groups.append(("impact", {"mass_ratio": log_between(rng, 0.01, 10), "position": position}))
     groups.append(("capture", {"rotary_inertia": log_between(rng, 1e-6, 1e-2)} if kind == "body inertia" else {}))
     response = {"duration": float(duration * unit_time(beam)), "samples": samples, "points": points, "velocity": True}

@@ -22,6 +22,7 @@ WORDS = (
     "capture",
     "release",
     "recontact",
+    "pieces",
     "support",
     "body",
     "position",
@@ -172,12 +173,24 @@ def test_a_beam_of_pieces_with_a_support_and_bodies_is_studied(here):
     assert ended.returncode == 0, ended.stderr
     with xr.open_dataset(here.directory / "output/pieces.effects.nc") as ds:
         states = dict(zip(WORDS, ds["effect_state"].values))
-        assert {name for name, state in states.items() if state == ON} == {"capture", "support", "body", "position"}
+        assert {name for name, state in states.items() if state == ON} == {"capture", "pieces", "support", "body", "position"}
         assert ds["beam_diameter"].dims == ("piece",)
+        # a beam of the same mass and the mean stiffness has none of its stiffness where it bends the most
+        assert float(row(ds, "pieces")["frequency_change"].sel(mode=1)) > 0
         # a mass away from the tip takes less off the frequency of mode 1, and a rigid clamp nothing
         assert float(row(ds, "position")["frequency_change"].sel(mode=1)) > 0
         assert float(row(ds, "support")["frequency_change"].sel(mode=1)) < 0
         assert float(row(ds, "body")["frequency_change"].sel(mode=1)) < 0
+
+
+def test_a_speed_is_tried_that_the_beam_of_pieces_holds(here):
+    """0.4 of what its own first mode allows: that takes 1 - sqrt(1 - 0.16) off its frequency."""
+    here.scene("pieces", {"beam": {"length": [0.5, 0.5], "diameter": [0.037, 0.01], "density": 7870.0, "youngs_modulus": 2e11},
+                          "support": {"rotational_stiffness": 1e3}, "body": {"position": 1.0, "mass": 0.5}, "modes": {"before": 3}})
+    assert here.beamwave("effects", "pieces.nml").returncode == 0
+    with xr.open_dataset(here.directory / "output/pieces.effects.nc") as ds:
+        change = float(row(ds, "rotation")["frequency_change"].sel(mode=1))
+        assert change == pytest.approx(np.sqrt(1 - 0.4**2) - 1, rel=0.02)  # three digits of the speed
 
 
 def test_effects_that_are_on_are_taken_off(here):
@@ -187,7 +200,7 @@ def test_effects_that_are_on_are_taken_off(here):
     assert here.beamwave("effects", "all.nml").returncode == 0
     with xr.open_dataset(here.directory / "output/all.effects.nc") as ds:
         states = dict(zip(WORDS, ds["effect_state"].values))
-        assert {name for name, state in states.items() if state == OFF} == {"out_of_plane", "support", "body", "position"}
+        assert {name for name, state in states.items() if state == OFF} == {"out_of_plane", "pieces", "support", "body", "position"}
         assert {name for name, state in states.items() if state == NOT_COMBINED} == {"recontact"}
         # A ratio ζ takes ζ²/2 off the frequency of bending alone, more off that of mode 1, which rotation has lowered.
         assert float(row(ds, "damping")["frequency_change"].sel(mode=5)) == pytest.approx(-2e-4, rel=0.1)

@@ -8,7 +8,7 @@ module bw_piece_source
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_beam, only: modes_at_rest, piece_beam
+  use bw_piece_beam, only: modes_at_rest, piece_beam, uniform_piece
   use bw_piece_critical, only: critical_speed_of, without_inertia
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
@@ -49,9 +49,15 @@ contains
     source%clamped = pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning
     source%uniform = size(pieces%beam%piece) == 1 .and. source%clamped &
       .and. .not. any([pieces%beam%joint%stiffness%hi, pieces%beam%joint%turning_stiffness%hi] > 0.0_dp)
-    source%quadratic = size(pieces%beam%piece) == 1 .and. source%decay > 2.0_dp
+    source%quadratic = source%decay > 2.0_dp .and. is_even(pieces%beam%piece)
     if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
   end function source_of_pieces
+
+  pure logical function is_even(piece)
+    !! One section and one material, wherever it is cut: waves run alike all along.
+    type(uniform_piece), intent(in) :: piece(:)
+    is_even = all(piece%stiffness%hi == piece(1)%stiffness%hi .and. piece%mass%hi == piece(1)%mass%hi)
+  end function is_even
 
   pure real(dp) function lowest_cutoff(beam) result(alpha)
     !! About the wave number of bending at the lowest cutoff of a piece, sR = 1; 0 where nothing has one.

@@ -33,6 +33,9 @@ module bw_coherence
   real(dp), parameter :: apart = 2.0_dp          !! times Σ|A|/A: modes that may agree
   real(dp), parameter :: safety = 2.5_dp         !! of random phases alone
   real(dp), parameter :: revival = 2.0_dp        !! of N^(1/4), to which phases that are nearly quadratic add up
+  real(dp), parameter :: returns = 3.0_dp        !! empirical, times a first passage
+  real(dp), parameter :: normal = 1.4_dp         !! empirical, of the largest of N numbers that fall as Gauss' do, √(2 ln 2N)
+  integer, parameter :: most_families = 64       !! so many are as good as random
   real(dp), parameter :: half_pi = acos(0.0_dp)
 
   type, public :: stretch_type
@@ -65,6 +68,8 @@ module bw_coherence
     !! What waves of the blow run along to a point.
     real(dp) :: distance = 1.0_dp                !! d of the point from the blow
     logical :: uniform = .true.                  !! of a uniform beam, from its tip: nothing comes back but from the root
+    real(dp) :: struck_at = 1.0_dp               !! ξ₀
+    real(dp) :: gamma = 0.0_dp                   !! of the mass that stays there
   end type path_type
 
   type :: fraction_type
@@ -105,12 +110,13 @@ contains
     path = path_type(max(1.0_dp - xi, sqrt(tiny(xi))))
   end function from_tip
 
-  elemental type(path_type) function path_to(xi, struck_at, uniform) result(path)
+  elemental type(path_type) function path_to(xi, struck_at, uniform, gamma) result(path)
     !! From a blow anywhere, on any beam.
     real(dp), intent(in) :: xi                   !! ξ
     real(dp), intent(in) :: struck_at            !! ξ₀
     logical, intent(in) :: uniform               !! as that of `path_type`
-    path = path_type(max(abs(struck_at - xi), sqrt(tiny(xi))), uniform)
+    real(dp), intent(in) :: gamma                !! as that of `path_type`
+    path = path_type(max(abs(struck_at - xi), sqrt(tiny(xi))), uniform, struck_at, gamma)
   end function path_to
 
   elemental real(dp) function largest(sums, path, stretch, quadratic) result(motion)
@@ -120,11 +126,16 @@ contains
     type(stretch_type), intent(in) :: stretch
     logical, intent(in) :: quadratic             !! phases are quadratic in the mode's number; else nothing is known of them
     real(dp) :: first
+    integer :: families
     motion = sums%growing
     if (sums%largest <= 0.0_dp) return
     first = first_passage(sums, path, stretch)
-    if (quadratic) then
+    families = families_of(path, sums%alpha)
+    if (quadratic .and. families == 1) then
       motion = motion + min(sums%magnitude, theta_sum(sums, first, stretch))
+    else if (quadratic) then
+      motion = motion + min(sums%magnitude, family_sum(sums, families, min(first, returns*near_sum(sums, half_pi*stretch%start)), &
+                                                       stretch))
     else
       motion = motion + min(sums%magnitude, max(random_sum(sums, stretch), first, agreement(sums)))
     end if
@@ -138,7 +149,6 @@ contains
     type(deviation_type), intent(in) :: sums
     type(path_type), intent(in) :: path
     type(stretch_type), intent(in) :: stretch
-    real(dp), parameter :: returns = 3.0_dp      ! empirical
     real(dp) :: distance, edge, gone, way
     distance = path%distance
     way = 2.0_dp*sums%alpha*stretch%end
@@ -185,6 +195,41 @@ contains
     end if
     if (.not. one_passage) motion = hypot(motion, random*sqrt(0.5_dp*sums%square))
   end function theta_sum
+
+  elemental integer function families_of(path, alpha) result(families)
+    !! In how many sequences the modes of a uniform beam come whose phases are quadratic, each in its own numbers: far modes with a
+    !! mass inboard are those of a beam that is pinned there, whose wave numbers repeat after qπ if ξ₀ = p/q. A light mass holds
+    !! nothing yet, and what is nearer to a fraction than a wave is that fraction; nor are there more than half waves in the shorter
+    !! span. Where the mass is, all have one sign.
+    type(path_type), intent(in) :: path
+    real(dp), intent(in) :: alpha                !! of the modes that move farthest
+    real(dp), parameter :: pinned = 3.0_dp       ! αγ from which a mass is as good as a pin
+    families = 1
+    if (path%gamma*alpha < pinned .or. path%distance*alpha < 1.0_dp) return
+    do families = 1, min(most_families, 1 + int(0.5_dp*alpha/half_pi*min(path%struck_at, 1.0_dp - path%struck_at))) - 1
+      if (abs(path%struck_at - anint(families*path%struck_at)/families)*alpha < 1.0_dp) exit
+    end do
+  end function families_of
+
+  elemental real(dp) function family_sum(sums, families, first, stretch) result(motion)
+    !! Of several sequences of quadratic phases, two of which may agree and the others do so at random; at the start of the motion
+    !! all agree.
+    type(deviation_type), intent(in) :: sums
+    integer, intent(in) :: families
+    real(dp), intent(in) :: first                !! while waves pass for the first time
+    type(stretch_type), intent(in) :: stretch
+    logical :: one_passage
+    real(dp) :: samples
+    one_passage = 2.0_dp*sums%alpha*stretch%end < 1.0_dp
+    motion = 0.0_dp
+    if (is_offset(stretch)) then
+      call look_at_offset_samples(sums, stretch, one_passage, motion)
+    else
+      call look_at_samples(sums, stretch, one_passage, motion)
+    end if
+    samples = max(2.0_dp, (stretch%end - stretch%start)/stretch%step)
+    motion = max(first, motion/sqrt(0.5_dp*families), normal*sqrt(2.0_dp*log(2.0_dp*samples))*sqrt(0.5_dp*sums%square))
+  end function family_sum
 
   elemental logical function is_offset(stretch)
     !! The first sample is not one step from the start of the motion.

@@ -101,7 +101,7 @@ contains
     real(dp) :: reach(size(seen%points))
     type(deviation_type) :: sums(size(seen%points))
     call add_state(free, 0.0_dp*free%struck, free%struck/free%modal_mass, seen, every(free), sums)
-    reach = largest(sums, path_to(seen%points, free%struck_at, free%uniform), seen%stretch, quadratic)
+    reach = largest(sums, path_to(seen%points, free%struck_at, free%uniform, 0.0_dp), seen%stretch, quadratic)
   end function blow_reach
 
   function release_error(after, sources, count, force, seen, monitor) result(error)
@@ -166,7 +166,7 @@ contains
     class(mode_source), intent(in) :: source
     type(observation_type), intent(in) :: seen
     type(path_type) :: paths(size(seen%points))
-    paths = path_to(seen%points, source%struck_at, source%uniform)
+    paths = path_to(seen%points, source%struck_at, source%uniform, source%gamma)
   end function paths
 
   pure function every(modes) result(weight)

@@ -52,10 +52,12 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown   !! modes that they have turned into, number by number
     type(deviation_type) :: before(size(seen%points)), octave(size(seen%points))
+    logical :: at_struck(size(seen%points))
     real(dp) :: rising
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
     rising = falls_beyond(source%gamma, abs(source%struck_at - seen%points))
+    at_struck = seen%points == source%struck_at .and. .not. source%uniform .and. .not. present(shown)
     first = count + 1
     do while (first <= source%highest)
       last = window_end(first, source, seen%stretch%start)
@@ -65,7 +67,7 @@ contains
       if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping) &
           .and. .not. (seen%velocity .and. source%quadratic)) then
         if (adds_nothing(before, sums, seen%velocity, tells)) then
-          call extrapolate(source%decay, real(wide_ratio, dp), less(sums, before), seen%velocity, sums)
+          call extrapolate(source%decay, real(wide_ratio, dp), less(sums, before), seen%velocity, at_struck, sums)
           return
         end if
       end if
@@ -74,7 +76,7 @@ contains
     if (source%decay > 0.0_dp .and. first > source%highest) then
       octave = deviation_type()
       call add_window(source, force, source%highest/2 + 1, source%highest, seen, octave, shown)
-      call extrapolate(source%decay, real(usual_ratio, dp), octave, seen%velocity, sums)
+      call extrapolate(source%decay, real(usual_ratio, dp), octave, seen%velocity, at_struck, sums)
     end if
   end subroutine add_tail
 
@@ -180,19 +182,22 @@ contains
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
-  elemental subroutine extrapolate(decay_of_displacement, ratio, window, velocity, sums)
+  elemental subroutine extrapolate(decay_of_displacement, ratio, window, velocity, at_struck, sums)
     !! The modes beyond the highest that were looked at, as the last window of those tells. Velocities fall as 1/k, whose
-    !! sum has no bound: their magnitudes then say nothing.
+    !! sum has no bound: their magnitudes then say nothing. But a mass that stays where it struck holds the beam there, so that
+    !! Φ(ξ₀) falls as 1/k, and there everything falls by one power more.
     real(dp), intent(in) :: decay_of_displacement
     real(dp), intent(in) :: ratio                 !! of its last mode to its first
     type(deviation_type), intent(in) :: window
     logical, intent(in) :: velocity
+    logical, intent(in) :: at_struck              !! the point is that place, of any beam but the paper's
     type(deviation_type), intent(inout) :: sums
     real(dp), parameter :: no_bound = 1.0e3_dp
     real(dp) :: decay, times
     decay = merge(1.0_dp, decay_of_displacement, velocity)
+    if (at_struck) decay = decay + 1.0_dp
     times = no_bound
-    if (.not. velocity) times = 1.0_dp/(ratio**(decay - 1.0_dp) - 1.0_dp)
+    if (decay > 1.0_dp) times = 1.0_dp/(ratio**(decay - 1.0_dp) - 1.0_dp)
     sums%square = sums%square + window%square/(ratio**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
     sums%magnitude = sums%magnitude + times*window%magnitude
     sums%agreeing = sums%agreeing + times*window%agreeing
@@ -274,7 +279,7 @@ contains
     logical :: slow
     integer :: k, p
     do p = 1, size(sums)
-      path = path_to(seen%points(p), moving%struck_at, moving%uniform)
+      path = path_to(seen%points(p), moving%struck_at, moving%uniform, 0.0_dp)
       distance = path%distance
       slow = run_length*min(seen%points(p), 1.0_dp - seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
       if (.not. moving%uniform) slow = slow .and. seen%points(p) /= moving%struck_at

@@ -68,8 +68,8 @@ contains
       lack = deviation_type()
       if (present(lacking)) call add_modes(modes, lacking, now, spread(1.0_dp, 1, modes%count), lack)
       call add_tail(count, source, force, now, sums)
-      estimate = largest(combined(sums, lack), path_to(seen%points, source%struck_at, source%uniform), now%stretch, &
-                         source%quadratic)
+      estimate = largest(combined(sums, lack), path_to(seen%points, source%struck_at, source%uniform, source%gamma), &
+                         now%stretch, source%quadratic)
       if (allocated(source%damping) .and. .not. present(lacking) .and. i <= stretches_summed .and. i < size(stretches)) then
         estimate = min(estimate, largest_seen(count, source, force, now))
       end if

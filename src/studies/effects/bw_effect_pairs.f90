@@ -2,11 +2,16 @@ module bw_effect_pairs
   !! For each effect two scenes, one with it and one without, all else as in the scene that is studied. One of the two is
   !! that scene itself wherever it can be. An effect that is off is tried with a value that follows from the scene, which
   !! the row's remark says.
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, qp
+  use bw_beam_par, only: area_of, beam_mass, beam_par, second_moment_of
   use bw_beam_units, only: beam_units, units_of
+  use bw_case_modes, only: find_modes
+  use bw_case_result, only: case_modes
   use bw_effect_list, only: effect_off, effect_on, effect_row
-  use bw_frequency_equation, only: root_type, solve_root
+  use bw_missing, only: rounded
+  use bw_mode_set, only: mode_sources
   use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_variant, only: has_group, scene_variants, with_group, with_value, without_group
@@ -48,6 +53,7 @@ contains
     call pair_capture(scene, text, list)
     call pair_release(scene, text, list)
     call pair_recontact(text, list)
+    call pair_pieces(scene, text, list)
     call pair_support(scene, text, list)
     call pair_group(text, 'body', 'position = 0.5, mass_ratio = '//text_of(tried_mass), list, &
                     'tried with a mass of '//text_of(tried_mass)//' of the beam''s at the midpoint')
@@ -114,6 +120,43 @@ contains
     end if
   end subroutine pair_group
 
+  subroutine pair_pieces(scene, text, list)
+    !! Pair a beam of several pieces with a uniform one.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: text
+    type(compared_scenes), intent(inout) :: list
+    real(dp), parameter :: softer = 0.9_dp                 ! E of the outer half
+    character(:), allocatable :: length, moduli
+    associate (beam => scene%beam)
+      if (allocated(beam%pieces)) then
+        call add_pair(list, 'pieces', .true., text, with_group(text, 'beam', mean_beam(beam)), &
+                      'beside a uniform beam of the same length and mass, and of the mean E I')
+      else
+        length = text_of(0.5_dp*beam%length)
+        moduli = text_of(beam%youngs_modulus)//', '//text_of(softer*beam%youngs_modulus)
+        call add_pair(list, 'pieces', .false., with_value(with_value(text, 'beam', 'length', length//', '//length), 'beam', &
+                                                          'youngs_modulus', moduli), text, &
+                      'tried with an outer half whose youngs_modulus is '//text_of(softer)//' of that of the inner one')
+      end if
+    end associate
+  end subroutine pair_pieces
+
+  pure function mean_beam(beam) result(values)
+    !! A uniform beam of the length, mass and mean bending stiffness of one of several pieces.
+    type(beam_par), intent(in) :: beam
+    character(:), allocatable :: values
+    real(qp) :: area, length, modulus, second_moment
+    associate (piece => beam%pieces)
+      length = sum(real(piece%length, qp))
+      area = sum(area_of(piece)*piece%length)/length
+      second_moment = sum(second_moment_of(piece)*piece%length)/length
+      modulus = sum(piece%youngs_modulus*second_moment_of(piece)*piece%length)/length/second_moment
+      values = 'length = '//text_of(beam%length)//', density = '//text_of(rounded(beam_mass(beam)/length/area))// &
+        ', youngs_modulus = '//text_of(rounded(modulus))//', area = '//text_of(rounded(area))// &
+        ', second_moment = '//text_of(rounded(second_moment))
+    end associate
+  end function mean_beam
+
   subroutine pair_support(scene, text, list)
     !! Pair a root that gives with a clamped one.
     type(scene_type), intent(in) :: scene
@@ -150,15 +193,17 @@ contains
     character(*), intent(in) :: text
     type(compared_scenes), intent(inout) :: list
     character(:), allocatable :: turning, resting, remark
-    logical :: is_on
+    logical :: holds, is_on
+    real(dp) :: speed
     is_on = has_group(text, 'rotation')
     resting = without_group(without_group(text, 'stiffening'), 'rotation')
     turning = without_group(text, 'stiffening')
     remark = 'without tension'
     if (.not. is_on) then
-      turning = with_group(resting, 'rotation', 'angular_velocity = '//text_of(usual_speed(scene)))
-      remark = 'tried in plane at '//shortest(usual_speed(scene), 6)//' rad/s, '//text_of(tried_speed)// &
-        ' of the speed at which mode 1 would be unstable'
+      call find_usual_speed(scene, speed, holds)
+      turning = with_group(resting, 'rotation', 'angular_velocity = '//text_of(speed))
+      remark = 'tried in plane at '//shortest(speed, 6)//' rad/s'
+      if (holds) remark = remark//', '//text_of(tried_speed)//' of the speed at which mode 1 would be unstable'
     end if
     call add_pair(list, 'rotation', is_on, turning, resting, remark)
     remark = 'rotation and stiffening, beside neither of them'
@@ -177,20 +222,28 @@ contains
     end if
   end subroutine pair_rotation
 
-  pure real(dp) function usual_speed(scene) result(speed)
+  subroutine find_usual_speed(scene, speed, holds)
     !! An angular velocity to try, rad/s, with three digits.
-    type(scene_type), intent(in) :: scene
+    type(scene_type), intent(in) :: scene          !! that does not rotate
+    real(dp), intent(out) :: speed
+    logical, intent(out) :: holds                  !! there is a speed at which mode 1 would be unstable, of which it is a part
     type(beam_units) :: units
-    type(root_type) :: root
+    type(case_modes) :: modes
+    type(mode_sources) :: sources
+    type(silent_monitor) :: monitor
     character(:), allocatable :: digits
-    real(dp) :: gamma
-    gamma = 0.0_dp
-    if (allocated(scene%capture)) gamma = scene%impact%mass_ratio
     units = units_of(scene%beam)
-    root = solve_root(1, gamma)
-    digits = shortest(tried_speed*root%remainder**2*units%frequency, 3)
+    call find_modes(scene, units, monitor, modes, sources)
+    if (allocated(modes%loaded)) then
+      speed = modes%loaded%critical_speed%hi
+    else
+      speed = modes%free%critical_speed%hi
+    end if
+    holds = speed > 0.0_dp
+    if (.not. holds) speed = 1.0_dp
+    digits = shortest(tried_speed*speed*units%frequency, 3)
     read (digits, *) speed
-  end function usual_speed
+  end subroutine find_usual_speed
 
   subroutine pair_stiffening(text, list)
     !! Pair the tension beside the same rotation without it.
