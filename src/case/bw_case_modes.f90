@@ -31,6 +31,8 @@ module bw_case_modes
 
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes under tension that a tolerance may take, without and with shear: about two seconds' work
+  character(*), parameter :: lost_mode = &
+    'a mode was not found (none is looked for where rotation bends the beam in more than some hundred waves)'
   character(*), parameter :: no_basis = 'the polynomials of the Galerkin basis do not resolve the modes'
   real(dp), parameter :: least_phase = 1.0e-13_dp     !! rad, to which roots are right over the record, whatever the tolerance
   real(dp), parameter :: phase_share = 1.0e-3_dp      !! of a tolerance that phases may take
@@ -73,7 +75,7 @@ contains
     subroutine look_at(set)
       !! Was every mode found?
       class(mode_set), intent(in) :: set
-      if (modes%resolved .and. .not. set%resolved) call note_unresolved('a mode was not found', modes%notes)
+      if (modes%resolved .and. .not. set%resolved) call note_unresolved(lost_mode, modes%notes)
       modes%resolved = modes%resolved .and. set%resolved
     end subroutine look_at
   end subroutine find_modes

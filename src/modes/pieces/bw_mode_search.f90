@@ -22,6 +22,7 @@ module bw_mode_search
 
   integer, parameter :: cuts = 2                   !! other ways to cut the pieces: in two, in three
   integer, parameter :: most_steps = 400
+  integer, parameter :: most_parts = 1000          !! into which pieces are cut where the spin bends them: more would take minutes
   real(dp), parameter :: regular_enough = 1.0e-3_dp
     !! distance from clamped modes of the pieces, 0 … 1, from which a count is trusted
   real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
@@ -42,6 +43,7 @@ module bw_mode_search
     integer :: resting = 0                         !! modes of λ = 0
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
     logical :: uneven = .false.                    !! as `is_uneven` says
+    logical :: possible = .true.                   !! false: the spin bends the beam in so many waves that no mode is looked for
     integer :: last = -1                           !! number of the last mode that was found
     type(dd) :: last_lambda                        !! its frequency
     integer :: evaluations = 0
@@ -55,8 +57,9 @@ contains
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
     search%uneven = is_uneven(beam)
-    if (may_grow(beam)) search%growing = growing_modes(beam, search%resting > 0)
-    if (search%growing + search%resting > 0) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
+    if (may_grow(beam) .or. search%resting > 0) search%possible = sum(parts_at_rest(beam)) <= size(beam%piece) + most_parts
+    if (may_grow(beam) .and. search%possible) search%growing = growing_modes(beam, search%resting > 0)
+    if (search%growing + search%resting > 0 .and. search%possible) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
     search%probe = probe_for(search%system)
     search%scout = search%probe
     do c = 1, cuts
@@ -106,7 +109,8 @@ contains
     type(dd), intent(out) :: lambda
     logical, intent(out) :: found
     logical :: alone, far, rigid
-    found = .true.
+    found = search%possible
+    if (.not. found) return
     alone = .false.
     if (k < search%extended%cluster%first .or. k > search%extended%cluster%last) then
       if (k > search%growing .and. k <= search%growing + search%resting) then

@@ -96,7 +96,7 @@ contains
     turning = beam
     turning%spin_squared = to_dd(speed)*speed
     search = search_in(turning)
-    is_unstable = search%growing > 0
+    is_unstable = search%growing > 0 .or. .not. search%possible
   end function is_unstable
 
 end module bw_piece_critical

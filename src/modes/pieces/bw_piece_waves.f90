@@ -122,6 +122,7 @@ contains
     !! Into how many parts pieces must be cut to be short wherever −Ω² ≤ λ ≤ 0.
     type(piece_beam), intent(in) :: beam
     integer :: parts(size(beam%piece))
+    real(dp), parameter :: most = 1.0e5_dp       ! that 10⁴ pieces of so many parts can be counted
     real(dp) :: bound, spin
     integer :: i
     spin = beam%spin_squared%hi
@@ -129,7 +130,7 @@ contains
       associate (piece => beam%piece(i))
         bound = spin*(piece%rotary%hi/piece%stiffness%hi + piece%compliance%hi*piece%mass%hi)
         bound = bound + sqrt(spin*piece%mass%hi/piece%stiffness%hi*(1.0_dp + spin*piece%compliance%hi*piece%rotary%hi))
-        parts(i) = ceiling(piece%length%hi*sqrt(0.25_dp*bound/short_square)*1.01_dp)
+        parts(i) = ceiling(min(most, piece%length%hi*sqrt(0.25_dp*bound/short_square)*1.01_dp))
       end associate
     end do
     parts = max(parts, 1)
