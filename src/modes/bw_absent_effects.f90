@@ -8,10 +8,11 @@ module bw_absent_effects
   !! Tension, inertia of the sections and shear weigh integrals of the squares of a shape's derivatives over the beam, which
   !! are known in closed form. Φ'''' = α⁴Φ lets the shape be split into p = ½(Φ + Φ''/α²), p'' = α²p, and q = ½(Φ − Φ''/α²),
   !! q'' = −α²q. Then p'² − α²p² and q'² + α²q² are constant along the beam, 2p'q' = (pq)'' and 2α²pq = (p'q − pq')', so that
-  !! every integral follows from values at the ends, by parts.
+  !! every integral follows from values at the ends, by parts. Of a built-up beam they are sums over points (bw_absent_of_pieces).
   !!
   !! Integrals and shifts are in the beam's own units. **Errors** of the integrals: 1e-10 relatively, for k to 10⁵; 1e-7 for
   !! mode 1 where γ > 10⁵. **Source**: Rayleigh's quotient of the shape without the effect.
+  use bw_absent_of_pieces, only: highest_estimated, shifts_of_pieces
   use bw_beam_units, only: beam_units, shear_numbers, shear_of, units_of
   use bw_double_double, only: dd, sqrt
   use bw_kinds, only: dp
@@ -43,24 +44,32 @@ module bw_absent_effects
 
 contains
 
-  pure subroutine absent_changes(scene, number, change, steadies)
+  subroutine absent_changes(scene, number, change, steadies)
     !! By how much each effect would change the frequencies, relatively, of the modes in force after t = 0: those with the mass at
     !! the tip where it is captured.
     type(scene_type), intent(in) :: scene                              !! without sweeps
     integer, intent(in) :: number(:)                                   !! of the modes, ascending
     real(dp), intent(out) :: change(size(number), size(absent_words))
-      !! 0 where the effect is on or cannot be, and where shapes are not those of a uniform clamped beam with a mass at its tip
+      !! 0 where the effect is on or cannot be, and of modes of a built-up beam beyond `highest_estimated`
     logical, intent(out) :: steadies(size(absent_words))               !! the first mode grows, and would not
     type(shape_type) :: shape(size(number))
     real(dp) :: square(size(number)), shift(size(number), size(absent_words))
-    integer :: e
+    integer :: e, known
     change = 0.0_dp
     steadies = .false.
-    if (.not. is_papers_beam(scene)) return
-    shape = shapes_of(solve_roots(number, tip_mass(scene)))
-    shift(:, absent_stiffening) = tension_shifts(scene, shape)
-    shift(:, absent_shear) = shear_shifts(scene, shape)
-    square = shape%alpha**4 - spin_squared(scene)
+    shift = 0.0_dp
+    if (is_papers_beam(scene)) then
+      known = size(number)
+      shape = shapes_of(solve_roots(number, tip_mass(scene)))
+      shift(:, absent_stiffening) = tension_shifts(scene, shape)
+      shift(:, absent_shear) = shear_shifts(scene, shape)
+      square = shape%alpha**4 - spin_squared(scene)
+    else
+      known = count(number <= highest_estimated)
+      square = 0.0_dp
+      call shifts_of_pieces(scene, number(:known), square(:known), shift(:known, absent_stiffening), shift(:known, absent_shear))
+    end if
+    if (known == 0) return
     if (allocated(scene%stiffening)) then
       square = square + shift(:, absent_stiffening)
       shift(:, absent_stiffening) = 0.0_dp
@@ -216,7 +225,7 @@ contains
   end function product_moments
 
 
-  pure function model_errors(scene, modes, velocity, displacement) result(errors)
+  function model_errors(scene, modes, velocity, displacement) result(errors)
     !! By each absent effect, over the peak of the displacement: mode by mode its amplitude times what a frequency that is
     !! off by δβ adds up to over the record, min(2, δβ T); all of it where a mode grows that would not. An estimate, within a
     !! factor of three in the tests; the shapes are taken as they are.

@@ -30,7 +30,7 @@ module bw_hint
 
 contains
 
-  pure function hint_line(scene) result(text)
+  function hint_line(scene) result(text)
     !! One line with its end; empty where nothing that is absent would change a frequency by more than the tolerance and no
     !! mass would be back within the record. Of a sweep the first and the last case are looked at.
     type(scene_type), intent(in) :: scene
@@ -90,7 +90,7 @@ contains
     if (seconds > 0.0_dp) text = 'after '//shortest(1.0e3_dp*seconds, 2)//' ms (estimated)'
   end function time_words
 
-  pure function estimate_absent(scene) result(estimates)
+  function estimate_absent(scene) result(estimates)
     !! In the order of `absent_words`.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(estimate_type) :: estimates(size(absent_words))

@@ -167,7 +167,7 @@ contains
     end do
   end subroutine leave_out
 
-  pure subroutine take_account(scene, state)
+  subroutine take_account(scene, state)
     !! Put everything that was measured into the list.
     type(scene_type), intent(in) :: scene
     type(study_state), intent(inout) :: state

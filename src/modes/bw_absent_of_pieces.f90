@@ -1,0 +1,94 @@
+module bw_absent_of_pieces
+  !! What tension, and shear with the inertia of sections, add to β² of a beam of pieces, to first order: integrals over the shapes
+  !! of the beam without them, ∫Tv'² of the one, −∫sN² − β²∫ρIv'² of the other, N being the shear force, over the modal mass.
+  use bw_beam_units, only: beam_units, units_of
+  use bw_kinds, only: dp
+  use bw_mode_set, only: mode_set
+  use bw_piece_beam, only: joint_position, piece_beam
+  use bw_piece_set, only: piece_set
+  use bw_piece_source, only: piece_source, source_of_pieces
+  use bw_piece_tension, only: tension_in_pieces
+  use bw_scene, only: scene_type
+  use bw_scene_pieces, only: pieces_of
+  use bw_shear_par, only: usual_shear
+  implicit none (type, external)
+  private
+  public :: shifts_of_pieces
+
+  integer, parameter, public :: highest_estimated = 200   !! mode; shapes of higher ones would take too many points
+
+contains
+
+  subroutine shifts_of_pieces(scene, number, square, tension, shear)
+    !! β² of the beam without either, and what each would add to it, (modes): by the rotation and shear of the scene, a hub without
+    !! radius and the usual shear where it names none.
+    type(scene_type), intent(in) :: scene                  !! without sweeps
+    integer, intent(in) :: number(:)                       !! of the modes, ascending, ≤ `highest_estimated`
+    real(dp), intent(out) :: square(:), tension(:), shear(:)
+    type(scene_type) :: plain, sheared
+    type(beam_units) :: units
+    type(piece_source) :: source
+    type(piece_beam) :: full
+    class(mode_set), allocatable :: modes
+    real(dp), allocatable :: pull(:, :)
+    real(dp) :: hub
+    plain = scene
+    if (allocated(plain%shear)) deallocate (plain%shear)
+    if (allocated(plain%stiffening)) deallocate (plain%stiffening)
+    sheared = plain
+    sheared%shear = usual_shear()
+    if (allocated(scene%shear)) sheared%shear = scene%shear
+    units = units_of(scene%beam)
+    hub = 0.0_dp
+    if (allocated(scene%stiffening)) hub = scene%stiffening%hub_radius/units%length
+    source = source_of_pieces(pieces_of(plain, units, allocated(scene%capture)))
+    associate (pieces => pieces_of(sheared, units, allocated(scene%capture)))
+      full = pieces%beam
+    end associate
+    pull = full%spin_squared%hi*tension_in_pieces(full, hub)
+    tension = 0.0_dp
+    shear = 0.0_dp
+    call source%find(number, modes)
+    square = modes%beta_squared%hi
+    if (.not. modes%resolved) return
+    select type (modes)
+    type is (piece_set)
+      call add_integrals(modes, full, pull, tension, shear)
+    end select
+  end subroutine shifts_of_pieces
+
+  subroutine add_integrals(modes, full, pull, tension, shear)
+    !! By the midpoint rule, in several points of each half wave.
+    type(piece_set), intent(in) :: modes
+    type(piece_beam), intent(in) :: full                   !! its pieces with compliance and rotary inertia
+    real(dp), intent(in) :: pull(:, :)                     !! T = t_0 + t_1x + t_2x² in each piece, (3, pieces)
+    real(dp), intent(out) :: tension(:), shear(:)
+    integer, parameter :: fewest = 16, of_half_wave = 12   ! points
+    real(dp), dimension(modes%count) :: taken, both, elastic
+    real(dp), allocatable :: state(:, :, :)
+    real(dp) :: inner, length, x
+    integer :: i, j, points
+    tension = 0.0_dp
+    taken = 0.0_dp
+    both = 0.0_dp
+    elastic = max(tiny(1.0_dp), modes%modes%lambda%hi)
+    do i = 1, size(full%piece)
+      associate (piece => full%piece(i), at => joint_position(full, i - 1))
+        inner = at%hi
+        length = piece%length%hi
+        points = fewest + ceiling(of_half_wave*length*maxval(modes%alpha)/acos(-1.0_dp))
+        both = both + length*piece%compliance%hi*piece%rotary%hi
+        state = modes%states(1, modes%count, [(min(1.0_dp, inner + length*(j - 0.5_dp)/points), j=1, points)])
+        do j = 1, points
+          x = (j - 0.5_dp)/points
+          tension = tension + length/points*(pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :, j)**2
+          taken = taken + length/points*(piece%compliance%hi*state(4, :, j)**2/elastic + piece%rotary%hi*state(2, :, j)**2)
+        end do
+      end associate
+    end do
+    tension = tension/modes%modal_mass
+    taken = 1.0_dp + taken/modes%modal_mass
+    shear = elastic*(2.0_dp/(taken + sqrt(max(0.0_dp, taken**2 - 4.0_dp*both*elastic))) - 1.0_dp)
+  end subroutine add_integrals
+
+end module bw_absent_of_pieces
