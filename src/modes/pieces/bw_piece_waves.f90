@@ -123,14 +123,15 @@ contains
     type(piece_beam), intent(in) :: beam
     integer :: parts(size(beam%piece))
     real(dp), parameter :: most = 1.0e5_dp       ! that 10⁴ pieces of so many parts can be counted
-    real(dp) :: bound, spin
+    real(dp) :: bending, shearing, spin, turning     ! wave numbers, none of which overflows
     integer :: i
-    spin = beam%spin_squared%hi
+    spin = sqrt(beam%spin_squared%hi)
     do i = 1, size(parts)
       associate (piece => beam%piece(i))
-        bound = spin*(piece%rotary%hi/piece%stiffness%hi + piece%compliance%hi*piece%mass%hi)
-        bound = bound + sqrt(spin*piece%mass%hi/piece%stiffness%hi*(1.0_dp + spin*piece%compliance%hi*piece%rotary%hi))
-        parts(i) = ceiling(min(most, piece%length%hi*sqrt(0.25_dp*bound/short_square)*1.01_dp))
+        turning = spin*sqrt(piece%rotary%hi/piece%stiffness%hi)
+        shearing = spin*sqrt(piece%compliance%hi*piece%mass%hi)
+        bending = sqrt(spin*sqrt(piece%mass%hi/piece%stiffness%hi)*hypot(1.0_dp, spin*sqrt(piece%compliance%hi*piece%rotary%hi)))
+        parts(i) = ceiling(min(most, piece%length%hi*norm2([turning, shearing, bending])*sqrt(0.25_dp/short_square)*1.01_dp))
       end associate
     end do
     parts = max(parts, 1)

@@ -35,6 +35,7 @@ module bw_coherence
   real(dp), parameter :: revival = 2.0_dp        !! of N^(1/4), to which phases that are nearly quadratic add up
   real(dp), parameter :: returns = 3.0_dp        !! empirical, times a first passage
   real(dp), parameter :: normal = 1.4_dp         !! empirical, of the largest of N numbers that fall as Gauss' do, √(2 ln 2N)
+  real(dp), parameter, public :: pinned = 3.0_dp !! αγ from which a mass is as good as a pin
   integer, parameter :: most_families = 64       !! so many are as good as random
   real(dp), parameter :: half_pi = acos(0.0_dp)
 
@@ -203,7 +204,6 @@ contains
     !! span. Where the mass is, all have one sign.
     type(path_type), intent(in) :: path
     real(dp), intent(in) :: alpha                !! of the modes that move farthest
-    real(dp), parameter :: pinned = 3.0_dp       ! αγ from which a mass is as good as a pin
     families = 1
     if (path%gamma*alpha < pinned .or. path%distance*alpha < 1.0_dp) return
     do families = 1, min(most_families, 1 + int(0.5_dp*alpha/half_pi*min(path%struck_at, 1.0_dp - path%struck_at))) - 1

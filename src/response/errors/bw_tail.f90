@@ -4,7 +4,7 @@ module bw_tail
   !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
   !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
   !! and integrate cubics over it.
-  use bw_coherence, only: deviation_type, observation_type, path_to, path_type
+  use bw_coherence, only: deviation_type, observation_type, path_to, path_type, pinned
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -57,7 +57,8 @@ contains
     integer :: first, last
     if (source%gamma == 0.0_dp .or. force == 0.0_dp) return
     rising = falls_beyond(source%gamma, abs(source%struck_at - seen%points))
-    at_struck = seen%points == source%struck_at .and. .not. source%uniform .and. .not. present(shown)
+    at_struck = seen%points == source%struck_at .and. .not. source%uniform .and. .not. present(shown) &
+      .and. pi*source%highest*source%gamma > pinned
     first = count + 1
     do while (first <= source%highest)
       last = window_end(first, source, seen%stretch%start)
