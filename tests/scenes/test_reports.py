@@ -54,7 +54,7 @@ def test_check_foretells_what_it_has_not_the_time_to_run(here):
     turning = {"rotation": {"angular_velocity": 500.0}, "response": {"duration": 0.5, "samples": 100}, "modes": many}
     here.scene("a", {**STRUCK, **turning})
     kinds = [line.split(": ")[2] for line in warnings_of(here.beamwave("check", "a.nml", "--quiet"))]
-    assert kinds == ["unstable", "large deflection"]
+    assert kinds == ["unstable", "outside linear theory", "large deflection"]
 
 
 def test_a_case_that_is_foretold_is_named_by_its_number(here):
@@ -128,7 +128,7 @@ def test_many_scenes_have_one_line_each_and_are_counted(here):
     lines = ended.stdout.splitlines()
     assert ended.returncode == 2
     assert lines[:12] == [f"output/a{i:02}.nc: done" for i in range(12)]
-    assert lines[12] == "output/b.nc: done; warnings: unstable, large deflection"
+    assert lines[12] == "output/b.nc: done; warnings: unstable, outside linear theory, large deflection"
     assert lines[13:] == ["14 scenes: 13 done (1 with warnings), 1 wrong"]
     assert here.beamwave("run", "set").stdout.endswith("14 scenes: 13 done (13 there already, 1 with warnings), 1 wrong\n")
     assert here.beamwave("check", "set").stdout.endswith("14 scenes: 13 good (1 with warnings), 1 wrong\n")
