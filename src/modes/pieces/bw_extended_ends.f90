@@ -10,8 +10,12 @@ module bw_extended_ends
   private
   public :: extended_ends, hinged_below
 
-  integer, parameter :: terms = 24           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
+  integer :: m                               !! of constants
+  integer, parameter :: terms = 34           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
+  integer, parameter :: square_terms = 12    !! those of C and S, which are series in zh²
+  type(dd), parameter :: reciprocal(terms) = [(dd(1.0_dp/m, real(1.0_qp/m - 1.0_dp/m, dp)), m=1, terms)]
   real(dp), parameter :: nothing = 40.0_dp   !! qh from which tanh qh is 1 to 34 digits
+  real(dp), parameter :: hardly = 20.0_dp    !! qh from which it is known to 32 digits from e^(−2qh) in binary64
   real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed
 
 contains
@@ -68,7 +72,7 @@ contains
     if (abs(x%hi) < small) then
       c = to_dd(1.0_dp)
       s = to_dd(1.0_dp)
-      do m = terms/2, 1, -1
+      do m = square_terms, 1, -1
         c = to_dd(1.0_dp) - x*c/to_dd(real(2*m*(2*m - 1), dp))
         s = to_dd(1.0_dp) - x*s/to_dd(real(2*m*(2*m + 1), dp))
       end do
@@ -83,7 +87,11 @@ contains
       c = to_dd(1.0_dp)
       s = c/p
       if (angle%hi > nothing) return
-      e = to_dd(exp(-2.0_qp*to_quad(angle)))
+      if (angle%hi > hardly) then
+        e = to_dd(exp(-2.0_dp*angle%hi))
+      else
+        e = to_dd(exp(-2.0_qp*to_quad(angle)))
+      end if
       s = (c - e)/((c + e)*p)
     end if
   end subroutine find_c_and_s
@@ -139,23 +147,27 @@ contains
   end function short_ends
 
   pure function sum_of_series(a, b, c, start) result(state)
-    !! (v, ψ, M, N) at t = 1 from those in the middle.
+    !! (v, ψ, M, N) at t = 1 from those in the middle: v and M, or ψ and N, and every other power of t has the other two.
     type(dd), intent(in) :: a, b, c
     real(dp), intent(in) :: start(4)
     type(dd) :: state(4)
-    type(dd) :: term(4), next(4)
+    type(dd) :: term(4)
     integer :: m, j
-    term = [(to_dd(start(j)), j=1, 4)]
-    state = term
-    do m = 1, 2*terms
-      next(1) = term(2) + c*term(4)
-      next(2) = term(3)
-      next(3) = -(term(4) + b*term(2))
-      next(4) = -(a*term(1))
-      do j = 1, 4
-        term(j) = next(j)/to_dd(real(m, dp))
-        state(j) = state(j) + term(j)
-      end do
+    logical :: even                            ! the last power: it has v and M
+    state = [(to_dd(start(j)), j=1, 4)]
+    term = state
+    even = start(1) /= 0.0_dp .or. start(3) /= 0.0_dp
+    do m = 1, terms
+      if (even) then
+        term(2) = term(3)*reciprocal(m)
+        term(4) = -(a*term(1))*reciprocal(m)
+        state(2:4:2) = state(2:4:2) + term(2:4:2)
+      else
+        term(1) = (term(2) + c*term(4))*reciprocal(m)
+        term(3) = -(term(4) + b*term(2))*reciprocal(m)
+        state(1:3:2) = state(1:3:2) + term(1:3:2)
+      end if
+      even = .not. even
     end do
   end function sum_of_series
 
