@@ -236,28 +236,44 @@ contains
       probe%drive = scale(probe%drive, -exponent(largest))
     end if
     call weigh(system, probe)
-    correction = sum(left_vector(probe)*probe%drive)/probe%mass
+    correction = work_of_drive(probe)/probe%mass
     call improve_drive(probe)
   end subroutine improve
 
   pure subroutine improve_drive(probe)
     !! In proportion to what the motion weighs.
     type(mode_probe), intent(inout) :: probe
-    real(dp) :: largest
+    real(dp) :: largest, share(4)
     integer :: i, j, n
     n = size(probe%ends)
     largest = 0.0_dp
     do i = 0, n
+      share = 1.0_dp/probe%unit(:, i)
       do j = 1, 2
-        probe%drive(1, j, i) = -probe%before(j, i)/probe%unit(5 - j, i)
-        probe%drive(2, j, i) = probe%motion(j, i)/probe%unit(j, i)*(probe%push(j, i)/probe%unit(5 - j, i))
-        probe%drive(3, j, i) = merge(-probe%after(j, i), probe%before(j, i), i < n)/probe%unit(5 - j, i)
+        probe%drive(1, j, i) = -probe%before(j, i)*share(5 - j)
+        probe%drive(2, j, i) = probe%motion(j, i)*share(j)*(probe%push(j, i)*share(5 - j))
+        probe%drive(3, j, i) = merge(-probe%after(j, i), probe%before(j, i), i < n)*share(5 - j)
         largest = max(largest, abs(probe%drive(1, j, i)), abs(probe%drive(2, j, i)), abs(probe%drive(3, j, i)))
       end do
     end do
     probe%drive = probe%drive*(1.0_dp/largest)
     probe%drive(1, :, [0, n]) = 0.0_dp
   end subroutine improve_drive
+
+  pure real(dp) function work_of_drive(probe) result(work)
+    !! Of each drive on the `left_vector` of a probe.
+    type(mode_probe), intent(in) :: probe
+    integer :: i, j, n
+    n = size(probe%ends)
+    work = 0.0_dp
+    do i = 0, n
+      do j = 1, 2
+        work = work + probe%motion(j, i)*probe%unit(5 - j, i)*probe%drive(2, j, i) &
+          - probe%unit(j, i)*(probe%before(j, i)*probe%drive(1, j, i) + probe%after(j, i)*probe%drive(3, j, i))
+      end do
+    end do
+    work = work + sum(probe%before(:, n)*probe%unit(1:2, n)*probe%drive(3, :, n))
+  end function work_of_drive
 
   pure function left_vector(probe) result(left)
     !! What each drive does work on in the motion of a probe, in the drives' units: forces on deflections, jumps on forces.

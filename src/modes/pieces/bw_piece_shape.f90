@@ -102,13 +102,16 @@ contains
     real(dp), intent(in) :: q, half
     real(dp), intent(in) :: x(:), gap(:)         !! from the middle and to the nearer end, (places)
     real(dp), intent(out) :: c(:), s(:)
-    real(dp) :: scale
+    real(dp), parameter :: nothing = 40.0_dp     !! qh from which nothing of one end is seen beyond the middle
+    real(dp) :: scale, middle
     real(dp), dimension(size(x)) :: near, far
-    scale = 1.0_dp/(1.0_dp + exp(-2.0_dp*q*half))
-    near = scale*exp(-q*gap)
-    far = scale*exp(-q*(half + abs(x)))
-    c = near + far
-    s = sign((near - far)*(1.0_dp/q), x)
+    near = exp(-q*gap)
+    far = 0.0_dp
+    middle = exp(-q*half)
+    if (q*half < nothing) far = middle*(middle/near)
+    scale = 1.0_dp/(1.0_dp + middle**2)
+    c = scale*(near + far)
+    s = sign((near - far)*(scale/q), x)
   end subroutine find_exponential
 
   pure subroutine find_circular(p, offset, c, s)
