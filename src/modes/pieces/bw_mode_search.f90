@@ -184,7 +184,7 @@ contains
       gains = abs(correction) < 0.5_dp*before
       final = (abs(correction) < settled*mode_distance(k, x) .or. (step < rounding .and. .not. gains)) &
         .and. .not. search%probe%frequency%rough
-      if (search%roughly) final = final .or. abs(correction) < three_digits*mode_distance(k, x)
+      if (search%roughly .and. i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
