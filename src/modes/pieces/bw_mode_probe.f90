@@ -88,9 +88,9 @@ contains
       do j = 1, 2
         call move_freely(system, share(:, j), probe)
         fall(j) = probe%mass + sum(carried*(turned(:, j) - probe%motion(:, n)**2))
+        fall(j) = max(fall(j), epsilon(1.0_dp)*probe%mass)     ! of an immense body nothing else may be left
       end do
     end associate
-    fall = max(fall, epsilon(fall)*sum(abs(fall)))
     call mode_steps(phase, fall, more, step, which)
     if (which == 1) call move_freely(system, share(:, 1), probe)
     call improve_drive(probe)
