@@ -16,11 +16,10 @@ module bw_mode_probe
   use bw_piece_ends, only: find_ends, piece_ends
   use bw_piece_integrals, only: mean_squares
   use bw_piece_waves, only: frequency_at, numbers_of, piece_frequency, piece_numbers
-  use bw_tip_phase, only: mode_steps, tip_phases
   implicit none (type, external)
   private
-  public :: system_of, probe_for, start_anew, start_bodies, foresee, set_frequency, probe_at, count_below, improve
-  public :: improve_drive, eliminate_drive, weigh, left_vector
+  public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve
+  public :: improve_drive, keep_in_range, eliminate_drive, weigh, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -71,46 +70,6 @@ contains
     probe%drive = reshape([(sin(real(1 + 7*number*i*i, dp)), i=1, size(probe%drive))], shape(probe%drive))
     probe%drive(1, :, [0, size(probe%ends)]) = 0.0_dp      ! root and tip have a piece on one side
   end subroutine start_anew
-
-  pure subroutine foresee(system, probe, more, step)
-    !! About how much further in β² a mode is, from a frequency that was set up without drive. Its motion, as far as it shows
-    !! there, becomes the drive.
-    type(piece_system), intent(in) :: system
-    type(mode_probe), intent(inout) :: probe
-    integer, intent(in) :: more                    !! number of the mode less that of those below
-    real(dp), intent(out) :: step
-    real(dp) :: phase(2), share(2, 2), turned(2, 2), fall(2), carried(2)
-    integer :: j, n, which
-    n = size(probe%ends)
-    associate (tip => system%beam%joint(n))
-      call tip_phases(probe%factors%state(:, :, n), probe%loads(n), probe%unit(:, n), phase, share, turned)
-      carried = [tip%mass%hi, tip%inertia%hi]
-      do j = 1, 2
-        call move_freely(system, share(:, j), probe)
-        fall(j) = probe%mass + sum(carried*(turned(:, j) - probe%motion(:, n)**2))
-        fall(j) = max(fall(j), epsilon(1.0_dp)*probe%mass)     ! of an immense body nothing else may be left
-      end do
-    end associate
-    call mode_steps(phase, fall, more, step, which)
-    if (which == 1) call move_freely(system, share(:, 1), probe)
-    call improve_drive(probe)
-  end subroutine foresee
-
-  pure subroutine move_freely(system, share, probe)
-    !! A motion that meets all conditions but those at the tip.
-    type(piece_system), intent(in) :: system
-    real(dp), intent(in) :: share(2)               !! of the two that there are
-    type(mode_probe), intent(inout) :: probe
-    real(dp) :: tip(4)
-    integer :: n
-    n = size(probe%ends)
-    probe%factors%share(:, n) = share
-    call solve(probe%factors, probe%amplitude)
-    tip = matmul(probe%factors%state(:, :, n), share)
-    probe%drive(2, :, n) = [(tip(4) + probe%loads(n)%deflection*tip(1))/probe%unit(4, n), &
-                            (tip(3) + probe%loads(n)%turning*tip(2))/probe%unit(3, n)]
-    call weigh(system, probe)
-  end subroutine move_freely
 
   pure subroutine start_bodies(number, probe)
     !! The same, but that heavy bodies are driven as much as they weigh: for modes in which hardly anything else moves.
@@ -227,18 +186,23 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
-    real(dp), parameter :: large = 1.0e60_dp
-    real(dp) :: largest
     call solve(probe%factors, probe%amplitude)
-    largest = maxval(abs(probe%amplitude))
-    if (largest > large) then                      ! beside an immense mass its mass would overflow
-      probe%amplitude = scale(probe%amplitude, -exponent(largest))
-      probe%drive = scale(probe%drive, -exponent(largest))
-    end if
+    call keep_in_range(probe)
     call weigh(system, probe)
     correction = work_of_drive(probe)/probe%mass
     call improve_drive(probe)
   end subroutine improve
+
+  pure subroutine keep_in_range(probe)
+    !! Make a motion smaller, and its drive, whose mass would overflow: one beside an immense mass.
+    type(mode_probe), intent(inout) :: probe
+    real(dp), parameter :: large = 1.0e60_dp
+    real(dp) :: largest
+    largest = maxval(abs(probe%amplitude))
+    if (.not. largest > large) return
+    probe%amplitude = scale(probe%amplitude, -exponent(largest))
+    probe%drive = scale(probe%drive, -exponent(largest))
+  end subroutine keep_in_range
 
   pure subroutine improve_drive(probe)
     !! In proportion to what the motion weighs.

@@ -1,7 +1,7 @@
 module bw_mode_search
   !! Modes of a beam of pieces by their numbers.
   !!
-  !! Inverse iteration runs to a mode; the count of modes on both sides tells which it is, and which others are so near that
+  !! Phases at the tip tell where to begin (bw_tip_phase). Inverse iteration runs to a mode; the count of modes on both sides tells which it is, and which others are so near that
   !! they show in its motion. A bracket of two counts closes in on the mode that is asked for, whatever inverse iteration
   !! was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
@@ -11,11 +11,12 @@ module bw_mode_search
   use bw_kinds, only: dp
   use bw_mode_cluster, only: take
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
-  use bw_mode_probe, only: count_below, foresee, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, &
+  use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, &
     start_bodies, system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
   use bw_piece_dispersion, only: mean_waves, next_half_wave
   use bw_piece_waves, only: frequency_at, parts_at_rest
+  use bw_tip_phase, only: foresee
   implicit none (type, external)
   private
   public :: search_in, find_mode
@@ -315,7 +316,7 @@ contains
   end subroutine count_at
 
   pure type(dd) function first_guess(search, k) result(x)
-    !! As many half waves further than the lower end of the bracket as modes are between.
+    !! As many half waves further than the last mode, or the lower end of the bracket, as modes are between.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: k
     real(dp), parameter :: beyond = 1.05_dp        ! half waves: on the way the upper end of the bracket closes
