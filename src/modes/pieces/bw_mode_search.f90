@@ -1,9 +1,9 @@
 module bw_mode_search
   !! Modes of a beam of pieces by their numbers.
   !!
-  !! Phases at the tip tell where to begin (bw_tip_phase). Inverse iteration runs to a mode; the count of modes on both sides tells which it is, and which others are so near that
-  !! they show in its motion. A bracket of two counts closes in on the mode that is asked for, whatever inverse iteration
-  !! was drawn to meanwhile: none is missed and none is found twice.
+  !! Phases at the tip tell where to begin (bw_tip_phase). Inverse iteration runs to a mode; the count of modes on both sides
+  !! tells which it is, and which others are so near that they show in its motion. A bracket of two counts closes in on the
+  !! mode that is asked for, whatever inverse iteration was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_modes, only: extended_search, find_at_rest, find_extended
   use bw_extended_residual, only: is_motion, polish, refine
