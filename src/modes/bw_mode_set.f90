@@ -9,7 +9,7 @@ module bw_mode_set
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
-  public :: terms_of_set, first_numbers, first_struck
+  public :: terms_of_set, take_terms, first_numbers, first_struck
 
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
@@ -251,9 +251,19 @@ contains
     real(dp), intent(out) :: drive(:)             !! Φ_k(ξ₀)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)         !! Φ_k(ξ), (modes, points)
     class(mode_set), allocatable :: modes
-    integer :: k
     call self%find(number, modes, longest)
-    do k = 1, size(number)
+    call take_terms(modes, xi, beta, drive, shapes)
+  end subroutine terms_of_set
+
+  subroutine take_terms(modes, xi, beta, drive, shapes)
+    !! What a sum over modes asks of a set.
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: xi(:)                 !! those of `terms_of_set`
+    type(dd), intent(out) :: beta(:)
+    real(dp), intent(out) :: drive(:)
+    real(dp), intent(out) :: shapes(:, :)
+    integer :: k
+    do k = 1, modes%count
       if (modes%beta_squared(k)%hi >= 0.0_dp) then
         beta(k) = sqrt(modes%beta_squared(k))
       else
@@ -262,6 +272,6 @@ contains
     end do
     drive = modes%struck/modes%modal_mass
     shapes = modes%shapes(xi)
-  end subroutine terms_of_set
+  end subroutine take_terms
 
 end module bw_mode_set

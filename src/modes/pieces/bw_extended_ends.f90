@@ -2,7 +2,6 @@ module bw_extended_ends
   !! `bw_piece_ends` in double-double: states at the outer end of the four motions of a piece, divided by the same binary64
   !! numbers, so that amplitudes keep their meaning.
   use bw_double_double, only: dd, dd_pi, to_dd, to_quad, operator(+), operator(-), operator(*), operator(/)
-  use bw_refined_root, only: sine_and_versine
   use bw_kinds, only: dp, qp
   use bw_piece_waves, only: is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
   use bw_short_piece, only: starts
@@ -10,8 +9,17 @@ module bw_extended_ends
   private
   public :: extended_ends, hinged_below
 
-  integer, parameter :: terms = 24           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
+  integer, parameter :: terms = 34           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
+  integer, parameter :: square_terms = 12    !! those of C and S, which are series in zh²
+  integer :: m                               !! counts in lists of constants
+  type(dd), parameter :: reciprocal(terms) = [(dd(1.0_dp/m, real(1.0_qp/m - 1.0_dp/m, dp)), m=1, terms)]
+  integer, parameter :: parts = 32, wholes = 26      !! of 1, and of π/4
+  real(qp), parameter :: whole_sines(0:wholes) = [(sin(m/real(parts, qp)), m=0, wholes)]
+  real(qp), parameter :: whole_cosines(0:wholes) = [(cos(m/real(parts, qp)), m=0, wholes)]
+  type(dd), parameter :: inverse(2:6) = [(dd(1.0_dp/gamma(m + 1.0_dp), &
+    real(1.0_qp/gamma(m + 1.0_qp) - 1.0_dp/gamma(m + 1.0_dp), dp)), m=2, 6)]      !! 1/m!
   real(dp), parameter :: nothing = 40.0_dp   !! qh from which tanh qh is 1 to 34 digits
+  real(dp), parameter :: hardly = 20.0_dp    !! qh from which it is known to 32 digits from e^(−2qh) in binary64
   real(dp), parameter :: small = 0.5_dp      !! |z|h² below which C and S are summed
 
 contains
@@ -68,7 +76,7 @@ contains
     if (abs(x%hi) < small) then
       c = to_dd(1.0_dp)
       s = to_dd(1.0_dp)
-      do m = terms/2, 1, -1
+      do m = square_terms, 1, -1
         c = to_dd(1.0_dp) - x*c/to_dd(real(2*m*(2*m - 1), dp))
         s = to_dd(1.0_dp) - x*s/to_dd(real(2*m*(2*m + 1), dp))
       end do
@@ -83,7 +91,11 @@ contains
       c = to_dd(1.0_dp)
       s = c/p
       if (angle%hi > nothing) return
-      e = to_dd(exp(-2.0_qp*to_quad(angle)))
+      if (angle%hi > hardly) then
+        e = to_dd(exp(-2.0_dp*angle%hi))
+      else
+        e = to_dd(exp(-2.0_qp*to_quad(angle)))
+      end if
       s = (c - e)/((c + e)*p)
     end if
   end subroutine find_c_and_s
@@ -91,14 +103,11 @@ contains
   pure subroutine find_circular(angle, cosine, sine)
     type(dd), intent(in) :: angle              !! ≥ 0
     type(dd), intent(out) :: cosine, sine
-    type(dd) :: rest, c, s, list(2)
+    type(dd) :: rest, c, s
     integer :: quarters
     quarters = nint(angle%hi*(2.0_dp/dd_pi%hi))
     rest = angle - dd_pi*(0.5_dp*quarters)
-    call sine_and_versine([rest%hi], list(1:1), list(2:2))
-    c = to_dd(1.0_dp) - list(2)
-    s = list(1) + c%hi*rest%lo
-    c = c + (-list(1)%hi*rest%lo)
+    call sine_and_cosine(rest, s, c)
     select case (modulo(quarters, 4))
     case (0)
       cosine = c
@@ -114,6 +123,26 @@ contains
       sine = -c
     end select
   end subroutine find_circular
+
+  pure subroutine sine_and_cosine(angle, sine, cosine)
+    !! From the next whole 32nd by Taylor's series, of which the last terms are taken in binary64.
+    type(dd), intent(in) :: angle              !! |angle| ≤ π/4, or hardly more
+    type(dd), intent(out) :: sine, cosine
+    type(dd) :: rest, square, s, versine, whole, whole_cosine
+    real(dp) :: x
+    integer :: i
+    i = nint(angle%hi*parts)
+    rest = angle + (-i/real(parts, dp))
+    square = rest*rest
+    x = square%hi
+    s = ((inverse(5) + x*(-1.0_dp/5040 + x*(1.0_dp/362880 - x/39916800)))*square + (-inverse(3)))*square*rest + rest
+    versine = (((-inverse(6)) + x*(1.0_dp/40320 - x/3628800))*square + inverse(4))*square
+    versine = (inverse(2) - versine)*square
+    whole = to_dd(sign(1, i)*whole_sines(abs(i)))
+    whole_cosine = to_dd(whole_cosines(abs(i)))
+    sine = whole + (whole_cosine*s - whole*versine)
+    cosine = whole_cosine - (whole_cosine*versine + whole*s)
+  end subroutine sine_and_cosine
 
   pure function short_ends(piece, frequency) result(outer)
     !! The power series of bw_short_piece.
@@ -139,23 +168,27 @@ contains
   end function short_ends
 
   pure function sum_of_series(a, b, c, start) result(state)
-    !! (v, ψ, M, N) at t = 1 from those in the middle.
+    !! (v, ψ, M, N) at t = 1 from those in the middle: v and M, or ψ and N, and every other power of t has the other two.
     type(dd), intent(in) :: a, b, c
     real(dp), intent(in) :: start(4)
     type(dd) :: state(4)
-    type(dd) :: term(4), next(4)
+    type(dd) :: term(4)
     integer :: m, j
-    term = [(to_dd(start(j)), j=1, 4)]
-    state = term
-    do m = 1, 2*terms
-      next(1) = term(2) + c*term(4)
-      next(2) = term(3)
-      next(3) = -(term(4) + b*term(2))
-      next(4) = -(a*term(1))
-      do j = 1, 4
-        term(j) = next(j)/to_dd(real(m, dp))
-        state(j) = state(j) + term(j)
-      end do
+    logical :: even                            ! the last power: it has v and M
+    state = [(to_dd(start(j)), j=1, 4)]
+    term = state
+    even = start(1) /= 0.0_dp .or. start(3) /= 0.0_dp
+    do m = 1, terms
+      if (even) then
+        term(2) = term(3)*reciprocal(m)
+        term(4) = -(a*term(1))*reciprocal(m)
+        state(2:4:2) = state(2:4:2) + term(2:4:2)
+      else
+        term(1) = (term(2) + c*term(4))*reciprocal(m)
+        term(3) = -(term(4) + b*term(2))*reciprocal(m)
+        state(1:3:2) = state(1:3:2) + term(1:3:2)
+      end if
+      even = .not. even
     end do
   end function sum_of_series
 

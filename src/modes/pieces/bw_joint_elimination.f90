@@ -13,6 +13,8 @@ module bw_joint_elimination
   private
   public :: eliminate, solve, size_elimination
 
+  integer, parameter :: width = 8
+    !! of a condition: on two shares, on the four amplitudes of the next piece, its right side, and one that fills a register
   real(dp), parameter :: least_pivot = 1.0e-17_dp  !! of rows of size 1: below it is rounding
 
   type, public :: joint_loads
@@ -43,29 +45,30 @@ contains
     type(piece_ends), intent(in) :: ends(:)      !! (n)
     real(dp), intent(in) :: right(:, 0:)         !! right side of each condition, (4, 0:n)
     type(elimination), intent(inout) :: factors  !! allocated for n pieces
-    real(dp) :: condition(4, 2), rest(2), row(6, 4), side(4), forced(4)
-    integer :: i, n, q
+    real(dp) :: condition(4, 2), rest(2), row(width, 4), forced(4)
+    integer :: i, n
     n = size(ends)
     call set_root(root, loads(0), inner_states(ends(1)), right(:, 0), condition, rest)
     do i = 1, n
       call solve_conditions(condition, rest, factors%free(:, :, i), factors%forced(:, i))
-      do q = 1, 4
-        row(1, q) = dot_product(ends(i)%outer(q, :), factors%free(:, 1, i))
-        row(2, q) = dot_product(ends(i)%outer(q, :), factors%free(:, 2, i))
-        forced(q) = dot_product(ends(i)%outer(q, :), factors%forced(:, i))
-        factors%state(q, :, i) = row(1:2, q)
-      end do
-      side = right(:, i) - forced
+      associate (state => factors%state(:, :, i))
+        state(:, 1) = product_of(ends(i)%outer, factors%free(:, 1, i))
+        state(:, 2) = product_of(ends(i)%outer, factors%free(:, 2, i))
+        forced = product_of(ends(i)%outer, factors%forced(:, i))
+        row(1, :) = state(:, 1)
+        row(2, :) = state(:, 2)
+      end associate
+      row(7, :) = right(:, i) - forced
       if (i < n) then
-        call set_joint(loads(i), inner_states(ends(i + 1)), row, side)
-        call eliminate_shares(row, side)
+        call set_joint(loads(i), ends(i + 1)%outer, row)
+        call eliminate_shares(4, row)
         condition = row(3:6, 3:4)
-        rest = side(3:4)
+        rest = row(7, 3:4)
       else
-        call set_tip(loads(n), right(:, n), forced, row, side)
-        call eliminate_shares(row, side)
+        call set_tip(loads(n), right(:, n), forced, row)
+        call eliminate_shares(2, row)
       end if
-      call keep_shares(row, side, factors%next(:, :, i), factors%share(:, i))
+      call keep_shares(row, factors%next(:, :, i), factors%share(:, i))
     end do
   end subroutine eliminate
 
@@ -89,45 +92,54 @@ contains
     rest = [right(merge(1, 4, root%holds_deflection)), right(merge(2, 3, root%holds_turning))]
   end subroutine set_root
 
-  pure subroutine set_joint(load, inner, row, side)
+  pure function product_of(outer, amplitude) result(state)
+    !! The state at the outer end of a piece.
+    real(dp), intent(in) :: outer(4, 4), amplitude(4)
+    real(dp) :: state(4)
+    state = outer(:, 1)*amplitude(1) + outer(:, 2)*amplitude(2) + outer(:, 3)*amplitude(3) + outer(:, 4)*amplitude(4)
+  end function product_of
+
+  pure subroutine set_joint(load, outer, row)
     !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached. The body moves with the
     !! piece after: beside a load that is large the forces of the piece before keep their digits.
     type(joint_loads), intent(in) :: load
-    real(dp), intent(in) :: inner(4, 4)          !! of the piece after, (motion, state)
-    real(dp), intent(inout) :: row(6, 4), side(4)
+    real(dp), intent(in) :: outer(4, 4)          !! of the piece after; its inner end has the same but for signs (bw_piece_ends)
+    real(dp), intent(inout) :: row(width, 4)
     integer :: q
-    row(3:6, 1:2) = -inner(:, 1:2)
-    row(3:6, 3) = load%turning*inner(:, 2) - inner(:, 3)
-    row(3:6, 4) = load%deflection*inner(:, 1) - inner(:, 4)
+    row(3:4, 1) = -outer(1, 1:2)
+    row(5:6, 1) = outer(1, 3:4)
+    row(3:4, 2) = outer(2, 1:2)
+    row(5:6, 2) = -outer(2, 3:4)
+    row(3:4, 3) = -(load%turning*outer(2, 1:2) + outer(3, 1:2))
+    row(5:6, 3) = load%turning*outer(2, 3:4) + outer(3, 3:4)
+    row(3:4, 4) = load%deflection*outer(1, 1:2) + outer(4, 1:2)
+    row(5:6, 4) = -(load%deflection*outer(1, 3:4) + outer(4, 3:4))
+    row(8, :) = 0.0_dp
     do q = 1, 4
-      call divide_row(row(:, q), side(q))
+      call divide_row(row(:, q))
     end do
   end subroutine set_joint
 
-  pure subroutine set_tip(load, right, forced, row, side)
-    !! No moment and no shear force beyond what is attached.
+  pure subroutine set_tip(load, right, forced, row)
+    !! No moment and no shear force beyond what is attached: two conditions.
     type(joint_loads), intent(in) :: load
     real(dp), intent(in) :: right(4), forced(4)
-    real(dp), intent(inout) :: row(6, 4), side(4)
+    real(dp), intent(inout) :: row(width, 4)
     real(dp) :: v(2)
     v = row(1:2, 1)
     row(1:2, 1) = row(1:2, 3) + load%turning*row(1:2, 2)
     row(1:2, 2) = row(1:2, 4) + load%deflection*v
-    side(1:2) = right(3:4) - forced(3:4) - [load%turning*forced(2), load%deflection*forced(1)]
-    row(3:6, :) = 0.0_dp
-    row(:, 3:4) = 0.0_dp                         ! last: where the first two are singular, these are no pivots
-    side(3:4) = 0.0_dp
-    call divide_row(row(:, 1), side(1))
-    call divide_row(row(:, 2), side(2))
+    row(7, 1:2) = right(3:4) - forced(3:4) - [load%turning*forced(2), load%deflection*forced(1)]
+    row(3:6, 1:2) = 0.0_dp
+    row(8, 1:2) = 0.0_dp
+    call divide_row(row(:, 1))
+    call divide_row(row(:, 2))
   end subroutine set_tip
 
-  pure subroutine divide_row(row, side)
+  pure subroutine divide_row(row)
     !! By its largest element.
-    real(dp), intent(inout) :: row(6), side
-    real(dp) :: factor
-    factor = 1.0_dp/max(max(abs(row(1)), abs(row(2)), abs(row(3))), max(abs(row(4)), abs(row(5)), abs(row(6))))
-    row = row*factor
-    side = side*factor
+    real(dp), intent(inout) :: row(width)
+    row = row*(1.0_dp/max(max(abs(row(1)), abs(row(2)), abs(row(3))), max(abs(row(4)), abs(row(5)), abs(row(6)))))
   end subroutine divide_row
 
   pure subroutine solve_conditions(condition, rest, free, forced)
@@ -184,42 +196,38 @@ contains
     end do
   end function place_of_largest
 
-  pure subroutine eliminate_shares(row, side)
-    !! Take the shares of the two free motions out of four conditions; rows 1 and 2 are then the triangle's.
-    real(dp), intent(inout) :: row(6, 4), side(4)
-    real(dp) :: pivot(6), pivot_side, factor
+  pure subroutine eliminate_shares(conditions, row)
+    !! Take the shares of the two free motions out of the conditions; rows 1 and 2 are then the triangle's.
+    integer, intent(in) :: conditions
+    real(dp), intent(inout) :: row(width, 4)
+    real(dp) :: pivot(width)
     integer :: c, j, place
     do c = 1, 2
       place = c
-      do j = c + 1, 4
+      do j = c + 1, conditions
         if (abs(row(c, j)) > abs(row(c, place))) place = j
       end do
       pivot = row(:, place)
-      pivot_side = side(place)
       row(:, place) = row(:, c)
-      side(place) = side(c)
       if (abs(pivot(c)) < least_pivot) pivot(c) = sign(least_pivot, pivot(c))
       row(:, c) = pivot
-      side(c) = pivot_side
-      do j = c + 1, 4
-        factor = row(c, j)/pivot(c)
-        row(:, j) = row(:, j) - factor*pivot
-        side(j) = side(j) - factor*pivot_side
+      do j = c + 1, conditions
+        row(:, j) = row(:, j) - (row(c, j)/pivot(c))*pivot
       end do
     end do
   end subroutine eliminate_shares
 
-  pure subroutine keep_shares(row, side, next, share)
+  pure subroutine keep_shares(row, next, share)
     !! Shares = share − Σ next·(amplitudes of the next piece), from the triangle.
-    real(dp), intent(in) :: row(6, 4), side(4)
+    real(dp), intent(in) :: row(width, 4)
     real(dp), intent(out) :: next(4, 2), share(2)
     real(dp) :: factor
     factor = 1.0_dp/row(2, 2)
     next(:, 2) = row(3:6, 2)*factor
-    share(2) = side(2)*factor
+    share(2) = row(7, 2)*factor
     factor = 1.0_dp/row(1, 1)
     next(:, 1) = (row(3:6, 1) - row(2, 1)*next(:, 2))*factor
-    share(1) = (side(1) - row(2, 1)*share(2))*factor
+    share(1) = (row(7, 1) - row(2, 1)*share(2))*factor
   end subroutine keep_shares
 
   pure subroutine solve(factors, amplitude)

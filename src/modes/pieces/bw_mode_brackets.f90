@@ -1,6 +1,6 @@
 module bw_mode_brackets
   !! Frequencies at which modes were counted, on both sides of the one that is looked for.
-  use bw_double_double, only: dd, operator(+), operator(-), operator(*)
+  use bw_double_double, only: dd, operator(+), operator(*)
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -49,13 +49,10 @@ contains
     integer, intent(in) :: k
     type(dd), intent(in) :: lambda
     integer, intent(in) :: below                   !! modes below λ
-    type(dd) :: gap
-    gap = lambda - bracket%low%lambda
-    if (below < k .and. gap%hi > 0.0_dp) bracket%low = separator(lambda, below)
+    if (below < k .and. gap(lambda, bracket%low%lambda) > 0.0_dp) bracket%low = separator(lambda, below)
     if (below < k) return
     do while (bracket%highs > 0)
-      gap = bracket%high(bracket%highs)%lambda - lambda
-      if (gap%hi > 0.0_dp) exit
+      if (gap(bracket%high(bracket%highs)%lambda, lambda) > 0.0_dp) exit
       if (bracket%high(bracket%highs)%below == below) return
       bracket%highs = bracket%highs - 1
     end do
@@ -72,24 +69,18 @@ contains
     type(mode_bracket), intent(in) :: bracket
     integer, intent(in) :: below
     type(dd), intent(in) :: edge
-    type(dd) :: gap
-    gap = edge - bracket%low%lambda
-    closed_to = bracket%low%below == below .and. gap%hi >= 0.0_dp
+    closed_to = bracket%low%below == below .and. gap(edge, bracket%low%lambda) >= 0.0_dp
     if (closed_to .or. bracket%highs == 0) return
-    gap = bracket%high(bracket%highs)%lambda - edge
-    closed_to = bracket%high(bracket%highs)%below == below .and. gap%hi >= 0.0_dp
+    closed_to = bracket%high(bracket%highs)%below == below .and. gap(bracket%high(bracket%highs)%lambda, edge) >= 0.0_dp
   end function closed_to
 
   pure logical function inside(bracket, x, margin)
     type(mode_bracket), intent(in) :: bracket
     type(dd), intent(in) :: x
     real(dp), intent(in) :: margin                 !! that a count next to a mode may be off
-    type(dd) :: gap
-    gap = x - bracket%low%lambda
-    inside = gap%hi > -margin
+    inside = gap(x, bracket%low%lambda) > -margin
     if (bracket%highs == 0 .or. .not. inside) return
-    gap = bracket%high(bracket%highs)%lambda - x
-    inside = gap%hi > -margin
+    inside = gap(bracket%high(bracket%highs)%lambda, x) > -margin
   end function inside
 
   pure type(dd) function middle(bracket)
@@ -103,11 +94,14 @@ contains
 
   pure real(dp) function width(bracket)
     type(mode_bracket), intent(in) :: bracket
-    type(dd) :: gap
     width = huge(width)
-    if (bracket%highs == 0) return
-    gap = bracket%high(bracket%highs)%lambda - bracket%low%lambda
-    width = gap%hi
+    if (bracket%highs > 0) width = gap(bracket%high(bracket%highs)%lambda, bracket%low%lambda)
   end function width
+
+  elemental real(dp) function gap(a, b)
+    !! a − b of numbers that are exact in binary64 where they are near: their high parts differ by a few units then.
+    type(dd), intent(in) :: a, b
+    gap = (a%hi - b%hi) + (a%lo - b%lo)
+  end function gap
 
 end module bw_mode_brackets

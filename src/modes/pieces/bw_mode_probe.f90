@@ -18,8 +18,8 @@ module bw_mode_probe
   use bw_piece_waves, only: frequency_at, numbers_of, piece_frequency, piece_numbers
   implicit none (type, external)
   private
-  public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve, improve_drive
-  public :: eliminate_drive, weigh, left_vector
+  public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve
+  public :: improve_drive, keep_in_range, eliminate_drive, weigh, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -186,37 +186,58 @@ contains
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
-    real(dp), parameter :: large = 1.0e60_dp
-    real(dp) :: largest
     call solve(probe%factors, probe%amplitude)
-    largest = maxval(abs(probe%amplitude))
-    if (largest > large) then                      ! beside an immense mass its mass would overflow
-      probe%amplitude = scale(probe%amplitude, -exponent(largest))
-      probe%drive = scale(probe%drive, -exponent(largest))
-    end if
+    call keep_in_range(probe)
     call weigh(system, probe)
-    correction = sum(left_vector(probe)*probe%drive)/probe%mass
+    correction = work_of_drive(probe)/probe%mass
     call improve_drive(probe)
   end subroutine improve
+
+  pure subroutine keep_in_range(probe)
+    !! Make a motion smaller, and its drive, whose mass would overflow: one beside an immense mass.
+    type(mode_probe), intent(inout) :: probe
+    real(dp), parameter :: large = 1.0e60_dp
+    real(dp) :: largest
+    largest = maxval(abs(probe%amplitude))
+    if (.not. largest > large) return
+    probe%amplitude = scale(probe%amplitude, -exponent(largest))
+    probe%drive = scale(probe%drive, -exponent(largest))
+  end subroutine keep_in_range
 
   pure subroutine improve_drive(probe)
     !! In proportion to what the motion weighs.
     type(mode_probe), intent(inout) :: probe
-    real(dp) :: largest
+    real(dp) :: largest, share(4)
     integer :: i, j, n
     n = size(probe%ends)
     largest = 0.0_dp
     do i = 0, n
+      share = 1.0_dp/probe%unit(:, i)
       do j = 1, 2
-        probe%drive(1, j, i) = -probe%before(j, i)/probe%unit(5 - j, i)
-        probe%drive(2, j, i) = probe%motion(j, i)/probe%unit(j, i)*(probe%push(j, i)/probe%unit(5 - j, i))
-        probe%drive(3, j, i) = merge(-probe%after(j, i), probe%before(j, i), i < n)/probe%unit(5 - j, i)
+        probe%drive(1, j, i) = -probe%before(j, i)*share(5 - j)
+        probe%drive(2, j, i) = probe%motion(j, i)*share(j)*(probe%push(j, i)*share(5 - j))
+        probe%drive(3, j, i) = merge(-probe%after(j, i), probe%before(j, i), i < n)*share(5 - j)
         largest = max(largest, abs(probe%drive(1, j, i)), abs(probe%drive(2, j, i)), abs(probe%drive(3, j, i)))
       end do
     end do
     probe%drive = probe%drive*(1.0_dp/largest)
     probe%drive(1, :, [0, n]) = 0.0_dp
   end subroutine improve_drive
+
+  pure real(dp) function work_of_drive(probe) result(work)
+    !! Of each drive on the `left_vector` of a probe.
+    type(mode_probe), intent(in) :: probe
+    integer :: i, j, n
+    n = size(probe%ends)
+    work = 0.0_dp
+    do i = 0, n
+      do j = 1, 2
+        work = work + probe%motion(j, i)*probe%unit(5 - j, i)*probe%drive(2, j, i) &
+          - probe%unit(j, i)*(probe%before(j, i)*probe%drive(1, j, i) + probe%after(j, i)*probe%drive(3, j, i))
+      end do
+    end do
+    work = work + sum(probe%before(:, n)*probe%unit(1:2, n)*probe%drive(3, :, n))
+  end function work_of_drive
 
   pure function left_vector(probe) result(left)
     !! What each drive does work on in the motion of a probe, in the drives' units: forces on deflections, jumps on forces.

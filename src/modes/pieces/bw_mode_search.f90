@@ -1,9 +1,9 @@
 module bw_mode_search
   !! Modes of a beam of pieces by their numbers.
   !!
-  !! Inverse iteration runs to a mode; the count of modes on both sides tells which it is, and which others are so near that
-  !! they show in its motion. A bracket of two counts closes in on the mode that is asked for, whatever inverse iteration
-  !! was drawn to meanwhile: none is missed and none is found twice.
+  !! Phases at the tip tell where to begin (bw_tip_phase). Inverse iteration runs to a mode; the count of modes on both sides
+  !! tells which it is, and which others are so near that they show in its motion. A bracket of two counts closes in on the
+  !! mode that is asked for, whatever inverse iteration was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_modes, only: extended_search, find_at_rest, find_extended
   use bw_extended_residual, only: is_motion, polish, refine
@@ -11,11 +11,12 @@ module bw_mode_search
   use bw_kinds, only: dp
   use bw_mode_cluster, only: take
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
-  use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, start_bodies, &
-    system_of
+  use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, &
+    start_bodies, system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
   use bw_piece_dispersion, only: mean_waves, next_half_wave
   use bw_piece_waves, only: frequency_at, parts_at_rest
+  use bw_tip_phase, only: foresee
   implicit none (type, external)
   private
   public :: search_in, find_mode
@@ -26,9 +27,12 @@ module bw_mode_search
   real(dp), parameter :: regular_enough = 1.0e-3_dp
     !! distance from clamped modes of the pieces, 0 … 1, from which a count is trusted
   real(dp), parameter :: near = 1.0e-2_dp          !! of the distance of two modes: from here inverse iteration is not watched
+  real(dp), parameter :: rough_until = 1.0e-3_dp   !! likewise: the step after one so small may be the last
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
-  real(dp), parameter :: settled = 1.0e-14_dp      !! likewise: from here a step is rounding
+  real(dp), parameter :: settled = 2.0e-14_dp      !! likewise: a step that changes neither frequency nor motion
+  real(dp), parameter :: three_digits = 1.0e-3_dp  !! likewise: motions are off by about as much
   real(dp), parameter :: apart = 0.05_dp           !! likewise: from here modes hardly show in each other's motions by rounding
+  real(dp), parameter :: nearby = 0.6_dp           !! likewise: a motion from so far is about that of the mode (tuned)
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here binary64 does not tell motions apart
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
 
@@ -44,6 +48,8 @@ module bw_mode_search
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
     logical :: uneven = .false.                    !! as `is_uneven` says
     logical :: possible = .true.                   !! false: the spin bends the beam in so many waves that no mode is looked for
+    logical :: roughly = .false.                   !! three digits will do
+    real(dp), allocatable :: any_drive(:, :, :)    !! one that no mode escapes
     integer :: last = -1                           !! number of the last mode that was found
     type(dd) :: last_lambda                        !! its frequency
     integer :: evaluations = 0
@@ -62,6 +68,7 @@ contains
     if (search%growing + search%resting > 0 .and. search%possible) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
     search%probe = probe_for(search%system)
     search%scout = search%probe
+    search%any_drive = search%probe%drive
     do c = 1, cuts
       search%finer(c) = system_of(cut_all(search%system%beam, [(c + 1, i=1, size(search%system%piece))]))
       search%finer_probe(c) = probe_for(search%finer(c))
@@ -168,27 +175,29 @@ contains
     logical :: final, gains
     integer :: i, n, strays
     call open_for(search%bracket, k, search%growing, search%growing + search%resting, search%system%beam%spin_squared)
-    call start_anew(1, search%probe)
-    x = first_guess(search, k)
+    call begin(search, k, x)
     before = huge(before)
     strays = 0
     alone = .false.
     do i = 1, most_steps
-      call probe_at(search%system, x, search%probe, rough=.not. (before < near*mode_distance(k, x)))
+      call probe_at(search%system, x, search%probe, rough=.not. (before < rough_until*mode_distance(k, x)))
       call improve(search%system, search%probe, correction)
       search%evaluations = search%evaluations + 1
       lambda = x + correction
       room = min(mode_distance(k, x), width(search%bracket))
       step = abs(correction)/room
       gains = abs(correction) < 0.5_dp*before
-      final = abs(correction) < settled*mode_distance(k, x) .or. (step < rounding .and. .not. gains)
+      final = (abs(correction) < settled*mode_distance(k, x) .or. (step < rounding .and. .not. gains)) &
+        .and. .not. search%probe%frequency%rough
+      if (search%roughly .and. i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
-      else if (final .and. .not. search%probe%frequency%rough) then
+      else if (final) then
         call enclose(search, k, lambda, alone)
-        if (alone .and. step*room > settled*mode_distance(k, x)) call refine(search%system, search%probe, lambda)
+        gains = abs(correction) < settled*mode_distance(k, x) .or. search%roughly
+        if (alone .and. .not. gains) call refine(search%system, search%probe, lambda)
         found = alone
         if (found) return
         call start_bodies(i, search%probe)
@@ -210,6 +219,26 @@ contains
       if (found) return
     end do
   end subroutine locate
+
+  pure subroutine begin(search, k, x)
+    !! About where mode k is, and a drive that is about its own, as the phases at the tip tell nearby; where they do not, a drive
+    !! that no mode escapes.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(out) :: x
+    integer, parameter :: far = 4                  !! modes
+    real(dp) :: step
+    integer :: n
+    x = first_guess(search, k)
+    search%probe%drive = search%any_drive
+    if (.not. x%hi > 0.0_dp) return
+    call look(search, k, x, n)
+    if (abs(k - n) > far) return
+    call foresee(search%system, search%scout, k - n, step)
+    if (.not. inside(search%bracket, x + step, 0.0_dp)) return
+    x = x + step
+    if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
+  end subroutine begin
 
   subroutine enclose(search, k, x, found)
     !! Count on both sides of a mode: is it mode k, and alone? The count beyond tells as well whether the next mode is far.
@@ -264,6 +293,7 @@ contains
     integer, intent(in) :: k
     type(dd), intent(in) :: x
     integer, intent(out) :: n
+    search%scout%drive = 0.0_dp
     call probe_at(search%system, x, search%scout, rough=.true.)
     search%evaluations = search%evaluations + 1
     call count_at(search, k, search%scout, n)
@@ -290,13 +320,17 @@ contains
   end subroutine count_at
 
   pure type(dd) function first_guess(search, k) result(x)
-    !! As many half waves further than the lower end of the bracket as modes are between.
+    !! As many half waves further than the last mode, or the lower end of the bracket, as modes are between.
     type(mode_search), intent(in) :: search
     integer, intent(in) :: k
+    real(dp), parameter :: beyond = 1.05_dp        ! half waves: on the way the upper end of the bracket closes
     x = middle(search%bracket)
     associate (low => search%bracket%low, system => search%system)
-      if (low%lambda%hi >= 0.0_dp) &
+      if (search%last == k - 1 .and. search%last_lambda%hi > 0.0_dp) then
+        x = to_dd(next_half_wave(system%beam, system%piece, search%last_lambda%hi, beyond))
+      else if (low%lambda%hi >= 0.0_dp) then
         x = to_dd(next_half_wave(system%beam, system%piece, low%lambda%hi, real(k - low%below, dp)))
+      end if
     end associate
     if (.not. inside(search%bracket, x, 0.0_dp)) x = middle(search%bracket)
   end function first_guess

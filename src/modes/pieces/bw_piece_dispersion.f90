@@ -26,7 +26,7 @@ contains
     integer, parameter :: most = 30
     real(dp) :: number, waves, slope
     integer :: i
-    call half_waves(piece, frequency_at(beam, to_dd(start)), waves, slope)
+    call half_waves(piece, frequency_at(beam, to_dd(start), rough=.true.), waves, slope)
     if (start > 0.0_dp) then
       x = start
       number = max(least*waves, waves + more)
@@ -35,7 +35,7 @@ contains
       number = waves + more - 0.5_dp                    ! a clamped root takes half of one
     end if
     do i = 1, most
-      call half_waves(piece, frequency_at(beam, to_dd(x)), waves, slope)
+      if (i > 1 .or. x > start) call half_waves(piece, frequency_at(beam, to_dd(x), rough=.true.), waves, slope)
       if (abs(waves - number) < near_enough) return
       x = x*exp(max(-longest, min(longest, (number - waves)/(slope*x))))
     end do

@@ -10,7 +10,7 @@ module bw_piece_set
   use bw_mode_set, only: full_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_piece_overlap, only: overlap_sums, piece_modes
-  use bw_piece_shape, only: beam_place, deflections_inside, place_of, states_inside
+  use bw_piece_shape, only: beam_place, deflections_inside, gap_to_end, place_of, states_inside
   use bw_piece_waves, only: frequency_at, piece_frequency
   implicit none (type, external)
   private
@@ -71,6 +71,8 @@ contains
     type(dd) :: offset(size(xi))
     type(piece_frequency) :: frequency
     integer, allocatable :: here(:)
+    type(dd), allocatable :: inside(:)
+    real(dp), allocatable :: gap(:)
     integer :: i, k, p
     do p = 1, size(xi)
       place(p) = place_of(self%modes%system%beam, xi(p))
@@ -79,10 +81,12 @@ contains
     do i = 1, size(self%modes%system%piece)
       here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_at)
       if (size(here) == 0) cycle
+      inside = offset(here)
+      gap = gap_to_end(self%modes%system%piece(i), inside)
       do k = first, last
         frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
         values(k - first + 1, here) = deflections_inside(self%modes%system%piece(i), frequency, self%modes%amplitude(:, i, k), &
-                                                         offset(here))
+                                                         inside, gap)
       end do
     end do
     do p = 1, size(xi)

@@ -7,7 +7,7 @@ module bw_piece_shape
   use bw_short_piece, only: find_series, piece_series, polynomial_states, series_terms, states_of_series
   implicit none (type, external)
   private
-  public :: deflections_inside, place_of, states_inside, wave_values
+  public :: deflections_inside, gap_to_end, place_of, states_inside, wave_values
 
   real(dp), parameter :: small = 0.5_dp          !! |z|h² below which exponentials would cancel: powers are summed
   integer, parameter :: terms = 10
@@ -56,12 +56,13 @@ contains
     end if
   end function states_inside
 
-  pure function deflections_inside(piece, frequency, amplitude, offset) result(values)
+  pure function deflections_inside(piece, frequency, amplitude, offset, gap) result(values)
     !! v alone, (places).
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp), intent(in) :: amplitude(4)
     type(dd), intent(in) :: offset(:)
+    real(dp), intent(in) :: gap(:)               !! of `gap_to_end`
     real(dp) :: values(size(offset)), state(4, size(offset))
     real(dp), dimension(size(offset)) :: c, s
     type(wave_numbers) :: waves
@@ -77,6 +78,8 @@ contains
       associate (y => waves%y(j)%hi, z => waves%z(j))
         if (z%hi*piece%half%hi**2 > small) then
           call find_circular(waves%p(j), offset, c, s)
+        else if (-z%hi*piece%half%hi**2 >= small) then
+          call find_exponential(waves%p(j)%hi, piece%half%hi, offset%hi, gap, c, s)
         else
           call wave_values(z, waves%p(j), piece%half, offset, c, s)
         end if
@@ -84,6 +87,32 @@ contains
       end associate
     end do
   end function deflections_inside
+
+  elemental real(dp) function gap_to_end(piece, offset) result(gap)
+    !! Distance to the nearer end of a piece.
+    type(piece_numbers), intent(in) :: piece
+    type(dd), intent(in) :: offset               !! from the middle of the piece
+    type(dd) :: distance
+    distance = piece%half - offset*sign(1.0_dp, offset%hi)
+    gap = distance%hi
+  end function gap_to_end
+
+  pure subroutine find_exponential(q, half, x, gap, c, s)
+    !! C and S over cosh qh of a pair of exponentials at many places.
+    real(dp), intent(in) :: q, half
+    real(dp), intent(in) :: x(:), gap(:)         !! from the middle and to the nearer end, (places)
+    real(dp), intent(out) :: c(:), s(:)
+    real(dp), parameter :: nothing = 40.0_dp     !! qh from which nothing of one end is seen beyond the middle
+    real(dp) :: scale, middle
+    real(dp), dimension(size(x)) :: near, far
+    near = exp(-q*gap)
+    far = 0.0_dp
+    middle = exp(-q*half)
+    if (q*half < nothing) far = middle*(middle/near)
+    scale = 1.0_dp/(1.0_dp + middle**2)
+    c = scale*(near + far)
+    s = sign((near - far)*(scale/q), x)
+  end subroutine find_exponential
 
   pure subroutine find_circular(p, offset, c, s)
     !! C and S of a wave that propagates at many places: whole quarter turns are taken off in three parts, of which the first
@@ -156,7 +185,7 @@ contains
     !! C and S at a place, over cosh √(−z)h where z < 0.
     type(dd), intent(in) :: z, p, half, offset
     real(dp), intent(out) :: c, s
-    type(dd) :: gap
+    type(dd) :: distance
     real(dp) :: q, x, far, near, whole
     x = offset%hi
     if (abs(z%hi)*half%hi**2 < small) then
@@ -171,8 +200,8 @@ contains
       s = s/p%hi
     else
       q = p%hi
-      gap = half - offset*sign(1.0_dp, x)
-      near = exp(-q*gap%hi)
+      distance = half - offset*sign(1.0_dp, x)
+      near = exp(-q*distance%hi)
       far = exp(-q*(half%hi + abs(x)))
       whole = 1.0_dp + exp(-2.0_dp*q*half%hi)
       c = (near + far)/whole

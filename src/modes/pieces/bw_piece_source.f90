@@ -6,7 +6,7 @@ module bw_piece_source
   use bw_missing, only: missing
   use bw_mode_probe, only: mode_probe
   use bw_mode_search, only: find_mode, mode_search, search_in
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: mode_set, mode_source, take_terms, terms_of_set
   use bw_monitor, only: monitor_type, stops
   use bw_piece_beam, only: modes_at_rest, piece_beam, uniform_piece
   use bw_piece_critical, only: critical_speed_of, without_inertia
@@ -31,6 +31,7 @@ module bw_piece_source
     logical :: grows_at_any_speed = .false.
   contains
     procedure :: find => find_of_pieces
+    procedure :: terms => terms_of_pieces
   end type piece_source
 
 contains
@@ -96,7 +97,26 @@ contains
     call move_alloc(found, modes)
   end subroutine find_of_pieces
 
-  subroutine set_of_pieces(beam, number, longest, set, struck, monitor)
+  subroutine terms_of_pieces(self, number, xi, longest, beta, drive, shapes)
+    !! Where no history is asked for, three digits will do.
+    class(piece_source), intent(in) :: self
+    integer, intent(in) :: number(:)
+    real(dp), intent(in) :: xi(:)
+    real(dp), intent(in), optional :: longest
+    type(dd), intent(out) :: beta(:)
+    real(dp), intent(out) :: drive(:)
+    real(dp), intent(out) :: shapes(:, :)
+    type(piece_set) :: modes
+    if (present(longest)) then
+      call terms_of_set(self, number, xi, longest, beta, drive, shapes)
+    else
+      call set_of_pieces(self%pieces%beam, number, set=modes, struck=self%pieces%struck, roughly=.true.)
+      modes%struck_at = self%struck_at
+      call take_terms(modes, xi, beta, drive, shapes)
+    end if
+  end subroutine terms_of_pieces
+
+  subroutine set_of_pieces(beam, number, longest, set, struck, monitor, roughly)
     !! Modes of any numbers, in their order.
     type(piece_beam), intent(in) :: beam
     integer, intent(in) :: number(:)               !! k ≥ 1, ascending
@@ -104,11 +124,13 @@ contains
     type(piece_set), intent(out) :: set
     integer, intent(in), optional :: struck        !! the joint at which a mass strikes; absent: the tip
     class(monitor_type), intent(inout), optional :: monitor   !! the modes mean nothing where it asks to stop
+    logical, intent(in), optional :: roughly       !! frequencies and shapes to three digits; absent: to all
     type(mode_search) :: search
     type(dd) :: lambda
     logical :: found
     integer :: j
     search = search_in(beam)
+    if (present(roughly)) search%roughly = roughly
     call size_set(search, size(number), set)
     if (present(struck)) then
       set%struck_joint = struck
@@ -123,7 +145,7 @@ contains
         set%resolved = .false.
         return
       end if
-      if (is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
+      if (.not. search%roughly .and. is_coarse(search, lambda, longest)) call refine(search%system, search%probe, lambda)
       call set_mode(search%probe, number(j), lambda, j, set)
     end do
   end subroutine set_of_pieces

@@ -280,13 +280,15 @@ contains
     real(dp), intent(in) :: half, q
     real(dp), intent(out) :: c, s, w
     real(dp), parameter :: nothing = 20.0_dp       !! qh from which tanh qh is 1
+    real(dp), parameter :: little = 0.5_dp         !! qh below which 1 − e^(−2qh) has lost digits
     real(dp) :: t, e
     c = 1.0_dp
     t = 1.0_dp
     w = 0.0_dp
     if (q*half < nothing) then
-      t = tanh(q*half)
       e = exp(-2.0_dp*q*half)
+      t = (1.0_dp - e)/(1.0_dp + e)
+      if (q*half < little) t = tanh(q*half)
       w = 4.0_dp*e/(1.0_dp + e)**2
     end if
     s = t/q
