@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dgeqrf, dgelsy, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dgeqrf, dormqr, dgelsy, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd, zheev
 
   interface
 
@@ -51,6 +51,17 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(out) :: info
     end subroutine dgeqrf
+
+    subroutine dormqr(side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
+      !! C ← QC, QᵀC, CQ or CQᵀ, Q from dgeqrf.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: side, trans
+      integer, intent(in) :: m, n, k, lda, ldc, lwork
+      real(dp), intent(in) :: a(lda, *), tau(*)
+      real(dp), intent(inout) :: c(ldc, *), work(*)
+      integer, intent(out) :: info
+    end subroutine dormqr
 
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       !! The shortest solution of least squares for a matrix that may lack rank.
@@ -123,6 +134,17 @@ module bw_lapack
       real(dp), intent(inout) :: rwork(*)
       integer, intent(out) :: info
     end subroutine zgeev
+
+    subroutine zheev(jobz, uplo, n, a, lda, w, work, lwork, rwork, info)
+      !! All eigenvalues of a Hermitian matrix, ascending, and its eigenvectors in its place.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: jobz, uplo
+      integer, intent(in) :: n, lda, lwork
+      complex(dp), intent(inout) :: a(lda, *), work(*)
+      real(dp), intent(inout) :: w(*), rwork(*)
+      integer, intent(out) :: info
+    end subroutine zheev
 
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
       !! All singular values of a complex matrix with their vectors.

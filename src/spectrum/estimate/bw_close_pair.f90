@@ -1,0 +1,156 @@
+module bw_close_pair
+  !! Lines that turn out to be two: a second line in a peak is taken where the likelihood pays for it, and where a drift of
+  !! the single line would not do as well.
+  !!
+  !! The places of two lines come from the band around the peak, turned to rest and averaged over blocks: the sum of two
+  !! exponentials, whose poles are found from the signal's subspace (ESPRIT: Roy and Kailath, 1989).
+  use bw_band, only: band_type
+  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce, reduced_type, slopes
+  use bw_kinds, only: dp
+  use bw_lapack, only: dgelsy, zheev
+  use bw_line_bands, only: line_band, own_rows
+  use bw_noise_level, only: level_at, level_knots
+  use bw_samples, only: samples_type, span_of
+  implicit none (type, external)
+  private
+  public :: drift_gain, split_lines
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: places = 8             !! independent places of a second line in a peak; from trials on noise
+  real(dp), parameter :: dependent = 1.0e-12_dp
+  real(dp), parameter :: widest_apart = 1.5_dp  !! bins of a member from the single line
+  real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
+  real(dp), parameter :: apart(3) = [0.25_dp, 0.5_dp, 1.0_dp]  !! bins between two lines to start from
+
+contains
+
+  subroutine split_lines(samples, false_alarm, noise, bands, lines, still, changed)
+    !! Try every line as two; the best of each band is kept.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(level_knots), intent(in) :: noise
+    type(line_band), intent(in) :: bands(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    logical, intent(out) :: changed
+    type(damped_line), allocatable :: after(:)
+    integer :: i
+    changed = .false.
+    after = lines
+    do i = 1, size(bands)
+      if (size(bands(i)%member) > 0) call split_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
+    end do
+    if (changed) call move_alloc(after, lines)
+
+  contains
+
+    subroutine split_band(band, least)
+      !! Keep the best split of one of the band's lines.
+      type(line_band), intent(in) :: band
+      real(dp), intent(in) :: least
+      type(fit_type) :: fit, best
+      real(dp), allocatable :: rows(:, :), weight(:)
+      real(dp) :: left
+      type(damped_line), allocatable :: own(:)
+      integer :: j, k, chosen
+      rows = own_rows(samples, lines, still, band)
+      weight = 1/level_at(noise, band%band%centre)
+      own = lines(band%member)
+      fit%lines = own
+      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+      left = fit%left
+      chosen = 0
+      do j = 1, size(own)
+        do k = 1, size(apart)
+          fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), apart(k)/span_of(samples))]
+          call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+          if (chosen > 0) then
+            if (fit%left >= best%left) cycle
+          end if
+          if (left - fit%left < least) cycle
+          if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
+          if (left - fit%left < least/2 + drift_gain(samples, band, rows, weight, own, j)) cycle
+          best = fit
+          chosen = j
+        end do
+      end do
+      if (chosen == 0) return
+      changed = .true.
+      after(band%member(:chosen - 1)) = best%lines(:chosen - 1)
+      after(band%member(chosen + 1:)) = best%lines(chosen:size(own) - 1)
+      after(band%member(chosen)) = best%lines(size(own))
+      after = [after, best%lines(size(own) + 1)]
+    end subroutine split_band
+
+  end subroutine split_lines
+
+  logical function beside_in_bins(line, pair, span) result(near)
+    !! Whether both lines are within the peak of the one, neither much broader: what is further away has a peak of its own.
+    type(damped_line), intent(in) :: line, pair(:)
+    real(dp), intent(in) :: span
+    near = all(abs(pair%frequency - line%frequency)*span < widest_apart + abs(line%decay)*span/pi) .and. &
+      & all(abs(pair%decay - line%decay)*span < broadest + 2*abs(line%decay)*span)
+  end function beside_in_bins
+
+  function pair_at(line, distance) result(pair)
+    !! Two lines on either side of one.
+    type(damped_line), intent(in) :: line
+    real(dp), intent(in) :: distance            !! periods per step
+    type(damped_line) :: pair(2)
+    pair = line
+    pair%frequency = abs(line%frequency + [-0.5_dp, 0.5_dp]*distance)
+  end function pair_at
+
+  real(dp) function drift_gain(samples, band, rows, weight, lines, j) result(gain)
+    !! What decay and frequency of line j take off the weighted squares where they may change evenly in time.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: j
+    type(reduced_type) :: reduced
+    real(dp), allocatable :: matrix(:, :), right(:, :), factors(:, :), work(:), drift(:, :)
+    integer :: pivot(2*size(lines) + 2), rank, info, s, n
+    reduced = reduce(samples, band%band, rows, lines, band%with_still, 2)
+    n = size(reduced%length) - reduced%linear
+    drift = slopes(reduced, weight, reduced%linear + 2*size(lines))
+    allocate (matrix(size(drift, 1), 2*size(lines) + 2), right(size(drift, 1), 1))
+    matrix(:, :2*size(lines)) = slopes(reduced, weight, reduced%linear)
+    matrix(:, 2*size(lines) + 1:) = drift(:, 2*j - 1:2*j)
+    do s = 1, size(weight)
+      right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
+    end do
+    allocate (work(64*(sum(shape(matrix)) + 1)))
+    pivot = 0
+    factors = matrix
+    call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
+      & work, size(work), info)
+    gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
+  end function drift_gain
+
+  pure real(dp) function least_gain(sensors, false_alarm) result(gain)
+    !! What a second line must take off the weighted squares: noise gives more with that probability. Decay, frequency and an
+    !! amplitude at each sensor are 2 + 2S normal numbers, at about `places` places.
+    integer, intent(in) :: sensors
+    real(dp), intent(in) :: false_alarm
+    real(dp) :: low, high, term, tail
+    integer :: i, j
+    low = 0
+    high = 2000.0_dp + 20*sensors
+    do i = 1, 60
+      gain = (low + high)/2
+      term = exp(-gain/2)
+      tail = term
+      do j = 1, sensors
+        term = term*gain/(2*j)
+        tail = tail + term
+      end do
+      if (tail*places > false_alarm) then
+        low = gain
+      else
+        high = gain
+      end if
+    end do
+  end function least_gain
+
+end module bw_close_pair

@@ -1,0 +1,203 @@
+module bw_damped_search
+  !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
+  use bw_band, only: band_type
+  use bw_band_fit, only: damped_line, fit_type, reduce, reduced_type
+  use bw_close_pair, only: split_lines
+  use bw_fourier, only: real_fourier
+  use bw_kinds, only: dp
+  use bw_line_bands, only: line_band, own_rows, prepare_bands, refine
+  use bw_noise_level, only: level_at
+  use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
+  use bw_samples, only: samples_type, span_of
+  implicit none (type, external)
+  private
+  public :: find_damped_lines
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: most_rounds = 24
+  integer, parameter :: most_at_once = 64
+  real(dp), parameter :: guard = 4               !! times the leakage of stronger peaks
+  real(dp), parameter :: narrowest = 0.4_dp      !! bins; an undamped line leaks 1/(πd)² of its power
+  real(dp), parameter :: kept = 0.7_dp           !! of the threshold, that a line must still pay among the others
+  real(dp), parameter :: beside = 0.7_dp         !! bins within which a place is the same
+
+  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3
+
+  type, public :: rejected_line
+    !! A candidate that is no line.
+    real(dp) :: frequency = 0                    !! periods per step
+    real(dp) :: ordinate = 0                     !! over the noise's level
+    integer :: reason = 0
+  end type rejected_line
+
+  type, public :: found_lines
+    !! The lines of a record by ascending frequency.
+    type(damped_line), allocatable :: lines(:)
+    real(dp), allocatable :: still(:, :)         !! offset and slope over half the record, about its middle, (2, S)
+    type(line_band), allocatable :: bands(:)
+    type(ordinates_type) :: ordinates            !! what the lines leave
+    type(rejected_line), allocatable :: rejected(:)
+  end type found_lines
+
+contains
+
+  subroutine find_damped_lines(samples, false_alarm, found)
+    !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(found_lines), intent(out) :: found
+    type(real_fourier) :: plan
+    type(damped_line), allocatable :: fresh(:)
+    real(dp) :: threshold
+    integer :: round
+    logical :: changed
+    allocate (found%lines(0), found%rejected(0))
+    allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
+    threshold = least_ordinate(size(samples%value, 2), span_of(samples)/2, false_alarm)
+    call prepare_bands(samples, found%lines, found%bands)
+    call look()
+    call settle()
+    do round = 1, most_rounds
+      call look()
+      call drop_needless(samples, threshold, found, changed)
+      if (changed) then
+        call settle()
+        cycle
+      end if
+      fresh = candidates(samples, found, threshold)
+      changed = size(fresh) > 0
+      if (changed) then
+        found%lines = [found%lines, fresh]
+      else
+        call split_lines(samples, false_alarm, found%ordinates%noise, found%bands, found%lines, found%still, changed)
+        if (.not. changed) exit
+      end if
+      call settle()
+    end do
+
+  contains
+
+    subroutine look()
+      call find_ordinates(samples, found%lines, found%still, plan, found%ordinates)
+    end subroutine look
+
+    subroutine settle()
+      call prepare_bands(samples, found%lines, found%bands)
+      call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still)
+    end subroutine settle
+
+  end subroutine find_damped_lines
+
+  function candidates(samples, found, threshold) result(fresh)
+    !! New lines at the peaks that noise does not explain, nor the leakage of stronger peaks, and that have not been rejected.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: threshold
+    type(damped_line), allocatable :: fresh(:)
+    integer, allocatable :: peak(:), taken(:)
+    real(dp) :: leakage, place, bins
+    integer :: i, j, best
+    allocate (fresh(0), taken(0))
+    associate (total => found%ordinates%total, length => found%ordinates%length)
+      bins = span_of(samples)/length
+      peak = local_maxima(total, threshold)
+      do i = 1, min(size(peak), 4*most_at_once)
+        best = maxloc(total(peak), dim=1)
+        associate (m => peak(best))
+          place = m + vertex(total, m)
+          leakage = 0
+          do j = 1, size(taken)
+            leakage = leakage + total(taken(j))/(1 + ((m - taken(j))*bins/width(total, taken(j), bins))**2) &
+              & + total(taken(j))/(1 + ((m + taken(j))*bins/width(total, taken(j), bins))**2)
+          end do
+          if (total(m) > guard*leakage .and. all(abs(found%rejected%frequency - place/length)*span_of(samples) > beside)) then
+            taken = [taken, m]
+            fresh = [fresh, line_at(samples, found, place/length)]
+          end if
+        end associate
+        peak = [peak(:best - 1), peak(best + 1:)]
+        if (size(taken) == most_at_once) exit
+      end do
+    end associate
+  end function candidates
+
+  pure function local_maxima(total, threshold) result(peak)
+    !! The ordinates above the threshold that are not lower than their neighbours, without both ends.
+    real(dp), intent(in) :: total(0:), threshold
+    integer, allocatable :: peak(:)
+    integer :: m
+    peak = pack([(m, m=1, size(total) - 2)], total(1:size(total) - 2) > threshold .and. &
+      & total(1:size(total) - 2) >= total(0:size(total) - 3) .and. total(1:size(total) - 2) > total(2:size(total) - 1))
+  end function local_maxima
+
+  pure real(dp) function vertex(total, m)
+    !! Where the parabola through three logarithms is highest, −½ … ½.
+    real(dp), intent(in) :: total(0:)
+    integer, intent(in) :: m
+    real(dp) :: low, middle, high
+    low = log(max(total(m - 1), tiny(1.0_dp)))
+    middle = log(total(m))
+    high = log(max(total(m + 1), tiny(1.0_dp)))
+    vertex = max(-0.5_dp, min(0.5_dp, (high - low)/max(2*(2*middle - low - high), 1.0e-10_dp)))
+  end function vertex
+
+  pure real(dp) function width(total, m, bins)
+    !! Half the width of a peak at half its height, in bins, not less than that of an undamped line.
+    real(dp), intent(in) :: total(0:)
+    integer, intent(in) :: m
+    real(dp), intent(in) :: bins                 !! between ordinates
+    integer :: low, high
+    do low = m, 1, -1
+      if (2*total(low) < total(m)) exit
+    end do
+    do high = m, size(total) - 2
+      if (2*total(high) < total(m)) exit
+    end do
+    width = max(narrowest, (high - low)*bins/2 - narrowest)
+  end function width
+
+  function line_at(samples, found, frequency) result(line)
+    !! A line at a peak, with the decay of a coarse list that explains most.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: frequency
+    type(damped_line) :: line
+    line%frequency = frequency
+    line%decay = 1/span_of(samples)
+    allocate (line%amplitude(size(samples%value, 2)))
+    line%amplitude = 0
+  end function line_at
+
+  subroutine drop_needless(samples, threshold, found, changed)
+    !! Leave out lines without which the others explain as much but for noise; they are not tried again.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: threshold
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    type(reduced_type) :: with, without
+    real(dp), allocatable :: rows(:, :), weight(:)
+    logical :: stays(size(found%lines))
+    real(dp) :: pays
+    integer :: i, j
+    stays = .true.
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) == 0) cycle
+      associate (band => found%bands(i))
+        rows = own_rows(samples, found%lines, found%still, band)
+        weight = 1/level_at(found%ordinates%noise, band%band%centre)
+        with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0)
+        do j = 1, size(band%member)
+          without = reduce(samples, band%band, rows, found%lines(pack(band%member, band%member /= band%member(j))), &
+            & band%with_still, 0)
+          pays = sum(weight*(without%left - with%left))/2
+          if (pays > kept*threshold) cycle
+          stays(band%member(j)) = .false.
+          found%rejected = [found%rejected, rejected_line(found%lines(band%member(j))%frequency, pays, not_needed)]
+        end do
+      end associate
+    end do
+    changed = .not. all(stays)
+    if (changed) found%lines = pack(found%lines, stays)
+  end subroutine drop_needless
+
+end module bw_damped_search

@@ -1,0 +1,159 @@
+module bw_ordinates
+  !! What lines leave of a record, seen by frequency: the ordinates of all sensors together over the level of their noise.
+  use bw_band_fit, only: damped_line
+  use bw_fourier, only: real_fourier
+  use bw_kinds, only: dp
+  use bw_noise_level, only: find_level, level_knots
+  use bw_samples, only: centre_of, phase_factor, samples_type, span_of
+  use bw_uneven_fourier, only: uneven_transform
+  implicit none (type, external)
+  private
+  public :: chance_of, find_ordinates, least_ordinate, padded_length
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: most_knots = 4096
+  integer, parameter :: table = 256            !! samples between two turns of a line's coefficient
+  real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
+
+  type, public :: ordinates_type
+    integer :: length = 0                      !! M of the padded transform; ordinate m is at m/M periods per step
+    real(dp), allocatable :: total(:)          !! Σ_s |X_s|²/(N·level): of noise alone a sum of S numbers e^(−x), (0:M/2)
+    type(level_knots) :: noise
+    real(dp), allocatable :: deviation(:)      !! of what is left, (S)
+  end type ordinates_type
+
+contains
+
+  subroutine find_ordinates(samples, lines, still, plan, ordinates)
+    !! Take the lines, offset and slope out of every sensor's samples, transform what is left and judge its noise.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: still(:, :)        !! (2, S)
+    type(real_fourier), intent(inout) :: plan
+    type(ordinates_type), intent(inout) :: ordinates
+    real(dp), allocatable :: left(:), power(:), level(:)
+    real(dp) :: floor
+    integer :: s, half, knots, k, bins
+    ordinates%length = padded_length(samples)
+    half = ordinates%length/2
+    bins = max(1, nint(span_of(samples)/2))
+    knots = min(half, most_knots)
+    if (.not. allocated(ordinates%total)) then
+      allocate (ordinates%total(0:half), ordinates%deviation(size(samples%value, 2)))
+      allocate (ordinates%noise%level(0:knots, size(samples%value, 2)))
+    end if
+    allocate (level(0:half))
+    ordinates%total = 0
+    do s = 1, size(samples%value, 2)
+      left = remainder(samples, lines, still, s)
+      ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
+      power = power_of(samples, left, ordinates%length, plan)
+      floor = max((rounding*norm2(samples%value(:, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
+      call find_level(power, bins, floor, level)
+      ordinates%total = ordinates%total + power/level
+      ordinates%noise%level(:, s) = [(level(nint(k*real(half, dp)/knots)), k=0, knots)]
+    end do
+  end subroutine find_ordinates
+
+  pure integer function padded_length(samples) result(length)
+    !! The smallest product of 2 with small primes that holds the record twice.
+    type(samples_type), intent(in) :: samples
+    integer :: rest, p
+    length = 2*ceiling(span_of(samples)) - 2
+    do
+      length = length + 2
+      rest = length
+      do p = 2, 7
+        do while (modulo(rest, p) == 0)
+          rest = rest/p
+        end do
+      end do
+      if (rest == 1) return
+    end do
+  end function padded_length
+
+  function power_of(samples, left, length, plan) result(power)
+    !! The ordinates |X|²/N of one sensor, (0:M/2).
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: left(:)
+    integer, intent(in) :: length
+    type(real_fourier), intent(inout) :: plan
+    real(dp), allocatable :: power(:)
+    complex(dp), allocatable :: spectrum(:)
+    allocate (power(0:length/2))
+    if (allocated(samples%place)) then
+      allocate (spectrum(0:length/2))
+      call uneven_transform(samples%place, left, length, plan, spectrum)
+      power = (spectrum%re**2 + spectrum%im**2)/size(left)
+    else
+      call plan%prepare(length)
+      plan%samples(:size(left)) = left
+      plan%samples(size(left) + 1:) = 0
+      call plan%transform()
+      power = (plan%spectrum%re**2 + plan%spectrum%im**2)/size(left)
+    end if
+  end function power_of
+
+  pure function remainder(samples, lines, still, s) result(left)
+    !! What lines, offset and slope leave of one sensor's samples, (N).
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    integer, intent(in) :: s
+    real(dp), allocatable :: left(:)
+    complex(dp) :: tone(0:table - 1), factor
+    real(dp) :: centre, start, periods
+    integer :: k, n, l, length
+    left = samples%value(:, s)
+    centre = centre_of(samples)
+    if (allocated(samples%place)) then
+      left = left - still(1, s) - still(2, s)*(samples%place/centre - 1)
+      do k = 1, size(lines)
+        start = 2*min(lines(k)%decay, 0.0_dp)*centre
+        do n = 1, size(left)
+          periods = lines(k)%frequency*samples%place(n)
+          left(n) = left(n) - exp(start - lines(k)%decay*samples%place(n))* &
+            & real(lines(k)%amplitude(s)*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp)), dp)
+        end do
+      end do
+      return
+    end if
+    left = left - still(1, s) - still(2, s)*([(n, n=0, size(left) - 1)]/centre - 1)
+    do k = 1, size(lines)
+      tone = [(exp(-lines(k)%decay*l)*phase_factor(lines(k)%frequency, l), l=0, table - 1)]
+      start = 2*min(lines(k)%decay, 0.0_dp)*centre
+      do n = 0, size(left) - 1, table
+        length = min(table, size(left) - n)
+        factor = lines(k)%amplitude(s)*exp(start - lines(k)%decay*n)*phase_factor(lines(k)%frequency, n)
+        left(n + 1:n + length) = left(n + 1:n + length) - (factor%re*tone(:length - 1)%re - factor%im*tone(:length - 1)%im)
+      end do
+    end do
+  end function remainder
+
+  pure real(dp) function chance_of(ordinate, sensors, bins)
+    !! How many ordinates of noise are expected to pass a value: Rice's formula for the transform between its bins.
+    real(dp), intent(in) :: ordinate
+    integer, intent(in) :: sensors
+    real(dp), intent(in) :: bins
+    chance_of = bins*sqrt(pi*ordinate/3)*exp(-ordinate + (sensors - 1)*log(ordinate) - log_gamma(real(sensors, dp)))
+  end function chance_of
+
+  pure real(dp) function least_ordinate(sensors, bins, false_alarm)
+    !! The ordinate that noise passes with that probability anywhere.
+    integer, intent(in) :: sensors
+    real(dp), intent(in) :: bins, false_alarm
+    real(dp) :: low, high
+    integer :: i
+    low = sensors
+    high = 10*(sensors + log(bins + 1) - log(false_alarm)) + 10
+    do i = 1, 60
+      least_ordinate = (low + high)/2
+      if (chance_of(least_ordinate, sensors, bins) > false_alarm) then
+        low = least_ordinate
+      else
+        high = least_ordinate
+      end if
+    end do
+  end function least_ordinate
+
+end module bw_ordinates
