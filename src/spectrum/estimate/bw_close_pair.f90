@@ -13,7 +13,7 @@ module bw_close_pair
   use bw_samples, only: samples_type, span_of
   implicit none (type, external)
   private
-  public :: drift_gain, split_lines
+  public :: drift_gain, join_lines, split_lines
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: places = 8             !! independent places of a second line in a peak; from trials on noise
@@ -91,6 +91,60 @@ contains
     near = all(abs(pair%frequency - line%frequency)*span < widest_apart + abs(line%decay)*span/pi) .and. &
       & all(abs(pair%decay - line%decay)*span < broadest + 2*abs(line%decay)*span)
   end function beside_in_bins
+
+  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed)
+    !! Leave a line out of each peak that has several, where the others, fitted again, do as well but for noise.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(level_knots), intent(in) :: noise
+    type(line_band), intent(in) :: bands(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    logical, intent(out) :: changed
+    logical :: stays(size(lines))
+    integer :: i
+    stays = .true.
+    do i = 1, size(bands)
+      if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
+    end do
+    changed = .not. all(stays)
+    if (changed) lines = pack(lines, stays)
+
+  contains
+
+    subroutine join_band(band, least)
+      !! Leave out the line that is missed least.
+      type(line_band), intent(in) :: band
+      real(dp), intent(in) :: least
+      type(fit_type) :: fit
+      real(dp), allocatable :: rows(:, :), weight(:)
+      type(damped_line), allocatable :: own(:), best(:)
+      real(dp) :: left, least_left
+      integer :: j, chosen
+      own = lines(band%member)
+      rows = own_rows(samples, lines, still, band)
+      weight = 1/level_at(noise, band%band%centre)
+      fit%lines = own
+      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+      left = fit%left
+      least_left = left + least
+      chosen = 0
+      do j = 1, size(own)
+        if (count(abs(own%frequency - own(j)%frequency)*span_of(samples) < 2*widest_apart) < 2) cycle
+        fit%lines = [own(:j - 1), own(j + 1:)]
+        call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+        if (fit%left >= least_left) cycle
+        least_left = fit%left
+        chosen = j
+        best = fit%lines
+      end do
+      if (chosen == 0) return
+      stays(band%member(chosen)) = .false.
+      lines(band%member(:chosen - 1)) = best(:chosen - 1)
+      lines(band%member(chosen + 1:)) = best(chosen:)
+    end subroutine join_band
+
+  end subroutine join_lines
 
   function pair_at(line, distance) result(pair)
     !! Two lines on either side of one.

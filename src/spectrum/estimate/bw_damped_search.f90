@@ -2,7 +2,7 @@ module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_band, only: band_type
   use bw_band_fit, only: damped_line, fit_type, reduce, reduced_type
-  use bw_close_pair, only: split_lines
+  use bw_close_pair, only: join_lines, split_lines
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows, prepare_bands, refine
@@ -18,8 +18,10 @@ module bw_damped_search
   integer, parameter :: most_at_once = 64
   real(dp), parameter :: guard = 4               !! times the leakage of stronger peaks
   real(dp), parameter :: narrowest = 0.4_dp      !! bins; an undamped line leaks 1/(πd)² of its power
-  real(dp), parameter :: kept = 0.7_dp           !! of the threshold, that a line must still pay among the others
+  real(dp), parameter :: kept = 1               !! times the threshold, that a line must still pay among the others
   real(dp), parameter :: beside = 0.7_dp         !! bins within which a place is the same
+
+  real(dp), parameter :: same_peak = 1.5_dp      !! bins from a line, where it is tried as two before a further one is
 
   integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3
 
@@ -64,14 +66,16 @@ contains
         call settle()
         cycle
       end if
-      fresh = candidates(samples, found, threshold)
-      changed = size(fresh) > 0
-      if (changed) then
-        found%lines = [found%lines, fresh]
-      else
+      fresh = candidates(samples, found, threshold, same_peak)
+      if (size(fresh) == 0) then
         call split_lines(samples, false_alarm, found%ordinates%noise, found%bands, found%lines, found%still, changed)
-        if (.not. changed) exit
+        if (.not. changed) fresh = candidates(samples, found, threshold, 0.0_dp)
+        if (.not. changed .and. size(fresh) == 0) then
+          call join_lines(samples, false_alarm, found%ordinates%noise, found%bands, found%lines, found%still, changed)
+          if (.not. changed) exit
+        end if
       end if
+      found%lines = [found%lines, fresh]
       call settle()
     end do
 
@@ -88,11 +92,12 @@ contains
 
   end subroutine find_damped_lines
 
-  function candidates(samples, found, threshold) result(fresh)
+  function candidates(samples, found, threshold, distance) result(fresh)
     !! New lines at the peaks that noise does not explain, nor the leakage of stronger peaks, and that have not been rejected.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(in) :: found
     real(dp), intent(in) :: threshold
+    real(dp), intent(in) :: distance             !! bins from other lines that new ones keep
     type(damped_line), allocatable :: fresh(:)
     integer, allocatable :: peak(:), taken(:)
     real(dp) :: leakage, place, bins
@@ -110,7 +115,8 @@ contains
             leakage = leakage + total(taken(j))/(1 + ((m - taken(j))*bins/width(total, taken(j), bins))**2) &
               & + total(taken(j))/(1 + ((m + taken(j))*bins/width(total, taken(j), bins))**2)
           end do
-          if (total(m) > guard*leakage .and. all(abs(found%rejected%frequency - place/length)*span_of(samples) > beside)) then
+          if (total(m) > guard*leakage .and. all(abs(found%rejected%frequency - place/length)*span_of(samples) > beside) &
+            & .and. all(abs(found%lines%frequency - place/length)*span_of(samples) >= distance)) then
             taken = [taken, m]
             fresh = [fresh, line_at(samples, found, place/length)]
           end if
