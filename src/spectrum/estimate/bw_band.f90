@@ -44,8 +44,8 @@ contains
       width = abs(band%centre - (lowest + highest)/2)*span + width
       blocks = ceiling(sums_per_bin*width)
     end if
-    if (2*blocks > size(samples%value, 1)) then
-      blocks = size(samples%value, 1)
+    if (2*blocks > samples%count) then
+      blocks = samples%count
       band%centre = 0
       band%is_real = .true.
     end if
@@ -90,7 +90,7 @@ contains
     associate (first => band%blocks%first)
       length = maxval(first(2:) - first(:size(first) - 1))
       if (length == 1) then
-        sums = samples%value(:, s)
+        sums = samples%value(:samples%count, s)
         return
       end if
       if (allocated(samples%place)) then

@@ -83,14 +83,15 @@ contains
     if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
 
-  function reduce(samples, band, rows, lines, with_still, order) result(reduced)
-    !! The triangle of the lines' columns, and the record turned by it.
+  function reduce(samples, band, rows, lines, with_still, order, bent) result(reduced)
+    !! The triangle of the lines' columns, and the record turned by it. There must be more rows than columns.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: rows(:, :)
     type(damped_line), intent(in) :: lines(:)
     logical, intent(in) :: with_still
     integer, intent(in), optional :: order      !! highest power of time whose columns are there, 1
+    integer, intent(in), optional :: bent       !! the line that has columns of powers above 1, if any
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :), turned(:, :), tau(:), work(:), columns(:, :, :)
     integer :: k, m, n, highest, info
@@ -98,14 +99,17 @@ contains
     if (present(order)) highest = order
     reduced%lines = size(lines)
     reduced%linear = 2*size(lines) + merge(2, 0, with_still)
-    n = reduced%linear + 2*highest*size(lines)
+    n = reduced%linear + 2*min(highest, 1)*size(lines) + 2*max(highest - 1, 0)
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
-    allocate (columns(size(rows, 1), 2, 0:highest))
     do k = 1, size(lines)
-      columns = line_columns(samples, band, lines(k)%decay, lines(k)%frequency, highest)
-      matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
-      do m = 1, highest
-        matrix(:, reduced%linear + 2*(m - 1)*size(lines) + 2*k - 1:reduced%linear + 2*(m - 1)*size(lines) + 2*k) = columns(:, :, m)
+      m = min(highest, 1)
+      if (present(bent)) m = merge(highest, m, k == bent)
+      columns = line_columns(samples, band, lines(k)%decay, lines(k)%frequency, m)
+      matrix(:, 2*k - 1:2*k) = columns(:, :, lbound(columns, 3))
+      if (highest > 0) matrix(:, reduced%linear + 2*k - 1:reduced%linear + 2*k) = columns(:, :, lbound(columns, 3) + 1)
+      do m = 2, ubound(columns, 3) - lbound(columns, 3)
+        matrix(:, reduced%linear + 2*(size(lines) + m) - 3:reduced%linear + 2*(size(lines) + m) - 2) = &
+          & columns(:, :, lbound(columns, 3) + m)
       end do
     end do
     if (with_still) matrix(:, reduced%linear - 1:reduced%linear) = still_columns(samples, band)
@@ -146,26 +150,32 @@ contains
     end do
   end function solved
 
-  function slopes(reduced, weight, first) result(matrix)
-    !! The slopes of all sensors by what turns the amplitudes' columns into those that start at `first`, the linear part
-    !! eliminated: decay and frequency (in units of one over half the record), or their drifts. (sensors × columns, columns)
+  function slopes(reduced, weight, bent) result(matrix)
+    !! The slopes of all sensors by decay and frequency of each line, or by the drifts of one line's, in units of one over half the
+    !! record and its square, amplitudes, offset and slope eliminated. (sensors × columns, unknowns)
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    integer, intent(in) :: first                !! column of R after which the slopes' columns start
-    real(dp) :: matrix(size(weight)*(size(reduced%length) - reduced%linear), 2*reduced%lines)
+    integer, intent(in), optional :: bent       !! the line whose drifts are asked for
+    real(dp), allocatable :: matrix(:, :)
     real(dp) :: a, b
-    integer :: s, k, n, row, c
+    integer :: s, k, n, row, c, first, last, unknowns
     n = size(reduced%length)
+    first = 1
+    last = reduced%lines
+    if (present(bent)) first = bent
+    if (present(bent)) last = bent
+    allocate (matrix(size(weight)*(n - reduced%linear), 2*(last - first + 1)))
     do s = 1, size(weight)
       row = (s - 1)*(n - reduced%linear)
-      do k = 1, reduced%lines
+      do k = first, last
         a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
         b = reduced%linear_part(2*k, s)*sqrt(weight(s))
-        c = first + 2*k - 1
+        c = reduced%linear + merge(2*reduced%lines + 1, 2*k - 1, present(bent))
+        unknowns = 2*(k - first)
         associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
             & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-          matrix(row + 1:row + n - reduced%linear, 2*k - 1) = a*upper(one, c) + b*upper(other, c + 1)
-          matrix(row + 1:row + n - reduced%linear, 2*k) = -b*upper(one, c) + a*upper(other, c + 1)
+          matrix(row + 1:row + n - reduced%linear, unknowns + 1) = a*upper(one, c) + b*upper(other, c + 1)
+          matrix(row + 1:row + n - reduced%linear, unknowns + 2) = -b*upper(one, c) + a*upper(other, c + 1)
         end associate
       end do
     end do
@@ -191,7 +201,7 @@ contains
     real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), work(:)
     integer :: pivot(2*reduced%lines), rank, info, s, n
     n = size(reduced%length) - reduced%linear
-    matrix = slopes(reduced, weight, reduced%linear)
+    matrix = slopes(reduced, weight)
     allocate (right(size(matrix, 1), 1), work(64*(sum(shape(matrix)) + 1)))
     do s = 1, size(weight)
       right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
@@ -218,21 +228,16 @@ contains
     if (.not. allocated(samples%place)) where (moved%frequency > 0.5_dp) moved%frequency = 1 - moved%frequency
   end function moved_lines
 
-  function position_covariance(reduced, weight, first) result(covariance)
+  function position_covariance(reduced, weight) result(covariance)
     !! The covariance of −decay and 2π·frequency over half the record, in noise of the variances 1/weight, (2 lines, 2 lines).
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    integer, intent(in), optional :: first
     real(dp) :: covariance(2*reduced%lines, 2*reduced%lines)
     real(dp), allocatable :: matrix(:, :), tau(:), work(:)
     real(dp) :: length(2*reduced%lines), inverse(2*reduced%lines, 2*reduced%lines)
     integer :: info, i, n
     n = 2*reduced%lines
-    if (present(first)) then
-      allocate (matrix, source=slopes(reduced, weight, first))
-    else
-      allocate (matrix, source=slopes(reduced, weight, reduced%linear))
-    end if
+    matrix = slopes(reduced, weight)
     allocate (tau(n), work(64*n))
     length = max(norm2(matrix, dim=1), tiny(1.0_dp))
     do i = 1, n

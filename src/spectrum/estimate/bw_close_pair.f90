@@ -17,6 +17,7 @@ module bw_close_pair
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: places = 8             !! independent places of a second line in a peak; from trials on noise
+  integer, parameter :: highest_power = 4
   real(dp), parameter :: dependent = 1.0e-12_dp
   real(dp), parameter :: widest_apart = 1.5_dp  !! bins of a member from the single line
   real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
@@ -54,13 +55,14 @@ contains
       type(damped_line), allocatable :: own(:)
       integer :: j, k, chosen
       rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre)
+      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
       own = lines(band%member)
       fit%lines = own
       call fit_band(samples, band%band, rows, weight, band%with_still, fit)
       left = fit%left
       chosen = 0
       do j = 1, size(own)
+        if (bent_gain(samples, band, rows, weight, own, j) < least) cycle
         do k = 1, size(apart)
           fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), apart(k)/span_of(samples))]
           call fit_band(samples, band%band, rows, weight, band%with_still, fit)
@@ -123,7 +125,7 @@ contains
       integer :: j, chosen
       own = lines(band%member)
       rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre)
+      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
       fit%lines = own
       call fit_band(samples, band%band, rows, weight, band%with_still, fit)
       left = fit%left
@@ -165,12 +167,12 @@ contains
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :), right(:, :), factors(:, :), work(:), drift(:, :)
     integer :: pivot(2*size(lines) + 2), rank, info, s, n
-    reduced = reduce(samples, band%band, rows, lines, band%with_still, 2)
+    reduced = reduce(samples, band%band, rows, lines, band%with_still, 2, j)
     n = size(reduced%length) - reduced%linear
-    drift = slopes(reduced, weight, reduced%linear + 2*size(lines))
+    drift = slopes(reduced, weight, j)
     allocate (matrix(size(drift, 1), 2*size(lines) + 2), right(size(drift, 1), 1))
-    matrix(:, :2*size(lines)) = slopes(reduced, weight, reduced%linear)
-    matrix(:, 2*size(lines) + 1:) = drift(:, 2*j - 1:2*j)
+    matrix(:, :2*size(lines)) = slopes(reduced, weight)
+    matrix(:, 2*size(lines) + 1:) = drift
     do s = 1, size(weight)
       right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
     end do
@@ -181,6 +183,21 @@ contains
       & work, size(work), info)
     gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
   end function drift_gain
+
+  real(dp) function bent_gain(samples, band, rows, weight, lines, j) result(gain)
+    !! What the weighted squares lose where the amplitudes of line j may change with the second to fourth power of time, which is
+    !! nearly all that a second line in its peak could take.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: j
+    type(reduced_type) :: reduced
+    integer :: n
+    n = size(lines)
+    reduced = reduce(samples, band%band, rows, lines, band%with_still, highest_power, j)
+    gain = sum(weight*sum(reduced%rotated(reduced%linear + 2*n + 1:, :)**2, dim=1))
+  end function bent_gain
 
   pure real(dp) function least_gain(sensors, false_alarm) result(gain)
     !! What a second line must take off the weighted squares: noise gives more with that probability. Decay, frequency and an

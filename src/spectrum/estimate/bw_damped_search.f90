@@ -1,6 +1,5 @@
 module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
-  use bw_band, only: band_type
   use bw_band_fit, only: damped_line, fit_type, reduce, reduced_type
   use bw_close_pair, only: join_lines, split_lines
   use bw_fourier, only: real_fourier
@@ -9,6 +8,7 @@ module bw_damped_search
   use bw_noise_level, only: level_at
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_samples, only: samples_type, span_of
+  use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
   implicit none (type, external)
   private
   public :: find_damped_lines
@@ -22,6 +22,9 @@ module bw_damped_search
   real(dp), parameter :: beside = 0.7_dp         !! bins within which a place is the same
 
   real(dp), parameter :: same_peak = 1.5_dp      !! bins from a line, where it is tried as two before a further one is
+
+  real(dp), parameter :: most_fitted = 0.7_dp    !! unknowns for each sample
+  real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
   integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3
 
@@ -39,58 +42,78 @@ module bw_damped_search
     type(line_band), allocatable :: bands(:)
     type(ordinates_type) :: ordinates            !! what the lines leave
     type(rejected_line), allocatable :: rejected(:)
+    type(whitening_type), allocatable :: whitening(:)  !! what the samples, and with them the amplitudes, went through, (S)
+    real(dp), allocatable :: deviation(:)        !! of what the lines leave of the record as it was, (S)
   end type found_lines
 
 contains
 
   subroutine find_damped_lines(samples, false_alarm, found)
-    !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`.
-    type(samples_type), intent(in) :: samples
+    !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`. Where the noise of
+    !! even samples is coloured they are whitened in their memory, and searched once more.
+    type(samples_type), intent(inout) :: samples
     real(dp), intent(in) :: false_alarm
     type(found_lines), intent(out) :: found
     type(real_fourier) :: plan
-    type(damped_line), allocatable :: fresh(:)
-    real(dp) :: threshold
-    integer :: round
-    logical :: changed
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
-    threshold = least_ordinate(size(samples%value, 2), span_of(samples)/2, false_alarm)
-    call prepare_bands(samples, found%lines, found%bands)
-    call look()
-    call settle()
-    do round = 1, most_rounds
-      call look()
-      call drop_needless(samples, threshold, found, changed)
-      if (changed) then
-        call settle()
-        cycle
-      end if
-      fresh = candidates(samples, found, threshold, same_peak)
-      if (size(fresh) == 0) then
-        call split_lines(samples, false_alarm, found%ordinates%noise, found%bands, found%lines, found%still, changed)
-        if (.not. changed) fresh = candidates(samples, found, threshold, 0.0_dp)
-        if (.not. changed .and. size(fresh) == 0) then
-          call join_lines(samples, false_alarm, found%ordinates%noise, found%bands, found%lines, found%still, changed)
-          if (.not. changed) exit
-        end if
-      end if
-      found%lines = [found%lines, fresh]
-      call settle()
-    end do
-
-  contains
-
-    subroutine look()
-      call find_ordinates(samples, found%lines, found%still, plan, found%ordinates)
-    end subroutine look
-
-    subroutine settle()
-      call prepare_bands(samples, found%lines, found%bands)
-      call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still)
-    end subroutine settle
-
+    allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
+    call settle(samples, found)
+    call search(samples, false_alarm, plan, found)
+    found%deviation = found%ordinates%deviation
+    if (allocated(samples%place)) return
+    call find_whitening(samples, found%lines, found%still, found%whitening)
+    if (all(found%whitening%order == 0)) return
+    call whiten(samples, found%whitening, found%lines)
+    deallocate (found%bands, found%rejected)
+    allocate (found%rejected(0))
+    call settle(samples, found)
+    call search(samples, false_alarm, plan, found)
   end subroutine find_damped_lines
+
+  subroutine search(samples, false_alarm, plan, found)
+    !! Take up peaks, two lines for one, and leave lines out again, until nothing changes.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(real_fourier), intent(inout) :: plan
+    type(found_lines), intent(inout) :: found
+    type(damped_line), allocatable :: fresh(:)
+    real(dp) :: threshold, before
+    integer :: round
+    logical :: changed
+    threshold = least_ordinate(size(samples%value, 2), span_of(samples)/2, false_alarm)
+    before = huge(1.0_dp)
+    do round = 1, most_rounds
+      call find_ordinates(samples, found%lines, found%still, plan, found%ordinates)
+      call drop_needless(samples, threshold, found, changed)
+      if (.not. changed) then
+        fresh = candidates(samples, found, threshold, same_peak)
+        if (size(fresh) == 0) then
+          associate (noise => found%ordinates%noise)
+            call split_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+            if (.not. changed) fresh = candidates(samples, found, threshold, 0.0_dp)
+            if (.not. changed .and. size(fresh) == 0) &
+              & call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+          end associate
+        end if
+        associate (left => norm2(found%ordinates%deviation))
+          if (.not. changed .and. size(fresh) == 0 .and. left > no_better*before) exit
+          before = left
+        end associate
+        if (4*(size(found%lines) + size(fresh)) > most_fitted*samples%count) exit
+        found%lines = [found%lines, fresh]
+      end if
+      call settle(samples, found)
+    end do
+  end subroutine search
+
+  subroutine settle(samples, found)
+    !! Fit all lines.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    call prepare_bands(samples, found%lines, found%bands)
+    call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still)
+  end subroutine settle
 
   function candidates(samples, found, threshold, distance) result(fresh)
     !! New lines at the peaks that noise does not explain, nor the leakage of stronger peaks, and that have not been rejected.
@@ -190,7 +213,7 @@ contains
       if (size(found%bands(i)%member) == 0) cycle
       associate (band => found%bands(i))
         rows = own_rows(samples, found%lines, found%still, band)
-        weight = 1/level_at(found%ordinates%noise, band%band%centre)
+        weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
         with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0)
         do j = 1, size(band%member)
           without = reduce(samples, band%band, rows, found%lines(pack(band%member, band%member /= band%member(j))), &

@@ -127,7 +127,7 @@ contains
     type(damped_line), intent(inout) :: lines(:)
     real(dp), intent(inout) :: still(:, :)
     type(fit_type) :: fit
-    real(dp), allocatable :: rows(:, :)
+    real(dp), allocatable :: rows(:, :), weight(:)
     real(dp) :: before, moved
     integer :: sweep, i
     do sweep = 1, most_sweeps
@@ -136,8 +136,9 @@ contains
         if (size(bands(i)%member) == 0 .and. .not. bands(i)%with_still) cycle
         before = bands(i)%left
         rows = own_rows(samples, lines, still, bands(i))
+        weight = 1/level_at(noise, bands(i)%band%centre, size(still, 2))
         fit%lines = lines(bands(i)%member)
-        call fit_band(samples, bands(i)%band, rows, 1/level_at(noise, bands(i)%band%centre), bands(i)%with_still, fit)
+        call fit_band(samples, bands(i)%band, rows, weight, bands(i)%with_still, fit)
         lines(bands(i)%member) = fit%lines
         if (bands(i)%with_still) still = fit%still
         bands(i)%left = fit%left

@@ -11,6 +11,8 @@ module bw_noise_level
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: cut = 4               !! of the level, above which an ordinate of noise lies once in 55
+  real(dp), parameter :: least_free = 0.1_dp
+  real(dp), parameter :: most_crowded = 1.4_dp !! mean over median: where lines crowd the cut mean fails, and the median less so
   real(dp), parameter :: most_coloured = 3     !! of a window's median; more is taken for lines that nobody has found yet
   integer, parameter :: fewest_bins = 48       !! in a window
   integer, parameter :: most_windows = 64
@@ -32,22 +34,26 @@ contains
     level_at_knot = low*(high/low)**part
   end function level_at_knot
 
-  pure function level_at(knots, frequency) result(level)
-    !! The noise's variance of each sensor at a frequency in periods per step, (S).
+  pure function level_at(knots, frequency, sensors) result(level)
+    !! The noise's variance of each sensor at a frequency in periods per step, (S); 1 while nothing is known.
     type(level_knots), intent(in) :: knots
     real(dp), intent(in) :: frequency
-    real(dp) :: level(size(knots%level, 2)), place
+    integer, intent(in) :: sensors
+    real(dp) :: level(sensors), place
     integer :: k, last
+    level = 1
+    if (.not. allocated(knots%level)) return
     last = ubound(knots%level, 1)
     place = min(max(2*frequency, 0.0_dp), 1.0_dp)*last
     k = min(int(place), last - 1)
     level = level_at_knot(knots%level(k, :), knots%level(k + 1, :), place - k)
   end function level_at
 
-  subroutine find_level(power, bins, floor, level)
+  subroutine find_level(power, bins, taken, floor, level)
     !! Find the level at the ordinates.
     real(dp), intent(in) :: power(0:)          !! ordinates |X|²/N at even frequencies from 0 to half the sampling rate
     integer, intent(in) :: bins                !! of 1/span among them: fewer than ordinates where the transform was padded
+    real(dp), intent(in) :: taken(:)           !! frequencies (periods per step) of numbers that have been fitted to the sensor
     real(dp), intent(in) :: floor              !! rounding
     real(dp), intent(out) :: level(0:)         !! at the same ordinates
     real(dp), allocatable :: window(:), clipped(:), ranked(:)
@@ -63,7 +69,7 @@ contains
       clipped = min(power, cut*min(level, most_coloured*ranked))
       clipped(:skipped - 1) = clipped(skipped)
       if (bins >= 2*fewest_bins) call autoregression(clipped, 2*bins, level)
-      call correct(power, skipped, level, window)
+      call correct(power, skipped, free_part(taken, bins, windows), level, window)
     end do
     level = max(level, floor)
   end subroutine find_level
@@ -108,21 +114,40 @@ contains
     end do
   end subroutine spread
 
-  subroutine correct(power, skipped, level, window)
-    !! Bring the mean of the cut ordinates of each window to what noise of that level has, 1 − e^(−cut).
+  pure function free_part(taken, bins, windows) result(free)
+    !! The part of each window's real numbers, two for each bin, that are left after as many have been fitted.
+    real(dp), intent(in) :: taken(:)
+    integer, intent(in) :: bins, windows
+    real(dp) :: free(windows)
+    integer :: i, w
+    free = 1
+    do i = 1, size(taken)
+      w = min(windows, 1 + int(2*taken(i)*windows))
+      free(w) = free(w) - windows/(2.0_dp*bins)
+    end do
+    free = max(free, least_free)
+  end function free_part
+
+  subroutine correct(power, skipped, free, level, window)
+    !! Bring the mean of the cut ordinates of each window to what noise of that level has, 1 − e^(−cut), less what has been fitted.
     real(dp), intent(in) :: power(0:)
     integer, intent(in) :: skipped
+    real(dp), intent(in) :: free(:)            !! part of each window's numbers that have not been fitted
     real(dp), intent(inout) :: level(0:)
     real(dp), intent(out) :: window(:)
-    integer :: first, last, w, i
+    real(dp) :: middle
+    integer :: first, last, stride, w, i
     do w = 1, size(window)
       call window_edges(size(power), skipped, size(window), w, first, last)
       window(w) = 1
       do i = 1, rounds
         window(w) = window(w)*sum(min(power(first:last)/(level(first:last)*window(w)), cut)) &
-          & /((last - first + 1)*(1 - exp(-cut)))
+          & /((last - first + 1)*(1 - exp(-cut))*free(w))
         if (.not. window(w) > 0) exit
       end do
+      stride = 1 + (last - first)/most_ranked
+      middle = median(power(first:last:stride)/level(first:last:stride))/log(2.0_dp)/free(w)
+      if (window(w) > most_crowded*middle) window(w) = middle
     end do
     where (.not. window > tiny(1.0_dp)) window = tiny(1.0_dp)
     call spread(window, level)

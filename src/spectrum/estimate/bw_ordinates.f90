@@ -8,7 +8,7 @@ module bw_ordinates
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: chance_of, find_ordinates, least_ordinate, padded_length
+  public :: chance_of, find_ordinates, least_ordinate, padded_length, remainder
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
@@ -38,6 +38,9 @@ contains
     half = ordinates%length/2
     bins = max(1, nint(span_of(samples)/2))
     knots = min(half, most_knots)
+    if (allocated(ordinates%total)) then
+      if (size(ordinates%total) /= half + 1) deallocate (ordinates%total, ordinates%deviation, ordinates%noise%level)
+    end if
     if (.not. allocated(ordinates%total)) then
       allocate (ordinates%total(0:half), ordinates%deviation(size(samples%value, 2)))
       allocate (ordinates%noise%level(0:knots, size(samples%value, 2)))
@@ -48,12 +51,21 @@ contains
       left = remainder(samples, lines, still, s)
       ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
       power = power_of(samples, left, ordinates%length, plan)
-      floor = max((rounding*norm2(samples%value(:, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
-      call find_level(power, bins, floor, level)
+      floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
+      call find_level(power, bins, numbers_of(lines, size(samples%value, 2)), floor, level)
       ordinates%total = ordinates%total + power/level
       ordinates%noise%level(:, s) = [(level(nint(k*real(half, dp)/knots)), k=0, knots)]
     end do
   end subroutine find_ordinates
+
+  pure function numbers_of(lines, sensors) result(frequency)
+    !! The frequency of each real number that has been fitted to one sensor: an amplitude's two, and two that all sensors share.
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: sensors
+    real(dp), allocatable :: frequency(:)
+    integer :: k
+    frequency = [lines%frequency, lines%frequency, (lines(k)%frequency, lines(k)%frequency, k=1, size(lines), sensors)]
+  end function numbers_of
 
   pure integer function padded_length(samples) result(length)
     !! The smallest product of 2 with small primes that holds the record twice.
@@ -104,7 +116,7 @@ contains
     complex(dp) :: tone(0:table - 1), factor
     real(dp) :: centre, start, periods
     integer :: k, n, l, length
-    left = samples%value(:, s)
+    left = samples%value(:samples%count, s)
     centre = centre_of(samples)
     if (allocated(samples%place)) then
       left = left - still(1, s) - still(2, s)*(samples%place/centre - 1)

@@ -10,12 +10,14 @@ module bw_samples
   public :: block_sums, centre_of, even_blocks, phase_factor, place_of, span_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: table = 32           !! factors of the fine one of two tables
   real(dp), parameter :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
 
   type, public :: samples_type
+    integer :: count = 0                     !! N
     real(dp) :: step = 1                     !! s; of uneven times the median
     real(dp), allocatable :: place(:)        !! times τ of the samples, rising from 0, (N); not allocated: 0, 1, 2, …
-    real(dp), allocatable :: value(:, :)     !! (N, S)
+    real(dp), allocatable :: value(:, :)     !! (N or more, S)
   end type samples_type
 
   type, public :: blocks_type
@@ -28,9 +30,9 @@ contains
     !! The length of the record in steps, N where they are even.
     type(samples_type), intent(in) :: samples
     if (allocated(samples%place)) then
-      span_of = samples%place(size(samples%place)) + 1
+      span_of = samples%place(samples%count) + 1
     else
-      span_of = size(samples%value, 1)
+      span_of = samples%count
     end if
   end function span_of
 
@@ -58,7 +60,7 @@ contains
     type(blocks_type) :: blocks
     integer, allocatable :: block(:)
     integer :: length, samples_in_all, n
-    samples_in_all = size(samples%value, 1)
+    samples_in_all = samples%count
     if (.not. allocated(samples%place)) then
       length = max(1, samples_in_all/count)
       blocks%first = [(n, n=1, samples_in_all, length), samples_in_all + 1]
@@ -76,12 +78,12 @@ contains
     type(samples_type), intent(in) :: samples
     type(blocks_type), intent(in) :: blocks
     real(dp), intent(in) :: decay, frequency
-    integer, intent(in) :: order               !! 0 … 2
+    integer, intent(in) :: order
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
     if (allocated(samples%place)) then
       sums = uneven_sums(samples, blocks, decay, frequency, order)
     else
-      sums = even_sums(size(samples%value, 1), blocks, decay, frequency, order)
+      sums = even_sums(samples%count, blocks, decay, frequency, order)
     end if
   end function block_sums
 
@@ -91,41 +93,62 @@ contains
     type(blocks_type), intent(in) :: blocks
     real(dp), intent(in) :: decay, frequency
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
-    complex(dp) :: moment(0:order), factor
-    real(dp) :: centre, start
+    complex(dp) :: factor(size(blocks%first) - 1), moment(0:order)
+    real(dp) :: centre
     integer :: b, length
     centre = max(count - 1, 1)/2.0_dp
-    length = 0
+    length = blocks%first(2) - blocks%first(1)
+    factor = powers(decay, frequency, length, size(factor))*exp(min(decay, 0.0_dp)*(count - 1))
+    moment = moments(decay, frequency, length, centre, order)
     do b = 1, size(sums, 1)
       if (length /= blocks%first(b + 1) - blocks%first(b)) then
         length = blocks%first(b + 1) - blocks%first(b)
-        moment = moments(length)
+        moment = moments(decay, frequency, length, centre, order)
       end if
-      factor = phase_factor(frequency, blocks%first(b) - 1)*exp(-decay*(blocks%first(b) - 1) + min(decay, 0.0_dp)*(count - 1))
-      start = (blocks%first(b) - 1 - centre)/centre
-      sums(b, 0) = factor*moment(0)
-      if (order > 0) sums(b, 1) = factor*(start*moment(0) + moment(1))
-      if (order > 1) sums(b, 2) = factor*(start*start*moment(0) + 2*start*moment(1) + moment(2))
+      sums(b, :) = factor(b)*shifted(moment, (blocks%first(b) - 1 - centre)/centre)
     end do
-
-  contains
-
-    pure function moments(length) result(moment)
-      !! The sums of the first block about its own start.
-      integer, intent(in) :: length
-      complex(dp) :: moment(0:order), term
-      integer :: l, m
-      moment = 0
-      do l = 0, length - 1
-        term = exp(-decay*l)*phase_factor(frequency, l)
-        do m = 0, order
-          moment(m) = moment(m) + term
-          term = term*(l/centre)
-        end do
-      end do
-    end function moments
-
   end function even_sums
+
+  pure function moments(decay, frequency, length, centre, order) result(moment)
+    !! The sums Σ (l/centre)^m e^(−dl + 2πifl) of a block, l = 0 … length − 1, (0:order).
+    real(dp), intent(in) :: decay, frequency, centre
+    integer, intent(in) :: length, order
+    complex(dp) :: moment(0:order), term(length)
+    integer :: l, m
+    term = powers(decay, frequency, 1, length)
+    do m = 0, order
+      moment(m) = sum(term)
+      if (m < order) term = term*[(l/centre, l=0, length - 1)]
+    end do
+  end function moments
+
+  pure function shifted(moment, start) result(about)
+    !! Moments about another point, by the binomial theorem.
+    complex(dp), intent(in) :: moment(0:)
+    real(dp), intent(in) :: start
+    complex(dp) :: about(0:size(moment) - 1)
+    integer :: m, j
+    about = moment
+    do j = 1, size(moment) - 1
+      do m = size(moment) - 1, j, -1
+        about(m) = about(m) + start*about(m - 1)
+      end do
+    end do
+  end function shifted
+
+  pure function powers(decay, frequency, stride, count) result(factor)
+    !! The factors e^(−dn + 2πifn) of n = 0, stride, 2 stride, …: the product of a fine and a coarse table.
+    real(dp), intent(in) :: decay, frequency
+    integer, intent(in) :: stride, count
+    complex(dp) :: factor(0:count - 1), fine(0:table - 1), coarse
+    integer :: b, last
+    fine = [(exp(-decay*b*stride)*phase_factor(frequency, b*stride), b=0, table - 1)]
+    do b = 0, count - 1, table
+      last = min(count, b + table) - 1
+      coarse = exp(-decay*(real(b, dp)*stride))*phase_factor(frequency, b*stride)
+      factor(b:last) = coarse*fine(:last - b)
+    end do
+  end function powers
 
   pure function uneven_sums(samples, blocks, decay, frequency, order) result(sums)
     !! Sample by sample.
