@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dgeqrf, dormqr, dgelsy, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd, zheev
+  public :: dpotrf, dgeqrf, dormqr, dgelsy, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -134,17 +134,6 @@ module bw_lapack
       real(dp), intent(inout) :: rwork(*)
       integer, intent(out) :: info
     end subroutine zgeev
-
-    subroutine zheev(jobz, uplo, n, a, lda, w, work, lwork, rwork, info)
-      !! All eigenvalues of a Hermitian matrix, ascending, and its eigenvectors in its place.
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: jobz, uplo
-      integer, intent(in) :: n, lda, lwork
-      complex(dp), intent(inout) :: a(lda, *), work(*)
-      real(dp), intent(inout) :: w(*), rwork(*)
-      integer, intent(out) :: info
-    end subroutine zheev
 
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
       !! All singular values of a complex matrix with their vectors.

@@ -10,7 +10,7 @@ module bw_band
   use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
   implicit none (type, external)
   private
-  public :: band_around, line_columns, part_of_band, still_columns
+  public :: band_around, cut_band, line_columns, still_columns
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: sums_per_bin = 128   !! loses (π/128)²/3 of the information at the edge of the band
@@ -147,14 +147,30 @@ contains
     columns(:, 2) = rows_of(band, sums(:, 1))
   end function still_columns
 
-  pure function part_of_band(band, first, last) result(mask)
-    !! Which rows belong to the blocks first … last.
+  pure subroutine cut_band(band, rows, first, last, part, own)
+    !! The part of a band, and of rows like its own, between two fractions of its blocks.
     type(band_type), intent(in) :: band
-    integer, intent(in) :: first, last
-    logical :: mask(size(band%rows, 1))
-    integer :: b, blocks
+    real(dp), intent(in) :: rows(:, :)
+    real(dp), intent(in) :: first, last      !! 0 … 1
+    type(band_type), intent(out) :: part
+    real(dp), allocatable, intent(out) :: own(:, :)
+    integer :: low, high, blocks
     blocks = size(band%root)
-    mask = [(modulo(b - 1, blocks) + 1 >= first .and. modulo(b - 1, blocks) + 1 <= last, b=1, size(mask))]
-  end function part_of_band
+    low = 1 + nint(first*blocks)
+    high = nint(last*blocks)
+    part%centre = band%centre
+    part%half_width = band%half_width
+    part%is_real = band%is_real
+    part%blocks%first = band%blocks%first(low:high + 1)
+    part%root = band%root(low:high)
+    if (band%is_real) then
+      own = rows(low:high, :)
+    else
+      allocate (own(2*size(part%root), size(rows, 2)))
+      own(:size(part%root), :) = rows(low:high, :)
+      own(size(part%root) + 1:, :) = rows(blocks + low:blocks + high, :)
+    end if
+    part%rows = own
+  end subroutine cut_band
 
 end module bw_band

@@ -2,23 +2,21 @@ module bw_close_pair
   !! Lines that turn out to be two: a second line in a peak is taken where the likelihood pays for it, and where a drift of
   !! the single line would not do as well.
   !!
-  !! The places of two lines come from the band around the peak, turned to rest and averaged over blocks: the sum of two
-  !! exponentials, whose poles are found from the signal's subspace (ESPRIT: Roy and Kailath, 1989).
-  use bw_band, only: band_type
-  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce, reduced_type, slopes
+  !! What a second line within a bin could take is nearly what amplitudes that change with powers of time take, which is
+  !! linear: only where that pays are pairs of several distances fitted.
+  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce, reduced_type
+  use bw_drift, only: drift_gain
   use bw_kinds, only: dp
-  use bw_lapack, only: dgelsy, zheev
   use bw_line_bands, only: line_band, own_rows
   use bw_noise_level, only: level_at, level_knots
   use bw_samples, only: samples_type, span_of
   implicit none (type, external)
   private
-  public :: drift_gain, join_lines, split_lines
+  public :: join_lines, split_lines
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: places = 8             !! independent places of a second line in a peak; from trials on noise
   integer, parameter :: highest_power = 4
-  real(dp), parameter :: dependent = 1.0e-12_dp
   real(dp), parameter :: widest_apart = 1.5_dp  !! bins of a member from the single line
   real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
   real(dp), parameter :: apart(3) = [0.25_dp, 0.5_dp, 1.0_dp]  !! bins between two lines to start from
@@ -156,33 +154,6 @@ contains
     pair = line
     pair%frequency = abs(line%frequency + [-0.5_dp, 0.5_dp]*distance)
   end function pair_at
-
-  real(dp) function drift_gain(samples, band, rows, weight, lines, j) result(gain)
-    !! What decay and frequency of line j take off the weighted squares where they may change evenly in time.
-    type(samples_type), intent(in) :: samples
-    type(line_band), intent(in) :: band
-    real(dp), intent(in) :: rows(:, :), weight(:)
-    type(damped_line), intent(in) :: lines(:)
-    integer, intent(in) :: j
-    type(reduced_type) :: reduced
-    real(dp), allocatable :: matrix(:, :), right(:, :), factors(:, :), work(:), drift(:, :)
-    integer :: pivot(2*size(lines) + 2), rank, info, s, n
-    reduced = reduce(samples, band%band, rows, lines, band%with_still, 2, j)
-    n = size(reduced%length) - reduced%linear
-    drift = slopes(reduced, weight, j)
-    allocate (matrix(size(drift, 1), 2*size(lines) + 2), right(size(drift, 1), 1))
-    matrix(:, :2*size(lines)) = slopes(reduced, weight)
-    matrix(:, 2*size(lines) + 1:) = drift
-    do s = 1, size(weight)
-      right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
-    end do
-    allocate (work(64*(sum(shape(matrix)) + 1)))
-    pivot = 0
-    factors = matrix
-    call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
-      & work, size(work), info)
-    gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
-  end function drift_gain
 
   real(dp) function bent_gain(samples, band, rows, weight, lines, j) result(gain)
     !! What the weighted squares lose where the amplitudes of line j may change with the second to fourth power of time, which is

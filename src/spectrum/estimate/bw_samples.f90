@@ -95,10 +95,12 @@ contains
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
     complex(dp) :: factor(size(blocks%first) - 1), moment(0:order)
     real(dp) :: centre
-    integer :: b, length
+    integer :: b, length, start
     centre = max(count - 1, 1)/2.0_dp
+    start = blocks%first(1) - 1
     length = blocks%first(2) - blocks%first(1)
-    factor = powers(decay, frequency, length, size(factor))*exp(min(decay, 0.0_dp)*(count - 1))
+    factor = powers(decay, frequency, length, size(factor))* &
+      & exp(min(decay, 0.0_dp)*(count - 1) - decay*start)*phase_factor(frequency, start)
     moment = moments(decay, frequency, length, centre, order)
     do b = 1, size(sums, 1)
       if (length /= blocks%first(b + 1) - blocks%first(b)) then
