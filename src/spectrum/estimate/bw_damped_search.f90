@@ -141,7 +141,7 @@ contains
           if (total(m) > guard*leakage .and. all(abs(found%rejected%frequency - place/length)*span_of(samples) > beside) &
             & .and. all(abs(found%lines%frequency - place/length)*span_of(samples) >= distance)) then
             taken = [taken, m]
-            fresh = [fresh, line_at(samples, found, place/length)]
+            fresh = [fresh, line_at(samples, place/length, width(total, m, bins))]
           end if
         end associate
         peak = [peak(:best - 1), peak(best + 1:)]
@@ -185,14 +185,14 @@ contains
     width = max(narrowest, (high - low)*bins/2 - narrowest)
   end function width
 
-  function line_at(samples, found, frequency) result(line)
-    !! A line at a peak, with the decay of a coarse list that explains most.
+  pure function line_at(samples, frequency, half_width) result(line)
+    !! A line at a peak, with the decay that its width tells: the power of a decaying line is half at 2π(f − f₀) = decay.
     type(samples_type), intent(in) :: samples
-    type(found_lines), intent(in) :: found
     real(dp), intent(in) :: frequency
+    real(dp), intent(in) :: half_width           !! bins
     type(damped_line) :: line
     line%frequency = frequency
-    line%decay = 1/span_of(samples)
+    line%decay = max(1.0_dp, 2*pi*(half_width - narrowest))/span_of(samples)
     allocate (line%amplitude(size(samples%value, 2)))
     line%amplitude = 0
   end function line_at

@@ -12,6 +12,7 @@ module bw_ordinates
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
+  integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
   integer, parameter :: table = 256            !! samples between two turns of a line's coefficient
   real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
 
@@ -33,7 +34,8 @@ contains
     type(ordinates_type), intent(inout) :: ordinates
     real(dp), allocatable :: left(:), power(:), level(:)
     real(dp) :: floor
-    integer :: s, half, knots, k, bins
+    integer, allocatable :: sampled(:), at_knot(:)
+    integer :: s, half, knots, ranked, k, bins
     ordinates%length = padded_length(samples)
     half = ordinates%length/2
     bins = max(1, nint(span_of(samples)/2))
@@ -45,18 +47,42 @@ contains
       allocate (ordinates%total(0:half), ordinates%deviation(size(samples%value, 2)))
       allocate (ordinates%noise%level(0:knots, size(samples%value, 2)))
     end if
-    allocate (level(0:half))
+    ranked = min(half, most_ranked)
+    sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
+    at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
+    allocate (level(0:ranked))
     ordinates%total = 0
     do s = 1, size(samples%value, 2)
       left = remainder(samples, lines, still, s)
       ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
       power = power_of(samples, left, ordinates%length, plan)
       floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
-      call find_level(power, bins, numbers_of(lines, size(samples%value, 2)), floor, level)
-      ordinates%total = ordinates%total + power/level
-      ordinates%noise%level(:, s) = [(level(nint(k*real(half, dp)/knots)), k=0, knots)]
+      call find_level(power(sampled), min(bins, size(sampled)/2), numbers_of(lines, size(samples%value, 2)), floor, level)
+      ordinates%noise%level(:, s) = level(at_knot)
+      call add_ratio(power, ordinates%noise%level(:, s), ordinates%total)
     end do
   end subroutine find_ordinates
+
+  pure subroutine add_ratio(power, level, total)
+    !! Add the ordinates over their level, which is a straight line between its knots.
+    real(dp), intent(in) :: power(0:), level(0:)
+    real(dp), intent(inout) :: total(0:)
+    real(dp) :: place, slope
+    integer :: m, k, first, last, knots, half
+    knots = size(level) - 1
+    half = size(power) - 1
+    last = -1
+    do k = 0, knots - 1
+      first = last + 1
+      last = int((k + 1)*(real(half, dp)/knots))
+      if (k == knots - 1) last = half
+      slope = level(k + 1) - level(k)
+      do m = first, last
+        place = m*(real(knots, dp)/half) - k
+        total(m) = total(m) + power(m)/(level(k) + place*slope)
+      end do
+    end do
+  end subroutine add_ratio
 
   pure function numbers_of(lines, sensors) result(frequency)
     !! The frequency of each real number that has been fitted to one sensor: an amplitude's two, and two that all sensors share.

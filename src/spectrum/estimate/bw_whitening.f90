@@ -13,6 +13,8 @@ module bw_whitening
   public :: find_whitening, gain_of, no_whitening, whiten
 
   integer, parameter :: highest_order = 16
+  real(dp), parameter :: worth = 0.99_dp        !! of the noise's variance: a filter that leaves more changes nothing
+  integer, parameter :: longest = 65536         !! samples that tell enough of the noise
   integer, parameter :: samples_per_order = 32  !! fewer do not tell of so high an order
 
   type, public :: whitening_type
@@ -37,9 +39,12 @@ contains
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     type(whitening_type), intent(inout) :: whitening(:)
-    integer :: s
+    real(dp), allocatable :: left(:)
+    integer :: s, first
     do s = 1, size(whitening)
-      call burg(remainder(samples, lines, still, s), whitening(s))
+      left = remainder(samples, lines, still, s)
+      first = max(0, (size(left) - longest)/2)
+      call burg(left(first + 1:size(left) - first), whitening(s))
     end do
     whitening%lost = maxval(whitening%order)
   end subroutine find_whitening
@@ -73,7 +78,7 @@ contains
       forward(p + 1:) = kept
       power = power*(1 - reflection**2)
       criterion = n*log(max(power, tiny(1.0_dp))) + p*log(real(n, dp))
-      if (criterion >= least) cycle
+      if (criterion >= least .or. power > worth*sum(left**2)/n) cycle
       least = criterion
       whitening%order = p
       whitening%coefficient = h
@@ -100,7 +105,7 @@ contains
   end subroutine whiten
 
   pure function gain_of(whitening, line) result(gain)
-    !! The factors of a line's amplitudes by the filters, (S): at the first sample left, or at the last of a line that grows.
+    !! The factors of a line's amplitudes by the filters, (S). Phases are those at the first sample, of which there are fewer now.
     type(whitening_type), intent(in) :: whitening(:)
     type(damped_line), intent(in) :: line
     complex(dp) :: gain(size(whitening))
@@ -108,9 +113,9 @@ contains
     gain = 0
     do s = 1, size(whitening)
       do i = 0, whitening(s)%order
-        away = -i
-        if (.not. line%decay < 0) away = whitening(s)%lost - i
-        gain(s) = gain(s) + whitening(s)%coefficient(i)*exp(-line%decay*away)*phase_factor(line%frequency, away)
+        away = merge(-i, whitening(s)%lost - i, line%decay < 0)
+        gain(s) = gain(s) + whitening(s)%coefficient(i)*exp(-line%decay*away)* &
+          & phase_factor(line%frequency, whitening(s)%lost - i)
       end do
     end do
   end function gain_of
