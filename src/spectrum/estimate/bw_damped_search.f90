@@ -16,6 +16,7 @@ module bw_damped_search
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_rounds = 24
   integer, parameter :: most_at_once = 64
+  integer, parameter :: most_lines = 200
   real(dp), parameter :: guard = 4               !! times the leakage of stronger peaks
   real(dp), parameter :: narrowest = 0.4_dp      !! bins; an undamped line leaks 1/(πd)² of its power
   real(dp), parameter :: kept = 1               !! times the threshold, that a line must still pay among the others
@@ -81,10 +82,10 @@ contains
     real(dp) :: threshold, before
     integer :: round
     logical :: changed
-    threshold = least_ordinate(size(samples%value, 2), span_of(samples)/2, false_alarm)
     before = huge(1.0_dp)
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates)
+      threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
       call drop_needless(samples, threshold, found, changed)
       if (.not. changed) then
         fresh = candidates(samples, found, threshold, same_peak)
@@ -100,6 +101,7 @@ contains
           if (.not. changed .and. size(fresh) == 0 .and. left > no_better*before) exit
           before = left
         end associate
+        if (size(found%lines) + size(fresh) > most_lines) exit
         if (4*(size(found%lines) + size(fresh)) > most_fitted*samples%count) exit
         found%lines = [found%lines, fresh]
       end if

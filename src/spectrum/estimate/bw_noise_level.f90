@@ -7,7 +7,7 @@ module bw_noise_level
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: find_level, level_at, level_knots
+  public :: find_level, level_at, quantile_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: cut = 4               !! of the level, above which an ordinate of noise lies once in 55
@@ -204,14 +204,20 @@ contains
   end subroutine autoregression
 
   pure real(dp) function median(values)
-    !! The middle one by value, by halving the range until only one is left in it.
+    !! The middle one by value.
     real(dp), intent(in) :: values(:)
+    median = quantile_of(values, 0.5_dp)
+  end function median
+
+  pure real(dp) function quantile_of(values, part) result(quantile)
+    !! The value that so large a part of them is below, by halving the range until only one is left in it.
+    real(dp), intent(in) :: values(:), part
     real(dp) :: list(size(values)), pivot, swap
     integer :: low, high, i, j, k
     list = values
     low = 1
     high = size(list)
-    k = (size(list) + 1)/2
+    k = max(1, min(size(list), nint(part*(size(list) + 1))))
     do while (low < high)
       pivot = list((low + high)/2)
       i = low
@@ -238,7 +244,7 @@ contains
         exit
       end if
     end do
-    median = list(k)
-  end function median
+    quantile = list(k)
+  end function quantile_of
 
 end module bw_noise_level

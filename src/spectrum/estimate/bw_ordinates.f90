@@ -3,7 +3,7 @@ module bw_ordinates
   use bw_band_fit, only: damped_line
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
-  use bw_noise_level, only: find_level, level_knots
+  use bw_noise_level, only: find_level, level_knots, quantile_of
   use bw_samples, only: centre_of, phase_factor, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
@@ -14,12 +14,14 @@ module bw_ordinates
   integer, parameter :: most_knots = 4096
   integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
   integer, parameter :: table = 256            !! samples between two turns of a line's coefficient
+  real(dp), parameter :: quartile = 0.67449_dp !! of a normal number, in standard deviations
   real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
 
   type, public :: ordinates_type
     integer :: length = 0                      !! M of the padded transform; ordinate m is at m/M periods per step
     real(dp), allocatable :: total(:)          !! Σ_s |X_s|²/(N·level): of noise alone a sum of S numbers e^(−x), (0:M/2)
     type(level_knots) :: noise
+    real(dp) :: shape = 1                      !! as many sensors of independent noise have ordinates that scatter so
     real(dp), allocatable :: deviation(:)      !! of what is left, (S)
   end type ordinates_type
 
@@ -61,7 +63,35 @@ contains
       ordinates%noise%level(:, s) = level(at_knot)
       call add_ratio(power, ordinates%noise%level(:, s), ordinates%total)
     end do
+    call allow_for_common_noise(ordinates, bins, size(samples%value, 2))
   end subroutine find_ordinates
+
+  subroutine allow_for_common_noise(ordinates, bins, sensors)
+    !! Noise that sensors share makes their sum scatter more: like that of fewer sensors, each with a higher level. Their number
+    !! is the shape of the gamma distribution whose quartiles have the same ratio (Wilson and Hilferty's cube).
+    type(ordinates_type), intent(inout) :: ordinates
+    integer, intent(in) :: bins, sensors
+    real(dp) :: low, high, shape, ratio
+    integer :: i, stride
+    ordinates%shape = sensors
+    if (sensors == 1) return
+    stride = 1 + size(ordinates%total)/most_ranked
+    ratio = (quantile_of(ordinates%total(::stride), 0.75_dp)/quantile_of(ordinates%total(::stride), 0.25_dp))**(1/3.0_dp)
+    low = 0.5_dp
+    high = 2.0_dp*sensors
+    do i = 1, 50
+      shape = (low + high)/2
+      if ((1 - 1/(9*shape) + quartile/(3*sqrt(shape)))/(1 - 1/(9*shape) - quartile/(3*sqrt(shape))) > ratio) then
+        low = shape
+      else
+        high = shape
+      end if
+    end do
+    if (shape > sensors*(1 - 3*sqrt(5.0_dp/min(bins, most_ranked/2)))) return
+    ordinates%shape = max(shape, 1.0_dp)
+    ordinates%total = ordinates%total*(ordinates%shape/sensors)
+    ordinates%noise%level = ordinates%noise%level*(sensors/ordinates%shape)
+  end subroutine allow_for_common_noise
 
   pure subroutine add_ratio(power, level, total)
     !! Add the ordinates over their level, which is a straight line between its knots.
@@ -168,25 +198,25 @@ contains
     end do
   end function remainder
 
-  pure real(dp) function chance_of(ordinate, sensors, bins)
+  pure real(dp) function chance_of(ordinate, shape, bins)
     !! How many ordinates of noise are expected to pass a value: Rice's formula for the transform between its bins.
     real(dp), intent(in) :: ordinate
-    integer, intent(in) :: sensors
+    real(dp), intent(in) :: shape              !! sensors of independent noise
     real(dp), intent(in) :: bins
-    chance_of = bins*sqrt(pi*ordinate/3)*exp(-ordinate + (sensors - 1)*log(ordinate) - log_gamma(real(sensors, dp)))
+    chance_of = bins*sqrt(pi*ordinate/3)*exp(-ordinate + (shape - 1)*log(ordinate) - log_gamma(shape))
   end function chance_of
 
-  pure real(dp) function least_ordinate(sensors, bins, false_alarm)
+  pure real(dp) function least_ordinate(shape, bins, false_alarm)
     !! The ordinate that noise passes with that probability anywhere.
-    integer, intent(in) :: sensors
+    real(dp), intent(in) :: shape              !! sensors of independent noise
     real(dp), intent(in) :: bins, false_alarm
     real(dp) :: low, high
     integer :: i
-    low = sensors
-    high = 10*(sensors + log(bins + 1) - log(false_alarm)) + 10
+    low = shape
+    high = 10*(shape + log(bins + 1) - log(false_alarm)) + 10
     do i = 1, 60
       least_ordinate = (low + high)/2
-      if (chance_of(least_ordinate, sensors, bins) > false_alarm) then
+      if (chance_of(least_ordinate, shape, bins) > false_alarm) then
         low = least_ordinate
       else
         high = least_ordinate
