@@ -231,7 +231,8 @@ contains
     end do
     do k = 1, size(believed)
       associate (line => believed(k))
-        if (count(abs(believed%frequency - line%frequency)*span_of(samples) < beside) > 1) line%status = ior(line%status, close_pair)
+        if (count(abs(believed%frequency - line%frequency)*span_of(samples) < beside) > 1) &
+          & line%status = ior(line%status, close_pair)
         away = line%frequency
         if (.not. allocated(samples%place)) away = min(away, 0.5_dp - line%frequency)
         if (away*span_of(samples) < beside) line%status = ior(line%status, at_edge)

@@ -58,15 +58,14 @@ contains
       fit%lines = own
       call fit_band(samples, band%band, rows, weight, band%with_still, fit)
       left = fit%left
+      best = fit
       chosen = 0
       do j = 1, size(own)
         if (bent_gain(samples, band, rows, weight, own, j) < least) cycle
         do k = 1, size(apart)
           fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), apart(k)/span_of(samples))]
           call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-          if (chosen > 0) then
-            if (fit%left >= best%left) cycle
-          end if
+          if (fit%left >= best%left) cycle
           if (left - fit%left < least) cycle
           if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
           if (left - fit%left < least/2 + drift_gain(samples, band, rows, weight, own, j)) cycle

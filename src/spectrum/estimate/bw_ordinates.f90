@@ -52,12 +52,12 @@ contains
     ranked = min(half, most_ranked)
     sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
     at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
-    allocate (level(0:ranked))
+    allocate (level(0:ranked), power(0:half))
     ordinates%total = 0
     do s = 1, size(samples%value, 2)
       left = remainder(samples, lines, still, s)
       ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
-      power = power_of(samples, left, ordinates%length, plan)
+      call find_power(samples, left, plan, power)
       floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
       call find_level(power(sampled), min(bins, size(sampled)/2), numbers_of(lines, size(samples%value, 2)), floor, level)
       ordinates%noise%level(:, s) = level(at_knot)
@@ -140,27 +140,25 @@ contains
     end do
   end function padded_length
 
-  function power_of(samples, left, length, plan) result(power)
-    !! The ordinates |X|²/N of one sensor, (0:M/2).
+  subroutine find_power(samples, left, plan, power)
+    !! Find the ordinates |X|²/N of one sensor.
     type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: left(:)
-    integer, intent(in) :: length
+    real(dp), intent(in) :: left(:)            !! (N)
     type(real_fourier), intent(inout) :: plan
-    real(dp), allocatable :: power(:)
+    real(dp), intent(out) :: power(0:)         !! (0:M/2)
     complex(dp), allocatable :: spectrum(:)
-    allocate (power(0:length/2))
     if (allocated(samples%place)) then
-      allocate (spectrum(0:length/2))
-      call uneven_transform(samples%place, left, length, plan, spectrum)
+      allocate (spectrum(0:size(power) - 1))
+      call uneven_transform(samples%place, left, 2*(size(power) - 1), plan, spectrum)
       power = (spectrum%re**2 + spectrum%im**2)/size(left)
     else
-      call plan%prepare(length)
+      call plan%prepare(2*(size(power) - 1))
       plan%samples(:size(left)) = left
       plan%samples(size(left) + 1:) = 0
       call plan%transform()
       power = (plan%spectrum%re**2 + plan%spectrum%im**2)/size(left)
     end if
-  end function power_of
+  end subroutine find_power
 
   pure function remainder(samples, lines, still, s) result(left)
     !! What lines, offset and slope leave of one sensor's samples, (N).

@@ -53,7 +53,7 @@ contains
     !! Fit autoregressions of rising order; the one that the criterion likes best stays.
     real(dp), intent(in) :: left(:)
     type(whitening_type), intent(inout) :: whitening
-    real(dp), allocatable :: forward(:), backward(:), kept(:)
+    real(dp) :: forward(size(left)), backward(size(left)), kept
     real(dp) :: h(0:highest_order), before(0:highest_order), power, reflection, criterion, least
     integer :: n, p, i
     n = size(left)
@@ -73,9 +73,11 @@ contains
       do i = 1, p
         h(i) = before(i) + reflection*before(p - i)
       end do
-      kept = forward(p + 1:) + reflection*backward(p:n - 1)
-      backward(p + 1:) = backward(p:n - 1) + reflection*forward(p + 1:)
-      forward(p + 1:) = kept
+      do i = n, p + 1, -1
+        kept = forward(i)
+        forward(i) = kept + reflection*backward(i - 1)
+        backward(i) = backward(i - 1) + reflection*kept
+      end do
       power = power*(1 - reflection**2)
       criterion = n*log(max(power, tiny(1.0_dp))) + p*log(real(n, dp))
       if (criterion >= least .or. power > worth*sum(left**2)/n) cycle
