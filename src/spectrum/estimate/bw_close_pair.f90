@@ -68,7 +68,7 @@ contains
           if (fit%left >= best%left) cycle
           if (left - fit%left < least) cycle
           if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
-          if (left - fit%left < least/2 + drift_gain(samples, band, rows, weight, own, j)) cycle
+          if (left - fit%left < least + drift_gain(samples, band, rows, weight, own, j)) cycle
           best = fit
           chosen = j
         end do

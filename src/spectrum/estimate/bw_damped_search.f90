@@ -2,10 +2,11 @@ module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_band_fit, only: damped_line, fit_type, reduce, reduced_type
   use bw_close_pair, only: join_lines, split_lines
+  use bw_drift, only: drift_gain
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows, prepare_bands, refine
-  use bw_noise_level, only: level_at
+  use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_samples, only: samples_type, span_of
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
@@ -20,11 +21,14 @@ module bw_damped_search
   real(dp), parameter :: guard = 4               !! times the leakage of stronger peaks
   real(dp), parameter :: narrowest = 0.4_dp      !! bins; an undamped line leaks 1/(πd)² of its power
   real(dp), parameter :: kept = 1               !! times the threshold, that a line must still pay among the others
+  real(dp), parameter :: shortest_life = 0.25_dp !! decay per step: gone after four samples
   real(dp), parameter :: beside = 0.7_dp         !! bins within which a place is the same
 
+  real(dp), parameter :: far_above = 4           !! times the threshold, what no colour of the noise does: lines found with a taper
   real(dp), parameter :: same_peak = 1.5_dp      !! bins from a line, where it is tried as two before a further one is
 
   real(dp), parameter :: most_fitted = 0.7_dp    !! unknowns for each sample
+  real(dp), parameter :: drift_reach = 3         !! bins; the ordinates of a drift are below half of what it gains
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
   integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3
@@ -79,34 +83,57 @@ contains
     type(real_fourier), intent(inout) :: plan
     type(found_lines), intent(inout) :: found
     type(damped_line), allocatable :: fresh(:)
+    type(ordinates_type) :: plain
     real(dp) :: threshold, before
-    integer :: round
-    logical :: changed
+    integer :: round, quiet
+    logical :: changed, tapered
     before = huge(1.0_dp)
+    tapered = .false.
+    quiet = 0
     do round = 1, most_rounds
-      call find_ordinates(samples, found%lines, found%still, plan, found%ordinates)
+      tapered = .not. tapered
+      call find_ordinates(samples, found%lines, found%still, tapered, plan, found%ordinates)
+      if (.not. tapered) plain = found%ordinates
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
-      call drop_needless(samples, threshold, found, changed)
-      if (.not. changed) then
-        fresh = candidates(samples, found, threshold, same_peak)
-        if (size(fresh) == 0) then
-          associate (noise => found%ordinates%noise)
-            call split_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
-            if (.not. changed) fresh = candidates(samples, found, threshold, 0.0_dp)
-            if (.not. changed .and. size(fresh) == 0) &
-              & call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
-          end associate
-        end if
-        associate (left => norm2(found%ordinates%deviation))
-          if (.not. changed .and. size(fresh) == 0 .and. left > no_better*before) exit
-          before = left
-        end associate
-        if (size(found%lines) + size(fresh) > most_lines) exit
-        if (4*(size(found%lines) + size(fresh)) > most_fitted*samples%count) exit
-        found%lines = [found%lines, fresh]
+      if (tapered) threshold = far_above*threshold
+      changed = .false.
+      if (.not. tapered) call drop_needless(samples, threshold, found, changed)
+      if (.not. changed) call extend(threshold, changed)
+      if (norm2(found%ordinates%deviation) < no_better*before) changed = .true.
+      before = norm2(found%ordinates%deviation)
+      if (changed) then
+        quiet = 0
+        call settle(samples, found)
+      else
+        quiet = quiet + 1
+        if (quiet == 2) exit
       end if
-      call settle(samples, found)
     end do
+    if (tapered) found%ordinates = plain
+
+  contains
+
+    subroutine extend(threshold, changed)
+      !! Add lines. Peaks are split and joined where the noise is known best, without a taper.
+      real(dp), intent(in) :: threshold
+      logical, intent(out) :: changed
+      changed = .false.
+      fresh = candidates(samples, found, threshold, same_peak)
+      if (size(fresh) == 0 .and. .not. tapered) then
+        associate (noise => found%ordinates%noise)
+          call split_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+          if (.not. changed) fresh = candidates(samples, found, threshold, 0.0_dp)
+          if (.not. changed .and. size(fresh) == 0) &
+            & call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+        end associate
+      end if
+      if (.not. tapered) call leave_drifts(samples, found, fresh)
+      if (size(fresh) == 0 .or. size(found%lines) + size(fresh) > most_lines) return
+      if (4*(size(found%lines) + size(fresh)) > most_fitted*samples%count) return
+      found%lines = [found%lines, fresh]
+      changed = .true.
+    end subroutine extend
+
   end subroutine search
 
   subroutine settle(samples, found)
@@ -151,6 +178,33 @@ contains
       end do
     end associate
   end function candidates
+
+  subroutine leave_drifts(samples, found, fresh)
+    !! Leave out candidates beside a line whose drift makes such ordinates.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    type(damped_line), allocatable, intent(inout) :: fresh(:)
+    logical :: stays(size(fresh))
+    real(dp), allocatable :: rows(:, :), weight(:)
+    real(dp) :: ordinate
+    integer :: i, j, k
+    stays = .true.
+    do k = 1, size(fresh)
+      ordinate = found%ordinates%total(nint(fresh(k)%frequency*found%ordinates%length))
+      do i = 1, size(found%bands)
+        associate (band => found%bands(i))
+          do j = 1, size(band%member)
+            if (abs(found%lines(band%member(j))%frequency - fresh(k)%frequency)*span_of(samples) > drift_reach) cycle
+            rows = own_rows(samples, found%lines, found%still, band)
+            weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+            if (2*ordinate < drift_gain(samples, band, rows, weight, found%lines(band%member), j)) stays(k) = .false.
+          end do
+        end associate
+      end do
+      if (.not. stays(k)) found%rejected = [found%rejected, rejected_line(fresh(k)%frequency, ordinate, beside_drift)]
+    end do
+    fresh = pack(fresh, stays)
+  end subroutine leave_drifts
 
   pure function local_maxima(total, threshold) result(peak)
     !! The ordinates above the threshold that are not lower than their neighbours, without both ends.
@@ -200,17 +254,20 @@ contains
   end function line_at
 
   subroutine drop_needless(samples, threshold, found, changed)
-    !! Leave out lines without which the others explain as much but for noise; they are not tried again.
+    !! Leave out lines without which the others explain as much but for noise, and those too broad to be told from the noise's
+    !! colour; they are not tried again.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: threshold
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
     type(reduced_type) :: with, without
     real(dp), allocatable :: rows(:, :), weight(:)
-    logical :: stays(size(found%lines))
-    real(dp) :: pays
+    type(damped_line) :: line
+    logical :: stays(size(found%lines)), broad
+    real(dp) :: pays, widest
     integer :: i, j
     stays = .true.
+    widest = pi*window_width(span_of(samples)/2)/(2*span_of(samples))
     do i = 1, size(found%bands)
       if (size(found%bands(i)%member) == 0) cycle
       associate (band => found%bands(i))
@@ -218,12 +275,14 @@ contains
         weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
         with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0)
         do j = 1, size(band%member)
+          line = found%lines(band%member(j))
           without = reduce(samples, band%band, rows, found%lines(pack(band%member, band%member /= band%member(j))), &
             & band%with_still, 0)
           pays = sum(weight*(without%left - with%left))/2
-          if (pays > kept*threshold) cycle
+          broad = abs(line%decay) > min(widest, shortest_life)
+          if (pays > kept*threshold .and. .not. broad) cycle
           stays(band%member(j)) = .false.
-          found%rejected = [found%rejected, rejected_line(found%lines(band%member(j))%frequency, pays, not_needed)]
+          found%rejected = [found%rejected, rejected_line(line%frequency, pays, merge(too_broad, not_needed, broad))]
         end do
       end associate
     end do

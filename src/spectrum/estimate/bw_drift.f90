@@ -24,7 +24,7 @@ module bw_drift
 contains
 
   real(dp) function drift_gain(samples, band, rows, weight, lines, j) result(gain)
-    !! What drifts of line j take off the weighted squares.
+    !! What a drift of line j's frequency alone takes off the weighted squares. (One of its decay is what a close pair looks like.)
     type(samples_type), intent(in) :: samples
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: rows(:, :), weight(:)
@@ -32,7 +32,7 @@ contains
     integer, intent(in) :: j
     type(drift_type) :: drift
     drift = drift_of(samples, band, rows, weight, lines, j)
-    gain = drift%gain
+    gain = max(0.0_dp, drift%gain - drift%step(3)**2/drift%covariance(3, 3))
   end function drift_gain
 
   function drift_of(samples, band, rows, weight, lines, j) result(drift)

@@ -7,7 +7,7 @@ module bw_noise_level
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: find_level, level_at, quantile_of
+  public :: find_level, level_at, quantile_of, window_width
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: cut = 4               !! of the level, above which an ordinate of noise lies once in 55
@@ -49,17 +49,18 @@ contains
     level = level_at_knot(knots%level(k, :), knots%level(k + 1, :), place - k)
   end function level_at
 
-  subroutine find_level(power, bins, taken, floor, level)
+  subroutine find_level(power, bins, coloured, taken, floor, level)
     !! Find the level at the ordinates.
     real(dp), intent(in) :: power(0:)          !! ordinates |X|²/N at even frequencies from 0 to half the sampling rate
     integer, intent(in) :: bins                !! of 1/span among them: fewer than ordinates where the transform was padded
+    logical, intent(in) :: coloured            !! the level may change within a window
     real(dp), intent(in) :: taken(:)           !! frequencies (periods per step) of numbers that have been fitted to the sensor
     real(dp), intent(in) :: floor              !! rounding
     real(dp), intent(out) :: level(0:)         !! at the same ordinates
     real(dp), allocatable :: window(:), clipped(:), ranked(:)
     integer :: windows, skipped, i
     skipped = 2*(size(power) - 1)/bins         ! offset and slope have been taken out of these
-    windows = max(1, min(most_windows, bins/fewest_bins))
+    windows = nint(bins/window_width(real(bins, dp)))
     allocate (window(windows), clipped(0:size(power) - 1))
     level = 1
     call window_medians(power, skipped, window)
@@ -68,11 +69,17 @@ contains
     do i = 1, rounds
       clipped = min(power, cut*min(level, most_coloured*ranked))
       clipped(:skipped - 1) = clipped(skipped)
-      if (bins >= 2*fewest_bins) call autoregression(clipped, 2*bins, level)
+      if (coloured .and. bins >= 2*fewest_bins) call autoregression(clipped, 2*bins, level)
       call correct(power, skipped, free_part(taken, bins, windows), level, window)
     end do
     level = max(level, floor)
   end subroutine find_level
+
+  pure real(dp) function window_width(bins)
+    !! How many bins of so many are in a window.
+    real(dp), intent(in) :: bins
+    window_width = bins/max(1, min(most_windows, int(bins/fewest_bins)))
+  end function window_width
 
   subroutine window_medians(power, skipped, window)
     !! The level of each window by its median, which is ln 2 of the mean.

@@ -4,7 +4,7 @@ module bw_ordinates
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_knots, quantile_of
-  use bw_samples, only: centre_of, phase_factor, samples_type, span_of
+  use bw_samples, only: centre_of, phase_factor, place_of, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
@@ -27,14 +27,16 @@ module bw_ordinates
 
 contains
 
-  subroutine find_ordinates(samples, lines, still, plan, ordinates)
-    !! Take the lines, offset and slope out of every sensor's samples, transform what is left and judge its noise.
+  subroutine find_ordinates(samples, lines, still, tapered, plan, ordinates)
+    !! Take the lines, offset and slope out of every sensor's samples, transform what is left and judge its noise. A taper keeps
+    !! the leakage of strong lines from hiding others and sees less of weak ones; its noise is taken for white in each window.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: still(:, :)        !! (2, S)
+    logical, intent(in) :: tapered             !! by Hann's window
     type(real_fourier), intent(inout) :: plan
     type(ordinates_type), intent(inout) :: ordinates
-    real(dp), allocatable :: left(:), power(:), level(:)
+    real(dp), allocatable :: left(:), taper(:), power(:), level(:)
     real(dp) :: floor
     integer, allocatable :: sampled(:), at_knot(:)
     integer :: s, half, knots, ranked, k, bins
@@ -50,6 +52,7 @@ contains
       allocate (ordinates%noise%level(0:knots, size(samples%value, 2)))
     end if
     ranked = min(half, most_ranked)
+    if (tapered) taper = hann(samples)
     sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
     at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
     allocate (level(0:ranked), power(0:half))
@@ -57,9 +60,11 @@ contains
     do s = 1, size(samples%value, 2)
       left = remainder(samples, lines, still, s)
       ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
+      if (tapered) left = left*taper
       call find_power(samples, left, plan, power)
       floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
-      call find_level(power(sampled), min(bins, size(sampled)/2), numbers_of(lines, size(samples%value, 2)), floor, level)
+      call find_level(power(sampled), min(bins, size(sampled)/2), .not. tapered, numbers_of(lines, size(samples%value, 2)), &
+        & floor, level)
       ordinates%noise%level(:, s) = level(at_knot)
       call add_ratio(power, ordinates%noise%level(:, s), ordinates%total)
     end do
@@ -139,6 +144,15 @@ contains
       if (rest == 1) return
     end do
   end function padded_length
+
+  pure function hann(samples) result(taper)
+    !! Hann's window at the samples' times, of mean square 1.
+    type(samples_type), intent(in) :: samples
+    real(dp) :: taper(samples%count)
+    integer :: n
+    taper = [(sin(pi*(place_of(samples, n) + 0.5_dp)/span_of(samples))**2, n=1, samples%count)]
+    taper = taper*sqrt(samples%count/sum(taper**2))
+  end function hann
 
   subroutine find_power(samples, left, plan, power)
     !! Find the ordinates |X|²/N of one sensor.
