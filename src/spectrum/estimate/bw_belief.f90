@@ -197,7 +197,7 @@ contains
       believed(band%member)%windows(3, i) = huge(1.0_dp)
       believed(band%member)%windows(4, i) = huge(1.0_dp)
       if (size(part_rows, 1) < 6*size(own) + 2) cycle
-      if (closest(own%frequency)*span_of(samples)*(window_end(i) - window_start(i)) < least_apart) cycle
+      if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
       fit%lines = own
       call fit_band(samples, part, part_rows, weight, band%with_still, fit)
       covariance = position_covariance(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)

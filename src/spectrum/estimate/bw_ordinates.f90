@@ -52,7 +52,8 @@ contains
       allocate (ordinates%noise%level(0:knots, size(samples%value, 2)))
     end if
     ranked = min(half, most_ranked)
-    if (tapered) taper = hann(samples)
+    allocate (taper(samples%count), source=1.0_dp)
+    if (tapered) taper(:) = hann(samples)
     sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
     at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
     allocate (level(0:ranked), power(0:half))
@@ -60,8 +61,7 @@ contains
     do s = 1, size(samples%value, 2)
       left = remainder(samples, lines, still, s)
       ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
-      if (tapered) left = left*taper
-      call find_power(samples, left, plan, power)
+      call find_power(samples, left*taper, plan, power)
       floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
       call find_level(power(sampled), min(bins, size(sampled)/2), .not. tapered, numbers_of(lines, size(samples%value, 2)), &
         & floor, level)
