@@ -28,6 +28,13 @@ module bw_belief
   real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
     !! halves and quarters of the record
 
+  type :: band_errors
+    !! The fit of a band as its errors follow from it.
+    type(reduced_type) :: reduced
+    real(dp), allocatable :: weight(:)         !! one over the noise's variance, (S)
+    real(dp), allocatable :: covariance(:, :)  !! of −decay and 2π·frequency over half the record, (2 lines, 2 lines)
+  end type band_errors
+
   type, public :: believed_line
     !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
     real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
@@ -64,31 +71,31 @@ contains
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: confidence, false_alarm
     type(believed_line), intent(inout) :: believed(:)
-    type(reduced_type) :: reduced
-    real(dp), allocatable :: rows(:, :), weight(:), covariance(:, :)
+    type(band_errors) :: errors
+    real(dp), allocatable :: rows(:, :)
     type(damped_line), allocatable :: own(:)
     real(dp) :: half, quantile
     integer :: j
     own = found%lines(band%member)
     rows = own_rows(samples, found%lines, found%still, band)
-    weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-    reduced = reduce(samples, band%band, rows, own, band%with_still)
-    covariance = position_covariance(reduced, weight)
+    errors%weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+    errors%reduced = reduce(samples, band%band, rows, own, band%with_still)
+    errors%covariance = position_covariance(errors%reduced, errors%weight)
     half = centre_of(samples)
-    quantile = student_quantile(confidence, span_of(samples), size(weight))
+    quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
     do j = 1, size(own)
       associate (line => believed(band%member(j)))
         line%frequency = own(j)%frequency
         line%decay = own(j)%decay
-        line%decay_bound = sqrt(covariance(2*j - 1, 2*j - 1))/half
-        line%frequency_bound = sqrt(covariance(2*j, 2*j))/(2*pi*half)
+        line%decay_bound = sqrt(errors%covariance(2*j - 1, 2*j - 1))/half
+        line%frequency_bound = sqrt(errors%covariance(2*j, 2*j))/(2*pi*half)
         line%decay_error = quantile*line%decay_bound
         line%frequency_error = quantile*line%frequency_bound
-        call judge_amplitude(samples, found, reduced, weight, own(j), j, covariance, line)
-        call judge_drift(samples, drift_of(samples, band, rows, weight, own, j), quantile, false_alarm, line)
+        call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
+        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j), quantile, false_alarm, line)
       end associate
     end do
-    call judge_windows(samples, band, rows, weight, own, believed)
+    call judge_windows(samples, band, rows, errors%weight, own, believed)
   end subroutine judge_band
 
   subroutine judge_drift(samples, drift, quantile, false_alarm, line)
@@ -121,64 +128,58 @@ contains
     line%frequency_error = max(line%frequency_error, reach(2)/(2*pi*half))
   end subroutine judge_drift
 
-  subroutine judge_amplitude(samples, found, reduced, weight, own, j, covariance, line)
+  subroutine judge_amplitude(samples, errors, own, j, gain, line)
     !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
     type(samples_type), intent(in) :: samples
-    type(found_lines), intent(in) :: found
-    type(reduced_type), intent(in) :: reduced
-    real(dp), intent(in) :: weight(:)
+    type(band_errors), intent(in) :: errors
     type(damped_line), intent(in) :: own
-    integer, intent(in) :: j
-    real(dp), intent(in) :: covariance(:, :)   !! of decays and frequencies
+    integer, intent(in) :: j                   !! its place among the band's lines
+    complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
     type(believed_line), intent(inout) :: line
-    complex(dp) :: gain(size(weight))
     real(dp) :: along(2), across(2), growth
     integer :: s
-    gain = gain_of(found%whitening, own)
     growth = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))
     line%amplitude = own%amplitude/gain*growth
-    allocate (line%amplitude_bound(size(weight)), line%phase_bound(size(weight)))
-    do s = 1, size(weight)
+    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
+    do s = 1, size(gain)
       associate (a => own%amplitude(s))
         along = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
         across = [-along(2), along(1)]
-        line%amplitude_bound(s) = amplitude_deviation(reduced, weight, covariance, s, j, along)*growth/abs(gain(s))
-        line%phase_bound(s) = amplitude_deviation(reduced, weight, covariance, s, j, across)/max(abs(a), tiny(1.0_dp))
+        line%amplitude_bound(s) = amplitude_deviation(errors, s, j, along)*growth/abs(gain(s))
+        line%phase_bound(s) = amplitude_deviation(errors, s, j, across)/max(abs(a), tiny(1.0_dp))
       end associate
     end do
   end subroutine judge_amplitude
 
-  real(dp) function amplitude_deviation(reduced, weight, covariance, s, j, direction) result(deviation)
-    !! The standard deviation of one sensor's amplitude of line j at the first sample in a direction of its plane: what noise does to it at known
-    !! decays and frequencies, and what their errors add.
-    type(reduced_type), intent(in) :: reduced
-    real(dp), intent(in) :: weight(:)
-    real(dp), intent(in) :: covariance(:, :)   !! of decays and frequencies, (2 lines, 2 lines)
+  real(dp) function amplitude_deviation(errors, s, j, direction) result(deviation)
+    !! The standard deviation of one sensor's amplitude of line j at the first sample in a direction of its plane: what noise
+    !! does to it at known decays and frequencies, and what their errors add.
+    type(band_errors), intent(in) :: errors
     integer, intent(in) :: s, j
     real(dp), intent(in) :: direction(2)
-    real(dp) :: y(reduced%linear), slope(2*reduced%lines), a, b
+    real(dp) :: y(errors%reduced%linear), slope(2*errors%reduced%lines), a, b
     integer :: i, k, c
     y = 0
-    do i = 1, reduced%linear
-      if (i == 2*j - 1) y(i) = direction(1)/reduced%length(i)
-      if (i == 2*j) y(i) = direction(2)/reduced%length(i)
-      y(i) = (y(i) - dot_product(reduced%triangle(:i - 1, i), y(:i - 1)))/reduced%triangle(i, i)
+    do i = 1, errors%reduced%linear
+      if (i == 2*j - 1) y(i) = direction(1)/errors%reduced%length(i)
+      if (i == 2*j) y(i) = direction(2)/errors%reduced%length(i)
+      y(i) = (y(i) - dot_product(errors%reduced%triangle(:i - 1, i), y(:i - 1)))/errors%reduced%triangle(i, i)
     end do
-    do k = 1, reduced%lines
-      a = reduced%linear_part(2*k - 1, s)
-      b = reduced%linear_part(2*k, s)
-      c = reduced%linear + 2*k - 1
-      associate (one => dot_product(y, reduced%triangle(:reduced%linear, c))*reduced%length(c), &
-          & other => dot_product(y, reduced%triangle(:reduced%linear, c + 1))*reduced%length(c + 1))
+    do k = 1, errors%reduced%lines
+      a = errors%reduced%linear_part(2*k - 1, s)
+      b = errors%reduced%linear_part(2*k, s)
+      c = errors%reduced%linear + 2*k - 1
+      associate (one => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c))*errors%reduced%length(c), &
+          & other => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c + 1))*errors%reduced%length(c + 1))
         slope(2*k - 1) = -(a*one + b*other)
         slope(2*k) = -(-b*one + a*other)
       end associate
     end do
-    a = reduced%linear_part(2*j - 1, s)        ! slopes are about the record's middle, and the first sample is at u = −1
-    b = reduced%linear_part(2*j, s)
+    a = errors%reduced%linear_part(2*j - 1, s)        ! slopes are about the record's middle, and the first sample is at u = −1
+    b = errors%reduced%linear_part(2*j, s)
     slope(2*j - 1) = slope(2*j - 1) - dot_product(direction, [a, b])
     slope(2*j) = slope(2*j) - dot_product(direction, [-b, a])
-    deviation = sqrt(sum(y**2)/weight(s) + dot_product(slope, matmul(covariance, slope)))
+    deviation = sqrt(sum(y**2)/errors%weight(s) + dot_product(slope, matmul(errors%covariance, slope)))
   end function amplitude_deviation
 
   subroutine judge_windows(samples, band, rows, weight, own, believed)

@@ -19,7 +19,9 @@ module bw_close_pair
   integer, parameter :: highest_power = 4
   real(dp), parameter :: widest_apart = 1.5_dp  !! bins of a member from the single line
   real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
-  real(dp), parameter :: apart(3) = [0.25_dp, 0.5_dp, 1.0_dp]  !! bins between two lines to start from
+  real(dp), parameter :: below(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.0_dp, 0.7_dp]
+  real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
+    !! bins from a line to two lines on either side of it, to start from
 
 contains
 
@@ -62,8 +64,8 @@ contains
       chosen = 0
       do j = 1, size(own)
         if (bent_gain(samples, band, rows, weight, own, j) < least) cycle
-        do k = 1, size(apart)
-          fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), apart(k)/span_of(samples))]
+        do k = 1, size(below)
+          fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
           call fit_band(samples, band%band, rows, weight, band%with_still, fit)
           if (fit%left >= best%left) cycle
           if (left - fit%left < least) cycle
@@ -145,13 +147,13 @@ contains
 
   end subroutine join_lines
 
-  function pair_at(line, distance) result(pair)
-    !! Two lines on either side of one.
+  pure function pair_at(line, away) result(pair)
+    !! Two lines beside one.
     type(damped_line), intent(in) :: line
-    real(dp), intent(in) :: distance            !! periods per step
+    real(dp), intent(in) :: away(2)             !! periods per step
     type(damped_line) :: pair(2)
     pair = line
-    pair%frequency = abs(line%frequency + [-0.5_dp, 0.5_dp]*distance)
+    pair%frequency = abs(line%frequency + away)
   end function pair_at
 
   real(dp) function bent_gain(samples, band, rows, weight, lines, j) result(gain)
