@@ -77,7 +77,7 @@ contains
   end subroutine find_damped_lines
 
   subroutine search(samples, false_alarm, plan, found)
-    !! Take up peaks, two lines for one, and leave lines out again, until nothing changes.
+    !! Take up peaks, two lines for one, and leave lines out again, until nothing changes with a taper and without.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(real_fourier), intent(inout) :: plan
@@ -86,7 +86,7 @@ contains
     type(ordinates_type) :: plain
     real(dp) :: threshold, before
     integer :: round, quiet
-    logical :: changed, tapered
+    logical :: changed, tapered, better
     before = huge(1.0_dp)
     tapered = .false.
     quiet = 0
@@ -99,15 +99,11 @@ contains
       changed = .false.
       if (.not. tapered) call drop_needless(samples, threshold, found, changed)
       if (.not. changed) call extend(threshold, changed)
-      if (norm2(found%ordinates%deviation) < no_better*before) changed = .true.
+      better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
-      if (changed) then
-        quiet = 0
-        call settle(samples, found)
-      else
-        quiet = quiet + 1
-        if (quiet == 2) exit
-      end if
+      quiet = merge(0, quiet + 1, changed)
+      if (quiet >= 2 .and. .not. better) exit
+      if (changed .or. better) call settle(samples, found)
     end do
     if (tapered) found%ordinates = plain
 

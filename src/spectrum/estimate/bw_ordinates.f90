@@ -99,22 +99,21 @@ contains
   end subroutine allow_for_common_noise
 
   pure subroutine add_ratio(power, level, total)
-    !! Add the ordinates over their level, which is a straight line between its knots.
+    !! Add the ordinates over their level, whose inverse is a straight line between its knots.
     real(dp), intent(in) :: power(0:), level(0:)
     real(dp), intent(inout) :: total(0:)
-    real(dp) :: place, slope
+    real(dp) :: spacing, slope
     integer :: m, k, first, last, knots, half
     knots = size(level) - 1
     half = size(power) - 1
+    spacing = real(half, dp)/knots
     last = -1
     do k = 0, knots - 1
       first = last + 1
-      last = int((k + 1)*(real(half, dp)/knots))
-      if (k == knots - 1) last = half
-      slope = level(k + 1) - level(k)
+      last = merge(half, int((k + 1)*spacing), k == knots - 1)
+      slope = (1/level(k + 1) - 1/level(k))/spacing
       do m = first, last
-        place = m*(real(knots, dp)/half) - k
-        total(m) = total(m) + power(m)/(level(k) + place*slope)
+        total(m) = total(m) + power(m)*(1/level(k) + (m - k*spacing)*slope)
       end do
     end do
   end subroutine add_ratio
