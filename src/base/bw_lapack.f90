@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dgeqrf, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -62,6 +62,17 @@ module bw_lapack
       real(dp), intent(out) :: w(*), work(*)
       integer, intent(out) :: info
     end subroutine dsygv
+
+    subroutine dormqr(side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
+      !! C ← QC, QᵀC, CQ or CQᵀ, Q from dgeqrf.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: side, trans
+      integer, intent(in) :: m, n, k, lda, ldc, lwork
+      real(dp), intent(in) :: a(lda, *), tau(*)
+      real(dp), intent(inout) :: c(ldc, *), work(*)
+      integer, intent(out) :: info
+    end subroutine dormqr
 
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       !! The shortest solution of least squares for a matrix that may lack rank.

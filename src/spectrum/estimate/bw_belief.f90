@@ -1,0 +1,303 @@
+module bw_belief
+  !! What can be believed of the lines of a record: bounds in the noise found, intervals that hold what the record shows of
+  !! drift, and names for lines that are no single steady mode.
+  !!
+  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; where the line drifts, it also reaches
+  !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
+  use bw_band, only: band_type, cut_band
+  use bw_band_fit, only: damped_line, fit_band, fit_type, position_covariance, reduce, reduced_type, slopes
+  use bw_damped_search, only: found_lines
+  use bw_drift, only: drift_of, drift_type
+  use bw_kinds, only: dp
+  use bw_line_bands, only: line_band, own_rows
+  use bw_noise_level, only: level_at
+  use bw_samples, only: centre_of, phase_factor, samples_type, span_of
+  use bw_whitening, only: gain_of
+  implicit none (type, external)
+  private
+  public :: believed_lines, normal_quantile
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
+  real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
+  real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
+  integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
+  integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
+    !! bits of a status; 0 is a line that is none of these
+  real(dp), parameter, public :: window_start(6) = [0.0_dp, 0.5_dp, 0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp]
+  real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
+    !! halves and quarters of the record
+
+  type :: band_errors
+    !! The fit of a band as its errors follow from it.
+    type(reduced_type) :: reduced
+    real(dp), allocatable :: weight(:)         !! one over the noise's variance, (S)
+    real(dp), allocatable :: covariance(:, :)  !! of −decay and 2π·frequency over half the record, (2 lines, 2 lines)
+  end type band_errors
+
+  type, public :: believed_line
+    !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
+    real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
+    real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
+    complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
+    real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
+    integer :: status = 0
+    real(dp) :: drift = 0, drift_bound = 0     !! change of frequency from the first sample to the last, and its bound
+    real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
+  end type believed_line
+
+contains
+
+  function believed_lines(samples, found, confidence, false_alarm) result(believed)
+    !! The lines by ascending frequency.
+    type(samples_type), intent(in) :: samples  !! as `find_damped_lines` has left them
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: confidence         !! of the intervals, 0 … 1
+    real(dp), intent(in) :: false_alarm        !! that a steady line is said to drift
+    type(believed_line), allocatable :: believed(:)
+    integer :: i
+    allocate (believed(size(found%lines)))
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) > 0) call judge_band(samples, found, found%bands(i), confidence, false_alarm, believed)
+    end do
+    believed = believed(ascending(believed%frequency))
+    call name_lines(samples, believed)
+  end function believed_lines
+
+  subroutine judge_band(samples, found, band, confidence, false_alarm, believed)
+    !! Bounds, drift and intervals of the lines of one band.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: confidence, false_alarm
+    type(believed_line), intent(inout) :: believed(:)
+    type(band_errors) :: errors
+    real(dp), allocatable :: rows(:, :)
+    type(damped_line), allocatable :: own(:)
+    real(dp) :: half, quantile
+    integer :: j
+    own = found%lines(band%member)
+    rows = own_rows(samples, found%lines, found%still, band)
+    errors%weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+    errors%reduced = reduce(samples, band%band, rows, own, band%with_still)
+    errors%covariance = position_covariance(errors%reduced, errors%weight)
+    half = centre_of(samples)
+    quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
+    do j = 1, size(own)
+      associate (line => believed(band%member(j)))
+        line%frequency = own(j)%frequency
+        line%decay = own(j)%decay
+        line%decay_bound = sqrt(errors%covariance(2*j - 1, 2*j - 1))/half
+        line%frequency_bound = sqrt(errors%covariance(2*j, 2*j))/(2*pi*half)
+        line%decay_error = quantile*line%decay_bound
+        line%frequency_error = quantile*line%frequency_bound
+        call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
+        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j), quantile, false_alarm, line)
+      end associate
+    end do
+    call judge_windows(samples, band, rows, errors%weight, own, believed)
+  end subroutine judge_band
+
+  subroutine judge_drift(samples, drift, quantile, false_alarm, line)
+    !! Say whether a line drifts; if so its intervals reach to where it is at both ends.
+    type(samples_type), intent(in) :: samples
+    type(drift_type), intent(in) :: drift
+    real(dp), intent(in) :: quantile, false_alarm
+    type(believed_line), intent(inout) :: line
+    real(dp) :: half, u(2), slope(4), reach(2)
+    integer :: i, k
+    half = centre_of(samples)
+    line%drift = 4*drift%step(4)/(2*pi*half)
+    line%drift_bound = 4*sqrt(drift%covariance(4, 4))/(2*pi*half)
+    if (.not. drift%gain > -2*log(false_alarm)) return
+    line%status = ior(line%status, drifting)
+    u = [-1.0_dp, 1.0_dp]
+    if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
+    if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
+    reach = 0
+    do i = 1, 2
+      do k = 1, 2
+        slope = 0
+        slope(k) = 1
+        slope(k + 2) = 2*u(i)
+        reach(k) = max(reach(k), abs(dot_product(slope, drift%step)) &
+          & + quantile*sqrt(dot_product(slope, matmul(drift%covariance, slope))))
+      end do
+    end do
+    line%decay_error = max(line%decay_error, reach(1)/half)
+    line%frequency_error = max(line%frequency_error, reach(2)/(2*pi*half))
+  end subroutine judge_drift
+
+  subroutine judge_amplitude(samples, errors, own, j, gain, line)
+    !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
+    type(samples_type), intent(in) :: samples
+    type(band_errors), intent(in) :: errors
+    type(damped_line), intent(in) :: own
+    integer, intent(in) :: j                   !! its place among the band's lines
+    complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
+    type(believed_line), intent(inout) :: line
+    real(dp) :: along(2), across(2), growth
+    integer :: s
+    growth = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))
+    line%amplitude = own%amplitude/gain*growth
+    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
+    do s = 1, size(gain)
+      associate (a => own%amplitude(s))
+        along = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
+        across = [-along(2), along(1)]
+        line%amplitude_bound(s) = amplitude_deviation(errors, s, j, along)*growth/abs(gain(s))
+        line%phase_bound(s) = amplitude_deviation(errors, s, j, across)/max(abs(a), tiny(1.0_dp))
+      end associate
+    end do
+  end subroutine judge_amplitude
+
+  real(dp) function amplitude_deviation(errors, s, j, direction) result(deviation)
+    !! The standard deviation of one sensor's amplitude of line j at the first sample in a direction of its plane: what noise
+    !! does to it at known decays and frequencies, and what their errors add.
+    type(band_errors), intent(in) :: errors
+    integer, intent(in) :: s, j
+    real(dp), intent(in) :: direction(2)
+    real(dp) :: y(errors%reduced%linear), slope(2*errors%reduced%lines), a, b
+    integer :: i, k, c
+    y = 0
+    do i = 1, errors%reduced%linear
+      if (i == 2*j - 1) y(i) = direction(1)/errors%reduced%length(i)
+      if (i == 2*j) y(i) = direction(2)/errors%reduced%length(i)
+      y(i) = (y(i) - dot_product(errors%reduced%triangle(:i - 1, i), y(:i - 1)))/errors%reduced%triangle(i, i)
+    end do
+    do k = 1, errors%reduced%lines
+      a = errors%reduced%linear_part(2*k - 1, s)
+      b = errors%reduced%linear_part(2*k, s)
+      c = errors%reduced%linear + 2*k - 1
+      associate (one => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c))*errors%reduced%length(c), &
+          & other => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c + 1))*errors%reduced%length(c + 1))
+        slope(2*k - 1) = -(a*one + b*other)
+        slope(2*k) = -(-b*one + a*other)
+      end associate
+    end do
+    a = errors%reduced%linear_part(2*j - 1, s)        ! slopes are about the record's middle, and the first sample is at u = −1
+    b = errors%reduced%linear_part(2*j, s)
+    slope(2*j - 1) = slope(2*j - 1) - dot_product(direction, [a, b])
+    slope(2*j) = slope(2*j) - dot_product(direction, [-b, a])
+    deviation = sqrt(sum(y**2)/errors%weight(s) + dot_product(slope, matmul(errors%covariance, slope)))
+  end function amplitude_deviation
+
+  subroutine judge_windows(samples, band, rows, weight, own, believed)
+    !! Fit the band's lines to each half and quarter of the record by itself. Where a window does not tell, its bound is huge.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: own(:)
+    type(believed_line), intent(inout) :: believed(:)
+    type(band_type) :: part
+    type(fit_type) :: fit
+    real(dp), allocatable :: part_rows(:, :), covariance(:, :)
+    integer :: i, j
+    do i = 1, size(window_start)
+      call cut_band(band%band, rows, window_start(i), window_end(i), part, part_rows)
+      believed(band%member)%windows(3, i) = huge(1.0_dp)
+      believed(band%member)%windows(4, i) = huge(1.0_dp)
+      if (size(part_rows, 1) < 6*size(own) + 2) cycle
+      if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
+      fit%lines = own
+      call fit_band(samples, part, part_rows, weight, band%with_still, fit)
+      covariance = position_covariance(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
+      do j = 1, size(own)
+        associate (line => believed(band%member(j)))
+          line%windows(:, i) = [fit%lines(j)%frequency, fit%lines(j)%decay, &
+            & sqrt(covariance(2*j, 2*j))/(2*pi*centre_of(samples)), sqrt(covariance(2*j - 1, 2*j - 1))/centre_of(samples)]
+        end associate
+      end do
+    end do
+  end subroutine judge_windows
+
+  pure real(dp) function closest(frequency)
+    !! The least distance between two of several frequencies.
+    real(dp), intent(in) :: frequency(:)
+    integer :: i
+    closest = huge(1.0_dp)
+    do i = 2, size(frequency)
+      closest = min(closest, minval(abs(frequency(:i - 1) - frequency(i))))
+    end do
+  end function closest
+
+  pure subroutine name_lines(samples, believed)
+    !! Name close pairs, harmonics and lines at an edge.
+    type(samples_type), intent(in) :: samples
+    type(believed_line), intent(inout) :: believed(:)
+    real(dp) :: strength(size(believed)), away
+    integer :: i, j, k, m
+    do i = 1, size(believed)
+      strength(i) = norm2(abs(believed(i)%amplitude))
+    end do
+    do k = 1, size(believed)
+      associate (line => believed(k))
+        if (count(abs(believed%frequency - line%frequency)*span_of(samples) < beside) > 1) &
+          & line%status = ior(line%status, close_pair)
+        away = line%frequency
+        if (.not. allocated(samples%place)) away = min(away, 0.5_dp - line%frequency)
+        if (away*span_of(samples) < beside) line%status = ior(line%status, at_edge)
+        do i = 1, size(believed)
+          if (.not. strength(i) > strength(k)) cycle
+          do m = 2, most_times
+            if (is_at(line, m*believed(i)%frequency, m*believed(i)%frequency_error)) line%status = ior(line%status, harmonic)
+          end do
+          do j = 1, i - 1
+            if (.not. strength(j) > strength(k)) cycle
+            do m = -1, 1, 2
+              if (is_at(line, believed(i)%frequency + m*believed(j)%frequency, &
+                & hypot(believed(i)%frequency_error, believed(j)%frequency_error))) line%status = ior(line%status, harmonic)
+            end do
+          end do
+        end do
+      end associate
+    end do
+
+  contains
+
+    pure logical function is_at(line, frequency, error)
+      !! Whether a line is at a frequency, or where that is folded to, within both errors.
+      type(believed_line), intent(in) :: line
+      real(dp), intent(in) :: frequency, error
+      real(dp) :: folded
+      folded = abs(frequency)
+      if (.not. allocated(samples%place)) folded = abs(folded - anint(folded))
+      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error)
+    end function is_at
+
+  end subroutine name_lines
+
+  pure real(dp) function student_quantile(confidence, span, sensors) result(quantile)
+    !! How many standard deviations hold so much of a normal number whose deviation is known from the noise of a window only.
+    real(dp), intent(in) :: confidence, span
+    integer, intent(in) :: sensors
+    real(dp) :: freedom
+    quantile = normal_quantile((1 + confidence)/2)
+    freedom = sensors*max(10.0_dp, min(span, 96.0_dp))
+    quantile = quantile + (quantile**3 + quantile)/(4*freedom)
+  end function student_quantile
+
+  pure real(dp) function normal_quantile(probability) result(x)
+    !! The number that a normal number is below with that probability, by Newton's method.
+    real(dp), intent(in) :: probability
+    real(dp) :: below
+    integer :: i
+    x = 0
+    do i = 1, 60
+      below = erfc(-x/sqrt(2.0_dp))/2
+      x = x - max(-1.0_dp, min(1.0_dp, (below - probability)*sqrt(2*pi)*exp(x*x/2)))
+    end do
+  end function normal_quantile
+
+  pure function ascending(value) result(order)
+    !! The permutation that sorts a short array.
+    real(dp), intent(in) :: value(:)
+    integer :: order(size(value)), i, j
+    do i = 1, size(value)
+      j = count(value(:i - 1) <= value(i)) + 1
+      order(j + 1:i) = order(j:i - 1)
+      order(j) = i
+    end do
+  end function ascending
+
+end module bw_belief
