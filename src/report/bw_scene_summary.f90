@@ -44,7 +44,7 @@ contains
     end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
-    call lines%append(hint_line(scene))
+    if (position_of(scene%groups, 'beam') > 0) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 

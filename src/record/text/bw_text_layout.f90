@@ -58,7 +58,8 @@ contains
       end do
       columns = usual_count(probed)
       numbers = numbers_in(probed, columns)
-      share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns, n=1, size(lines))]))
+      share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
+                                                   n=1, size(lines))]))
       if (numbers < most .or. (numbers == most .and. share <= largest_share)) cycle
       most = numbers
       largest_share = share
