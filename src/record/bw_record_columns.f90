@@ -109,8 +109,9 @@ contains
       text = text//', '//shown(source, columns(i))
     end do
     if (size(columns) > most_listed) text = text//', ...'
-    call refuse(scene, name, 'has '//text_of(values)//' values, and '//source%path//' has '//text_of(size(columns))// &
-                ' sensors ('//text(3:)//'); accepted: one for each', error)
+    call refuse(scene, name, 'has '//text_of(values)//trim(merge(' value ', ' values', values == 1))//', and '// &
+                source%path//' has '//text_of(size(columns))//trim(merge(' sensor ', ' sensors', size(columns) == 1))// &
+                ' ('//text(3:)//'); accepted: one for each', error)
   end subroutine check_count
 
   subroutine choose(scene, source, name, choice, column, error)

@@ -90,7 +90,7 @@ contains
     high = huge(high)
     rounding = slack*spacing(max(abs(times(1)), abs(times(size(times)))))
     do j = 1, size(times, kind=i8)
-      half = max(0.5_dp*steps(j)*(1 + slack*epsilon(half)), rounding)
+      half = 0.5_dp*steps(j) + rounding
       rest = (times(j) - times(1)) - (j - 1)*interval
       low = max(low, rest - half)
       high = min(high, rest + half)

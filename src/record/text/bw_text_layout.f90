@@ -227,9 +227,9 @@ contains
     integer :: i
     are_units = .false.
     do i = 1, size(fields)
-      if (fields(i)%text == '' .or. fields(i)%text == '-') cycle
+      if (verify(fields(i)%text, '-()[]') == 0) cycle        ! it has none
       are_units = is_unit(plain_unit(fields(i)%text))
-      if (unit_in(fields(i)%text) /= '') are_units = unit_in(fields(i)%text)//'' == plain_unit(fields(i)%text)
+      if (.not. are_units .and. unit_in(fields(i)%text) /= '') are_units = plain_unit(fields(i)%text) /= fields(i)%text
       if (.not. are_units) return
     end do
   end function are_units
