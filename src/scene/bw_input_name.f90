@@ -8,8 +8,8 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, default_number, has_numbers, has_unit, has_word, in_range, is_list, is_number, is_sweepable, &
-    kind_text, place_of, quoted_words, range_text
+  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_list, is_number, is_sweepable, kind_text, place_of, &
+    quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
   integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5, &
@@ -59,7 +59,8 @@ module bw_input_name
     character(80) :: words = ''              !! for a text: the words accepted, by blanks; '' accepts any text
     character(48) :: excludes = ''           !! names of the same group that it stands instead of, by blanks
     character(80) :: meaning = ''
-    logical :: changes_shapes = .false.      !! where it is not its default, modes have no closed form here
+    logical :: changes_shapes = .false.      !! where it is not `plain`, modes have no closed form here
+    real(dp) :: plain = 0.0_dp
   end type input_name
 
 contains
@@ -94,12 +95,6 @@ contains
     type(input_name), intent(in) :: row
     has_numbers = is_number(row) .or. row%kind == reals_input
   end function has_numbers
-
-  pure real(dp) function default_number(row) result(number)
-    !! The default of one number that has one.
-    type(input_name), intent(in) :: row
-    read (row%default, *) number
-  end function default_number
 
   elemental logical function is_sweepable(row)
     !! A `&sweep` may vary it, of a list one of its numbers.

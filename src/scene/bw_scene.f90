@@ -6,9 +6,8 @@ module bw_scene
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
-  use bw_input_name, only: default_number
   use bw_input_table, only: group_table, name_table
-  use bw_input_values, only: group_values, position_of, positions_of
+  use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp
   use bw_modes_par, only: build_modes, modes_par, settle_modes
   use bw_record_par, only: build_record, check_record, record_par, settle_record
@@ -26,7 +25,7 @@ module bw_scene
   implicit none (type, external)
   private
   public :: build_scene, check_rules, check_rules_together, settle_groups
-  public :: by_pieces, changes_shapes, effect_names, effects_text, method_name
+  public :: by_pieces, changes_shapes, effect_names, effects_text, is_built_up, method_name
 
   type, public :: scene_type
     !! What one file asks for. With sweeps, the components are those of the first case.
@@ -201,8 +200,8 @@ contains
   end function effect_names
 
   pure logical function changes_shapes(scene) result(changes)
-    !! Its modes have no closed form here: the beam has pieces, a group is there, or a number is not its default, of which the
-    !! table says so.
+    !! Its modes have no closed form here: the beam has pieces, or a group is there, or a number is not the plain one, of which
+    !! the table says so.
     type(scene_type), intent(in) :: scene
     integer :: g, v
     changes = allocated(scene%beam%pieces)
@@ -211,15 +210,20 @@ contains
       changes = group_table(scene%groups(g)%row)%changes_shapes
       if (changes) return
       do v = 1, size(scene%groups(g)%values)
-        associate (row => name_table(scene%groups(g)%values(v)%row))
-          if (.not. row%changes_shapes) cycle
-          changes = scene%groups(g)%number(row%name) /= default_number(row)
-        end associate
+        if (name_table(scene%groups(g)%values(v)%row)%changes_shapes) changes = .not. is_plain(scene, scene%groups(g)%values(v))
         if (changes) return
       end do
     end do
     changes = .false.
   end function changes_shapes
+
+  pure logical function is_plain(scene, value)
+    !! A number is in every case the one with which modes keep their closed form.
+    type(scene_type), intent(in) :: scene
+    type(input_value), intent(in) :: value         !! one number
+    is_plain = value%numbers(1) == name_table(value%row)%plain
+    if (value%follows_sweep()) is_plain = all(scene%sweeps(value%sweeps(1))%values == name_table(value%row)%plain)
+  end function is_plain
 
   pure function method_name(scene) result(name)
     !! How the modes of a scene are found.
@@ -234,10 +238,17 @@ contains
   pure logical function by_pieces(scene)
     !! Its modes are found exactly, piece by piece: nothing varies along a piece, as tension does.
     type(scene_type), intent(in) :: scene
-    by_pieces = .false.
-    if (allocated(scene%stiffening)) return
-    by_pieces = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
-    if (allocated(scene%impact)) by_pieces = by_pieces .or. scene%impact%position /= 1.0_dp
+    by_pieces = is_built_up(scene) .and. .not. allocated(scene%stiffening)
   end function by_pieces
+
+  pure logical function is_built_up(scene)
+    !! The beam is more than the paper's, which is one piece, clamped, without bodies, and struck at its tip.
+    type(scene_type), intent(in) :: scene
+    integer :: impact
+    is_built_up = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
+    impact = position_of(scene%groups, 'impact')
+    if (is_built_up .or. impact == 0) return
+    is_built_up = .not. is_plain(scene, scene%groups(impact)%values(scene%groups(impact)%at('position')))
+  end function is_built_up
 
 end module bw_scene

@@ -2,7 +2,7 @@ module bw_scene_cases
   !! The cases of a scene with sweeps: the product of their values, the first sweep varying slowest.
   use bw_error, only: error_type, fail, status_bad_input, status_fault
   use bw_input_values, only: input_value
-  use bw_kinds, only: dp, i8
+  use bw_kinds, only: i8
   use bw_scene, only: build_scene, scene_type, settle_groups
   use bw_scene_checks, only: check_scales
   use bw_scene_messages, only: message_list
@@ -97,12 +97,17 @@ contains
     type(input_value), intent(in) :: given(:)     !! of all cases
     integer, intent(in) :: positions(:)
     type(input_value), intent(in) :: values(:)    !! of another case
-    integer :: v
+    integer :: v, i
     differs = .false.
     do v = 1, size(given)
-      if (.not. given(v)%follows_sweep()) cycle
-      differs = any(transfer(numbers_of(scene, given(v), positions), [0_i8]) /= transfer(values(v)%numbers, [0_i8]))
-      if (differs) return
+      if (.not. allocated(given(v)%sweeps)) cycle
+      do i = 1, size(given(v)%sweeps)
+        if (given(v)%sweeps(i) == 0) cycle
+        associate (number => scene%sweeps(given(v)%sweeps(i))%values(positions(given(v)%sweeps(i))))
+          differs = transfer(number, 0_i8) /= transfer(values(v)%numbers(i), 0_i8)
+        end associate
+        if (differs) return
+      end do
     end do
   end function differs
 
@@ -112,28 +117,18 @@ contains
     type(input_value), intent(in) :: given(:)     !! of all cases
     integer, intent(in) :: positions(:)
     type(input_value), intent(inout) :: values(:)
-    integer :: v
+    integer :: v, i
     do v = 1, size(values)
       values(v)%known = given(v)%known
       values(v)%redundant = given(v)%redundant
       if (.not. allocated(given(v)%numbers)) cycle
-      values(v)%numbers = numbers_of(scene, given(v), positions)
-      values(v)%sweeps = 0*given(v)%sweeps
+      do i = 1, size(given(v)%numbers)
+        values(v)%sweeps(i) = 0
+        values(v)%numbers(i) = given(v)%numbers(i)
+        if (given(v)%sweeps(i) > 0) values(v)%numbers(i) = scene%sweeps(given(v)%sweeps(i))%values(positions(given(v)%sweeps(i)))
+      end do
     end do
   end subroutine set_values
-
-  pure function numbers_of(scene, given, positions) result(numbers)
-    !! The numbers of a name in one case, (n).
-    type(scene_type), intent(in) :: scene
-    type(input_value), intent(in) :: given        !! of all cases
-    integer, intent(in) :: positions(:)
-    real(dp) :: numbers(size(given%numbers))
-    integer :: i
-    numbers = given%numbers
-    do i = 1, size(numbers)
-      if (given%sweeps(i) > 0) numbers(i) = scene%sweeps(given%sweeps(i))%values(positions(given%sweeps(i)))
-    end do
-  end function numbers_of
 
   pure subroutine complete(scene, messages)
     !! From checked values to the components of a scene; report what does not fit together.

@@ -148,7 +148,7 @@ contains
     real(qp) :: lowest, highest
     if (position_of(scene%groups, 'beam') == 0) return
     lowest = frequency_scale(scene)
-    highest = lowest*(pi*max(scene%modes%before, scene%modes%after))**2
+    highest = fastest(scene)*(pi*max(scene%modes%before, scene%modes%after))**2
     call check(scene, 'beam', beam_mass(scene%beam), 'the mass of the beam', messages)
     call check(scene, 'beam', lowest**2, 'EI/(rho A l^4), the square of the frequency scale,', messages)
     call check(scene, 'beam', highest**2, 'the square of the highest frequency', messages)
@@ -226,6 +226,17 @@ contains
                         /real(beam%length, qp)**2
     end associate
   end function frequency_scale
+
+  pure real(qp) function fastest(scene)
+    !! The largest √(EI/(ρA))/l² of the pieces [rad/s]; that of a uniform beam is its frequency scale.
+    type(scene_type), intent(in) :: scene
+    fastest = frequency_scale(scene)
+    if (.not. allocated(scene%beam%pieces)) return
+    associate (pieces => scene%beam%pieces)
+      fastest = sqrt(maxval(real(pieces%youngs_modulus, qp)/pieces%density*pieces%second_moment/pieces%area)) &
+        /real(scene%beam%length, qp)**2
+    end associate
+  end function fastest
 
   pure subroutine check_held(scene, messages)
     !! A free beam is not carried round: in the plane of rotation something has to hold it. Elsewhere it rests or drifts.

@@ -1,26 +1,19 @@
 module bw_scene_sweeps
   !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, is_sweepable, place_of
-  use bw_input_table, only: group_row, name_row, name_table, unknown_group, unknown_name
-  use bw_input_values, only: group_values, position_of, positions_of
+  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, place_of
+  use bw_input_table, only: name_table
+  use bw_input_values, only: group_values
   use bw_kinds, only: dp
   use bw_scene_checks, only: check_group
-  use bw_scene_messages, only: message_list, shown
+  use bw_scene_messages, only: message_list
   use bw_sweep_par, only: build_sweep, sweep_lines, sweep_par
-  use bw_text, only: lower, text_of
+  use bw_sweep_target, only: find_target, sweep_target
+  use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: extract_sweeps
 
   real(dp), parameter :: most_cases = 1e9_dp   !! in the product of all sweeps
-
-  type :: sweep_target
-    !! The number of a scene that a sweep varies.
-    integer :: group = 0                         !! place of its group; 0: there is none
-    integer :: value = 0                         !! place of its name in the group
-    integer :: element = 1                       !! which of the name's numbers
-    character(:), allocatable :: place           !! how a sweep names it, with numbers only where there are several
-  end type sweep_target
 
 contains
 
@@ -77,7 +70,7 @@ contains
       value%given = .true.
       value%sweeps(target%element) = number
       value%lines(target%element) = source%line_of('parameter')
-      value%line = source%line_of('parameter')
+      if (size(value%numbers) == 1) value%line = source%line_of('parameter')
       if (.not. any(source%values%given .and. .not. source%values%known) .and. messages%count == before) then
         call build_sweep(source, sweep)
         sweep%parameter = target%place
@@ -87,155 +80,6 @@ contains
       value%known = value%known .and. messages%count == before
     end associate
   end subroutine apply_sweep
-
-  pure subroutine find_target(source, groups, target, messages)
-    !! The number that a sweep varies; none, with a message, where it cannot.
-    type(group_values), intent(in) :: source
-    type(group_values), intent(in) :: groups(:)
-    type(sweep_target), intent(out) :: target
-    type(message_list), intent(inout) :: messages
-    character(:), allocatable :: parameter, group, name, problem
-    integer :: mark, group_number, name_number
-    parameter = lower(source%text('parameter'))
-    mark = index(parameter, '%')
-    call split(parameter(:mark - 1), group, group_number)
-    call split(parameter(mark + 1:), name, name_number)
-    if (index(parameter, '&') == 1) then
-      problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
-    else if (mark == 0 .or. scan(parameter, ' ') > 0) then
-      problem = "names no input"//likely_target(parameter)//"; accepted: 'group%name'"
-    else if (group_row(group) == 0) then
-      problem = 'group '//unknown_group(group)
-    else if (name_row(group, name) == 0) then
-      problem = unknown_name(group, name)
-    else
-      call resolve(groups, name_table(name_row(group, name)), group_number, name_number, target, problem)
-    end if
-    if (problem == '') return
-    target = sweep_target()
-    call messages%add(source%line_of('parameter'), 'sweep%parameter', shown(parameter)//' '//problem)
-  end subroutine find_target
-
-  pure subroutine split(word, name, number)
-    !! `body(2)` is the name `body` and the number 2; a word without brackets has 0, and one without a number in them −1.
-    character(*), intent(in) :: word
-    character(:), allocatable, intent(out) :: name
-    integer, intent(out) :: number
-    integer, parameter :: most_digits = 6
-    integer :: open
-    name = word
-    number = 0
-    open = index(word, '(')
-    if (open == 0) return
-    name = word(:open - 1)
-    number = -1
-    if (word(len(word):) /= ')' .or. len(word) < open + 2 .or. len(word) > open + most_digits + 1) return
-    if (verify(word(open + 1:len(word) - 1), '0123456789') > 0) return
-    read (word(open + 1:len(word) - 1), *) number
-    if (number == 0) number = -1
-  end subroutine split
-
-  pure subroutine resolve(groups, row, group_number, name_number, target, problem)
-    !! Which number of the scene a known name means.
-    type(group_values), intent(in) :: groups(:)
-    type(input_name), intent(in) :: row
-    integer, intent(in) :: group_number, name_number  !! as written behind the group and the name; 0: none
-    type(sweep_target), intent(out) :: target
-    character(:), allocatable, intent(out) :: problem
-    integer, allocatable :: found(:)
-    problem = obstacle(row, groups)
-    if (problem /= '') return
-    found = positions_of(groups, row%group)
-    call choose('group', trim(row%group), '%'//trim(row%name), size(found), group_number, problem)
-    if (problem /= '') return
-    target%group = found(max(1, group_number))
-    target%value = groups(target%group)%at(row%name)
-    target%place = trim(row%group)
-    if (size(found) > 1) target%place = target%place//'('//text_of(max(1, group_number))//')'
-    target%place = target%place//'%'//trim(row%name)
-    target%element = max(1, name_number)
-    associate (value => groups(target%group)%values(target%value))
-      if (name_number /= 0 .and. .not. value%given) then
-        problem = "names one of several values, and none is given; accepted: '"//target%place//"'"
-      else
-        call choose('value', target%place, '', max(1, groups(target%group)%count_of(row%name)), name_number, problem)
-      end if
-      if (problem /= '') return
-      if (groups(target%group)%count_of(row%name) > 1) target%place = target%place//'('//text_of(target%element)//')'
-      if (.not. allocated(value%sweeps)) return
-      if (value%sweeps(target%element) > 0) problem = 'is swept twice; accepted: each name once'
-    end associate
-  end subroutine resolve
-
-  pure subroutine choose(what, before, behind, count, number, problem)
-    !! Say what is wrong with the number by which one of several is named, and which there are.
-    character(*), intent(in) :: what                  !! there are several of
-    character(*), intent(in) :: before, behind        !! the number in a parameter
-    integer, intent(in) :: count                      !! how many there are
-    integer, intent(in) :: number                     !! 0: none is named
-    character(:), allocatable, intent(inout) :: problem
-    if (count == 1 .and. number == 0) return
-    if (number >= 1 .and. number <= count) return
-    if (number == 0) then
-      problem = 'is one of '//text_of(count)//' '//what//'s'
-    else if (number < 0) then
-      problem = 'has no number of a '//what//' in its brackets'
-    else if (count == 1) then
-      problem = 'names '//what//' '//text_of(number)//', and there is one'
-    else
-      problem = 'names '//what//' '//text_of(number)//' of '//text_of(count)
-    end if
-    problem = problem//"; accepted: '"//before
-    if (count > 1) problem = problem//'(1)'
-    problem = problem//behind//"'"
-    if (count > 1) problem = problem//" to '"//before//'('//text_of(count)//')'//behind//"'"
-  end subroutine choose
-
-  pure function likely_target(parameter) result(text)
-    !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing.
-    character(*), intent(in) :: parameter
-    character(:), allocatable :: text, name
-    integer :: i
-    text = ''
-    name = trim(parameter(scan(parameter, '.:/ ', back=.true.) + 1:))
-    do i = 1, size(name_table)
-      if (name_table(i)%name /= name .or. .not. is_sweepable(name_table(i))) cycle
-      if (index(parameter, trim(name_table(i)%group)) == 0 .and. len(parameter) > len(name)) cycle
-      if (text /= '') text = text//' or'
-      text = text//" '"//place_of(name_table(i))//"'"
-    end do
-    if (text /= '') text = ' (did you mean'//text//'?)'
-  end function likely_target
-
-  pure function obstacle(row, groups) result(problem)
-    !! Why a known name cannot be swept here; empty where it can.
-    type(input_name), intent(in) :: row
-    type(group_values), intent(in) :: groups(:)
-    character(:), allocatable :: problem
-    integer :: g
-    g = position_of(groups, row%group)
-    problem = ''
-    if (.not. (is_number(row) .or. row%along /= '')) then
-      problem = 'is not one number; accepted: '//sweepable_names()
-    else if (.not. is_sweepable(row)) then
-      problem = 'sets an axis of the result; accepted: '//sweepable_names()
-    else if (g == 0) then
-      problem = 'belongs to a group that is absent; accepted: a scene with &'//trim(row%group)
-    else if (groups(g)%line == 0) then
-      problem = 'belongs to a group that is absent; accepted: a scene with &'//trim(row%group)
-    end if
-  end function obstacle
-
-  pure function sweepable_names() result(text)
-    !! Every `group%name` that a sweep may vary.
-    character(:), allocatable :: text
-    integer :: i
-    text = ''
-    do i = 1, size(name_table)
-      if (is_sweepable(name_table(i))) text = text//' '//place_of(name_table(i))
-    end do
-    text = text(2:)
-  end function sweepable_names
 
   pure subroutine check_values(source, sweep, row, messages)
     !! Each value has to be one that the name itself would accept.

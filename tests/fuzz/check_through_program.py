@@ -20,6 +20,7 @@ except ImportError:
 SECONDS = 60  # far above any check: what takes longer hangs
 LOCATED = re.compile(r"\d{5}\.nml(:\d+)?: (text|&\w*|\w+%\S*): \S")
 GLUED_COMMENT = re.compile(r"[^\s!]!")  # f90nml 1.4 takes it for a part of the word before it
+PLACE = re.compile(r"\(\d+\)")  # of one of several, in a swept name
 REPLACED = "replaced by a sweep"
 
 
@@ -50,6 +51,8 @@ def fault_of_program(program, text):
         return "hangs"
     accepted = text.with_suffix(".resolved").exists()
     messages = ended.stderr.decode("utf-8").splitlines()
+    if "can be read, and not yet run" in ended.stderr.decode("utf-8"):
+        return "" if accepted else "refused for two reasons"
     if ended.returncode != (0 if accepted else 2):
         return f"status {ended.returncode}: {messages}"
     if accepted:
@@ -69,7 +72,9 @@ def fault_of_meaning(text):
         return "another number of sweeps"
     for sweep in held_sweeps:
         group, name = sweep["parameter"].split("%")
-        held[group][name] = REPLACED
+        held[group if group in held else f"{group}(1)"][PLACE.sub("", name)] = REPLACED
+    for sweep in [*said_sweeps, *held_sweeps]:  # `body(02)%mass` is held as `body(2)%mass`, or `body%mass` of a single one
+        sweep["parameter"] = PLACE.sub("", sweep["parameter"])
     if "capture" not in held and "after" in said.get("modes", {}):  # may only repeat `before`, and goes unsaid
         held["modes"]["after"] = held["modes"]["before"]
     added = set(held) - set(said) - {"scene", "modes"}
@@ -79,9 +84,11 @@ def fault_of_meaning(text):
 
 
 def parts(text):
-    """Groups by name, and the sweeps in their order, as f90nml reads them."""
+    """Groups by name, a body's with its number, and the sweeps in their order, as f90nml reads them."""
     items = list(f90nml.reads(text).items())
-    groups = {name: values for name, values in items if name != "sweep"}
+    bodies = [values for name, values in items if name == "body"]
+    groups = {name: values for name, values in items if name not in {"sweep", "body"}}
+    groups |= {f"body({number})": values for number, values in enumerate(bodies, 1)}
     return groups, [values for name, values in items if name == "sweep"]
 
 

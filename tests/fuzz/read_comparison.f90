@@ -42,7 +42,8 @@ contains
     value = self%held(name)
     if (value%follows_sweep()) return            ! what the sweep replaced is not kept
     if (value%given .neqv. read /= unset) self%differing = name
-    if (value%given .and. value%numbers(1) /= read) self%differing = name
+    if (.not. value%given) return
+    if (value%numbers(1) /= read) self%differing = name
   end subroutine same_real
 
   subroutine same_whole(self, name, read)

@@ -47,6 +47,7 @@ INPUTS = {
     "beam_youngs_modulus": 2e11,
     "rotation_angular_velocity": 50.0,
     "impact_mass_ratio": 0.2,
+    "impact_position": 1.0,
     "impact_approach_velocity": 1.0,
     "impact_restitution": 0.0,
     "capture_rotary_inertia": 0.0,

@@ -8,6 +8,7 @@ from workplace import PAPER_BEAM, captured_beam, namelist
 SETS_AXES = {"response", "spectrum", "sweep"}  # groups, and one name beside them
 RESPONSE = {"duration": 0.02, "samples": 16, "points": [1.0]}
 SQUARE = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "area": 1e-3, "second_moment": 1e-7}
+BAR = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "width": 0.03, "height": 0.02}
 REBOUND = captured_beam(capture=None, modes={"before": 8, "after": 8}, response=RESPONSE)
 CAPTURE = captured_beam(modes={"before": 8, "after": 8}, response=RESPONSE)
 SCENES = {  # a scene in which the name means something, and two values
@@ -15,6 +16,8 @@ SCENES = {  # a scene in which the name means something, and two values
     "beam%density": (CAPTURE, [7000.0, 8000.0]),
     "beam%youngs_modulus": (CAPTURE, [1e11, 2e11]),
     "beam%diameter": (CAPTURE, [0.02, 0.03]),
+    "beam%width": ({**CAPTURE, "beam": BAR}, [0.02, 0.03]),
+    "beam%height": ({**CAPTURE, "beam": BAR}, [0.02, 0.03]),
     "beam%area": ({**CAPTURE, "beam": SQUARE}, [1e-3, 2e-3]),
     "beam%second_moment": ({**CAPTURE, "beam": SQUARE}, [1e-7, 2e-7]),
     "rotation%angular_velocity": (CAPTURE, [0.0, 30.0]),
@@ -35,6 +38,18 @@ SCENES = {  # a scene in which the name means something, and two values
     "modes%after": (CAPTURE, [5, 7]),
     "modes%tolerance": ({**CAPTURE, "modes": {}}, [1e-2, 1e-4]),
 }
+SPRING = {"position": 0.8, "mass": 0.1, "stiffness": 1e3, "rotational_stiffness": 1e2}
+NOT_RUN_YET = {  # read and checked; a run still refuses them
+    "support%stiffness": ({**CAPTURE, "support": {"stiffness": 1e6}}, [1e5, 1e7]),
+    "support%rotational_stiffness": ({**CAPTURE, "support": {"rotational_stiffness": 1e4}}, [1e3, 1e5]),
+    "body%position": ({**CAPTURE, "body": SPRING}, [0.4, 1.0]),
+    "body%mass": ({**CAPTURE, "body": SPRING}, [0.0, 0.2]),
+    "body%mass_ratio": ({**CAPTURE, "body": {"position": 0.8, "mass_ratio": 0.1}}, [0.0, 0.2]),
+    "body%rotary_inertia": ({**CAPTURE, "body": SPRING}, [0.0, 1e-3]),
+    "body%stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e3]),
+    "body%rotational_stiffness": ({**CAPTURE, "body": SPRING}, [0.0, 2e2]),
+    "impact%position": (CAPTURE, [0.7, 1.0]),
+}
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +65,7 @@ def described(shared):
 
 
 def is_swept(name, kind):
-    return kind in {"real", "whole number"} and name.split("%")[0] not in SETS_AXES and name != "impact%profile_points"
+    return kind in {"real", "real or list", "whole number"} and name.split("%")[0] not in SETS_AXES and name != "impact%profile_points"
 
 
 def with_value(scene, name, value):
@@ -58,8 +73,13 @@ def with_value(scene, name, value):
     return {**scene, group: {**scene.get(group, {}), key: value}}
 
 
+def coordinate_of(name):
+    """The variable with a swept name's values, one for each case: of a body it has the body's number."""
+    return name.replace("%", "_") + ("_1" if name.startswith("body%") else "")
+
+
 def test_every_name_that_may_be_swept_has_a_scene_here(described):
-    assert {name for name, kind in described.items() if is_swept(name, kind)} == SCENES.keys()
+    assert {name for name, kind in described.items() if is_swept(name, kind)} == SCENES.keys() | NOT_RUN_YET.keys()
 
 
 def test_a_sweep_over_any_name_is_its_cases(shared):
@@ -72,7 +92,7 @@ def test_a_sweep_over_any_name_is_its_cases(shared):
     assert ended.returncode == 0, ended.stderr
     for number, (name, (_, values)) in enumerate(SCENES.items()):
         swept = here.result(f"n{number}")
-        assert swept[name.replace("%", "_")].tolist() == values
+        assert swept[coordinate_of(name)].tolist() == values
         for case in range(len(values)):
             alone = here.result(f"n{number}_{case}")
             for variable, (_, numbers, _) in alone.variables.items():

@@ -85,22 +85,31 @@ contains
     !! One of them, with what it has of mass, inertia and springs.
     type(group_values), intent(in) :: values
     character(:), allocatable :: text
-    text = part(values, 'mass', ' kg', 'body of ')//part(values, 'mass_ratio', ' of the beam''s mass', 'body of ')// &
-      part(values, 'rotary_inertia', ' kg m2', 'rotary inertia ')//part(values, 'stiffness', ' N/m', 'spring of ')// &
-      part(values, 'rotational_stiffness', ' N m/rad', 'rotational spring of ')
+    character(:), allocatable :: place
+    text = part(values, 'mass', 'body of ', ' kg', ' mass')// &
+      part(values, 'mass_ratio', 'body of ', ' of the beam''s mass', ' mass ratio')// &
+      part(values, 'rotary_inertia', 'rotary inertia ', ' kg m2', '')// &
+      part(values, 'stiffness', 'spring of ', ' N/m', ' stiffness')// &
+      part(values, 'rotational_stiffness', 'rotational spring of ', ' N m/rad', ' stiffness')
     if (text == '') text = and//'body without mass'
-    text = text(len(and) + 1:)//' at xi = '//values%number_or_swept('position', '')
+    place = ' at xi = '//values%number_or_swept('position', '')
+    if (values%is_swept('position')) place = ' at swept xi'
+    text = text(len(and) + 1:)//place
   end function body_text
 
-  pure function part(values, name, unit, what) result(text)
+  pure function part(values, name, what, unit, swept) result(text)
     !! A number with what it is, behind `and`; nothing where it is 0 in every case.
     type(group_values), intent(in) :: values
-    character(*), intent(in) :: name, unit, what
+    character(*), intent(in) :: name
+    character(*), intent(in) :: what              !! stands before the number
+    character(*), intent(in) :: unit              !! stands behind it
+    character(*), intent(in) :: swept             !! stands behind the word `swept`
     character(:), allocatable :: text
     text = ''
     if (.not. values%known(name)) return
     if (values%number(name) == 0.0_dp .and. .not. values%is_swept(name)) return
     text = and//what//values%number_or_swept(name, unit)
+    if (values%is_swept(name)) text = text//swept
   end function part
 
 end module bw_body_par

@@ -32,7 +32,7 @@ module bw_impact_par
     input_name('impact', 'mass_ratio', real_input, '1', not_negative, swept=.true., excludes='mass', &
                meaning='mass over the mass of the beam'), &
     input_name('impact', 'position', real_input, '1', off_the_root, '1', swept=.true., changes_shapes=.true., &
-               meaning='place that the mass strikes: x/l, 1 at the tip'), &
+               plain=1.0_dp, meaning='place that the mass strikes: x/l, 1 at the tip'), &
     input_name('impact', 'approach_velocity', real_input, 'm s-1', any_number, '1', swept=.true., &
                meaning='velocity of the mass at the impact, in the rotating frame'), &
     input_name('impact', 'restitution', real_input, '1', unit_interval, '0', swept=.true., &
@@ -71,8 +71,11 @@ contains
     ratio = shortest(impact%mass_ratio, 6)
     if (values%is_swept('mass') .or. values%is_swept('mass_ratio')) ratio = 'swept'
     text = 'impact'
-    if (impact%position /= 1.0_dp .or. values%is_swept('position')) text = text//' at xi = '// &
-      values%number_or_swept('position', '')
+    if (values%is_swept('position')) then
+      text = text//' at swept xi'
+    else if (impact%position /= 1.0_dp) then
+      text = text//' at xi = '//values%number_or_swept('position', '')
+    end if
     text = text//' (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
       ', restitution '//values%number_or_swept('restitution', '')//')'
   end function impact_text

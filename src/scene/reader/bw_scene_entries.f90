@@ -159,7 +159,7 @@ contains
     hint = hint_of_items(row, text, items)
     if (several .and. (.not. is_list(row) .or. hint /= '')) then
       call messages%add(items(min(2, size(items)))%line, place_of(row), &
-                        'has more than one value'//hint//'; accepted: '//accepted_text(row))
+                        'has more than one value'//hint//'; accepted: '//accepted_text(row)//list_hint(row, hint))
     else if (row%kind == reals_input) then
       call read_reals(row, text, items, value, messages)
     else if (row%kind == texts_input .or. row%kind == columns_input) then
@@ -186,6 +186,15 @@ contains
       end if
     end associate
   end function hint_of_items
+
+  pure function list_hint(row, hint) result(text)
+    !! How two pieces are told from a decimal comma.
+    type(input_name), intent(in) :: row
+    character(*), intent(in) :: hint             !! that of the items
+    character(:), allocatable :: text
+    text = ''
+    if (row%along /= '' .and. index(hint, '; a comma') == 1) text = ', with a blank behind each comma'
+  end function list_hint
 
   pure subroutine read_scalar(row, piece, source, value, messages)
     !! A number, a logical or a text.

@@ -8,8 +8,8 @@ module bw_scene_reader
   use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_files, only: cannot_be_read, path_state
-  use bw_kinds, only: dp, i1, i8
-  use bw_scene, only: scene_type
+  use bw_kinds, only: i1, i8
+  use bw_scene, only: is_built_up, scene_type
   use bw_scene_cases, only: check_corners, complete
   use bw_scene_checks, only: check_groups
   use bw_scene_fill, only: fill_groups
@@ -48,15 +48,9 @@ contains
     !! **Errors**: `status_bad_input`.
     type(scene_type), intent(in) :: scene
     type(error_type), allocatable, intent(inout) :: error
-    logical :: asked
-    integer :: s
-    asked = allocated(scene%beam%pieces) .or. allocated(scene%support) .or. allocated(scene%bodies)
-    if (allocated(scene%impact)) asked = asked .or. scene%impact%position /= 1.0_dp
-    do s = 1, size(scene%sweeps)
-      asked = asked .or. scene%sweeps(s)%parameter == 'impact%position'
-    end do
-    if (asked) call fail(error, status_bad_input, scene%file//': &beam: several pieces, &support, &body and an impact off the '// &
-                         'tip can be read, and not yet run; accepted: a uniform beam with a clamped root, struck at its tip')
+    if (.not. is_built_up(scene)) return
+    call fail(error, status_bad_input, scene%file//': &beam: several pieces, &support, &body and an impact off the tip can '// &
+              'be read, and not yet run; accepted: a uniform beam with a clamped root, struck at its tip')
   end subroutine refuse_unfinished
 
   pure subroutine read_scene_text(text, path, scene, error)
