@@ -117,7 +117,7 @@ contains
                                             'text or list', 'name or number']
     text = trim(names(row%kind))
     if (row%kind == reals_input .and. row%along /= '') text = 'real or list'
-    if (row%kind == columns_input .and. row%most > 1) text = text//' or list'
+    if (row%kind == columns_input .and. is_list(row)) text = 'names, numbers'
   end function kind_text
 
   pure function range_text(row) result(text)
