@@ -48,7 +48,7 @@ module bw_record_par
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
                meaning='columns of the sensors'), &
     input_name('record', 'quantity', texts_input, words='displacement velocity acceleration strain', most=most_columns, &
-               meaning='what all sensors measure, or each; else as the file says'), &
+               meaning='what sensors measure; else what the file says'), &
     input_name('record', 'scale', reals_input, '1', any_number, '1', most=most_columns, &
                meaning='SI unit over the file''s, of all sensors or each'), &
     input_name('record', 'points', reals_input, '1', unit_interval, most=most_columns, &
