@@ -142,7 +142,7 @@ def test_a_file_that_is_there_is_kept(tmp_path, capsys):
 def test_names_that_are_not_there_are_listed(tmp_path):
     path = tmp_path / "a.mat"
     scipy.io.savemat(path, {"t": TIMES, "a": HISTORIES})
-    with pytest.raises(NotARecord, match="called b.*there: t, a"):
+    with pytest.raises(NotARecord, match=r"called b.*there: t, a"):
         read_channels(path, Wanted(variables=["b"]))
     with pytest.raises(NotARecord, match="called x"):
         read_channels(path, Wanted(time="x"))

@@ -140,8 +140,8 @@ contains
       if (allocated(error)) return
       if (f == 1) sensors = size(record%sensors)
       if (size(record%sensors) /= sensors) then
-        call fail(error, status_bad_input, record%path//': has '//text_of(size(record%sensors))//' sensors, and '// &
-                  record_path(scene, 1)//' has '//text_of(sensors)//'; accepted: repeats of one measurement')
+        call fail(error, status_bad_input, record%path//': sensors: there are '//text_of(size(record%sensors))//', and '// &
+                  text_of(sensors)//' in '//record_path(scene, 1)//'; accepted: repeats of one measurement')
         return
       end if
       text = text//record_summary(record)

@@ -35,7 +35,9 @@ class Wanted:
 
     sample_rate: float | None = None
     time: str | None = None  # the array of times
-    variables: list[str] = field(default_factory=list)  # the arrays of histories; none: all that are as long as the time
+    variables: list[str] = field(
+        default_factory=list
+    )  # the arrays of histories; none: all that are as long as the time
 
 
 def even_times(count: int, interval: float, start: float = 0.0) -> np.ndarray:
@@ -44,7 +46,7 @@ def even_times(count: int, interval: float, start: float = 0.0) -> np.ndarray:
 
 
 def channels_of(arrays: Mapping[str, np.ndarray], wanted: Wanted, source: str) -> list[Channel]:
-    """Histories among the arrays of a file, whose names they get; of an array of several, `name_1`, `name_2`, …
+    """Histories among the arrays of a file, named after them; of an array of several, `name_1`, `name_2` and so on.
 
     The time is the array that `wanted` names, or the one called time or t; else the sampling rate tells it, which
     `wanted` or a number called fs, dt and the like gives.
@@ -78,7 +80,9 @@ def _times(numbers: Mapping[str, np.ndarray], wanted: Wanted, source: str) -> tu
     """Name and values of the time; none where the sampling rate tells it."""
     if wanted.time is not None:
         if wanted.time not in numbers:
-            raise NotARecord(f"no array of numbers called {wanted.time} in {source}; there: {', '.join(numbers) or 'none'}")
+            raise NotARecord(
+                f"no array of numbers called {wanted.time} in {source}; there: {', '.join(numbers) or 'none'}"
+            )
         return wanted.time, numbers[wanted.time].astype(float).ravel()
     if wanted.sample_rate is not None:
         return next(_named(numbers, TIME_NAMES), ""), None
@@ -107,7 +111,7 @@ def _named(numbers: Mapping[str, np.ndarray], names: Iterable[str]) -> Iterable[
 
 
 def _columns(array: np.ndarray, samples: int | None) -> np.ndarray | None:
-    """The histories of an array as columns, (samples, n): along the axis that is as long as the time, or the longer one."""
+    """The histories of an array as columns, (samples, n): along the axis as long as the time, or the longer one."""
     array = np.squeeze(array)
     if array.ndim == 1:
         array = array[:, np.newaxis]

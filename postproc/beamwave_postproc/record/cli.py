@@ -22,7 +22,9 @@ def parser() -> argparse.ArgumentParser:
     words.add_argument("files", metavar="FILE", nargs="+", type=Path, help=f"{ACCEPTED}; told by content")
     words.add_argument("--output", metavar="DIR", type=Path, help="where the files go (default: beside each file)")
     words.add_argument("--overwrite", action="store_true", help="replace files that are there")
-    words.add_argument("--sample-rate", metavar="HZ", type=float, help="samples in a second, where the file does not say")
+    words.add_argument(
+        "--sample-rate", metavar="HZ", type=float, help="samples in a second, where the file does not say"
+    )
     words.add_argument("--time", metavar="NAME", help="array of the times in s (default: time or t)")
     words.add_argument(
         "--variable", metavar="NAME", action="append", default=[], help="array of histories (default: all); repeatable"
@@ -82,7 +84,9 @@ def _convert(source: Path, given: argparse.Namespace) -> bool:
                 raise NotARecord(f"{path} is there already; accepted: --overwrite, or another --output")
             save(path, partial(write_record, group, source=f"beamwave-record, from {source.name}"))
             for channel in group:
-                print(f"  {channel.name}: {channel.values.size} samples, {channel.quantity or 'unknown'} [{channel.unit}]")
+                print(
+                    f"  {channel.name}: {channel.values.size} samples, {channel.quantity or 'unknown'} [{channel.unit}]"
+                )
     except (OSError, NotARecord) as failure:
         print(f"{source}: {failure}" if isinstance(failure, NotARecord) else failure, file=sys.stderr)
         return False

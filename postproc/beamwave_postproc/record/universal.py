@@ -23,7 +23,9 @@ def universal_channels(path: Path, pyuff: ModuleType) -> list[Channel]:
         sets = [file.read_sets(place) for place in places]
     except Exception as failure:  # whatever pyuff stumbles over
         raise NotARecord(f"no universal file that can be read ({failure})") from failure
-    histories = [one for one in sets if int(one.get("abscissa_spec_data_type", 0)) == TIME and np.isrealobj(one["data"])]
+    histories = [
+        one for one in sets if int(one.get("abscissa_spec_data_type", 0)) == TIME and np.isrealobj(one["data"])
+    ]
     if not histories:
         raise NotARecord(f"{len(sets)} data sets 58, and none of them is a history in time")
     return [_channel(one, number) for number, one in enumerate(histories, 1)]
