@@ -58,26 +58,18 @@ contains
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    integer, allocatable :: bodies(:)              ! their places among the groups
-    logical :: new
+    logical :: new, other_beam
     integer :: before, beam, g
     before = messages%count
     beam = position_of(scene%groups, 'beam')
-    if (beam > 0) then
-      if (scene%groups(beam)%changed) call build_beam(scene%groups(beam), scene%beam, messages)
-      if (messages%count > before) return
-    end if
-    bodies = positions_of(scene%groups, 'body')
-    if (size(bodies) > 0 .and. .not. allocated(scene%bodies)) allocate (scene%bodies(size(bodies)))
+    other_beam = .false.
+    if (beam > 0) other_beam = scene%groups(beam)%changed
+    if (other_beam) call build_beam(scene%groups(beam), scene%beam, messages)
+    if (messages%count > before) return
     do g = 1, size(scene%groups)
       new = scene%groups(g)%changed
-      if (has_ratio(scene%groups(g))) new = new .or. scene%groups(beam)%changed
-      if (.not. new) cycle
-      if (scene%groups(g)%group == 'body') then
-        call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
-      else
-        call build_group(scene, g, messages)
-      end if
+      if (.not. new .and. other_beam) new = has_ratio(scene%groups(g))
+      if (new) call build_group(scene, g, messages)
     end do
   end subroutine build_scene
 
@@ -88,12 +80,13 @@ contains
   end function has_ratio
 
   pure subroutine build_group(scene, g, messages)
-    !! Build the component of one group; those of the beam and of bodies are built elsewhere.
+    !! Build the component of one group; the beam's is there.
     type(scene_type), intent(inout) :: scene
     integer, intent(in) :: g                       !! the group's place among `scene%groups`
     type(message_list), intent(inout) :: messages
     select case (scene%groups(g)%group)
     case ('scene'); scene%header = build_header(scene%groups(g))
+    case ('body'); call build_one_body(scene, g, messages)
     case ('support'); scene%support = build_support(scene%groups(g))
     case ('rotation'); scene%rotation = build_rotation(scene%groups(g))
     case ('stiffening'); scene%stiffening = build_stiffening(scene%groups(g))
@@ -110,6 +103,17 @@ contains
     case default                                   ! the beam was built before
     end select
   end subroutine build_group
+
+  pure subroutine build_one_body(scene, g, messages)
+    !! Build the component of one of the bodies.
+    type(scene_type), intent(inout) :: scene
+    integer, intent(in) :: g                       !! the group's place among `scene%groups`
+    type(message_list), intent(inout) :: messages
+    integer, allocatable :: bodies(:)
+    bodies = positions_of(scene%groups, 'body')
+    if (.not. allocated(scene%bodies)) allocate (scene%bodies(size(bodies)))
+    call build_body(scene%groups(g), beam_mass(scene%beam), scene%bodies(findloc(bodies, g, dim=1)), messages)
+  end subroutine build_one_body
 
   pure subroutine check_rules(group, messages)
     !! The rules of a group's own names, those apart that the table of names tells.

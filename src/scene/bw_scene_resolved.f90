@@ -3,7 +3,7 @@ module bw_scene_resolved
   !! Saved to a file and read again, it gives the same values to the bit.
   use bw_input_name, only: columns_input, input_name, integer_input, is_number, logical_input, name_length, reals_input, &
                            text_input, texts_input
-  use bw_input_table, only: group_row, group_table, name_table
+  use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, positions_of
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
@@ -169,40 +169,55 @@ contains
     type(scene_type), intent(in) :: scene
     type(numeric_input), allocatable :: inputs(:)
     type(numeric_input) :: found(size(name_table))
+    integer, allocatable :: places(:)
     integer :: i, n
     n = 0
     do i = 1, size(name_table)
       if (.not. (is_number(name_table(i)) .or. name_table(i)%along /= '')) cycle
-      found(n + 1) = input_of(scene, name_table(i))
-      if (size(found(n + 1)%values) > 0) n = n + 1
+      places = positions_of(scene%groups, name_table(i)%group)
+      if (size(places) == 0) cycle
+      if (.not. is_said(scene%groups(places(1)), name_table(i)%name) .and. size(places) == 1) cycle
+      found(n + 1) = input_of(scene, places, name_table(i))
+      if (.not. all(is_missing(found(n + 1)%values))) n = n + 1
     end do
     inputs = found(:n)
   end function numeric_inputs
 
-  pure type(numeric_input) function input_of(scene, row) result(input)
-    !! The numbers of one name in all groups that have it; none where no group has a value.
+  pure logical function is_said(group, name)
+    !! The resolved scene has a value for the name.
+    type(group_values), intent(in) :: group
+    character(*), intent(in) :: name
+    associate (value => group%values(group%at(name)))
+      is_said = value%known .and. .not. value%redundant
+    end associate
+  end function is_said
+
+  pure type(numeric_input) function input_of(scene, places, row) result(input)
+    !! The numbers of one name in all groups that may have it; all missing where none has.
     type(scene_type), intent(in) :: scene
+    integer, intent(in) :: places(:)               !! of the groups among the scene's, at least one
     type(input_name), intent(in) :: row
-    integer, allocatable :: places(:)
     integer :: i
-    places = positions_of(scene%groups, row%group)
     input = numeric_input(row%group, row%name, row%unit, row%meaning, row%kind == integer_input)
-    allocate (input%values(0), input%sweeps(0))
-    do i = 1, size(places)
-      associate (value => scene%groups(places(i))%values(scene%groups(places(i))%at(row%name)))
-        if (value%known .and. .not. value%redundant) then
-          input%values = [input%values, value%numbers]
-          input%sweeps = [input%sweeps, value%sweeps]
-        else
-          input%values = [input%values, missing]
-          input%sweeps = [input%sweeps, 0]
-        end if
+    input%dimension = group_table(scene%groups(places(1))%row)%along
+    if (input%dimension == '') then                ! one group, and one number or a list
+      associate (value => scene%groups(places(1))%values(scene%groups(places(1))%at(row%name)))
+        input%values = value%numbers
+        input%sweeps = value%sweeps
       end associate
-    end do
-    if (all(is_missing(input%values))) input%values = [real(dp) ::]
+      if (size(input%values) > 1) input%dimension = row%along
+    else                                           ! one number in each group
+      allocate (input%values(size(places)), source=missing)
+      allocate (input%sweeps(size(places)), source=0)
+      do i = 1, size(places)
+        if (.not. is_said(scene%groups(places(i)), row%name)) cycle
+        associate (value => scene%groups(places(i))%values(scene%groups(places(i))%at(row%name)))
+          input%values(i) = value%numbers(1)
+          input%sweeps(i) = value%sweeps(1)
+        end associate
+      end do
+    end if
     input%is_swept = any(input%sweeps > 0)
-    if (size(places) > 0) input%dimension = group_table(group_row(row%group))%along
-    if (input%dimension == '' .and. size(input%values) > 1) input%dimension = row%along
   end function input_of
 
   pure function values_of_sweep(scene, input, i) result(values)

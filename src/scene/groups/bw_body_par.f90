@@ -47,7 +47,7 @@ contains
     !! The mass is given, in one of its two ways.
     type(group_values), intent(in) :: body
     type(message_list), intent(inout) :: messages
-    call check_mass(body, ', 0 for springs alone', messages)
+    call check_mass(body, body%line, ', 0 for springs alone', messages)
   end subroutine check_body
 
   pure subroutine build_body(values, beam_mass, body, messages)

@@ -46,7 +46,7 @@ contains
     !! The mass is given, in one of its two ways.
     type(group_values), intent(in) :: impact
     type(message_list), intent(inout) :: messages
-    call check_mass(impact, '', messages)
+    call check_mass(impact, 0, '', messages)
   end subroutine check_impact
 
   pure subroutine build_impact(values, beam_mass, impact, messages)

@@ -16,14 +16,14 @@ module bw_mass_or_ratio
 
 contains
 
-  pure subroutine check_mass(group, more, messages)
+  pure subroutine check_mass(group, line, more, messages)
     !! The mass is given, in one of its two ways.
     type(group_values), intent(in) :: group
+    integer, intent(in) :: line                  !! of a group that there may be several of; 0 of any other
     character(*), intent(in) :: more             !! what a message goes on with
     type(message_list), intent(inout) :: messages
     if (group%given('mass') .or. group%given('mass_ratio')) return
-    call messages%add(group%line*merge(1, 0, more /= ''), trim(group%group)//'%mass', &
-                      'is missing; accepted: mass or mass_ratio'//more)
+    call messages%add(line, trim(group%group)//'%mass', 'is missing; accepted: mass or mass_ratio'//more)
   end subroutine check_mass
 
   pure subroutine build_mass(values, beam_mass, mass, messages)
