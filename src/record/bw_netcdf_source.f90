@@ -1,6 +1,7 @@
 module bw_netcdf_source
   !! A NetCDF file as a source of histories: every variable that has the dimension of the samples is a column, or several, one
   !! for each place of its other dimension, called `name(1)`, `name(2)`, … A result of beamwave is such a file.
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_kinds, only: dp, i4, i8
   use bw_missing, only: is_missing, missing
@@ -170,7 +171,8 @@ contains
       if (status == nf90_noerr) status = nf90_get_var(file, points, position, [found%place])
     end if
     if (status /= nf90_noerr) position = missing
-    if (.not. (position >= 0.0_dp .and. position <= 1.0_dp)) position = missing
+    if (.not. ieee_is_finite(position)) position = missing
+    if (position < 0.0_dp .or. position > 1.0_dp) position = missing
   end function sensor_position
 
   function text_attribute(file, variable, name) result(text)
@@ -270,7 +272,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: j
     do j = 1, size(values, kind=i8)
-      if (abs(values(j)) <= huge(1.0_dp) .and. .not. is_missing(values(j))) cycle
+      if (ieee_is_finite(values(j)) .and. .not. is_missing(values(j))) cycle
       call fail(error, status_bad_input, self%path//': '//self%columns(column)%name//': sample '//text_of(first + j - 1)// &
                 ' is missing or no finite number; accepted: a record without gaps; cut such samples off by start and end')
       return

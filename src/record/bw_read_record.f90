@@ -20,6 +20,8 @@ module bw_read_record
   public :: read_record, record_path
 
   integer, parameter, public :: least_samples = 16     !! as of simulated histories
+  real(dp), parameter :: latest = 1.0e15_dp            !! s
+  real(dp), parameter :: largest = 1.0e150_dp          !! of what squares still fit into double precision
 
 contains
 
@@ -89,19 +91,16 @@ contains
     type(record_type), intent(inout) :: record
     integer(i8), intent(out) :: first, last
     type(error_type), allocatable, intent(inout) :: error
-    integer(i8) :: row, j
+    integer(i8) :: j
+    first = 1
+    last = 0
     associate (par => scene%record)
-      row = 0
       if (is_missing(par%sample_rate)) then
-        row = first_fall(times)
+        call check_times(source, times, error)
+        if (allocated(error)) return
       else
         times = [(real(j, dp)/par%sample_rate, j=0, record%samples_there - 1)]
       end if
-      first = 1
-      last = 0
-      if (row > 0) call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
-        ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
-      if (row > 0) return
       call used_part(times, par%first_time, par%last_time, first, last)
       if (last - first + 1 < least_samples) then
         call refuse_short(scene, record, times, max(0_i8, last - first + 1), error)
@@ -120,6 +119,23 @@ contains
       end if
     end associate
   end subroutine settle_times
+
+  subroutine check_times(source, times, error)
+    !! Times rise, and are those of a clock. **Errors**: `status_bad_input`, with the place.
+    class(record_source), intent(inout) :: source
+    real(dp), intent(in) :: times(:)
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i8) :: row
+    row = first_fall(times)
+    if (row > 0) then
+      call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
+                ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
+    else if (any(abs(times) > latest)) then
+      row = findloc(abs(times) > latest, .true., dim=1)
+      call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
+                ' is far from that of any clock; accepted: up to '//text_of(latest)//' s')
+    end if
+  end subroutine check_times
 
   subroutine refuse_short(scene, record, times, samples, error)
     !! Say that too few samples are left. **Errors**: `status_bad_input`.
@@ -170,10 +186,12 @@ contains
     if (allocated(error)) return
     do s = 1, size(columns)
       factor = scene%record%scales(min(s, size(scene%record%scales)))
-      if (factor /= 1.0_dp) record%values(:, s) = factor*record%values(:, s)
-      if (all(abs(record%values(:, s)) <= sqrt(huge(factor)))) cycle
-      call fail(error, status_bad_input, record%path//': '//record%sensors(s)%name//': has numbers that are too large to be '// &
-                'squared; accepted: up to 1e154')
+      if (maxval(abs(record%values(:, s))) <= largest/max(1.0_dp, abs(factor))) then
+        if (factor /= 1.0_dp) record%values(:, s) = factor*record%values(:, s)
+        cycle
+      end if
+      call fail(error, status_bad_input, record%path//': '//record%sensors(s)%name//' has numbers that are too large; '// &
+                'accepted: up to '//text_of(largest)//' in SI')
       return
     end do
   end subroutine read_sensors

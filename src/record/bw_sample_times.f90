@@ -77,7 +77,7 @@ contains
     real(dp), intent(in) :: times(:), steps(:), interval
     integer :: n
     n = min(size(times), 64)
-    could_fit = interval > 0.0_dp
+    could_fit = interval > sqrt(tiny(interval))
     if (could_fit) could_fit = fits(times(:n), 4*steps(:n), interval)
   end function could_fit
 

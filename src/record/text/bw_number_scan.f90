@@ -3,7 +3,6 @@ module bw_number_scan
   !!
   !! A mantissa below 2⁵³ and a power of ten up to 22 are both exact in double precision, so that one product or quotient of
   !! them is the nearest double (Clinger, How to read floating point numbers accurately, 1990). The rest goes to C's `strtod`.
-  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_loc, c_null_char, c_ptr
   use bw_kinds, only: dp, i1, i8
   implicit none (type, external)
@@ -15,6 +14,7 @@ module bw_number_scan
   integer, parameter :: exact_power = 22, most_digits = 18
   integer(i8), parameter :: exact_mantissa = 2_i8**53
   integer, parameter :: largest_exponent = 99999           !! what is written beyond is no other number
+  integer, parameter :: largest_power = 308                !! numbers stay below ten to it
   integer :: power
   real(dp), parameter :: tens(0:exact_power) = [(10.0_dp**power, power=0, exact_power)]
 
@@ -30,7 +30,8 @@ module bw_number_scan
 contains
 
   subroutine scan_number(bytes, at, last, mark, value, decade, good)
-    !! Read `[sign] digits [mark digits] [e|d [sign] digits]` from a place on. A number that is no finite double is not good.
+    !! Read `[sign] digits [mark digits] [e|d [sign] digits]` from a place on. A number of 1e308 or more, where doubles
+    !! end, is not good.
     integer(i1), intent(in) :: bytes(:)
     integer, intent(inout) :: at               !! first byte; afterwards the one behind the number
     integer, intent(in) :: last                !! last byte of the line
@@ -68,6 +69,8 @@ contains
     if (at <= last) call scan_exponent(bytes, at, last, exponent, good)
     if (.not. good) return
     decade = decade + exponent
+    good = digits + decade <= largest_power .or. digits == 0
+    if (digits == 0 .or. .not. good) return
     if (digits <= most_digits .and. mantissa <= exact_mantissa .and. abs(decade) <= exact_power) then
       value = real(mantissa, dp)
       if (decade < 0) value = value/tens(-decade)
@@ -75,7 +78,6 @@ contains
       if (negative) value = -value
     else
       value = by_library(bytes(first:at - 1), mark)
-      good = ieee_is_finite(value)
     end if
   end subroutine scan_number
 

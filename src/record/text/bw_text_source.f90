@@ -122,7 +122,7 @@ contains
       if (rows > size(times)) call grow(times)
       if (rows > size(steps)) call grow(steps)
       times(rows) = number(1)
-      steps(rows) = 10.0_dp**decade(1)
+      steps(rows) = 10.0_dp**max(-300, min(300, decade(1)))
     end do
     if (column == 0) return
     times = times(:rows)

@@ -1,6 +1,6 @@
 module bw_record_par
   !! `&record`: histories that are read from files, of a beam that somebody measured or simulated elsewhere.
-  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, positive, real_input, reals_input, &
+  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, real_input, reals_input, &
                            texts_input, unit_interval
   use bw_input_values, only: group_values, input_value, position_of
   use bw_kinds, only: dp
@@ -43,7 +43,7 @@ module bw_record_par
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times, in s'), &
-    input_name('record', 'sample_rate', real_input, 'Hz', positive, excludes='time', &
+    input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time', &
                meaning='samples in a second, the first at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
                meaning='columns of the sensors'), &
