@@ -139,10 +139,7 @@ contains
       if (size(probed(n)%fields) == columns .and. any(probed(n)%numeric)) found = found + merge(1, 0, probed(n)%numeric)
     end do
     numeric = 2*found > maxval(found)
-    layout%header = 0
-    do while (.not. is_row(probed(layout%header + 1), numeric))
-      layout%header = layout%header + 1
-    end do
+    layout%header = first_row(probed, numeric) - 1
     associate (row => probed(layout%header + 1)%fields)
       layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' .and. found(columns) == 0
     end associate
@@ -156,6 +153,18 @@ contains
     call name_columns(lines(:layout%header), layout)
     call find_mark(path, probed(layout%header + 1:), layout, error)
   end subroutine settle
+
+  pure integer function first_row(probed, numeric) result(n)
+    !! The first row; where every line has a word among its numbers, the first with a number, which is refused when it is read.
+    type(probed_line), intent(in) :: probed(:)
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    do n = 1, size(probed)
+      if (is_row(probed(n), numeric)) return
+    end do
+    do n = 1, size(probed) - 1
+      if (size(probed(n)%fields) == size(numeric) .and. any(probed(n)%numeric)) return
+    end do
+  end function first_row
 
   pure logical function is_row(line, numeric)
     !! A line with numbers, or what stands for missing ones, in all columns of numbers.
