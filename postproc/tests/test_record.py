@@ -9,7 +9,7 @@ import scipy.io.wavfile
 import xarray as xr
 
 from beamwave_postproc.record import NotARecord, Wanted, cli, read_channels
-from beamwave_postproc.run import find_program
+from beamwave_postproc.run import _scene_file, find_program
 
 RATE, SAMPLES = 2048.0, 300
 TIMES = np.arange(SAMPLES) / RATE
@@ -146,6 +146,13 @@ def test_names_that_are_not_there_are_listed(tmp_path):
         read_channels(path, Wanted(variables=["b"]))
     with pytest.raises(NotARecord, match="called x"):
         read_channels(path, Wanted(time="x"))
+
+
+def test_files_of_a_mapping_are_looked_for_from_here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "elsewhere").mkdir()
+    path = _scene_file({"record": {"file": "a.nc", "time": 1}, "spectrum": {}}, tmp_path / "elsewhere")
+    assert f"file = '{tmp_path / 'a.nc'}'" in path.read_text()
 
 
 def test_the_program_reads_what_was_written(tmp_path):
