@@ -9,7 +9,7 @@ module bw_check_command
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_read_record, only: read_record, record_path
-  use bw_record, only: record_type
+  use bw_record, only: measure_the_same, quantities_of, record_type, sensor_type
   use bw_record_summary, only: record_summary
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
@@ -131,17 +131,17 @@ contains
     character(:), allocatable, intent(out) :: text, notes
     type(error_type), allocatable, intent(out) :: error
     type(record_type) :: record
-    integer :: f, n, sensors
+    type(sensor_type), allocatable :: sensors(:)   ! of the first file
+    integer :: f, n
     text = ''
     notes = ''
-    sensors = 0
     do f = 1, size(scene%record%files)
       call read_record(scene, f, record, error)
       if (allocated(error)) return
-      if (f == 1) sensors = size(record%sensors)
-      if (size(record%sensors) /= sensors) then
-        call fail(error, status_bad_input, record%path//': sensors: there are '//text_of(size(record%sensors))//', and '// &
-                  text_of(sensors)//' in '//record_path(scene, 1)//'; accepted: repeats of one measurement')
+      if (f == 1) sensors = record%sensors
+      if (.not. measure_the_same(record%sensors, sensors)) then
+        call fail(error, status_bad_input, record%path//': its sensors, '//quantities_of(record%sensors)//', are not those of '// &
+                  record_path(scene, 1)//', '//quantities_of(sensors)//'; accepted: repeats of one measurement')
         return
       end if
       text = text//record_summary(record)

@@ -3,10 +3,10 @@ module bw_record
   !! columns.
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
-  use bw_text, only: lower, string
+  use bw_text, only: lower, string, text_of
   implicit none (type, external)
   private
-  public :: bare_name, is_even, unit_in
+  public :: bare_name, is_even, measure_the_same, quantities_of, unit_in
 
   type, public :: column_type
     !! A column of a table, or a variable of a file.
@@ -42,6 +42,32 @@ contains
     type(record_type), intent(in) :: record
     is_even = record%interval > 0.0_dp
   end function is_even
+
+  pure logical function measure_the_same(sensors, others)
+    !! Two records have as many sensors of the same quantities, whatever they are called.
+    type(sensor_type), intent(in) :: sensors(:), others(:)
+    measure_the_same = quantities_of(sensors) == quantities_of(others) .and. size(sensors) == size(others)
+  end function measure_the_same
+
+  pure function quantities_of(sensors) result(text)
+    !! What sensors measure, in their order: `2 x displacement, strain`.
+    type(sensor_type), intent(in) :: sensors(:)
+    character(:), allocatable :: text
+    integer :: first, last
+    text = ''
+    last = 0
+    do while (last < size(sensors))
+      first = last + 1
+      last = first
+      do while (last < size(sensors))
+        if (sensors(last + 1)%quantity /= sensors(first)%quantity) exit
+        last = last + 1
+      end do
+      if (first > 1) text = text//', '
+      if (last > first) text = text//text_of(last - first + 1)//' x '
+      text = text//sensors(first)%quantity
+    end do
+  end function quantities_of
 
   pure function bare_name(name) result(bare)
     !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.

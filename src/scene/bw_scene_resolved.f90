@@ -45,7 +45,7 @@ contains
       end do
     end do
     do i = 1, size(scene%sweeps)
-      call put_sweep(builder, scene%sweeps(i))
+      if (.not. scene%sweeps(i)%implied) call put_sweep(builder, scene%sweeps(i))
     end do
     text = builder%text()
   end function resolved_text

@@ -81,10 +81,11 @@ def test_repeats_are_files_with_the_same_sensors(here):
     ended = here.beamwave("check", "two.nml")
     assert "a.csv: 200 samples, 2 sensors" in ended.stdout
     assert "b.csv: 100 samples, 2 sensors" in ended.stdout
+    assert "2 cases: 2 of record%file" in ended.stdout
     here.scene("three", {"record": {"file": ["a.csv", "c.csv"]}, "spectrum": {}})
     ended = here.beamwave("check", "three.nml")
     assert ended.returncode == 2
-    assert ended.stderr.startswith("c.csv: sensors: there are 1, and 2 in a.csv")
+    assert ended.stderr.startswith("c.csv: its sensors, displacement, are not those of a.csv, 2 x displacement; accepted: ")
 
 
 def test_a_result_is_a_record(here):

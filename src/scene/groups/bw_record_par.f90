@@ -21,6 +21,7 @@ module bw_record_par
 
   type, public :: record_par
     type(string), allocatable :: files(:)        !! as the user wrote them, beside the scene; repeats of one measurement, (n)
+    integer :: file = 1                          !! the number of the one that is this case
     type(column_choice), allocatable :: time     !! unallocated: not said
     real(dp) :: sample_rate = missing            !! [Hz], > 0; `missing` where times are read
     type(column_choice), allocatable :: columns(:)   !! the sensors; unallocated: all but the time, (n_sensors)
@@ -98,7 +99,8 @@ contains
     type(input_value), intent(in) :: list, other
     integer, intent(in) :: first, last, i
     do place = last, first, -1
-      if (list%texts(place)%text == other%texts(i)%text .and. list%numbers(place) == other%numbers(i)) return
+      if (list%texts(place)%text /= other%texts(i)%text) cycle
+      if (other%texts(i)%text /= '' .or. list%numbers(place) == other%numbers(i)) return
     end do
     place = 0
   end function place_in
@@ -148,6 +150,7 @@ contains
     type(group_values), intent(in) :: values
     type(column_choice), allocatable :: time(:)
     record%files = values%values(values%at('file'))%texts
+    record%file = max(1, values%whole('file'))
     if (values%known('time')) then
       time = choices(values%values(values%at('time')))
       record%time = time(1)
