@@ -47,15 +47,15 @@ contains
     class(record_source), allocatable :: source
     integer, allocatable :: columns(:)
     real(dp), allocatable :: times(:), steps(:)
-    integer(i8) :: first, last
+    integer(i8) :: part(2)                             ! first and last sample that is used
     integer :: time
     record%path = record_path(scene, number)
     call choose_source(record%path, source, error)
     if (.not. allocated(error)) call source%open(record%path, error)
     if (.not. allocated(error)) call choose_columns(scene, source, time, columns, error)
     if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
-    if (.not. allocated(error)) call settle_times(scene, source, times, steps, record, first, last, error)
-    if (.not. allocated(error)) call read_sensors(scene, source, columns, first, last, record, error)
+    if (.not. allocated(error)) call settle_times(scene, source, times, steps, record, part, error)
+    if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
     if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
     if (allocated(source)) call source%close()
   end subroutine read_record
@@ -83,18 +83,17 @@ contains
     end if
   end subroutine choose_source
 
-  subroutine settle_times(scene, source, times, steps, record, first, last, error)
+  subroutine settle_times(scene, source, times, steps, record, part, error)
     !! Times since the first sample that is used, and which samples those are.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; used up
     type(record_type), intent(inout) :: record
-    integer(i8), intent(out) :: first, last
+    integer(i8), intent(out) :: part(2)
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: j
-    first = 1
-    last = 0
-    associate (par => scene%record)
+    part = [1_i8, 0_i8]
+    associate (par => scene%record, first => part(1), last => part(2))
       if (is_missing(par%sample_rate)) then
         call check_times(source, times, error)
         if (allocated(error)) return
@@ -165,24 +164,24 @@ contains
     if (group%line_of('start') == line) name = 'start'
   end function cut_by
 
-  subroutine read_sensors(scene, source, columns, first, last, record, error)
+  subroutine read_sensors(scene, source, columns, part, record, error)
     !! The samples that are used, in SI.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     integer, intent(in) :: columns(:)
-    integer(i8), intent(in) :: first, last
+    integer(i8), intent(in) :: part(2)                 !! first and last sample that is used
     type(record_type), intent(inout) :: record
     type(error_type), allocatable, intent(inout) :: error
     integer :: s, status
     real(dp) :: factor
     record%sensors = sensors_of(scene%record, source, columns)
-    allocate (record%values(last - first + 1, size(columns)), stat=status)
+    allocate (record%values(part(2) - part(1) + 1, size(columns)), stat=status)
     if (status /= 0) then
-      call fail(error, status_bad_file, record%path//': memory for '//text_of(last - first + 1)//' samples of '// &
+      call fail(error, status_bad_file, record%path//': memory for '//text_of(part(2) - part(1) + 1)//' samples of '// &
                 text_of(size(columns))//' sensors was refused')
       return
     end if
-    call source%read_values(columns, first, record%values, error)
+    call source%read_values(columns, part(1), record%values, error)
     if (allocated(error)) return
     do s = 1, size(columns)
       factor = scene%record%scales(min(s, size(scene%record%scales)))
