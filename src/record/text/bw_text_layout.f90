@@ -5,13 +5,13 @@ module bw_text_layout
   !! Each separator is tried; the one by which most fields are numbers is taken. Rows have as many fields as most lines with
   !! numbers have, and begin with the first such line that has numbers wherever most of them have. What stands before is header.
   use bw_error, only: error_type, fail, status_bad_input
-  use bw_record, only: bare_name, column_type, unit_in
-  use bw_sensor_unit, only: is_unit, quantity_of
+  use bw_record, only: column_type
   use bw_text, only: string, text_of
   use bw_text_fields, only: blanks, fields_of, is_missing_word, number_marks, tab
+  use bw_text_header, only: is_comment, name_columns
   implicit none (type, external)
   private
-  public :: find_layout, is_comment
+  public :: find_layout
 
   integer, parameter, public :: most_probed = 200              !! lines that tell the layout
   character, parameter :: separators(*) = [tab, ';', ',', blanks]
@@ -31,15 +31,6 @@ module bw_text_layout
   end type probed_line
 
 contains
-
-  pure logical function is_comment(line)
-    !! The line says nothing to the table: it is empty, or a comment.
-    character(*), intent(in) :: line
-    integer :: first
-    first = verify(line, ' '//tab)
-    is_comment = first == 0
-    if (first > 0) is_comment = line(first:first) == '#' .or. line(first:first) == '%'
-  end function is_comment
 
   subroutine find_layout(path, lines, layout, error)
     !! **Errors**: `status_bad_input` where no rows of numbers are found, or the decimal mark is in doubt.
@@ -150,7 +141,7 @@ contains
       layout%columns(i)%unit = ''
       layout%columns(i)%is_numeric = numeric(i)
     end do
-    call name_columns(lines(:layout%header), layout)
+    call name_columns(lines(:layout%header), layout%separator, layout%closed, layout%columns)
     call find_mark(path, probed(layout%header + 1:), layout, error)
   end subroutine settle
 
@@ -178,79 +169,6 @@ contains
       if (numeric(i) .and. .not. line%numeric(i)) is_row = is_row .and. is_missing_word(line%fields(i)%text)
     end do
   end function is_row
-
-  subroutine name_columns(lines, layout)
-    !! Names from the last line of the header with as many fields as there are columns, or from the one before where that holds
-    !! units; from a comment where no other line does.
-    type(string), intent(in) :: lines(:)                       !! of the header
-    type(text_layout), intent(inout) :: layout
-    type(string), allocatable :: names(:), units(:)
-    integer :: n, kind, i
-    do kind = 1, 2                                             ! header lines, comments
-      do n = size(lines), 1, -1
-        if (is_comment(lines(n)%text) .neqv. kind == 2) cycle
-        call take_names(fields_of(uncommented(lines(n)%text), layout%separator), layout, names, units)
-        if (allocated(names)) exit
-      end do
-      if (allocated(names)) exit
-    end do
-    do i = 1, size(layout%columns)
-      associate (column => layout%columns(i))
-        if (allocated(names)) column%name = names(i)%text
-        column%unit = unit_in(column%name)
-        if (allocated(units)) column%unit = plain_unit(units(i)%text)
-        column%quantity = quantity_of(column%unit)
-        column%is_time = bare_name(column%name) == 'time' .or. bare_name(column%name) == 't'
-      end associate
-    end do
-  end subroutine name_columns
-
-  pure subroutine take_names(fields, layout, names, units)
-    !! What a line of the header holds, if it has as many fields as there are columns.
-    type(string), intent(in) :: fields(:)
-    type(text_layout), intent(in) :: layout
-    type(string), allocatable, intent(inout) :: names(:), units(:)
-    integer :: n
-    n = size(fields)
-    if (layout%closed .and. n == size(layout%columns) + 1) n = n - 1
-    if (n /= size(layout%columns)) return
-    if (.not. allocated(units) .and. are_units(fields(:n))) then
-      units = fields(:n)
-    else
-      names = fields(:n)
-    end if
-  end subroutine take_names
-
-  pure function uncommented(line) result(text)
-    !! A line without the mark of a comment before it.
-    character(*), intent(in) :: line
-    character(:), allocatable :: text
-    text = line(max(1, verify(line, ' '//tab)):)
-    if (text /= '') text = text(max(1, verify(text, '#%')):)
-    if (verify(text, '#% ') == 0) text = ''
-  end function uncommented
-
-  pure logical function are_units(fields)
-    !! A line of units: each field is one, or is empty, and one at least is there.
-    type(string), intent(in) :: fields(:)
-    integer :: i
-    are_units = .false.
-    do i = 1, size(fields)
-      if (verify(fields(i)%text, '-()[]') == 0) cycle        ! it has none
-      are_units = is_unit(plain_unit(fields(i)%text))
-      if (.not. are_units .and. unit_in(fields(i)%text) /= '') are_units = plain_unit(fields(i)%text) /= fields(i)%text
-      if (.not. are_units) return
-    end do
-  end function are_units
-
-  pure function plain_unit(text) result(unit)
-    !! A unit without the brackets around it.
-    character(*), intent(in) :: text
-    character(:), allocatable :: unit
-    unit = text
-    if (len(text) == 0) return
-    if ((text(1:1) == '[' .or. text(1:1) == '(') .and. unit_in(text) /= '') unit = unit_in(text)
-  end function plain_unit
 
   subroutine find_mark(path, rows, layout, error)
     !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_input` where both stand, or where all commas
