@@ -2,13 +2,16 @@ module bw_check_command
   !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
-  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
+  use bw_error, only: error_type, fail, status_bad_input, status_done, status_not_trusted, status_stopped
   use bw_forecast, only: few_modes, few_samples, forecast_type
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_process, only: free_disk, free_memory
+  use bw_read_record, only: read_record, record_path
+  use bw_record, only: measure_the_same, quantities_of, record_type, sensor_type
+  use bw_record_summary, only: record_summary
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
@@ -47,11 +50,15 @@ contains
       layout = layout_of(scenes(i))
       notes = ''
       time_line = ''
-      call plan_tolerance(scenes(i), progress, count_line, error)
-      began = wall_seconds()
-      if (.not. allocated(error)) call try_scene(scenes(i), layout, max(0.5_dp*left, check_seconds/count), progress, &
-                                                 time_line, notes)
-      left = left - (wall_seconds() - began)
+      if (allocated(scenes(i)%record)) then
+        call check_records(scenes(i), count_line, notes, error)
+      else
+        call plan_tolerance(scenes(i), progress, count_line, error)
+        began = wall_seconds()
+        if (.not. allocated(error)) call try_scene(scenes(i), layout, max(0.5_dp*left, check_seconds/count), progress, &
+                                                   time_line, notes)
+        left = left - (wall_seconds() - began)
+      end if
       if (progress%stop_requested()) then
         call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
         status = max(status, status_stopped)
@@ -80,10 +87,12 @@ contains
     logical, intent(in) :: brief
     character(:), allocatable :: text
     if (brief) then
-      text = scene%file//': good, takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
+      text = scene%file//': good'
+      if (time_line /= '') text = text//', takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
       if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
     else
-      text = scene_heading(scene)//scene_summary(scene, layout)//count_line//cost_summary(scene, layout)//time_line
+      text = scene_heading(scene)//scene_summary(scene, layout)//count_line
+      if (.not. allocated(scene%record)) text = text//cost_summary(scene, layout)//time_line
       if (notes /= '') text = text//new_line('a')//notes_report(notes(:len(notes) - 1))
     end if
   end function checked_text
@@ -137,6 +146,34 @@ contains
       text = duration_text(seconds)
     end if
   end function expected_text
+
+  subroutine check_records(scene, text, notes, error)
+    !! Read every file of a record: what there is. They are repeats, and so have the same sensors.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable, intent(out) :: text, notes
+    type(error_type), allocatable, intent(out) :: error
+    type(record_type) :: record
+    type(sensor_type), allocatable :: sensors(:)   ! of the first file
+    integer :: f, n
+    text = ''
+    notes = ''
+    do f = 1, size(scene%record%files)
+      call read_record(scene, f, record, error)
+      if (allocated(error)) return
+      if (f == 1) sensors = record%sensors
+      if (.not. measure_the_same(record%sensors, sensors)) then
+        call fail(error, status_bad_input, record%path//': its sensors, '//quantities_of(record%sensors)//', are not those of '// &
+                  record_path(scene, 1)//', '//quantities_of(sensors)//'; accepted: repeats of one measurement')
+        return
+      end if
+      text = text//record_summary(record)
+      do n = 1, size(record%notes)
+        notes = notes//record%notes(n)%text
+        if (size(scene%record%files) > 1) notes = notes//' ('//record%path//')'
+        notes = notes//new_line('a')
+      end do
+    end do
+  end subroutine check_records
 
   subroutine plan_tolerance(scene, monitor, text, error)
     !! Say how many modes a tolerance takes; of a sweep, whose cases take different ones, nothing is said.

@@ -83,7 +83,12 @@ contains
     type(scene_tally), intent(inout) :: tally
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
-    call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    outcome%notes = ''
+    if (allocated(scene%record)) then            ! until the lines of records are found
+      call fail(error, status_bad_input, scene%file//': &record: can be read, as beamwave check shows, and not yet analysed')
+    else
+      call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    end if
     status = outcome%status
     if (.not. command%group%leads()) return
     status = print_outcome(command, scene, outcome, tally%is_brief(), error)
@@ -119,7 +124,12 @@ contains
     end if
     if (count /= 1) return
     progress = terminal_progress_to(huge(1.0_dp), command%quiet)
-    call study(scenes(1), command%output, command%overwrite, progress, outcome, error)
+    if (allocated(scenes(1)%record)) then
+      call fail(error, status_bad_input, scenes(1)%file//': &record: its histories are not simulated, which beamwave '// &
+                trim(command%row%name)//' is about; accepted: a scene without it')
+    else
+      call study(scenes(1), command%output, command%overwrite, progress, outcome, error)
+    end if
     status = max(status, print_outcome(command, scenes(1), outcome, .false., error))
   end function study_scene
 

@@ -104,11 +104,16 @@ contains
     !! ` It needs &impact.`, or nothing.
     type(input_group), intent(in) :: group
     character(:), allocatable :: text
-    integer :: i
+    character(:), allocatable :: words
+    integer :: i, gap
     text = ''
     do i = 1, size(group_table)
       if (has_word(group%needs, group_table(i)%name)) text = text//' It needs `&'//trim(group_table(i)%name)//'`.'
+      if (has_word(group%excludes, group_table(i)%name)) text = text//' It excludes `&'//trim(group_table(i)%name)//'`.'
     end do
+    words = trim(group%needs)
+    gap = index(words, '|')
+    if (gap > 0) text = ' It needs `&'//words(:gap - 1)//'` or `&'//words(gap + 1:)//'`.'
   end function needs_text
 
   pure function swept_text(goes_on, rows) result(text)

@@ -34,15 +34,17 @@ contains
     character(:), allocatable :: text
     type(text_builder) :: lines
     type(beam_units) :: units
-    units = units_of(scene%beam)
     call lines%append_line('  scene      '//scene%file)
-    call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
-                           shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
-    call lines%append_line('  effects    '//effects_text(scene))
-    call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
+    if (position_of(scene%groups, 'beam') > 0) then
+      units = units_of(scene%beam)
+      call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
+                             shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+      call lines%append_line('  effects    '//effects_text(scene))
+      call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
+    end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
-    call lines%append(hint_line(scene))
+    if (position_of(scene%groups, 'beam') > 0) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 

@@ -8,7 +8,7 @@ module bw_existing_result
   use bw_file_lock, only: is_locked_to_write
   use bw_files, only: cannot_be_read, look_at, path_state
   use bw_kinds, only: i1, i8
-  use bw_netcdf, only: has_backslash, plain_path
+  use bw_netcdf_path, only: has_backslash, plain_path
   use bw_result_header, only: source_text
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text

@@ -2,15 +2,14 @@ module bw_netcdf
   !! A NetCDF-4 file that is written once, with errors as values. First everything is defined, then values are written: a
   !! change from one to the other costs NetCDF-4 a pass over all that is there. So values that are known when their variable
   !! is defined are put aside until `put_known`.
-  use, intrinsic :: iso_c_binding, only: c_null_char
   use bw_kinds, only: dp, i4
   use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_missing, only: missing
+  use bw_netcdf_path, only: plain_path
   use netcdf, only: nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, nf90_global, nf90_inq_dimid, nf90_int, &
     nf90_netcdf4, nf90_noclobber, nf90_noerr, nf90_put_att, nf90_put_var, nf90_strerror
   implicit none (type, external)
   private
-  public :: has_backslash, plain_path
 
   integer, parameter :: at_once = 65536           !! numbers of a variable in memory
 
@@ -249,26 +248,5 @@ contains
       first = first + gap
     end do
   end function dimension_ids
-
-  pure function plain_path(path) result(text)
-    !! A path as NetCDF takes it for what it is. Left alone it would drop blanks at either end, and take `http://…` for a place
-    !! in the net, `C:/…`, `//…` and `/cygdrive/…` for what they are under Windows, and a list in brackets for options.
-    character(*), intent(in) :: path              !! one that `has_backslash` denies
-    character(:), allocatable :: text
-    integer :: i
-    text = './'
-    if (index(path, '/') == 1) text = '/.'
-    do i = 1, len(path)
-      if (path(i:i) == '/' .and. text(len(text):) == '/') cycle       ! two are one to the system
-      text = text//path(i:i)
-    end do
-    text = text//c_null_char
-  end function plain_path
-
-  pure logical function has_backslash(path)
-    !! NetCDF takes a backslash for a slash wherever it stands: such a file cannot be reached.
-    character(*), intent(in) :: path
-    has_backslash = index(path, '\') > 0
-  end function has_backslash
 
 end module bw_netcdf

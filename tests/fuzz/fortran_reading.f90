@@ -40,7 +40,7 @@ contains
         if (fault == '') call compare_group(lines, scene%groups, places(g), trim(group_table(i)%name), reading, fault)
       end do
     end do
-    if (fault == '') call compare_sweeps(lines, scene%sweeps, reading, fault)
+    if (fault == '') call compare_sweeps(lines, pack(scene%sweeps, .not. scene%sweeps%implied), reading, fault)
   end subroutine compare_with_fortran
 
   function lines_of(text) result(lines)

@@ -1,0 +1,103 @@
+module bw_record
+  !! A record: histories of sensors along a beam that a file holds, as what follows takes them, and what a file says of its
+  !! columns.
+  use bw_kinds, only: dp, i8
+  use bw_missing, only: missing
+  use bw_text, only: lower, string, text_of
+  implicit none (type, external)
+  private
+  public :: bare_name, is_even, measure_the_same, quantities_of, unit_in
+
+  type, public :: column_type
+    !! A column of a table, or a variable of a file.
+    character(:), allocatable :: name            !! as the file has it; '' where it has none
+    character(:), allocatable :: unit            !! as the file has it; '' where it says none
+    character(:), allocatable :: quantity        !! 'displacement', 'velocity', 'acceleration', 'strain'; '' where it says none
+    real(dp) :: position = missing               !! ξ; `missing` where it says none
+    logical :: is_numeric = .true.               !! it holds numbers
+    logical :: is_time = .false.                 !! it holds the times, as far as its name tells
+  end type column_type
+
+  type, public :: sensor_type
+    character(:), allocatable :: name            !! of its column, or its number
+    character(:), allocatable :: quantity        !! one of those above
+    real(dp) :: position = missing               !! ξ in [0, 1]; `missing` where nobody says it
+  end type sensor_type
+
+  type, public :: record_type
+    character(:), allocatable :: path            !! of the file
+    integer(i8) :: samples_there = 0             !! in the file, before it is cut
+    real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
+    real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
+    real(dp), allocatable :: times(:)            !! since the first sample [s], rising; even ones are (j−1)·interval, (samples)
+    real(dp), allocatable :: values(:, :)        !! in SI, (samples, sensors)
+    type(sensor_type), allocatable :: sensors(:) !! (sensors)
+    type(string), allocatable :: notes(:)        !! what there is to say of it, one line each
+  end type record_type
+
+contains
+
+  pure logical function is_even(record)
+    !! Its samples are evenly spaced.
+    type(record_type), intent(in) :: record
+    is_even = record%interval > 0.0_dp
+  end function is_even
+
+  pure logical function measure_the_same(sensors, others)
+    !! Two records have as many sensors of the same quantities, whatever they are called.
+    type(sensor_type), intent(in) :: sensors(:), others(:)
+    measure_the_same = quantities_of(sensors) == quantities_of(others) .and. size(sensors) == size(others)
+  end function measure_the_same
+
+  pure function quantities_of(sensors) result(text)
+    !! What sensors measure, in their order: `2 x displacement, strain`.
+    type(sensor_type), intent(in) :: sensors(:)
+    character(:), allocatable :: text
+    integer :: first, last
+    text = ''
+    last = 0
+    do while (last < size(sensors))
+      first = last + 1
+      last = first
+      do while (last < size(sensors))
+        if (sensors(last + 1)%quantity /= sensors(first)%quantity) exit
+        last = last + 1
+      end do
+      if (first > 1) text = text//', '
+      if (last > first) text = text//text_of(last - first + 1)//' x '
+      text = text//sensors(first)%quantity
+    end do
+  end function quantities_of
+
+  pure function bare_name(name) result(bare)
+    !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.
+    character(*), intent(in) :: name
+    character(:), allocatable :: bare
+    integer :: open
+    bare = lower(trim(adjustl(name)))
+    open = opening(bare)
+    if (open > 1) bare = trim(bare(:open - 1))
+  end function bare_name
+
+  pure function unit_in(name) result(unit)
+    !! The unit in brackets behind a name: `Time [s]` → `s`; nothing where there is none.
+    character(*), intent(in) :: name
+    character(:), allocatable :: unit
+    character(:), allocatable :: text
+    integer :: open
+    unit = ''
+    text = trim(adjustl(name))
+    open = opening(text)
+    if (open > 0) unit = trim(adjustl(text(open + 1:len(text) - 1)))
+  end function unit_in
+
+  pure integer function opening(text) result(open)
+    !! Place of the bracket that opens the last part of a text; 0 where it does not end in a bracket.
+    character(*), intent(in) :: text
+    open = 0
+    if (len(text) == 0) return
+    if (text(len(text):) == ']') open = index(text, '[', back=.true.)
+    if (text(len(text):) == ')') open = index(text, '(', back=.true.)
+  end function opening
+
+end module bw_record
