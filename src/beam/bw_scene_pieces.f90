@@ -1,6 +1,6 @@
 module bw_scene_pieces
-  !! The beam of a scene without tension as uniform pieces with bodies and springs at their ends, without dimensions: lengths
-  !! in l, times in l²/h, masses in m_i. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
+  !! The beam of a scene as uniform pieces with bodies and springs at their ends, without its tension and without dimensions:
+  !! lengths in l, times in l²/h, masses in m_i. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, second_moment_of
   use bw_beam_units, only: beam_units
   use bw_body_par, only: body_par
@@ -34,7 +34,7 @@ contains
 
   pure type(struck_beam) function pieces_of(scene, units, loaded) result(pieces)
     !! The beam with all that the scene attaches to it.
-    type(scene_type), intent(in) :: scene          !! without sweeps, without tension
+    type(scene_type), intent(in) :: scene          !! without sweeps; its tension is left to the caller
     type(beam_units), intent(in) :: units
     logical, intent(in) :: loaded                  !! the captured body is there
     type(full_units) :: full

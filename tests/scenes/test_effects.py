@@ -118,7 +118,7 @@ def test_the_table_in_the_readme_is_what_the_program_prints(here):
     assert ended.returncode == 0, ended.stderr
     table = re.search(r"^  effect +state.*?\n(.*?)^```", readme, re.DOTALL | re.MULTILINE)[1]
     rows = [re.split(r"\s{2,}", line.strip()) for line in table.splitlines()]
-    assert len(rows) == 4
+    assert len(rows) == 5
     printed = [re.split(r"\s{2,}", line.strip()) for line in ended.stdout.splitlines()]
     for row in rows:
         assert row[:7] in [line[:7] for line in printed], row

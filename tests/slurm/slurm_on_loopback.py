@@ -138,12 +138,16 @@ def wait_until(fact, daemons):
 
 
 def children(pid):
-    """Process ids of the children, the dead among them collected."""
+    """Process ids of the children of a process; none of one that is gone meanwhile."""
     found = []
-    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+    try:
+        tasks = os.listdir(f"/proc/{pid}/task")
+    except OSError:
+        return found
+    for task in tasks:
         try:
-            found.extend(map(int, task.read_text().split()))
-        except OSError:  # gone meanwhile
+            found.extend(map(int, Path(f"/proc/{pid}/task/{task}/children").read_text().split()))
+        except OSError:
             pass
     return found
 

@@ -38,8 +38,8 @@ contains
 
   subroutine find_tip_remainder(source, force, first, time, bound, remainder, highest, monitor)
     !! Find the remainder by summing more and more modes, until its uncertainty is within a bound, or all modes there are, or
-    !! 10⁷, or those that are found quickly, or `highest`, have been summed. Roots are solved in extended precision where phases call for it, but not because a
-    !! scene asks for that in every root: the terms fall as k⁻².
+    !! 10⁷, or those that are found quickly, or `highest`, have been summed. Roots are solved in extended precision where
+    !! phases call for it, but not because a scene asks for that in every root: the terms fall as k⁻².
     class(mode_source), intent(in) :: source      !! of beam and mass, γ > 0
     real(dp), intent(in) :: force                 !! (1+e)γ: modal velocities at t = 0 are this times Φ_k(1)/M_k
     integer, intent(in) :: first                  !! n; every growing mode is among the first n
