@@ -25,8 +25,8 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
-    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body` and', &
-    '  `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and `$name` are not', &
+    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body`,', &
+    '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and `$name` are not', &
     '  accepted.', &
     '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
     '  `name(1) = ...` are not accepted.', &

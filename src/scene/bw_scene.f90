@@ -5,6 +5,7 @@ module bw_scene
   use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
+  use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
@@ -47,6 +48,7 @@ module bw_scene
     type(response_par), allocatable :: response   !! &response; absent: no time history
     type(record_par), allocatable :: record       !! &record; absent: histories are simulated
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
+    type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 where nothing is fitted
     type(sweep_par), allocatable :: sweeps(:)     !! &sweep, the first varying slowest; of size 0 for one case
     type(group_values), allocatable :: groups(:)  !! all values by name, from which the components were built
   end type scene_type
@@ -127,6 +129,7 @@ contains
     case ('impact'); call check_impact(group, messages)
     case ('response'); call check_response(group, messages)
     case ('record'); call check_record(group, messages)
+    case ('identify'); call check_identify(group, messages)
     case ('sweep'); call check_sweep(group, messages)
     case default                                   ! the others have no rules of their own
     end select

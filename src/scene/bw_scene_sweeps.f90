@@ -11,7 +11,7 @@ module bw_scene_sweeps
   use bw_text, only: lower, text_of
   implicit none (type, external)
   private
-  public :: extract_sweeps
+  public :: excuse_missing, extract_sweeps
 
   real(dp), parameter :: most_cases = 1e9_dp   !! in the product of all sweeps
 
