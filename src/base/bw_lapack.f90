@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dpotri, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -42,6 +42,16 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotrf
+
+    subroutine dpotri(uplo, n, a, lda, info)
+      !! The inverse of a symmetric positive definite matrix from Cholesky's factor; info > 0: there is none.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotri
 
     subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
       !! A = QR by Householder reflections.

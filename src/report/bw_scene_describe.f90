@@ -26,8 +26,8 @@ module bw_scene_describe
     '```', &
     '', &
     '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body`,', &
-    '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and `$name` are not', &
-    '  accepted.', &
+    '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and', &
+    '  `$name` are not accepted.', &
     '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
