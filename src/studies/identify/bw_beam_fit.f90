@@ -14,7 +14,8 @@ module bw_beam_fit
   real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
   real(dp), parameter :: first_scatter = 0.05_dp         !! τ is not below, where a search begins
   real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are one
-  integer, parameter :: searched = 4                     !! starts from which is searched; those that cost least at once
+  integer, parameter :: searched = 4                     !! starts from which is searched: those that cost least at once
+  integer, parameter :: searched_on = 12                 !! where noise does not explain what is found from these
   integer, parameter :: looks_each = 16                  !! starts that are looked at, for each unknown
   integer, parameter :: primes(12) = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37]
 
@@ -33,31 +34,37 @@ module bw_beam_fit
 
 contains
 
-  subroutine fit_beam(problem, as_good, fit, others)
+  subroutine fit_beam(problem, as_good, thorough, fit, others)
     !! Find the best fit, at which the problem is left, and others that are as good.
     type(fit_problem), intent(inout) :: problem
     real(dp), intent(in) :: as_good              !! −2 ln of the likelihood over that of the best, up to which a fit is as good
+    logical, intent(in) :: thorough              !! look further where noise does not explain the misfit: in seconds
     type(fit_type), intent(out) :: fit
     type(fit_type), allocatable, intent(out) :: others(:)
     type(fit_type), allocatable :: fits(:)
     real(dp), allocatable :: starts(:, :)
-    integer :: i, j, best
+    integer :: i, j
     problem%free = [(i, i=1, size(problem%unknowns))]
     call choose_starts(problem, starts)
-    allocate (fits(size(starts, 2)), others(0))
-    do i = 1, size(fits)
+    allocate (fits(searched_on), others(0))
+    do i = 1, searched_on
       problem%v = starts(:, i)
       call search(problem, fits(i))
+      if (fits(i)%price < fit%price) fit = fits(i)
+      if (i < searched) cycle
+      if (i > searched .and. .not. thorough) exit
+      if (i == searched .or. all(fits(:i - 1)%price > fits(i)%price)) call settle(problem, fit)
+      if (.not. fit%tail < unlikely) exit
     end do
-    best = minloc(fits%price, dim=1)
-    fit = fits(best)
     do i = 1, size(fits)
-      if (fits(i)%price > fit%price + as_good .or. is_near(fits(i), fit)) cycle
+      if (fits(i)%price > fit%price + as_good) cycle
+      if (is_near(fits(i), fit)) cycle
       if (any([(is_near(fits(i), others(j)), j=1, size(others))])) cycle
       call add(others, fits(i))
     end do
-    call settle(problem, fit)
-    if (fit%tail < unlikely) call drop_lines(problem, fit)
+    if (fit%tail < unlikely .and. thorough) call drop_lines(problem, starts, fit)
+    call place(problem, fit)
+    problem%scatter = fit%scatter
   end subroutine fit_beam
 
   subroutine choose_starts(problem, starts)
@@ -78,8 +85,8 @@ contains
       call problem%match(first_scatter, price(i), changed)
     end do
     price(1) = -huge(price)
-    allocate (starts(n, searched))
-    do i = 1, searched
+    allocate (starts(n, searched_on))
+    do i = 1, searched_on
       best = minloc(price, dim=1)
       starts(:, i) = looks(:, best)
       price(best) = huge(price)
@@ -162,52 +169,33 @@ contains
     end do
   end subroutine explain
 
-  subroutine drop_lines(problem, fit)
-    !! A line that is no mode may have been taken for one and spoil the fit: take out each in turn, and keep what costs less.
+  subroutine drop_lines(problem, starts, fit)
+    !! A line that is no mode may have been taken for one and spoil the fit: set aside each in turn, and keep what costs least.
     type(fit_problem), intent(inout) :: problem
+    real(dp), intent(in) :: starts(:, :)
     type(fit_type), intent(inout) :: fit
     type(fit_type) :: trial, best
-    real(dp), allocatable :: residuals(:)
-    real(dp) :: gain
     logical :: changed
-    integer :: line
+    integer :: i, k, start
     call problem%match(0.0_dp, fit%price, changed)
     best = fit
-    do line = 1, size(fit%mode_of)
-      if (fit%mode_of(line) == 0) cycle
-      trial = fit
-      trial%mode_of(line) = 0
-      call place(problem, trial)
-      problem%scatter = fit%scatter
-      call problem%minimise(residuals)
-      call search_on(problem, trial)
-      if (trial%price < best%price) best = trial
+    do i = 1, size(problem%states)
+      do k = 1, size(problem%states(i)%foreign)
+        if (problem%states(i)%foreign(k)) cycle
+        problem%states(i)%foreign(k) = .true.
+        do start = 0, size(starts, 2)
+          problem%v = fit%v
+          if (start > 0) problem%v = starts(:, start)
+          call search(problem, trial)
+          if (trial%price < best%price) best = trial
+        end do
+        problem%states(i)%foreign(k) = .false.
+      end do
     end do
-    gain = fit%price - best%price
-    if (gain > 0.0_dp) then
-      call settle(problem, best)
-      fit = best
-    else
-      call place(problem, fit)
-      problem%scatter = fit%scatter
-    end if
+    if (.not. best%price < fit%price) return
+    call settle(problem, best)
+    fit = best
   end subroutine drop_lines
-
-  subroutine search_on(problem, fit)
-    !! Assign and fit in turn with a τ as small as may be.
-    type(fit_problem), intent(inout) :: problem
-    type(fit_type), intent(inout) :: fit
-    integer, parameter :: most_rounds = 4
-    real(dp), allocatable :: residuals(:)
-    logical :: changed
-    integer :: round
-    do round = 1, most_rounds
-      call problem%match(0.0_dp, fit%price, changed)
-      if (round > 1 .and. .not. changed) exit
-      call problem%minimise(residuals)
-    end do
-    call place_at(problem, fit)
-  end subroutine search_on
 
   subroutine place(problem, fit)
     !! Bring the problem to a fit: its unknowns and its assignment.

@@ -34,6 +34,7 @@ module bw_beam_state
 
   type, public :: beam_state
     type(measured_lines) :: lines
+    logical, allocatable :: foreign(:)           !! lines that are known to be no modes, (lines)
     integer, allocatable :: mode_of(:)           !! the mode that each line is taken for; 0: none, (lines)
     integer :: most_modes = 0                    !! as many as the scene counts
     logical, allocatable :: concerned(:)         !! by an unknown, (unknowns)
@@ -56,6 +57,7 @@ contains
     state%concerned = unknowns%group > 0
     state%most_modes = scene%modes%before
     allocate (state%mode_of(size(lines%frequency)), source=0)
+    allocate (state%foreign(size(lines%frequency)), source=.false.)
     call with_unknowns(scene, unknowns, state%varied)
   end function state_of
 

@@ -149,6 +149,7 @@ contains
         end do
         records(i)%line = frequency
         records(i)%deviation = state%lines%deviation/frequency
+        records(i)%foreign = state%foreign
         records(i)%mode = modes%frequency
         if (.not. modes%found) records(i)%mode = -records(i)%mode
       end associate
@@ -158,6 +159,7 @@ contains
       records(i)%line = self%states(i)%lines%frequency
       records(i)%deviation = records(i)%line
       records(i)%mode = records(i)%line
+      records(i)%foreign = self%states(i)%foreign
     end do
     band%width = exp(1.0_dp)*max(high/low, 1.0_dp)
     band%share = max(0.0_dp, 1 - size(self%unknowns)/real(max(1, lines), dp))

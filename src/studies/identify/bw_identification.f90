@@ -3,13 +3,13 @@ module bw_identification
   !! explains the lines.
   use bw_beam_fit, only: fit_beam, fit_type, unlikely
   use bw_beam_state, only: beam_state
-  use bw_fit_intervals, only: belief_type, find_intervals
+  use bw_fit_intervals, only: belief_type, find_intervals, interval_type
   use bw_fit_problem, only: fit_problem, value_at
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: identify
+  public :: identify, problem_of
 
   real(dp), parameter :: hardly_fixed = 0.5_dp   !! of its range, from which an unknown counts as not fixed
   real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns stand for each other
@@ -43,27 +43,52 @@ contains
     type(identification), intent(out) :: found
     type(fit_problem) :: problem
     type(fit_type), allocatable :: others(:)
-    integer :: i
-    problem%unknowns = unknowns
-    problem%states = states
-    problem%fits_decay = any([(index(unknowns(i)%parameter, 'damping%') == 1, i=1, size(unknowns))])
-    call fit_beam(problem, quantile**2, found%fit, others)
+    integer :: i, n
+    problem = problem_of(states, unknowns)
+    call fit_beam(problem, quantile**2, .true., found%fit, others)
     call find_intervals(problem, found%fit, quantile, found%belief)
     found%unknowns = unknowns
     found%values = problem%values()
     found%explained = .not. found%fit%tail < unlikely
     found%evaluations = problem%evaluations
-    associate (intervals => found%belief%intervals)
-      found%low = value_at(unknowns, intervals%low)
-      found%high = value_at(unknowns, intervals%high)
-    end associate
+    call widen(found%belief%intervals)
+    found%low = value_at(unknowns, found%belief%intervals%low)
+    found%high = value_at(unknowns, found%belief%intervals%high)
     allocate (found%others(size(unknowns), size(others)))
+    n = 0
     do i = 1, size(others)
-      found%others(:, i) = value_at(unknowns, others(i)%v)
+      if (all(others(i)%v >= found%belief%intervals%low .and. others(i)%v <= found%belief%intervals%high)) cycle
+      n = n + 1
+      found%others(:, n) = value_at(unknowns, others(i)%v)
     end do
+    found%others = found%others(:, :n)
     call find_loose(found)
     states = problem%states
   end subroutine identify
+
+  pure type(fit_problem) function problem_of(states, unknowns) result(problem)
+    !! What is fitted, before it is. Decays are where numbers of the damping are unknown.
+    type(beam_state), intent(in) :: states(:)
+    type(identify_par), intent(in) :: unknowns(:)
+    integer :: i
+    problem%unknowns = unknowns
+    problem%states = states
+    problem%fits_decay = any([(index(unknowns(i)%parameter, 'damping%') == 1, i=1, size(unknowns))])
+    allocate (problem%v(size(unknowns)), source=0.0_dp)
+  end function problem_of
+
+  subroutine widen(intervals)
+    !! The places at the ends of all intervals fit alike: an interval reaches at least to where these are. (Where curves of
+    !! equal fit turn back, what is found by going along one unknown is not all of them.)
+    type(interval_type), intent(inout) :: intervals(:)
+    integer :: i, j
+    do i = 1, size(intervals)
+      do j = 1, size(intervals)
+        intervals(i)%low = min(intervals(i)%low, intervals(j)%at_low(i), intervals(j)%at_high(i))
+        intervals(i)%high = max(intervals(i)%high, intervals(j)%at_low(i), intervals(j)%at_high(i))
+      end do
+    end do
+  end subroutine widen
 
   subroutine find_loose(found)
     !! Unknowns whose intervals fill much of their ranges, or reach their ends, each with the one that follows it most.

@@ -27,6 +27,7 @@ module bw_line_assignment
     !! The lines and modes of one record.
     real(dp), allocatable :: line(:)     !! frequencies, ascending, > 0, (lines)
     real(dp), allocatable :: deviation(:)  !! relative standard deviations s, (lines)
+    logical, allocatable :: foreign(:)   !! a line that is known to be no mode, (lines)
     real(dp), allocatable :: mode(:)     !! frequencies, ascending; not > 0: no line can be this mode, (modes)
     integer, allocatable :: mode_of(:)   !! the mode of each line; 0: none, (lines)
   end type pairing
@@ -125,7 +126,7 @@ contains
     real(dp), parameter :: never = 1.0e30_dp
     real(dp) :: variance
     price = never
-    if (.not. record%mode(j) > 0) return
+    if (record%foreign(i) .or. .not. record%mode(j) > 0) return
     variance = record%deviation(i)**2 + tau**2
     price = min(never, ((record%line(i) - record%mode(j))/record%line(i))**2/variance) &
       + band%share*log(2*pi*variance) - 2*log((1 - p_foreign)*(1 - p_silent))
