@@ -24,6 +24,7 @@ module bw_netcdf
     logical :: is_complete = .false.     !! every value exists, as of coordinates and of integers: there is no fill
     character(240) :: flags = ''         !! CF's flags, by spaces: what the numbers first_flag, first_flag + 1, … stand for
     integer :: first_flag = 0
+    logical :: has_masks = .false.       !! flags are bits 1, 2, 4, …, of which several may be set
   end type variable_text
 
   type, public :: known_series
@@ -110,7 +111,8 @@ contains
     call self%put_text('long_name', trim(text%long_name), error, variable)
     if (text%references /= '') call self%put_text('references', trim(text%references), error, variable)
     if (text%flags == '' .or. allocated(error)) return
-    call self%check(nf90_put_att(self%id, variable, 'flag_values', flag_values(text)), error)
+    call self%check(nf90_put_att(self%id, variable, trim(merge('flag_masks ', 'flag_values', text%has_masks)), &
+                                 flag_values(text)), error)
     call self%put_text('flag_meanings', trim(text%flags), error, variable)
   end subroutine define
 
@@ -124,6 +126,7 @@ contains
       if (text%flags(i:i) == ' ') n = n + 1
     end do
     values = [(int(text%first_flag + i, i4), i=0, n - 1)]
+    if (text%has_masks) values = 2_i4**[(i, i=0, n - 1)]
   end function flag_values
 
   subroutine define_known(self, text, error, values, count)

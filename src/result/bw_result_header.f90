@@ -110,15 +110,28 @@ contains
       number_of('mode_before', 'mode number k before the capture'), &
       number_of('event', 'number of the event'), &
       number_of('peak', 'number of the measured peak, by frequency'), &
+      number_of('window', 'part of the record'), &
+      number_of('candidate', 'number of what was looked at and is no line'), &
       number_of('piece', 'number of the piece of the beam, from the root'), &
       number_of('body', 'number of the body, in the order of the scene'), &
       number_of('stage', 'stage of the work', joined(stage_words)), &
       variable_text('profile_position', 'profile', '1', 'place along the beam, x/l', is_complete=.true.), &
-      variable_text('point_position', 'point', '1', 'place along the beam, x/l', is_complete=.true.), &
-      variable_text('time', 'time', 's', 'time since the impact', is_complete=.true.), &
+      point_row(layout), &
+      variable_text('time', 'time', 's', 'time since the '//trim(merge('first sample', 'impact      ', layout%of_record)), &
+                    is_complete=.true.), &
       variable_text('frequency', 'frequency', 'Hz', 'frequency', is_complete=.true.)]
     rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)), i=1, size(rows))])
   end function coordinates_of
+
+  pure type(variable_text) function point_row(layout) result(row)
+    !! The coordinate of points: their places, or the numbers of sensors whose places nobody says.
+    type(result_layout), intent(in) :: layout
+    if (has(layout, 'places')) then
+      row = variable_text('point_position', 'point', '1', 'place along the beam, x/l', is_complete=.true.)
+    else
+      row = number_of('point', 'number of the sensor')
+    end if
+  end function point_row
 
   pure type(variable_text) function number_of(name, long_name, flags) result(row)
     !! A coordinate that counts from 1.
@@ -156,9 +169,15 @@ contains
     select case (name)
     case ('profile_position')
       values = [(real(j, dp)/(layout%profile - 1), j=0, layout%profile - 1)]
-    case ('point_position'); values = scene%response%points
-    case ('time'); values = sample_times(scene%response%duration, scene%response%samples)
-    case ('frequency'); values = frequency_axis(scene%response%samples, scene%response%duration)
+    case ('point_position')
+      if (layout%of_record) values = layout%record%sensors%position
+      if (.not. layout%of_record) values = scene%response%points
+    case ('time')
+      if (layout%of_record) values = layout%record%times
+      if (.not. layout%of_record) values = sample_times(scene%response%duration, scene%response%samples)
+    case ('frequency')
+      if (layout%of_record) values = layout%record%frequencies
+      if (.not. layout%of_record) values = frequency_axis(scene%response%samples, scene%response%duration)
     end select
   end function axis
 
