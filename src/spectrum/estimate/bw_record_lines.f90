@@ -94,7 +94,7 @@ contains
     lines%phase_error = quantile*lines%phase_bound
     lines%rejected = [(rejected_candidate(turn*found%rejected(i)%frequency, found%rejected(i)%ordinate, &
                                           found%rejected(i)%reason), i=1, size(found%rejected))]
-    lines%noise_deviation = found%deviation
+    lines%noise_deviation = [(deviation_of(samples, found, i), i=1, size(found%deviation))]
   end function lines_in_si
 
   pure function windows_in_si(windows, turn, rate) result(converted)
@@ -174,6 +174,19 @@ contains
     levels = levels*found%ordinates%shape/size(levels)   ! noise that sensors share has raised it
     level = sqrt(levels(s))/abs(gain_at(found, steady, s))
   end function noise_level
+
+  pure real(dp) function deviation_of(samples, found, s) result(deviation)
+    !! The standard deviation of a sensor's noise: of what the lines leave, or of the level of its colour where the samples
+    !! went through a filter.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    integer, intent(in) :: s
+    integer, parameter :: places = 2048
+    integer :: j
+    deviation = found%ordinates%deviation(s)
+    if (found%whitening(s)%order == 0) return
+    deviation = norm2([(noise_level(samples, found, (j - 0.5_dp)/(2*places*samples%step), s), j=1, places)])/sqrt(real(places, dp))
+  end function deviation_of
 
   pure complex(dp) function gain_at(found, line, s) result(gain)
     !! The factor of a line's amplitude at one sensor by the filter that its samples went through.
