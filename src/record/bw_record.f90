@@ -6,7 +6,7 @@ module bw_record
   use bw_text, only: lower, string, text_of
   implicit none (type, external)
   private
-  public :: bare_name, extent_of, is_even, measure_the_same, quantities_of, unit_in
+  public :: bare_name, extent_of, is_even, measure_the_same, quantities_of, unit_in, without_unit
 
   type, public :: column_type
     !! A column of a table, or a variable of a file.
@@ -105,10 +105,7 @@ contains
     !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.
     character(*), intent(in) :: name
     character(:), allocatable :: bare
-    integer :: open
-    bare = lower(trim(adjustl(name)))
-    open = opening(bare)
-    if (open > 1) bare = trim(bare(:open - 1))
+    bare = without_unit(lower(name))
   end function bare_name
 
   pure function unit_in(name) result(unit)
@@ -122,6 +119,16 @@ contains
     open = opening(text)
     if (open > 0) unit = trim(adjustl(text(open + 1:len(text) - 1)))
   end function unit_in
+
+  pure function without_unit(name) result(short)
+    !! A name without the unit in brackets behind it: `Time [s]` → `Time`; as it is where nothing would be left.
+    character(*), intent(in) :: name
+    character(:), allocatable :: short
+    integer :: open
+    short = trim(adjustl(name))
+    open = opening(short)
+    if (open > 1) short = trim(short(:open - 1))
+  end function without_unit
 
   pure integer function opening(text) result(open)
     !! Place of the bracket that opens the last part of a text; 0 where it does not end in a bracket.

@@ -3,6 +3,7 @@ module bw_record_report
   use bw_case_result, only: record_result
   use bw_columns, only: fixed, right
   use bw_kinds, only: dp
+  use bw_record, only: without_unit
   use bw_record_lines, only: reason_texts, status_words
   use bw_record_summary, only: record_summary
   use bw_sensor_unit, only: si_unit
@@ -90,7 +91,7 @@ contains
     associate (sensor => record%extent%sensors(s))
       text = si_unit(sensor%quantity)
       if (text == '1') text = sensor%quantity
-      if (size(record%extent%sensors) > 1) text = text//' at '//sensor%name
+      if (size(record%extent%sensors) > 1) text = text//' at '//without_unit(sensor%name)
     end associate
   end function place_text
 
@@ -153,7 +154,8 @@ contains
     text = ''
     do s = 1, min(shown_sensors, size(record%extent%sensors))
       associate (sensor => record%extent%sensors(s))
-        text = text//', '//sensor%name//' '//shortest(record%lines%noise_deviation(s), 3)//' '//si_unit(sensor%quantity)
+        text = text//', '//without_unit(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
+          si_unit(sensor%quantity)
       end associate
     end do
     if (size(record%extent%sensors) > shown_sensors) text = text//', ...'

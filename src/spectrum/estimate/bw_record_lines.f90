@@ -3,7 +3,7 @@ module bw_record_lines
   !! of the program takes from this folder.
   use bw_band_fit, only: damped_line
   use bw_belief, only: believed_line, normal_quantile, window_start
-  use bw_damped_search, only: found_lines
+  use bw_damped_search, only: found_lines, rejected_line
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_noise_level, only: level_at
@@ -15,6 +15,7 @@ module bw_record_lines
   public :: fitted_history, lines_in_si, noise_level
 
   real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
+  real(dp), parameter :: same_place = 1.0e-9_dp  !! periods per step
 
   character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']
     !! bit by bit, 1, 2, 4, …; `line` is one that is none of the others
@@ -92,10 +93,25 @@ contains
     end do
     lines%amplitude_error = quantile*lines%amplitude_bound
     lines%phase_error = quantile*lines%phase_bound
-    lines%rejected = [(rejected_candidate(turn*found%rejected(i)%frequency, found%rejected(i)%ordinate, &
-                                          found%rejected(i)%reason), i=1, size(found%rejected))]
+    lines%rejected = candidates_in_si(found%rejected, turn)
     lines%noise_deviation = [(deviation_of(samples, found, i), i=1, size(found%deviation))]
   end function lines_in_si
+
+  pure function candidates_in_si(rejected, turn) result(candidates)
+    !! Those that stand out most come first; what was rejected twice stands there once, with the last reason.
+    type(rejected_line), intent(in) :: rejected(:)
+    real(dp), intent(in) :: turn
+    type(rejected_candidate), allocatable :: candidates(:)
+    logical :: again(size(rejected))
+    integer :: i, best
+    again = [(any(abs(rejected(i + 1:)%frequency - rejected(i)%frequency) < same_place), i=1, size(rejected))]
+    allocate (candidates(0))
+    do i = 1, count(.not. again)
+      best = maxloc(rejected%ordinate, dim=1, mask=.not. again)
+      again(best) = .true.
+      candidates = [candidates, rejected_candidate(turn*rejected(best)%frequency, rejected(best)%ordinate, rejected(best)%reason)]
+    end do
+  end function candidates_in_si
 
   pure function windows_in_si(windows, turn, rate) result(converted)
     !! Frequencies and decays of parts of the record; those whose bound is huge do not exist.
