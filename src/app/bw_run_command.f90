@@ -9,6 +9,7 @@ module bw_run_command
   use bw_outcome, only: outcome_type
   use bw_process, only: pause
   use bw_process_group, only: process_group
+  use bw_run_record, only: run_record
   use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
@@ -84,7 +85,11 @@ contains
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
     outcome%notes = ''
-    call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    if (allocated(scene%record)) then
+      call run_record(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    else
+      call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    end if
     status = outcome%status
     if (.not. command%group%leads()) return
     status = print_outcome(command, scene, outcome, tally%is_brief(), error)

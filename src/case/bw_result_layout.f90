@@ -12,7 +12,7 @@ module bw_result_layout
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'piece', 'body', 'letter', 'stage']
+    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'piece', 'body', 'unknown', 'letter', 'stage']
 
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
@@ -44,6 +44,7 @@ module bw_result_layout
     integer :: peaks = 0
     integer :: pieces = 0             !! of a beam that has several
     integer :: bodies = 0
+    integer :: unknowns = 0           !! that are identified
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: bending_moment = .false.   !! and bending moments
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
@@ -64,6 +65,9 @@ contains
     type(scene_type), intent(in) :: scene
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
     layout%of_record = allocated(scene%record)
+    if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
+    if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
+    if (allocated(scene%unknowns)) layout%unknowns = size(scene%unknowns)
     if (layout%of_record) then
       layout%peaks = scene%spectrum%max_peaks
       layout%windows = size(window_start)
@@ -72,8 +76,6 @@ contains
     end if
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
-    if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
-    if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
     if (allocated(scene%impact)) then
       layout%events = 1
       if (allocated(scene%capture)) layout%events = 2
@@ -150,6 +152,7 @@ contains
     case ('letter'); length = letters_of(layout)
     case ('piece'); length = layout%pieces
     case ('body'); length = layout%bodies
+    case ('unknown'); length = layout%unknowns
     case ('stage'); length = stage_count
     case default; length = 0
     end select

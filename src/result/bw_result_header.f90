@@ -118,6 +118,7 @@ contains
       number_of('candidate', 'number of what was looked at and is no line'), &
       number_of('piece', 'number of the piece of the beam, from the root'), &
       number_of('body', 'number of the body, in the order of the scene'), &
+      number_of('unknown', 'number of the unknown, in the order of the scene'), &
       number_of('stage', 'stage of the work', joined(stage_words)), &
       variable_text('profile_position', 'profile', '1', 'place along the beam, x/l', is_complete=.true.), &
       point_row(layout), &
