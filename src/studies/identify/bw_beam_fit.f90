@@ -9,7 +9,7 @@ module bw_beam_fit
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: fit_beam, place_at
+  public :: explain, fit_beam
 
   real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
   real(dp), parameter :: first_scatter = 0.05_dp         !! τ is not below, where a search begins

@@ -11,7 +11,7 @@ module bw_identification
   private
   public :: identify, problem_of
 
-  real(dp), parameter :: hardly_fixed = 0.5_dp   !! of its range, from which an unknown counts as not fixed
+  real(dp), parameter :: hardly_fixed = 0.25_dp  !! of its range, from which an unknown counts as not fixed
   real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns stand for each other
 
   type, public :: loose_direction
@@ -91,7 +91,7 @@ contains
   end subroutine widen
 
   subroutine find_loose(found)
-    !! Unknowns whose intervals fill much of their ranges, or reach their ends, each with the one that follows it most.
+    !! Unknowns whose intervals fill much of their ranges, each with the one that follows it most.
     type(identification), intent(inout) :: found
     type(loose_direction), allocatable :: loose(:)
     real(dp) :: others(size(found%values))
@@ -101,7 +101,7 @@ contains
     j = 0
     do i = 1, n
       associate (interval => found%belief%intervals(i))
-        if (interval%high - interval%low < 2*hardly_fixed .and. .not. (interval%low_open .and. interval%high_open)) cycle
+        if (interval%high - interval%low < 2*hardly_fixed) cycle
         j = j + 1
         loose(j)%unknown = i
         others = abs(interval%at_high - interval%at_low)

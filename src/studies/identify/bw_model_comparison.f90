@@ -1,5 +1,6 @@
 module bw_model_comparison
   !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
+  use bw_beam_fit, only: explain, unlikely
   use bw_beam_state, only: beam_state, state_modes
   use bw_fit_problem, only: chi_squared_tail, fit_problem
   use bw_identification, only: problem_of
@@ -43,12 +44,13 @@ contains
     allocate (problem%free(0))
     if (size(state%lines%frequency) == 0) return
     call problem%match(0.0_dp, price, changed)
-    misfit%scatter = problem%scatter
     problem%scatter = 0
     call problem%minimise(residuals)
     misfit%freedom = size(residuals)
     misfit%chi_squared = sum(residuals**2)
     if (size(residuals) > 0) misfit%tail = chi_squared_tail(misfit%chi_squared, misfit%freedom)
+    if (misfit%tail < unlikely) call explain(problem, misfit%freedom)
+    misfit%scatter = problem%scatter
     state = problem%states(1)
   end subroutine match_lines
 

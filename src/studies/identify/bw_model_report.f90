@@ -1,15 +1,15 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_absent_mends, only: mend_type
+  use bw_beam_fit, only: unlikely
   use bw_columns, only: right
-  use bw_fit_problem, only: value_at
   use bw_identification, only: identification
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_model_comparison, only: compared_lines, misfit_type
   use bw_record_report, only: to_its_error
   use bw_result_lines, only: result_lines
-  use bw_text, only: percent, shortest, text_builder, text_of
+  use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
   public :: explained_text, loose_text, report_comparison, report_identified, report_mends
@@ -62,7 +62,7 @@ contains
     !! Whether noise explains what the modes leave of the lines.
     type(misfit_type), intent(in) :: misfit
     character(:), allocatable :: text
-    real(dp), parameter :: unlikely = 1.0e-3_dp, never = 1.0e-12_dp
+    real(dp), parameter :: never = 1.0e-12_dp
     if (misfit%freedom < 1) then
       text = 'there are no more lines than unknowns, so that nothing tests the model'
       return
@@ -91,9 +91,9 @@ contains
     do i = 1, size(found%values)
       associate (unknown => found%unknowns(i), interval => found%belief%intervals(i))
         call lines%append('  '//unknown%parameter//repeat(' ', max(1, 28 - len(unknown%parameter))))
-        call lines%append(right(to_its_error(found%values(i), 0.5_dp*(found%high(i) - found%low(i))), 15))
-        call lines%append(right(to_its_error(found%low(i), 0.5_dp*(found%high(i) - found%low(i))), 14))
-        call lines%append(right(to_its_error(found%high(i), 0.5_dp*(found%high(i) - found%low(i))), 14))
+        call lines%append(right(to_width(found%values(i), found%high(i) - found%low(i)), 15))
+        call lines%append(right(to_width(found%low(i), found%high(i) - found%low(i)), 14))
+        call lines%append(right(to_width(found%high(i), found%high(i) - found%low(i)), 14))
         call lines%append('   '//unknown%unit)
         if (interval%low_open) call lines%append('; from: the end of its range')
         if (interval%high_open) call lines%append('; to: the end of its range')
@@ -108,6 +108,16 @@ contains
       call lines%append_line('  Fits as well: '//place_text(found, found%others(:, i), [1], .true.))
     end do
   end subroutine report_identified
+
+  function to_width(value, width) result(text)
+    !! A number with as many digits as an interval of this width tells, two of its own at least.
+    real(dp), intent(in) :: value, width
+    character(:), allocatable :: text
+    integer :: digits
+    digits = 15
+    if (width > 0.0_dp .and. abs(value) > 0.0_dp) digits = 3 + floor(log10(abs(value))) - floor(log10(width))
+    text = shortest(value, max(2, min(15, digits)))
+  end function to_width
 
   subroutine report_correlations(found, lines)
     !! Those that matter.

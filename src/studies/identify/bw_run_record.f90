@@ -5,7 +5,7 @@ module bw_run_record
   !! the scene's finished result; one that has it already is left alone.
   use bw_absent_mends, only: find_mends, mend_type
   use bw_beam_state, only: beam_state, state_of
-  use bw_belief, only: harmonic, normal_quantile
+  use bw_belief, only: normal_quantile
   use bw_error, only: error_type, status_bad_file, status_stopped
   use bw_further_scenes, only: further_scenes
   use bw_identification, only: identification, identify
@@ -19,6 +19,7 @@ module bw_run_record
   use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type
   use bw_process_group, only: process_group
+  use bw_record_lines, only: status_words
   use bw_result_lines, only: read_result_lines, result_lines
   use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
@@ -32,6 +33,7 @@ module bw_run_record
 
   character, parameter :: nl = new_line('a')
   integer, parameter :: shown_cases = 8          !! of a sweep, in the report
+  integer, parameter :: harmonic = findloc(status_words == 'harmonic', .true., dim=1) - 1   !! bit of a line that is no mode
 
   type :: record_set
     !! All that is fitted together: the cases of the scene, then those of further scenes.
@@ -179,12 +181,12 @@ contains
     do c = 1, set%own
       associate (measured => set%lines(c), misfit => findings%misfits(c))
         state = state_of(set%measured(c)%scene, none, set%measured(c)%lines)
-        state%foreign = iand(measured%status, harmonic) > 0
+        state%foreign = btest(measured%status, harmonic)
         call match_lines(state, misfit)
         call compare_case(measured, state, nothing, findings%cases(c))
         if (size(measured%error) == 0 .or. c > shown_cases) cycle
         call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
-        call lines%append_line('  Of these '//explained_text(misfit))
+        call lines%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
       end associate
     end do
@@ -208,7 +210,7 @@ contains
     character(:), allocatable, intent(inout) :: notes
     character(:), allocatable :: text
     text = explained_text(misfit)
-    if (index(text, 'does not') > 0) notes = notes//'misfit: '//text//which//nl
+    if (index(text, 'does not') > 0) notes = notes//'misfit'//which//': '//text//nl
   end subroutine note_misfit
 
   subroutine identify_beam(scene, quantile, set, findings, lines, notes)
@@ -225,7 +227,7 @@ contains
     integer :: c, i
     call states_of(set%measured, states)
     do c = 1, size(states)
-      states(c)%foreign = iand(set%lines(c)%status, harmonic) > 0
+      states(c)%foreign = btest(set%lines(c)%status, harmonic)
     end do
     call identify(states, scene%unknowns, quantile, found)
     allocate (findings%cases(size(states)), findings%misfits(1))
@@ -237,7 +239,7 @@ contains
     end do
     findings%cases = findings%cases(:set%own)
     call report_identified(found, scene%spectrum%confidence, lines)
-    call lines%append_line('  Of all lines '//explained_text(findings%misfits(1)))
+    call lines%append_line('  Misfit: '//explained_text(findings%misfits(1)))
     call note_misfit(findings%misfits(1), '', notes)
     do i = 1, size(found%loose)
       notes = notes//'not fixed: '//loose_text(found, i)//nl
