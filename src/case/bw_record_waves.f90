@@ -79,21 +79,25 @@ contains
   end function lines_of
 
   pure subroutine join_notes(notes, result)
-    !! One note of all that there is to say of waves: of several of one kind a sweep would show the first.
+    !! All that there is to say of waves as one warning, of shapes and wave numbers that fit no uniform beam, and one remark, since
+    !! of several notes of one kind a sweep would show the first.
     type(string), intent(in) :: notes(:)
     type(case_result), intent(inout) :: result
-    character(:), allocatable :: text
+    character(:), allocatable :: text, warnings, remarks
     integer :: i
-    text = ''
+    warnings = ''
+    remarks = ''
     do i = 1, size(notes)
-      if (i > 1) text = text//'; '
-      if (index(notes(i)%text, kind) == 1) then
-        text = text//notes(i)%text(len(kind) + 1:)
+      text = notes(i)%text
+      if (index(text, kind) == 1) text = text(len(kind) + 1:)
+      if (index(text, 'by more than') == 1) then
+        warnings = warnings//'; '//text
       else
-        text = text//notes(i)%text
+        remarks = remarks//'; '//text
       end if
     end do
-    if (text /= '') call append(result%notes, kind//text)
+    if (warnings /= '') call append(result%notes, kind//warnings(3:))
+    if (remarks /= '') call remark(result%notes, 'missing waves: '//remarks(3:))
   end subroutine join_notes
 
   pure subroutine say_why_not(scene, result)

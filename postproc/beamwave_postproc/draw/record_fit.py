@@ -13,11 +13,14 @@ from ..parts.sheet import Given, sheet_for
 from ..result import NothingToDraw, require
 from ..style import COLOURS, GREY, styled
 
-PERIODS = 12.0  # of the strongest line that are seen from near
+PERIODS = 15.0  # that are seen from near, of the fastest line that is at least …
+STRONG = 0.2  # … this part as strong as the strongest
+SINGLE = 250  # samples up to which each is drawn
 PART = 0.25  # of the record, at most, that is seen from near
-LEAST = 40  # samples there, at least
+LEAST = 60  # samples there, at least
 SEEN = {"color": GREY, "linewidth": 1.8, "label": "record"}
 FITTED = {"color": COLOURS[2], "linewidth": 0.9, "label": "its lines"}
+LEFT = {"color": COLOURS[1], "linewidth": 0.6, "label": "what they leave"}
 
 
 @styled
@@ -43,10 +46,10 @@ def record_fit(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         _draw_whole(row[0], time, recorded[sensor], fitted[sensor], thin)
         row[0].set_ylabel(sensor_label(case, sensor))
         if near is not None:
-            _draw_lines(row[1], time[:near], recorded[sensor, :near], fitted[sensor, :near])
+            _draw_near(row[1], time[:near], recorded[sensor, :near], fitted[sensor, :near])
     for axes in sheet.grid[-1]:
         axes.set_xlabel("Time since the first sample (s)")
-    words = "band: least to largest of each stretch of time" if thin else ""
+    words = "bands: least to largest of each stretch of time" if thin else ""
     return sheet.finish(case, [note, left, words])
 
 
@@ -57,16 +60,20 @@ def _draw_whole(axes: Axes, time: np.ndarray, recorded: np.ndarray, fitted: np.n
         middle = 0.5 * (time[::2] + time[1::2])
         _draw_band(axes, middle, recorded[::2], recorded[1::2], SEEN)
         _draw_band(axes, middle, fitted[::2], fitted[1::2], FITTED)
-    elif is_dense(recorded):
-        _draw_band(axes, *_extremes(time, recorded), SEEN)
-        _draw_band(axes, *_extremes(time, fitted), FITTED)
-    else:
-        _draw_lines(axes, time, recorded, fitted)
+        return
+    dense = is_dense(recorded)
+    for values, style in ((recorded, SEEN), (fitted, FITTED), (recorded - fitted, LEFT)):
+        if dense:
+            _draw_band(axes, *_extremes(time, values), style)
+        else:
+            axes.plot(time, values, **style)
 
 
-def _draw_lines(axes: Axes, time: np.ndarray, recorded: np.ndarray, fitted: np.ndarray) -> None:
-    axes.plot(time, recorded, **SEEN)
-    axes.plot(time, fitted, **FITTED)
+def _draw_near(axes: Axes, time: np.ndarray, recorded: np.ndarray, fitted: np.ndarray) -> None:
+    """Samples one by one, where they are few, on the line of the fit."""
+    few = {"linestyle": "", "marker": ".", "markersize": 5.0} if time.size <= SINGLE else {}
+    axes.plot(time, recorded, **{**SEEN, **few, "label": None})
+    axes.plot(time, fitted, **{**FITTED, "label": None})
     axes.set_xlim(time[0], time[-1])
 
 
@@ -94,11 +101,12 @@ def _is_thinned(recorded: np.ndarray) -> bool:
 
 
 def _near(case: xr.Dataset, time: np.ndarray) -> int | None:
-    """How many samples make some periods of the strongest line; none where that is most of the record."""
+    """How many samples make some periods of the fastest of the strong lines; none where that is most of the record."""
     strength = np.nan_to_num(case["measured_amplitude"].values).max(axis=0)
     if not strength.any():
         return None
-    beta = case["measured_angular_frequency"].values[strength.argmax()]
+    beta = case["measured_angular_frequency"].values[strength >= STRONG * strength.max()].max()
     end = time[0] + min(PERIODS * 2.0 * np.pi / beta, PART * (time[-1] - time[0]))
     count = int(np.searchsorted(time, end))
-    return count if LEAST <= count < time.size else (LEAST if LEAST < PART * time.size else None)
+    count = max(count, LEAST)
+    return count if count < 0.5 * time.size else None

@@ -60,7 +60,7 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     axes.tick_params(axis="y", length=0)
     axes.spines["left"].set_visible(False)
     along = "point_position" in case
-    axes.set(ylim=(-0.6, shown.size - 0.4), xlabel=axis_label(case["point_position"]) if along else "Sensor")
+    axes.set(ylim=(-0.6, shown.size - 0.35), xlabel=axis_label(case["point_position"]) if along else "Sensor")
     if along:
         axes.set_xlim(-0.02, 1.04)
     left = f"the {shown.size} strongest of {lines.size} lines" if shown.size < lines.size else ""

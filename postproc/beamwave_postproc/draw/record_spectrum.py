@@ -30,10 +30,10 @@ def record_spectrum(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     if np.count_nonzero(np.isfinite(case["amplitude"].values).any(axis=0)) < 3:
         raise NothingToDraw("the spectrum is not in the file")
     sensors, left = shown_sensors(case)
-    sheet = sheet_for(ax, len(sensors), 1, width=7.6, height=2.7 if len(sensors) < 3 else 2.2, share="x")
+    sheet = sheet_for(ax, len(sensors), 1, width=7.6, height=3.2 if len(sensors) == 1 else 2.5, share="x")
     for axes, sensor in zip(sheet.axes, sensors):
         _draw_sensor(axes, case, frequency, sensor)
-        axes.set_ylabel(sensor_label(case, sensor, "Amplitude"))
+        axes.set_ylabel(sensor_label(case, sensor))
     sheet.axes[-1].set_xlabel("Frequency (Hz)")
     return sheet.finish(case, [note, left, _reasons(case)])
 

@@ -35,7 +35,7 @@ def record_windows(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     for axes in sheet.grid[-1]:
         axes.set(xlabel="Part of the record", xlim=(0.0, 1.0))
     count = int(np.isfinite(case["measured_angular_frequency"].values).sum())
-    left = f"the {lines.size} strongest of {count} lines" if lines.size < count else ""
+    left = f"{lines.size} of {count} lines" if lines.size < count else ""
     return sheet.finish(case, [note, left, "bars: two standard deviations; band: the whole record's interval"])
 
 

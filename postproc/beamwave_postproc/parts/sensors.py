@@ -32,11 +32,10 @@ def sensor_name(ds: xr.Dataset, point: int) -> str:
     return name
 
 
-def sensor_label(ds: xr.Dataset, point: int, words: str = "") -> str:
+def sensor_label(ds: xr.Dataset, point: int) -> str:
     """Label of an axis for what a sensor measures, in two lines."""
     quantity, units = _quantity(ds, point), unit_text(_units(ds, point))
-    words = f"{words} of {quantity}" if words else quantity.capitalize()
-    return f"{sensor_name(ds, point)}\n{words}" + (f" ({units})" if units else "")
+    return f"{sensor_name(ds, point)}\n{quantity.capitalize()}" + (f" ({units})" if units else "")
 
 
 def common_label(ds: xr.Dataset, variable: str, words: str) -> str:
