@@ -3,6 +3,8 @@ module bw_record_report
   use bw_case_result, only: record_result
   use bw_columns, only: fixed, right
   use bw_kinds, only: dp
+  use bw_measured, only: measured_type
+  use bw_missing, only: is_missing
   use bw_record, only: without_unit
   use bw_record_lines, only: reason_texts, status_words
   use bw_record_summary, only: record_summary
@@ -10,7 +12,7 @@ module bw_record_report
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: report_record, to_its_error
+  public :: pair_text, report_record, to_its_error
 
   integer, parameter :: shown_lines = 40, shown_candidates = 10, shown_sensors = 16
   integer, parameter :: widths(9) = [14, 11, 11, 13, 11, 11, 11, 12, 11]
@@ -18,13 +20,15 @@ module bw_record_report
 
 contains
 
-  subroutine report_record(record, confidence, lines)
+  subroutine report_record(record, measured, confidence, lines)
     !! All of it.
     type(record_result), intent(in) :: record
+    type(measured_type), intent(in) :: measured      !! waves
     real(dp), intent(in) :: confidence               !! of the intervals
     type(text_builder), intent(inout) :: lines
     call lines%append(record_summary(record%extent))
     if (size(record%lines%angular_frequency) > 0) call report_lines(record, confidence, lines)
+    if (allocated(measured%wavenumber)) call report_waves(record, measured, lines)
     if (size(record%lines%rejected) > 0) call report_rejected(record, lines)
     call report_noise(record, lines)
   end subroutine report_record
@@ -125,6 +129,47 @@ contains
       end do
     end associate
   end subroutine report_drifts
+
+  subroutine report_waves(record, measured, lines)
+    !! Wave numbers and velocities with half their intervals, and what their dispersion tells of the beam.
+    type(record_result), intent(in) :: record
+    type(measured_type), intent(in) :: measured
+    type(text_builder), intent(inout) :: lines
+    integer :: k
+    if (all(is_missing(measured%wavenumber))) return           ! a note says why
+    call lines%append_line('')
+    call lines%append_line('  line   wave number         +/-  phase velocity         +/-  group velocity         +/-')
+    call lines%append_line('                 1/m         1/m             m/s         m/s             m/s         m/s')
+    do k = 1, min(shown_lines, size(measured%wavenumber))
+      call lines%append_line(right(text_of(k), 6)//pair_text([measured%wavenumber(k), measured%wavenumber_error(k)], 14)// &
+        pair_text([measured%phase_velocity(k), measured%phase_velocity_error(k)], 16)// &
+        pair_text([measured%group_velocity(k), measured%group_velocity_error(k)], 16))
+    end do
+    if (.not. is_missing(record%stiffness_root(1))) call lines%append_line('  Their dispersion: sqrt(EI/(rho A)) '// &
+      to_its_error(record%stiffness_root(1), record%stiffness_root(2))//' +/- '//shortest(record%stiffness_root(2), 2)//' m2/s'// &
+      rotation_text(record%angular_velocity))
+  end subroutine report_waves
+
+  pure function rotation_text(pair) result(text)
+    !! The angular velocity that the dispersion tells, behind a comma.
+    real(dp), intent(in) :: pair(2)
+    character(:), allocatable :: text
+    text = ''
+    if (is_missing(pair(1))) return
+    text = ', angular velocity '//to_its_error(pair(1), pair(2))//' +/- '//shortest(pair(2), 2)//' rad/s'
+  end function rotation_text
+
+  pure function pair_text(pair, width) result(text)
+    !! A number and half its interval, the latter in 12 letters; dashes where there is none.
+    real(dp), intent(in) :: pair(2)
+    integer, intent(in) :: width
+    character(:), allocatable :: text
+    if (is_missing(pair(1))) then
+      text = right('-', width)//right('-', 12)
+    else
+      text = right(to_its_error(pair(1), pair(2)), width)//right(shortest(pair(2), 2), 12)
+    end if
+  end function pair_text
 
   subroutine report_rejected(record, lines)
     !! What was looked at and is no line, and why.

@@ -39,12 +39,14 @@ contains
       units = units_of(scene%beam)
       call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
                              shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+    end if
+    if (.not. allocated(scene%record)) then
       call lines%append_line('  effects    '//effects_text(scene))
       call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
-    if (position_of(scene%groups, 'beam') > 0) call lines%append(hint_line(scene))
+    if (.not. allocated(scene%record)) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 

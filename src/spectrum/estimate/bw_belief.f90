@@ -41,6 +41,8 @@ module bw_belief
     real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
     complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
     real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
+    real(dp), allocatable :: amplitude_noise(:)
+      !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
     integer :: status = 0
     real(dp) :: drift = 0, drift_bound = 0     !! change of frequency from the first sample to the last, and its bound
     real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
@@ -140,12 +142,13 @@ contains
     integer :: s
     growth = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))
     line%amplitude = own%amplitude/gain*growth
-    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
+    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))
     do s = 1, size(gain)
       associate (a => own%amplitude(s))
         along = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
         across = [-along(2), along(1)]
         line%amplitude_bound(s) = amplitude_deviation(errors, s, j, along)*growth/abs(gain(s))
+        line%amplitude_noise(s) = norm2(solved(errors, j, along))/sqrt(errors%weight(s))*growth/abs(gain(s))
         line%phase_bound(s) = amplitude_deviation(errors, s, j, across)/max(abs(a), tiny(1.0_dp))
       end associate
     end do
@@ -158,13 +161,8 @@ contains
     integer, intent(in) :: s, j
     real(dp), intent(in) :: direction(2)
     real(dp) :: y(errors%reduced%linear), slope(2*errors%reduced%lines), a, b
-    integer :: i, k, c
-    y = 0
-    do i = 1, errors%reduced%linear
-      if (i == 2*j - 1) y(i) = direction(1)/errors%reduced%length(i)
-      if (i == 2*j) y(i) = direction(2)/errors%reduced%length(i)
-      y(i) = (y(i) - dot_product(errors%reduced%triangle(:i - 1, i), y(:i - 1)))/errors%reduced%triangle(i, i)
-    end do
+    integer :: k, c
+    y = solved(errors, j, direction)
     do k = 1, errors%reduced%lines
       a = errors%reduced%linear_part(2*k - 1, s)
       b = errors%reduced%linear_part(2*k, s)
@@ -181,6 +179,22 @@ contains
     slope(2*j) = slope(2*j) - dot_product(direction, [-b, a])
     deviation = sqrt(sum(y**2)/errors%weight(s) + dot_product(slope, matmul(errors%covariance, slope)))
   end function amplitude_deviation
+
+  pure function solved(errors, j, direction) result(y)
+    !! The columns' triangle, transposed, solved for a direction of the plane of line j's amplitude: its length is the deviation
+    !! of the amplitude in that direction over that of a sample, at known decays and frequencies.
+    type(band_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp), intent(in) :: direction(2)
+    real(dp) :: y(errors%reduced%linear)
+    integer :: i
+    y = 0
+    do i = 1, errors%reduced%linear
+      if (i == 2*j - 1) y(i) = direction(1)/errors%reduced%length(i)
+      if (i == 2*j) y(i) = direction(2)/errors%reduced%length(i)
+      y(i) = (y(i) - dot_product(errors%reduced%triangle(:i - 1, i), y(:i - 1)))/errors%reduced%triangle(i, i)
+    end do
+  end function solved
 
   subroutine judge_windows(samples, band, rows, weight, own, believed)
     !! Fit the band's lines to each half and quarter of the record by itself. Where a window does not tell, its bound is huge.

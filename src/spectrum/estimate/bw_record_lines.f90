@@ -40,6 +40,8 @@ module bw_record_lines
     real(dp), allocatable :: decay_rate(:), decay_rate_error(:), decay_rate_bound(:)      !! δ, 1/s; negative grows, (lines)
     complex(dp), allocatable :: amplitude(:, :)   !! A at the record's first sample, in the sensor's SI unit, (sensors, lines)
     real(dp), allocatable :: amplitude_error(:, :), amplitude_bound(:, :)                 !! of |A|, (sensors, lines)
+    real(dp), allocatable :: amplitude_noise(:, :)
+      !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
     real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
     real(dp), allocatable :: drift(:), drift_bound(:)
       !! change of β from the first sample to the last, as far as it is a straight line, rad/s, (lines)
@@ -49,6 +51,7 @@ module bw_record_lines
     integer, allocatable :: status(:)             !! sum of bits of `status_words`, (lines)
     type(rejected_candidate), allocatable :: rejected(:)
     real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
+    real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
     integer :: left_out = 0                       !! weaker lines that are not among these
   end type record_lines
 
@@ -63,10 +66,10 @@ contains
     integer, intent(in) :: most                   !! lines
     type(record_lines) :: lines
     integer, allocatable :: chosen(:)
-    real(dp) :: quantile, turn, rate
+    real(dp) :: turn, rate
     integer :: i
     chosen = strongest(believed, most)
-    quantile = normal_quantile((1 + confidence)/2)
+    lines%quantile = normal_quantile((1 + confidence)/2)
     rate = 1/samples%step
     turn = two_pi/samples%step
     lines%left_out = size(believed) - size(chosen)
@@ -80,19 +83,21 @@ contains
     lines%drift_bound = turn*believed(chosen)%drift_bound
     lines%status = merge(2*believed(chosen)%status, 1, believed(chosen)%status > 0)
     associate (sensors => size(found%deviation), n => size(chosen))
-      allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n))
+      allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n), &
+                lines%amplitude_noise(sensors, n))
       allocate (lines%windows(4, size(window_start), n))
     end associate
     do i = 1, size(chosen)
       associate (line => believed(chosen(i)))
         lines%amplitude(:, i) = line%amplitude
         lines%amplitude_bound(:, i) = line%amplitude_bound
+        lines%amplitude_noise(:, i) = line%amplitude_noise
         lines%phase_bound(:, i) = line%phase_bound
         lines%windows(:, :, i) = windows_in_si(line%windows, turn, rate)
       end associate
     end do
-    lines%amplitude_error = quantile*lines%amplitude_bound
-    lines%phase_error = quantile*lines%phase_bound
+    lines%amplitude_error = lines%quantile*lines%amplitude_bound
+    lines%phase_error = lines%quantile*lines%phase_bound
     lines%rejected = candidates_in_si(found%rejected, turn)
     lines%noise_deviation = [(deviation_of(samples, found, i), i=1, size(found%deviation))]
   end function lines_in_si
