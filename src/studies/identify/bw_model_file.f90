@@ -159,8 +159,13 @@ contains
     !! The names of unknowns, or their units, with blanks behind them.
     type(identification), intent(in) :: found
     logical, intent(in) :: of_parameters
-    character(64) :: names(size(found%unknowns))
-    integer :: i
+    character(:), allocatable :: names(:)
+    integer :: i, longest
+    longest = 1
+    do i = 1, size(found%unknowns)
+      longest = max(longest, len(found%unknowns(i)%parameter), len(found%unknowns(i)%unit))
+    end do
+    allocate (character(longest) :: names(size(found%unknowns)))
     do i = 1, size(names)
       names(i) = found%unknowns(i)%unit
       if (of_parameters) names(i) = found%unknowns(i)%parameter

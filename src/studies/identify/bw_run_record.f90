@@ -6,7 +6,8 @@ module bw_run_record
   use bw_absent_mends, only: find_mends, mend_type
   use bw_beam_state, only: beam_state, state_of
   use bw_belief, only: normal_quantile
-  use bw_error, only: error_type, status_bad_file, status_stopped
+  use bw_error, only: error_type, fail, status_bad_file, status_stopped
+  use bw_files, only: remove_file
   use bw_further_scenes, only: further_scenes
   use bw_identification, only: identification, identify
   use bw_identified_scene, only: identified_text
@@ -58,25 +59,53 @@ contains
     type(record_set) :: set
     type(outcome_type) :: other
     real(dp) :: nothing(0)
-    integer(i4), allocatable :: go(:)
+    integer(i4), allocatable :: stop(:)
     integer :: i
     outcome%notes = ''
+    outcome%report = ''
     call further_scenes(scene, set%further, error)
     call group%collect(nothing, error)
-    if (.not. allocated(error)) call run_scene(scene, directory, overwrite, group, progress, outcome, error)
-    if (position_of(scene%groups, 'beam') == 0) return
+    if (allocated(error)) return
     do i = 1, size(set%further)
-      go = [outcome%status]
-      call group%collect(nothing, error)
-      call group%share(go)
-      if (allocated(error) .or. go(1) == status_stopped) return
-      other%notes = ''
       call run_scene(set%further(i), directory, overwrite, group, progress, other, error)
+      call group%collect(nothing, error)
+      stop = [merge(1_i4, 0_i4, other%status == status_stopped)]
+      call group%share(stop)
       outcome%status = max(outcome%status, other%status)
+      outcome%notes = other%notes
+      if (allocated(error) .or. stop(1) == 1) return
     end do
-    if (allocated(error) .or. outcome%status == status_stopped .or. .not. group%leads()) return
+    if (group%leads()) call clear_outdated(scene, directory, overwrite, set, error)
+    call group%collect(nothing, error)
+    if (allocated(error)) return
+    i = outcome%status
+    call run_scene(scene, directory, overwrite, group, progress, outcome, error)
+    outcome%status = max(outcome%status, i)
+    if (position_of(scene%groups, 'beam') == 0 .or. .not. group%leads()) return
+    if (allocated(error) .or. outcome%status == status_stopped) return
     call hold_against(scene, directory, progress, set, outcome, error)
   end subroutine run_record
+
+  subroutine clear_outdated(scene, directory, overwrite, set, error)
+    !! A finished result whose further records were others is not this one.
+    !! **Errors**: it may not be replaced.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: directory
+    logical, intent(in) :: overwrite
+    type(record_set), intent(inout) :: set
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: path, there
+    integer :: ignored
+    call find_identity(directory, set)
+    path = directory//'/'//scene%name//'.nc'
+    call read_attribute(path, 'model', there)
+    if (there == '' .or. there == set%identity) return
+    if (overwrite) then
+      ignored = remove_file(path)
+    else
+      call fail(error, status_bad_file, path//': is there already, of other records; --overwrite replaces it')
+    end if
+  end subroutine clear_outdated
 
   subroutine hold_against(scene, directory, progress, set, outcome, error)
     !! The beam beside the lines that were found.
@@ -90,7 +119,6 @@ contains
     character(:), allocatable :: there, report, notes
     type(text_builder) :: lines
     real(dp) :: quantile
-    call find_identity(directory, set)
     call read_attribute(outcome%file, 'model', there)
     if (outcome%was_there .and. there == set%identity) return
     quantile = normal_quantile(0.5_dp + 0.5_dp*scene%spectrum%confidence)
