@@ -20,9 +20,10 @@ module bw_scene_unknowns
 
 contains
 
-  pure subroutine extract_unknowns(groups, unknowns, messages)
+  pure subroutine extract_unknowns(groups, sweeps, unknowns, messages)
     !! Find the numbers that `&identify` groups name; they count as given from here on.
     type(group_values), intent(inout) :: groups(:)
+    type(sweep_par), intent(in) :: sweeps(:)             !! repeats of the record are fitted together; no others go with unknowns
     type(identify_par), allocatable, intent(out) :: unknowns(:)
     type(message_list), intent(inout) :: messages
     integer, allocatable :: places(:)
@@ -34,6 +35,8 @@ contains
                         '; accepted: at most '//text_of(most_unknowns))
       return
     end if
+    if (size(places) > 0 .and. .not. all(sweeps%implied)) call messages%add(groups(places(1))%line, '&identify', &
+      'excludes &sweep: all records are fitted together; accepted: one or the other')
     do i = 1, size(places)
       if (.not. groups(places(i))%known('parameter')) cycle
       call find_unknown(groups(places(i)), groups, unknowns(i), messages)

@@ -60,7 +60,7 @@ contains
     if (.not. messages%cut) then
       call fill_groups(text, tokens, parsed, scene%groups, messages)
       call extract_sweeps(scene%groups, scene%sweeps, messages)
-      call extract_unknowns(scene%groups, scene%unknowns, messages)
+      call extract_unknowns(scene%groups, scene%sweeps, scene%unknowns, messages)
       call check_groups(scene%groups, messages)
       call complete(scene, messages)
     end if

@@ -89,13 +89,14 @@ contains
     if (.not. allocated(further(i)%record)) problem = 'has no &record'
     if (position_of(further(i)%groups, 'beam') == 0) problem = 'has no &beam'
     if (size(further(i)%unknowns) > 0) problem = 'has &identify groups of its own'
+    if (.not. all(further(i)%sweeps%implied)) problem = 'has sweeps'
     if (further(i)%name == scene%name) problem = 'would have the same result as this scene'
     do j = 1, i - 1
       if (further(j)%name == further(i)%name) problem = 'would have the same result as '//further(j)%file
     end do
     if (problem == '') return
     call fail(error, status_bad_input, scene%file//':'//text_of(group%line_of('with'))//': identify%with: '//further(i)%file// &
-              ' '//problem//'; accepted: scenes with &record and &beam, without &identify, of other names than this one')
+              ' '//problem//'; accepted: scenes with &record and &beam, without &identify and &sweep, of other names than this one')
   end subroutine check_further
 
 end module bw_further_scenes
