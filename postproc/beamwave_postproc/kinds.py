@@ -20,6 +20,7 @@ from .draw import (
     prices,
     record_dispersion,
     record_fit,
+    record_model,
     record_shapes,
     record_spectrum,
     record_windows,
@@ -55,6 +56,8 @@ KINDS: dict[str, Callable[[xr.Dataset], Figure]] = {
     "record_windows": record_windows.record_windows,
     "record_shapes": record_shapes.record_shapes,
     "record_dispersion": record_dispersion.record_dispersion,
+    "record_model": record_model.record_model,
+    "identified": record_model.identified,
     "changes": effect_table.changes,
     "work_precision": prices.work_precision,
 }

@@ -288,6 +288,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: path
     integer :: c
+    path = ''
     do c = 1, size(set%measured)
       if (c > 1) then
         if (set%measured(c)%scene%name == set%measured(c - 1)%scene%name) cycle
