@@ -18,7 +18,7 @@ module bw_result_header
   implicit none (type, external)
   private
   character(*), parameter :: number_of_file = 'record_file'   !! a variable of repeats
-  character(*), parameter :: quantities(*) = [character(12) :: 'displacement', 'velocity', 'acceleration', 'strain']
+  character(*), parameter, public :: quantities(*) = [character(12) :: 'displacement', 'velocity', 'acceleration', 'strain']
 
   public :: coordinates_of, put_global_attributes, put_coordinates, put_inputs, swept_names, source_text
 
@@ -260,6 +260,7 @@ contains
       associate (input => inputs(i))
         text = variable_text(input_variable(input), input%dimension, input%unit, input%meaning, is_integer=input%is_integer, &
                              is_complete=.not. any(is_missing(input%values)))
+        if (text%units == '') text%units = '1'             ! that of what the input names
         if (input%is_swept) then
           text%dimensions = 'case '//input%dimension
           call file%define_rows(text, columns_of(scene, input), int(case_count(scene)), error)

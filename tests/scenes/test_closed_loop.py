@@ -80,10 +80,10 @@ def test_true_numbers_are_inside_their_intervals(here):
         )
         here.write(f"found/i{number}.nml", namelist(groups) + text)
         beams.append((true, LEVELS[number // 3 % 3]))
-    assert here.beamwave("run", "struck", "--quiet").returncode == 0
+    assert here.beamwave("run", "struck", "--quiet", timeout=20 * BEAMS).returncode == 0
     for number, (_, level) in enumerate(beams):
         here.write(f"found/s{number}.csv", as_record(here.result(f"s{number}"), level, dice))
-    ended = here.beamwave("run", "found", "--quiet")
+    ended = here.beamwave("run", "found", "--quiet", timeout=20 * BEAMS)
     assert ended.returncode == 0, ended.stderr
 
     inside, explained = {level: [] for level in LEVELS}, []

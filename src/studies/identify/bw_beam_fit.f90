@@ -136,8 +136,8 @@ contains
     call place(problem, fit)
     problem%scatter = 0
     call problem%minimise(fit%residuals)
-    fit%chi_squared = sum(fit%residuals**2)
-    fit%freedom = size(fit%residuals) - size(problem%free)
+    fit%chi_squared = sum(fit%residuals(:problem%count_tested())**2)
+    fit%freedom = problem%count_tested() - size(problem%free)
     fit%tail = 1
     if (fit%freedom > 0) fit%tail = chi_squared_tail(fit%chi_squared, fit%freedom)
     if (fit%tail < unlikely) then
@@ -153,7 +153,7 @@ contains
   end subroutine settle
 
   subroutine explain(problem, freedom)
-    !! Set τ so that the sum of squares, where the unknowns are, is its number of degrees of freedom.
+    !! Set τ so that the sum of squares of what is tested, where the unknowns are, is its number of degrees of freedom.
     type(fit_problem), intent(inout) :: problem
     integer, intent(in) :: freedom
     integer, parameter :: halvings = 40
@@ -164,8 +164,8 @@ contains
     do i = 1, halvings
       problem%scatter = exp(0.5_dp*(low + high))
       call problem%find_residuals(problem%v(problem%free), ignored)
-      if (sum(ignored**2) > freedom) low = log(problem%scatter)
-      if (sum(ignored**2) <= freedom) high = log(problem%scatter)
+      if (sum(ignored(:problem%count_tested())**2) > freedom) low = log(problem%scatter)
+      if (sum(ignored(:problem%count_tested())**2) <= freedom) high = log(problem%scatter)
     end do
   end subroutine explain
 

@@ -22,6 +22,10 @@ module bw_beam_state
     real(dp), allocatable :: deviation(:)        !! its standard deviation [rad/s], > 0, (lines)
     real(dp), allocatable :: decay(:)            !! δ [1/s], (lines)
     real(dp), allocatable :: decay_deviation(:)  !! > 0, (lines)
+    complex(dp), allocatable :: amplitude(:, :)  !! unallocated: not known where, or not comparable, (sensors, lines)
+    real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
+    real(dp), allocatable :: points(:)           !! ξ, (sensors)
+    logical :: bends = .false.                   !! sensors measure strain, else motion
   end type measured_lines
 
   type, public :: state_modes
@@ -29,6 +33,7 @@ module bw_beam_state
     integer, allocatable :: number(:)            !! ascending, (modes)
     real(dp), allocatable :: frequency(:)        !! β [rad/s]; −√(−β²) of a mode that grows, (modes)
     real(dp), allocatable :: decay(:)            !! c/2 [1/s], (modes)
+    real(dp), allocatable :: shape(:, :)         !! deflection or curvature at the sensors, where amplitudes are known, (modes, sensors)
     logical :: found = .false.                   !! false where these unknowns make no beam, or one whose modes are not found
   end type state_modes
 
@@ -104,6 +109,10 @@ contains
     modes%found = set%resolved
     if (.not. modes%found) return
     modes%frequency = sign(sqrt(abs(set%beta_squared%hi)), set%beta_squared%hi)*units%frequency
+    if (allocated(state%lines%points)) then
+      if (state%lines%bends) modes%shape = set%some_curvatures(1, set%count, state%lines%points)
+      if (.not. state%lines%bends) modes%shape = set%shapes(state%lines%points)
+    end if
     if (allocated(set%damping)) modes%decay = 0.5_dp*set%damping*units%frequency
   end subroutine solve
 

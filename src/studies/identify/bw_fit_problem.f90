@@ -3,7 +3,8 @@ module bw_fit_problem
   !!
   !! An unknown x of a range is v = −1 … 1, linear in x, or in ln x where the range spans decades. A line's residual is
   !! (f_line − f)/√(s² + τ²f_line²): s its standard deviation, τ what the model is off by besides. Decays have residuals
-  !! where damping is unknown.
+  !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
+  !! whose own complex amplitude is the one that fits them best.
   use bw_beam_state, only: beam_state, state_modes
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
@@ -14,6 +15,7 @@ module bw_fit_problem
   public :: chi_squared_tail, position_in, value_at
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
+  real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
 
   type, extends(residual_problem), public :: fit_problem
@@ -27,6 +29,7 @@ module bw_fit_problem
   contains
     procedure :: find_residuals
     procedure :: count => count_residuals
+    procedure :: count_tested
     procedure :: pairs
     procedure :: match
     procedure :: minimise
@@ -70,14 +73,26 @@ contains
   end function values_of_problem
 
   pure integer function count_residuals(self) result(count)
-    !! One for each line that is a mode, and one for its decay where damping is unknown.
+    !! One for each line that is a mode, one for its decay where damping is unknown, and two for its amplitude at each sensor.
+    class(fit_problem), intent(in) :: self
+    integer :: i
+    count = self%count_tested()
+    do i = 1, size(self%states)
+      associate (state => self%states(i))
+        if (allocated(state%lines%points)) count = count + 2*size(state%lines%points)*counted(state%mode_of)
+      end associate
+    end do
+  end function count_residuals
+
+  pure integer function count_tested(self) result(count)
+    !! The residuals by which a model is tested, which stand before those of amplitudes: the errors of these are not known well.
     class(fit_problem), intent(in) :: self
     integer :: i
     count = 0
     do i = 1, size(self%states)
       count = count + merge(2, 1, self%fits_decay)*counted(self%states(i)%mode_of)
     end do
-  end function count_residuals
+  end function count_tested
 
   pure integer function counted(mode_of)
     !! Lines that are modes.
@@ -86,19 +101,21 @@ contains
   end function counted
 
   subroutine find_residuals(self, v, residuals)
-    !! The residuals of all lines, those that are no modes apart, in the order of states and lines; decays behind frequencies.
+    !! The residuals of all lines, those that are no modes apart, in the order of states and lines; decays behind frequencies,
+    !! amplitudes behind all of these.
     class(fit_problem), intent(inout) :: self
     real(dp), intent(in) :: v(:)                 !! of the free unknowns
     real(dp), intent(out) :: residuals(:)
     type(state_modes) :: modes
     integer, allocatable :: line(:)
     real(dp) :: all_v(size(self%v))
-    integer :: i, k, n
+    integer :: i, k, n, m
     self%evaluations = self%evaluations + 1
     all_v = self%v
     all_v(self%free) = v
     residuals = 0
     n = 0
+    m = self%count_tested()
     do i = 1, size(self%states)
       associate (state => self%states(i), lines => self%states(i)%lines)
         line = pack([(k, k=1, size(state%mode_of))], state%mode_of > 0)
@@ -109,6 +126,13 @@ contains
           if (modes%found) residuals(n) = (lines%frequency(line(k)) - modes%frequency(k)) &
             /sqrt(lines%deviation(line(k))**2 + (self%scatter*lines%frequency(line(k)))**2)
         end do
+        if (allocated(lines%points)) then
+          do k = 1, size(line)
+            if (modes%found) call put_amplitudes(lines%amplitude(:, line(k)), lines%amplitude_deviation(:, line(k)), &
+                                                 modes%shape(k, :), residuals(m + 1:m + 2*size(lines%points)))
+            m = m + 2*size(lines%points)
+          end do
+        end if
         if (.not. self%fits_decay) cycle
         do k = 1, size(line)
           n = n + 1
@@ -119,6 +143,22 @@ contains
       end associate
     end do
   end subroutine find_residuals
+
+  pure subroutine put_amplitudes(amplitude, deviation, shape, residuals)
+    !! Residuals of the amplitudes of one line, real and imaginary parts.
+    complex(dp), intent(in) :: amplitude(:)      !! (sensors)
+    real(dp), intent(in) :: deviation(:), shape(:)
+    real(dp), intent(out) :: residuals(:)        !! (2 sensors)
+    complex(dp) :: scale, left(size(amplitude))
+    real(dp) :: weight(size(amplitude))
+    integer :: s
+    s = size(amplitude)
+    weight = 1/(deviation**2 + (sensor_error*maxval(abs(amplitude)))**2)
+    scale = sum(weight*shape*amplitude)/max(sum(weight*shape**2), tiny(1.0_dp))
+    left = sqrt(weight)*(amplitude - scale*shape)
+    residuals(:s) = left%re
+    residuals(s + 1:) = left%im
+  end subroutine put_amplitudes
 
   subroutine pairs(self, records, band)
     !! The lines of all states, and their modes as the unknowns are, up to those above the highest line.

@@ -46,9 +46,9 @@ contains
     call problem%match(0.0_dp, price, changed)
     problem%scatter = 0
     call problem%minimise(residuals)
-    misfit%freedom = size(residuals)
-    misfit%chi_squared = sum(residuals**2)
-    if (size(residuals) > 0) misfit%tail = chi_squared_tail(misfit%chi_squared, misfit%freedom)
+    misfit%freedom = problem%count_tested()
+    misfit%chi_squared = sum(residuals(:misfit%freedom)**2)
+    if (misfit%freedom > 0) misfit%tail = chi_squared_tail(misfit%chi_squared, misfit%freedom)
     if (misfit%tail < unlikely) call explain(problem, misfit%freedom)
     misfit%scatter = problem%scatter
     state = problem%states(1)

@@ -9,7 +9,7 @@ module measured_beams
   use bw_scene_reader, only: read_scene_text
   implicit none (type, external)
   private
-  public :: draws_of, identified, lines_of, normal, scene_from, start_draws, true_modes, uniform
+  public :: draws_of, find_unknowns, lines_of, normal, scene_from, start_draws, true_modes, uniform
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: quantile = 1.959963984540054_dp      !! of 95 %
@@ -88,14 +88,14 @@ contains
     lines%decay_deviation = lines%deviation
   end function lines_of
 
-  function identified(scene, lines) result(found)
+  subroutine find_unknowns(scene, lines, found)
     !! What the lines say of the unknowns of a scene.
     type(scene_type), intent(in) :: scene
     type(measured_lines), intent(in) :: lines
-    type(identification) :: found
+    type(identification), intent(out) :: found
     type(beam_state) :: states(1)
     states(1) = state_of(scene, scene%unknowns, lines)
     call identify(states, scene%unknowns, quantile, found)
-  end function identified
+  end subroutine find_unknowns
 
 end module measured_beams
