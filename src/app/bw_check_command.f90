@@ -4,6 +4,7 @@ module bw_check_command
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_forecast, only: few_modes, few_samples, forecast_type
+  use bw_further_scenes, only: further_scenes
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
@@ -155,10 +156,12 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(record_extent), allocatable :: extents(:)
     type(record_type) :: record
+    type(scene_type), allocatable :: further(:)
     integer :: f, n
     text = ''
     notes = ''
     call plan_record(scene, layout, extents, record, error)
+    if (.not. allocated(error)) call further_scenes(scene, further, error)
     if (allocated(error)) return
     do f = 1, size(extents)
       text = text//record_summary(extents(f))

@@ -9,7 +9,7 @@ module bw_scene_summary
   use bw_modes_par, only: by_tolerance
   use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
-  use bw_scene, only: by_pieces, count_methods, effects_text, scene_type
+  use bw_scene, only: by_pieces, count_methods, effect_names, effects_text, scene_type
   use bw_scene_cases, only: case_count
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -40,15 +40,32 @@ contains
       call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
                              shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
     end if
-    if (.not. allocated(scene%record)) then
+    if (.not. allocated(scene%record) .or. effect_names(scene) /= '') then
       call lines%append_line('  effects    '//effects_text(scene))
+    end if
+    if (.not. allocated(scene%record)) then
       call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
+    call put_unknowns(scene, lines)
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
     if (.not. allocated(scene%record)) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
+
+  subroutine put_unknowns(scene, lines)
+    !! A line for each number that is to be identified, with its range.
+    type(scene_type), intent(in) :: scene
+    type(text_builder), intent(inout) :: lines
+    integer :: i
+    if (.not. allocated(scene%unknowns)) return
+    do i = 1, size(scene%unknowns)
+      associate (unknown => scene%unknowns(i))
+        call lines%append_line('  unknown    '//unknown%parameter//', '//shortest(unknown%first, 6)//' to '// &
+                               shortest(unknown%last, 6)//' '//unknown%unit)
+      end associate
+    end do
+  end subroutine put_unknowns
 
   pure function method_text(scene) result(text)
     !! How modes are found; of a sweep in how many cases, where not all have the same method.
