@@ -7,11 +7,12 @@ module bw_band_fit
   !! Cramér–Rao bound for noise of each sensor's level.
   use bw_kinds, only: dp
   use bw_band, only: band_type, line_columns, still_columns
+  use bw_damped_line, only: damped_line, move_line
   use bw_lapack, only: dgelsy, dgeqrf, dormqr
-  use bw_samples, only: centre_of, samples_type
+  use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: fit_band, image_of, position_covariance, reduce, slopes, still_image
+  public :: damped_line, eliminate, fit_band, image_of, position_covariance, reduce, slopes, still_image, triangle_of, unknowns_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 40, most_halvings = 5
@@ -19,16 +20,11 @@ module bw_band_fit
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
-  type, public :: damped_line
-    !! The motion Re A_s e^(−dτ + 2πifτ) at sensor s.
-    real(dp) :: decay = 0                       !! d, per step; negative grows
-    real(dp) :: frequency = 0                   !! f, periods per step
-    complex(dp), allocatable :: amplitude(:)    !! A_s at the record's first sample, or at its last for a line that grows, (S)
-  end type damped_line
-
   type, public :: reduced_type
-    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each line.
+    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each line. Where
+    !! they are more than the rows, the triangle has as many rows as there are.
     integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
+    logical, allocatable :: steady(:)           !! lines whose decay is no unknown
     real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
     real(dp), allocatable :: length(:)          !! of the columns
     real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
@@ -41,6 +37,7 @@ module bw_band_fit
     type(damped_line), allocatable :: lines(:)
     real(dp), allocatable :: still(:, :)        !! offset and slope, (2, S), where they have been fitted
     real(dp) :: left = huge(1.0_dp)             !! squares of what is left over the noise's variance, all sensors
+    real(dp) :: slowest = 1                     !! part of that: a step that leaves more of what there was is the last
   end type fit_type
 
 contains
@@ -57,6 +54,7 @@ contains
     type(damped_line), allocatable :: moved(:)
     real(dp) :: step(2, size(fit%lines)), gain, factor, left, left_now
     integer :: i, j
+    logical :: slow
     now = reduce(samples, band, rows, fit%lines, with_still)
     left_now = sum(weight*now%left)
     do i = 1, most_steps
@@ -74,7 +72,9 @@ contains
       if (left >= left_now) exit
       fit%lines = moved
       now = trial
+      slow = left > fit%slowest*left_now
       left_now = left
+      if (slow) exit
     end do
     fit%left = left_now
     do i = 1, size(fit%lines)
@@ -84,7 +84,7 @@ contains
   end subroutine fit_band
 
   function reduce(samples, band, rows, lines, with_still, order, bent) result(reduced)
-    !! The triangle of the lines' columns, and the record turned by it. There must be more rows than columns.
+    !! The triangle of the lines' columns, and the record turned by it. There must be more rows than amplitudes.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: rows(:, :)
@@ -94,17 +94,18 @@ contains
     integer, intent(in), optional :: bent       !! the line that has columns of powers above 1, if any
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :), turned(:, :), tau(:), work(:), columns(:, :, :)
-    integer :: k, m, n, highest, info
+    integer :: k, m, n, last, highest, info
     highest = 1
     if (present(order)) highest = order
     reduced%lines = size(lines)
+    reduced%steady = lines%steady
     reduced%linear = 2*size(lines) + merge(2, 0, with_still)
     n = reduced%linear + 2*min(highest, 1)*size(lines) + 2*max(highest - 1, 0)
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
     do k = 1, size(lines)
       m = min(highest, 1)
       if (present(bent)) m = merge(highest, m, k == bent)
-      columns = line_columns(samples, band, lines(k)%decay, lines(k)%frequency, m)
+      columns = line_columns(samples, band, lines(k), m)
       matrix(:, 2*k - 1:2*k) = columns(:, :, lbound(columns, 3))
       if (highest > 0) matrix(:, reduced%linear + 2*k - 1:reduced%linear + 2*k) = columns(:, :, lbound(columns, 3) + 1)
       do m = 2, ubound(columns, 3) - lbound(columns, 3)
@@ -119,15 +120,22 @@ contains
       matrix(:, k) = matrix(:, k)/reduced%length(k)
     end do
     turned = rows
+    last = min(n, size(rows, 1))
     if (n > 0) then
       call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
-      call dormqr('L', 'T', size(rows, 1), size(rows, 2), n, matrix, size(matrix, 1), tau, turned, size(rows, 1), &
+      call dormqr('L', 'T', size(rows, 1), size(rows, 2), last, matrix, size(matrix, 1), tau, turned, size(rows, 1), &
         & work, size(work), info)
     end if
-    reduced%triangle = matrix(:n, :)
-    reduced%rotated = turned(:n, :)
-    reduced%left = sum(turned(reduced%linear + 1:, :)**2, dim=1)
-    reduced%linear_part = solved(reduced%triangle(:reduced%linear, :reduced%linear), reduced%rotated(:reduced%linear, :))
+    reduced%triangle = matrix(:last, :)
+    reduced%rotated = turned(:last, :)
+    associate (triangle => reduced%triangle(:reduced%linear, :reduced%linear))
+      reduced%linear_part = solved(triangle, reduced%rotated(:reduced%linear, :))
+      reduced%left = sum(turned(reduced%linear + 1:, :)**2, dim=1)
+      do k = 1, reduced%linear                  ! where the triangle does not determine a number, something stays
+        if (abs(triangle(k, k)) > dependent) cycle
+        reduced%left = reduced%left + (turned(k, :) - matmul(triangle(k, k:), reduced%linear_part(k:, :)))**2
+      end do
+    end associate
     do k = 1, reduced%linear
       reduced%linear_part(k, :) = reduced%linear_part(k, :)/reduced%length(k)
     end do
@@ -151,31 +159,35 @@ contains
   end function solved
 
   function slopes(reduced, weight, bent) result(matrix)
-    !! The slopes of all sensors by decay and frequency of each line, or by the drifts of one line's, in units of one over half the
-    !! record and its square, amplitudes, offset and slope eliminated. (sensors × columns, unknowns)
+    !! The slopes of all sensors by decay and frequency of each line, those by decays that are held left out, or by the drifts of
+    !! one line's, in units of one over half the record and its square, amplitudes, offset and slope eliminated.
+    !! (sensors × rows, unknowns)
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
     integer, intent(in), optional :: bent       !! the line whose drifts are asked for
     real(dp), allocatable :: matrix(:, :)
     real(dp) :: a, b
-    integer :: s, k, n, row, c, first, last, unknowns
-    n = size(reduced%length)
+    integer :: s, k, n, row, c, first, last, unknown
+    logical :: held
+    n = size(reduced%triangle, 1) - reduced%linear
     first = 1
     last = reduced%lines
     if (present(bent)) first = bent
     if (present(bent)) last = bent
-    allocate (matrix(size(weight)*(n - reduced%linear), 2*(last - first + 1)))
+    allocate (matrix(size(weight)*n, 2*(last - first + 1) - merge(0, count(reduced%steady), present(bent))))
     do s = 1, size(weight)
-      row = (s - 1)*(n - reduced%linear)
+      row = (s - 1)*n
+      unknown = 0
       do k = first, last
         a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
         b = reduced%linear_part(2*k, s)*sqrt(weight(s))
         c = reduced%linear + merge(2*reduced%lines + 1, 2*k - 1, present(bent))
-        unknowns = 2*(k - first)
+        held = reduced%steady(k) .and. .not. present(bent)
         associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
             & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-          matrix(row + 1:row + n - reduced%linear, unknowns + 1) = a*upper(one, c) + b*upper(other, c + 1)
-          matrix(row + 1:row + n - reduced%linear, unknowns + 2) = -b*upper(one, c) + a*upper(other, c + 1)
+          if (.not. held) matrix(row + 1:row + n, unknown + 1) = a*upper(one, c) + b*upper(other, c + 1)
+          unknown = unknown + merge(1, 2, held)
+          matrix(row + 1:row + n, unknown) = -b*upper(one, c) + a*upper(other, c + 1)
         end associate
       end do
     end do
@@ -193,26 +205,57 @@ contains
 
   end function slopes
 
+  pure function unknowns_of(reduced) result(unknown)
+    !! Which column of the slopes is by the decay and by the frequency of each line, 0 where the decay is held, (2, lines).
+    type(reduced_type), intent(in) :: reduced
+    integer :: unknown(2, reduced%lines), k, last
+    last = 0
+    do k = 1, reduced%lines
+      unknown(:, k) = [merge(0, last + 1, reduced%steady(k)), last + merge(1, 2, reduced%steady(k))]
+      last = unknown(2, k)
+    end do
+  end function unknowns_of
+
   subroutine step_of(reduced, weight, step, gain)
     !! The Gauss–Newton step of −decay and 2π·frequency over half the record, and what it promises to take off the weighted squares.
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
     real(dp), intent(out) :: step(2, reduced%lines), gain
-    real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), work(:)
-    integer :: pivot(2*reduced%lines), rank, info, s, n
-    n = size(reduced%length) - reduced%linear
+    real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
+    integer, allocatable :: pivot(:)
+    integer :: unknown(2, reduced%lines), rank, info, s, k, n
+    n = size(reduced%triangle, 1) - reduced%linear
     matrix = slopes(reduced, weight)
-    allocate (right(size(matrix, 1), 1), work(64*(sum(shape(matrix)) + 1)))
+    length = scaled(matrix)
+    allocate (right(max(size(matrix, 1), size(matrix, 2)), 1), work(64*(sum(shape(matrix)) + 1)))
+    right = 0
     do s = 1, size(weight)
       right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
     end do
-    pivot = 0
+    allocate (pivot(size(matrix, 2)), source=0)
     factors = matrix
     call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
       & work, size(work), info)
-    step = reshape(right(:size(matrix, 2), 1), shape(step))
     gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
+    unknown = unknowns_of(reduced)
+    step = 0
+    do k = 1, reduced%lines
+      if (unknown(1, k) > 0) step(1, k) = right(unknown(1, k), 1)/length(unknown(1, k))
+      step(2, k) = right(unknown(2, k), 1)/length(unknown(2, k))
+    end do
   end subroutine step_of
+
+  function scaled(matrix) result(length)
+    !! The lengths of a matrix's columns, which are brought to length 1; 1 for a column of zeros.
+    real(dp), intent(inout) :: matrix(:, :)
+    real(dp) :: length(size(matrix, 2))
+    integer :: k
+    length = norm2(matrix, dim=1)
+    where (.not. length > 0) length = 1
+    do k = 1, size(matrix, 2)
+      matrix(:, k) = matrix(:, k)/length(k)
+    end do
+  end function scaled
 
   function moved_lines(samples, lines, step) result(moved)
     !! The lines after a step; a frequency that passes 0 or half the sampling rate comes back as its mirror image.
@@ -223,37 +266,73 @@ contains
     real(dp) :: half
     half = centre_of(samples)
     moved = lines
-    moved%decay = lines%decay - step(1, :)/half
-    moved%frequency = abs(lines%frequency + step(2, :)/(2*pi*half))
-    if (.not. allocated(samples%place)) where (moved%frequency > 0.5_dp) moved%frequency = 1 - moved%frequency
+    call move_line(moved, -step(1, :)/half, step(2, :)/(2*pi*half))
+    if (allocated(samples%place)) return
+    where (moved%frequency > 0.5_dp)
+      moved%frequency = 1 - moved%frequency
+      moved%rest = -moved%rest
+    end where
   end function moved_lines
 
   function position_covariance(reduced, weight) result(covariance)
-    !! The covariance of −decay and 2π·frequency over half the record, in noise of the variances 1/weight, (2 lines, 2 lines).
+    !! The covariance of −decay and 2π·frequency over half the record, in noise of the variances 1/weight, (2 lines, 2 lines). No
+    !! decay may be held.
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
     real(dp) :: covariance(2*reduced%lines, 2*reduced%lines)
-    real(dp), allocatable :: matrix(:, :), tau(:), work(:)
-    real(dp) :: length(2*reduced%lines), inverse(2*reduced%lines, 2*reduced%lines)
-    integer :: info, i, n
+    real(dp) :: inverse(2*reduced%lines, 2*reduced%lines)
+    real(dp), allocatable :: triangle(:, :), length(:)
+    integer :: i, n
     n = 2*reduced%lines
-    matrix = slopes(reduced, weight)
-    allocate (tau(n), work(64*n))
-    length = max(norm2(matrix, dim=1), tiny(1.0_dp))
-    do i = 1, n
-      matrix(:, i) = matrix(:, i)/length(i)
-    end do
-    call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
+    call triangle_of(slopes(reduced, weight), triangle, length)
     inverse = 0
     do i = 1, n
       inverse(i, i) = 1
     end do
-    inverse = solved(matrix(:n, :n), inverse)
+    inverse = solved(triangle, inverse)
     do i = 1, n
       inverse(i, :) = inverse(i, :)/length(i)
     end do
     covariance = matmul(inverse, transpose(inverse))
   end function position_covariance
+
+  subroutine triangle_of(matrix, triangle, length)
+    !! The triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit; zeros where there are fewer rows than
+    !! columns.
+    real(dp), intent(in) :: matrix(:, :)
+    real(dp), allocatable, intent(out) :: triangle(:, :)
+    real(dp), allocatable, intent(out) :: length(:)  !! of the columns
+    real(dp), allocatable :: factors(:, :), tau(:), work(:)
+    integer :: info, n
+    n = size(matrix, 2)
+    factors = matrix
+    length = scaled(factors)
+    allocate (triangle(n, n), source=0.0_dp)
+    if (size(matrix, 1) < n .or. n == 0) return
+    allocate (tau(n), work(64*n))
+    call dgeqrf(size(matrix, 1), n, factors, size(matrix, 1), tau, work, size(work), info)
+    triangle = factors(:n, :)
+  end subroutine triangle_of
+
+  pure subroutine eliminate(triangle, length, gradient, y, determined)
+    !! Find y = R⁻ᵀ (gradient/length), whose length is the standard deviation of gradient·x in noise of variance 1, or that the fit
+    !! does not determine that number.
+    real(dp), intent(in) :: triangle(:, :), length(:)  !! R and the lengths of the columns that it is of
+    real(dp), intent(in) :: gradient(:)
+    real(dp), intent(out) :: y(:)
+    logical, intent(out) :: determined
+    integer :: i
+    determined = .true.
+    do i = 1, size(y)
+      y(i) = gradient(i)/length(i) - dot_product(triangle(:i - 1, i), y(:i - 1))
+      if (abs(triangle(i, i)) > dependent) then
+        y(i) = y(i)/triangle(i, i)
+      else
+        determined = determined .and. abs(y(i)) <= dependent
+        y(i) = 0
+      end if
+    end do
+  end subroutine eliminate
 
   function image_of(samples, band, line) result(image)
     !! The rows of one line at all sensors, (rows, S).
@@ -262,7 +341,7 @@ contains
     type(damped_line), intent(in) :: line
     real(dp) :: image(size(band%rows, 1), size(band%rows, 2)), columns(size(band%rows, 1), 2, 0:0)
     integer :: s
-    columns = line_columns(samples, band, line%decay, line%frequency, 0)
+    columns = line_columns(samples, band, line, 0)
     do s = 1, size(image, 2)
       image(:, s) = line%amplitude(s)%re*columns(:, 1, 0) + line%amplitude(s)%im*columns(:, 2, 0)
     end do

@@ -1,10 +1,10 @@
 module bw_ordinates
   !! What lines leave of a record, seen by frequency: the ordinates of all sensors together over the level of their noise.
-  use bw_band_fit, only: damped_line
+  use bw_damped_line, only: damped_line, subtract_lines
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_knots, quantile_of
-  use bw_samples, only: centre_of, phase_factor, place_of, samples_type, span_of
+  use bw_samples, only: centre_of, place_of, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
@@ -13,7 +13,6 @@ module bw_ordinates
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
   integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
-  integer, parameter :: table = 256            !! samples between two turns of a line's coefficient
   real(dp), parameter :: quartile = 0.67449_dp !! of a normal number, in standard deviations
   real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
 
@@ -180,9 +179,8 @@ contains
     real(dp), intent(in) :: still(:, :)
     integer, intent(in) :: s
     real(dp), allocatable :: left(:)
-    complex(dp) :: tone(0:table - 1), factor
     real(dp) :: centre, start, periods
-    integer :: k, n, l, length
+    integer :: k, n
     left = samples%value(:samples%count, s)
     centre = centre_of(samples)
     if (allocated(samples%place)) then
@@ -198,15 +196,7 @@ contains
       return
     end if
     left = left - still(1, s) - still(2, s)*([(n, n=0, size(left) - 1)]/centre - 1)
-    do k = 1, size(lines)
-      tone = [(exp(-lines(k)%decay*l)*phase_factor(lines(k)%frequency, l), l=0, table - 1)]
-      start = 2*min(lines(k)%decay, 0.0_dp)*centre
-      do n = 0, size(left) - 1, table
-        length = min(table, size(left) - n)
-        factor = lines(k)%amplitude(s)*exp(start - lines(k)%decay*n)*phase_factor(lines(k)%frequency, n)
-        left(n + 1:n + length) = left(n + 1:n + length) - (factor%re*tone(:length - 1)%re - factor%im*tone(:length - 1)%im)
-      end do
-    end do
+    call subtract_lines(lines, s, left)
   end function remainder
 
   pure real(dp) function chance_of(ordinate, shape, bins)

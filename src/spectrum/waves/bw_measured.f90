@@ -1,16 +1,16 @@
 module bw_measured
   !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam.
+  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
-  use bw_line, only: line_type
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
-  use bw_line_residual, only: residual_type
-  use bw_line_search, only: find_lines
   use bw_measured_notes, only: measured_notes
   use bw_missing, only: is_missing, missing
   use bw_mode_check, only: check_peaks, is_mode, not_known, record_facts, verdict_type
   use bw_mode_curve, only: mode_type, slope_of
   use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops
+  use bw_tapered_residual, only: residual_type
+  use bw_tapered_search, only: find_pure_lines
   use bw_text, only: string
   implicit none (type, external)
   private
@@ -74,7 +74,7 @@ contains
     real(dp), intent(in) :: tip(:), midpoint(:)
     type(peak_type), allocatable, intent(out) :: peaks(:)
     class(monitor_type), intent(inout), optional :: monitor
-    type(line_type), allocatable :: lines(:)
+    type(damped_line), allocatable :: lines(:)
     type(residual_type) :: residual
     real(dp) :: record(size(tip), 2)
     integer :: power
@@ -83,7 +83,7 @@ contains
     power = exponent(max(maxval(abs(tip)), maxval(abs(midpoint))))
     record(:, 1) = scale(tip, -power)
     record(:, 2) = scale(midpoint, -power)
-    call find_lines(record, lines, residual, monitor)
+    call find_pure_lines(record, lines, residual, monitor)
     if (.not. stops(monitor)) peaks = peaks_of(lines, residual)
   end subroutine find_peaks
 
