@@ -3,8 +3,8 @@ module bw_band_fit
   !!
   !! Given decays and frequencies, everything else is linear. One triangle R of [columns of amplitudes, columns of slopes] and
   !! the rotated record hold the whole fit: what is left, the Gauss–Newton step, and the covariance, since all sensors share the
-  !! columns. The covariance of decays and frequencies is the inverse of Re(JᴴΣ⁻¹J) with the amplitudes eliminated: the
-  !! Cramér–Rao bound for noise of each sensor's level.
+  !! columns. The triangle of its slopes is that of Re(JᴴΣ⁻¹J) with the amplitudes eliminated, from which the Cramér–Rao bounds
+  !! follow for noise of each sensor's level.
   use bw_kinds, only: dp
   use bw_band, only: band_type, line_columns, still_columns
   use bw_damped_line, only: damped_line, move_line
@@ -12,7 +12,7 @@ module bw_band_fit
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: damped_line, eliminate, fit_band, image_of, position_covariance, reduce, slopes, still_image, triangle_of, unknowns_of
+  public :: damped_line, eliminate, fit_band, image_of, reduce, slopes, still_image, triangle_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 40, most_halvings = 5
@@ -24,7 +24,7 @@ module bw_band_fit
     !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each line. Where
     !! they are more than the rows, the triangle has as many rows as there are.
     integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
-    logical, allocatable :: steady(:)           !! lines whose decay is no unknown
+    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by decays that are held, (2 lines)
     real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
     real(dp), allocatable :: length(:)          !! of the columns
     real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
@@ -98,7 +98,7 @@ contains
     highest = 1
     if (present(order)) highest = order
     reduced%lines = size(lines)
-    reduced%steady = lines%steady
+    reduced%free = [(.not. lines(k)%steady, .true., k=1, size(lines))]
     reduced%linear = 2*size(lines) + merge(2, 0, with_still)
     n = reduced%linear + 2*min(highest, 1)*size(lines) + 2*max(highest - 1, 0)
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
@@ -167,30 +167,28 @@ contains
     integer, intent(in), optional :: bent       !! the line whose drifts are asked for
     real(dp), allocatable :: matrix(:, :)
     real(dp) :: a, b
-    integer :: s, k, n, row, c, first, last, unknown
-    logical :: held
+    integer :: s, k, n, row, c, first, last, unknowns
     n = size(reduced%triangle, 1) - reduced%linear
     first = 1
     last = reduced%lines
     if (present(bent)) first = bent
     if (present(bent)) last = bent
-    allocate (matrix(size(weight)*n, 2*(last - first + 1) - merge(0, count(reduced%steady), present(bent))))
+    allocate (matrix(size(weight)*n, 2*(last - first + 1)))
     do s = 1, size(weight)
       row = (s - 1)*n
-      unknown = 0
       do k = first, last
         a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
         b = reduced%linear_part(2*k, s)*sqrt(weight(s))
         c = reduced%linear + merge(2*reduced%lines + 1, 2*k - 1, present(bent))
-        held = reduced%steady(k) .and. .not. present(bent)
+        unknowns = 2*(k - first)
         associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
             & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-          if (.not. held) matrix(row + 1:row + n, unknown + 1) = a*upper(one, c) + b*upper(other, c + 1)
-          unknown = unknown + merge(1, 2, held)
-          matrix(row + 1:row + n, unknown) = -b*upper(one, c) + a*upper(other, c + 1)
+          matrix(row + 1:row + n, unknowns + 1) = a*upper(one, c) + b*upper(other, c + 1)
+          matrix(row + 1:row + n, unknowns + 2) = -b*upper(one, c) + a*upper(other, c + 1)
         end associate
       end do
     end do
+    if (.not. (all(reduced%free) .or. present(bent))) matrix = matrix(:, pack([(c, c=1, size(matrix, 2))], reduced%free))
 
   contains
 
@@ -205,17 +203,6 @@ contains
 
   end function slopes
 
-  pure function unknowns_of(reduced) result(unknown)
-    !! Which column of the slopes is by the decay and by the frequency of each line, 0 where the decay is held, (2, lines).
-    type(reduced_type), intent(in) :: reduced
-    integer :: unknown(2, reduced%lines), k, last
-    last = 0
-    do k = 1, reduced%lines
-      unknown(:, k) = [merge(0, last + 1, reduced%steady(k)), last + merge(1, 2, reduced%steady(k))]
-      last = unknown(2, k)
-    end do
-  end function unknowns_of
-
   subroutine step_of(reduced, weight, step, gain)
     !! The Gauss–Newton step of −decay and 2π·frequency over half the record, and what it promises to take off the weighted squares.
     type(reduced_type), intent(in) :: reduced
@@ -223,7 +210,7 @@ contains
     real(dp), intent(out) :: step(2, reduced%lines), gain
     real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
     integer, allocatable :: pivot(:)
-    integer :: unknown(2, reduced%lines), rank, info, s, k, n
+    integer :: rank, info, s, n
     n = size(reduced%triangle, 1) - reduced%linear
     matrix = slopes(reduced, weight)
     length = scaled(matrix)
@@ -237,12 +224,7 @@ contains
     call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
       & work, size(work), info)
     gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
-    unknown = unknowns_of(reduced)
-    step = 0
-    do k = 1, reduced%lines
-      if (unknown(1, k) > 0) step(1, k) = right(unknown(1, k), 1)/length(unknown(1, k))
-      step(2, k) = right(unknown(2, k), 1)/length(unknown(2, k))
-    end do
+    step = reshape(unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp), shape(step))
   end subroutine step_of
 
   function scaled(matrix) result(length)
@@ -273,28 +255,6 @@ contains
       moved%rest = -moved%rest
     end where
   end function moved_lines
-
-  function position_covariance(reduced, weight) result(covariance)
-    !! The covariance of −decay and 2π·frequency over half the record, in noise of the variances 1/weight, (2 lines, 2 lines). No
-    !! decay may be held.
-    type(reduced_type), intent(in) :: reduced
-    real(dp), intent(in) :: weight(:)
-    real(dp) :: covariance(2*reduced%lines, 2*reduced%lines)
-    real(dp) :: inverse(2*reduced%lines, 2*reduced%lines)
-    real(dp), allocatable :: triangle(:, :), length(:)
-    integer :: i, n
-    n = 2*reduced%lines
-    call triangle_of(slopes(reduced, weight), triangle, length)
-    inverse = 0
-    do i = 1, n
-      inverse(i, i) = 1
-    end do
-    inverse = solved(triangle, inverse)
-    do i = 1, n
-      inverse(i, :) = inverse(i, :)/length(i)
-    end do
-    covariance = matmul(inverse, transpose(inverse))
-  end function position_covariance
 
   subroutine triangle_of(matrix, triangle, length)
     !! The triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit; zeros where there are fewer rows than

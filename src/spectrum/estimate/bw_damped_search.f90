@@ -8,6 +8,7 @@ module bw_damped_search
   use bw_line_bands, only: line_band, own_rows, prepare_bands, refine
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
+  use bw_pure_record, only: find_lines_if_pure
   use bw_samples, only: samples_type, span_of
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
   implicit none (type, external)
@@ -60,9 +61,12 @@ contains
     real(dp), intent(in) :: false_alarm
     type(found_lines), intent(out) :: found
     type(real_fourier) :: plan
+    logical :: pure
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
+    call take_if_pure(samples, plan, found, pure)
+    if (pure) return
     call settle(samples, found)
     call search(samples, false_alarm, plan, found)
     found%deviation = found%ordinates%deviation
@@ -75,6 +79,28 @@ contains
     call settle(samples, found)
     call search(samples, false_alarm, plan, found)
   end subroutine find_damped_lines
+
+  subroutine take_if_pure(samples, plan, found, pure)
+    !! Take the lines of a record that holds nothing else but rounding, which is its noise.
+    type(samples_type), intent(in) :: samples
+    type(real_fourier), intent(inout) :: plan
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: pure
+    type(damped_line), allocatable :: lines(:)
+    logical, allocatable :: is_offset(:)
+    integer :: k
+    call find_lines_if_pure(samples, lines, pure)
+    if (.not. pure) return
+    is_offset = lines%steady .and. .not. lines%frequency > 0
+    do k = 1, size(lines)
+      if (is_offset(k)) found%still(1, :) = found%still(1, :) + lines(k)%amplitude%re
+    end do
+    found%lines = pack(lines, .not. is_offset)
+    found%lines%steady = .false.
+    call prepare_bands(samples, found%lines, found%bands)
+    call find_ordinates(samples, found%lines, found%still, .false., plan, found%ordinates)
+    found%deviation = found%ordinates%deviation
+  end subroutine take_if_pure
 
   subroutine search(samples, false_alarm, plan, found)
     !! Take up peaks, two lines for one, and leave lines out again, until nothing changes with a taper and without.

@@ -1,6 +1,6 @@
 module bw_line_errors
   !! What noise does to the lines of a fit: standard deviations of decays, frequencies and amplitudes, all unknowns being free.
-  use bw_band_fit, only: eliminate, reduced_type, slopes, triangle_of, unknowns_of
+  use bw_band_fit, only: eliminate, reduced_type, slopes, triangle_of
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -49,17 +49,9 @@ contains
     !! Of a sum of −decays and 2π·frequencies over half the record with these factors.
     type(line_errors), intent(in) :: errors
     real(dp), intent(in) :: slope(:, :)        !! (2, lines)
-    real(dp) :: gradient(size(errors%length)), y(size(errors%length))
-    integer :: unknown(2, errors%reduced%lines), k, i
+    real(dp) :: y(size(errors%length))
     logical :: determined
-    gradient = 0
-    unknown = unknowns_of(errors%reduced)
-    do k = 1, errors%reduced%lines
-      do i = 1, 2
-        if (unknown(i, k) > 0) gradient(unknown(i, k)) = slope(i, k)
-      end do
-    end do
-    call eliminate(errors%triangle, errors%length, gradient, y, determined)
+    call eliminate(errors%triangle, errors%length, pack(slope, reshape(errors%reduced%free, shape(slope))), y, determined)
     position_deviation = merge(norm2(y), huge(1.0_dp), determined)
   end function position_deviation
 
