@@ -21,7 +21,7 @@ module bw_line_group
   real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
   real(dp), parameter :: no_worse = 1.01_dp    !! times what is left with a line that is left out
-  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's largest value
+  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's highest sample
   integer, parameter :: steady_all = 1, growing_at_zero = 2, growing_all = 3  !! passes of a fit
 
   real(dp), parameter :: slowest = 0.64_dp     !! part of the squares: a step that leaves more is the last
@@ -201,7 +201,7 @@ contains
       goal = goal_of(residual, fitted, leakage, bins)
       image = group_image(residual, start%lines, bins)
       call fit_group(residual, image, bins, goal, fitted, trial_left)
-      if (cancel(fitted)) cycle
+      if (cancel(fitted, residual%highest)) cycle
       goal = goal_of(residual, fitted, leakage, bins)
       left = norm2(abs(image - group_image_of(residual, lines, bins)))
       done = trial_left <= min(goal, worth*left)
@@ -212,11 +212,12 @@ contains
     end do
   end subroutine try
 
-  pure logical function cancel(lines)
-    !! Whether lines are so much larger than the record, which is below 1, that only their difference is in it: a
-    !! polynomial that fits anything slow, and leaves its rounding everywhere.
+  pure logical function cancel(lines, highest)
+    !! Whether lines are so much larger than the record that only their difference is in it: a polynomial that fits anything slow,
+    !! and leaves its rounding everywhere.
     type(damped_line), intent(in) :: lines(:)
-    cancel = any(strength_of(lines) > most_cancelled)
+    real(dp), intent(in) :: highest            !! of the record's samples
+    cancel = any(strength_of(lines) > most_cancelled*highest)
   end function cancel
 
   subroutine drop_needless(residual, group)

@@ -1,7 +1,6 @@
 module bw_pure_record
-  !! Records that hold lines and their rounding and no noise, though nobody says so: histories of simulations. What noise there is
-  !! would hide what stands between the lines; where nothing does, the lines are searched for to the last digit, and the record is
-  !! pure if they leave no more than rounding.
+  !! Records that hold lines and their rounding and no noise: histories of simulations. Where nobody says so, the quietest bins of
+  !! the record tell that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
@@ -19,26 +18,24 @@ module bw_pure_record
 
 contains
 
-  subroutine find_lines_if_pure(samples, lines, pure, monitor)
+  subroutine find_lines_if_pure(samples, lines, left, pure, monitor)
     !! Find the lines of an even record without noise, an offset being one of frequency 0.
     type(samples_type), intent(in) :: samples
     type(damped_line), allocatable, intent(out) :: lines(:)
+    type(residual_type), intent(out) :: left     !! what they leave
     logical, intent(out) :: pure                 !! false: there is noise, and no use in the lines
     class(monitor_type), intent(inout), optional :: monitor
-    type(residual_type) :: residual
-    real(dp), allocatable :: record(:, :)
-    integer :: k, s, power
-    pure = .false.
+    integer :: s
     allocate (lines(0))
-    if (.not. looks_pure(samples)) return
-    power = exponent(maxval(abs(samples%value(:samples%count, :))))
-    record = scale(samples%value(:samples%count, :), -power)
-    call find_pure_lines(record, lines, residual, monitor)
-    if (stops(monitor)) return
-    pure = maxval(strength(residual)) <= explained*norm2([(norm2(record(:, s)), s=1, size(record, 2))])
-    do k = 1, size(lines)
-      lines(k)%amplitude = lines(k)%amplitude*2.0_dp**power
-    end do
+    pure = samples%pure
+    if (.not. pure) then
+      if (.not. looks_pure(samples)) return
+    end if
+    associate (record => samples%value(:samples%count, :))
+      call find_pure_lines(record, lines, left, monitor)
+      if (pure .or. stops(monitor)) return
+      pure = maxval(strength(left)) <= explained*norm2([(norm2(record(:, s)), s=1, size(record, 2))])
+    end associate
   end subroutine find_lines_if_pure
 
   logical function looks_pure(samples)

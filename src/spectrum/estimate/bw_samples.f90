@@ -18,6 +18,7 @@ module bw_samples
     real(dp) :: step = 1                     !! s; of uneven times the median
     real(dp), allocatable :: place(:)        !! times τ of the samples, rising from 0, (N); not allocated: 0, 1, 2, …
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
+    logical :: pure = .false.                !! known to hold lines and their rounding and no noise, as a simulation's
   end type samples_type
 
   type, public :: blocks_type

@@ -22,6 +22,7 @@ module bw_tapered_residual
     complex(dp), allocatable :: tapered(:, :)  !! transform with the taper sin⁶(πj/N), (0:N/2, S)
     complex(dp), allocatable :: plain(:, :)    !! transform without, (0:N/2, S)
     real(dp) :: noise = 0                      !! standard deviation of a real number of `tapered`
+    real(dp) :: highest = 0                    !! of the record's samples
     real(dp) :: threshold = 0                  !! smaller values of |tapered| are no line
   end type residual_type
 
@@ -44,6 +45,7 @@ contains
     call c_f_pointer(c_loc(residual%plain), left, [2*(n/2 + 1), sensors])
     call c_f_pointer(c_loc(residual%tapered), seen, [2*(n/2 + 1), sensors])
     seen(:n, :) = record
+    residual%highest = maxval(abs(record))
     call apply_taper(seen(:n, :))
     rounding = epsilon(1.0_dp)*maxval([(norm2(seen(:n, s)), s=1, sensors)])
     largest = maxval(abs(seen(:n, :)))

@@ -30,7 +30,7 @@ contains
 
   subroutine find_pure_lines(record, lines, residual, monitor)
     !! Find the lines of a record, by ascending position, and what they leave of it; both are of no use where the monitor stops.
-    real(dp), intent(in) :: record(0:, :)      !! (N, S), not zero everywhere, below 1
+    real(dp), intent(in) :: record(0:, :)      !! (N, S), not zero everywhere
     type(damped_line), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
     class(monitor_type), intent(inout), optional :: monitor
