@@ -3,6 +3,7 @@ module bw_pure_record
   !! the record tell that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
+  use bw_lapack, only: dgelsy
   use bw_monitor, only: monitor_type, stops
   use bw_samples, only: samples_type
   use bw_tapered_residual, only: find_residual, residual_type, strength
@@ -12,8 +13,9 @@ module bw_pure_record
   public :: find_lines_if_pure
 
   integer, parameter :: fewest = 16, longest = 65536  !! samples of one sensor that are looked at first
+  integer, parameter :: short = 200              !! samples; fewer have too few bins to tell which are quiet
   integer, parameter :: most_numbers = 2**24     !! of all sensors together; more would ask for too much memory
-  real(dp), parameter :: quietest = 1.0e-9_dp    !! of the highest bin: no measurement has so little noise
+  real(dp), parameter :: quietest = 1.0e-9_dp    !! of the highest bin; no measurement has so little noise
   real(dp), parameter :: explained = 1.0e-11_dp  !! of the record, that the lines of a pure one may leave in a bin
 
 contains
@@ -39,8 +41,7 @@ contains
   end subroutine find_lines_if_pure
 
   logical function looks_pure(samples)
-    !! Whether the quietest bins of the sensor that moves most hold next to nothing. In a short record lines may fill all bins, and
-    !! it costs little to look further.
+    !! Whether the sensor that moves most holds next to nothing between its lines.
     type(samples_type), intent(in) :: samples
     type(residual_type) :: residual
     real(dp), allocatable :: most(:), record(:, :)
@@ -53,8 +54,31 @@ contains
     s = maxloc(most, dim=1)
     if (.not. most(s) > 0) return
     record = samples%value(:n, s:s)/most(s)
-    call find_residual(record, [damped_line ::], residual)
-    looks_pure = residual%noise <= quietest*maxval(strength(residual))
+    if (n < short) then
+      looks_pure = has_recursion(record(:, 1))
+    else
+      call find_residual(record, [damped_line ::], residual)
+      looks_pure = residual%noise <= quietest*maxval(strength(residual))
+    end if
   end function looks_pure
+
+  logical function has_recursion(record)
+    !! Whether each sample follows from those before it: K real exponentials, or half as many lines, obey a linear recursion of order
+    !! K, so that a matrix of shifted records has the rank K. In short records, where lines leave no bin quiet.
+    real(dp), intent(in) :: record(:)            !! below 1
+    real(dp), allocatable :: matrix(:, :), right(:, :), work(:)
+    integer, allocatable :: pivot(:)
+    integer :: order, rows, rank, info, i
+    order = (size(record) - 1)/2
+    rows = size(record) - order
+    allocate (matrix(rows, order), work(64*(rows + order)), pivot(order))
+    do i = 1, order
+      matrix(:, i) = record(i:i + rows - 1)
+    end do
+    right = reshape(record(order + 1:), [rows, 1])
+    pivot = 0
+    call dgelsy(rows, order, 1, matrix, rows, right, rows, pivot, quietest, rank, work, size(work), info)
+    has_recursion = rank < order
+  end function has_recursion
 
 end module bw_pure_record
