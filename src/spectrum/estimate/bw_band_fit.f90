@@ -19,16 +19,22 @@ module bw_band_fit
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
+  integer, parameter, public :: most_powers = 6 !! of time in the exponent of a line
+
   type, public :: damped_line
-    !! The motion Re A_s e^(−dτ + 2πifτ) at sensor s.
-    real(dp) :: decay = 0                       !! d, per step; negative grows
-    real(dp) :: frequency = 0                   !! f, periods per step
+    !! The motion Re A_s e^(−dτ + 2πifτ) at sensor s, or of one that drifts Re A_s e^(−dτ + 2πifτ + b₂u² + b₃u³ + …).
+    real(dp) :: decay = 0                       !! d, per step; negative grows. In the middle of the record if the line drifts
+    real(dp) :: frequency = 0                   !! f, periods per step. As well
     complex(dp), allocatable :: amplitude(:)    !! A_s at the record's first sample, or at its last for a line that grows, (S)
+    integer :: powers = 1                       !! of u, time from the middle over half the record, in the exponent; 1: no drift
+    complex(dp) :: bend(2:most_powers) = 0      !! b
   end type damped_line
 
   type, public :: reduced_type
-    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each line.
+    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each power of each
+    !! line, real and imaginary part of its coefficient in the exponent: −decay and 2π·frequency over half the record, then bends.
     integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
+    integer, allocatable :: first(:)            !! slope of each line, counted among slopes from 1, and one after all, (lines + 1)
     real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
     real(dp), allocatable :: length(:)          !! of the columns
     real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
@@ -55,7 +61,7 @@ contains
     type(fit_type), intent(inout) :: fit
     type(reduced_type) :: now, trial
     type(damped_line), allocatable :: moved(:)
-    real(dp) :: step(2, size(fit%lines)), gain, factor, left, left_now
+    real(dp) :: step(2*sum(fit%lines%powers)), gain, factor, left, left_now
     integer :: i, j
     now = reduce(samples, band, rows, fit%lines, with_still)
     left_now = sum(weight*now%left)
@@ -83,34 +89,34 @@ contains
     if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
 
-  function reduce(samples, band, rows, lines, with_still, order, bent) result(reduced)
+  function reduce(samples, band, rows, lines, with_still, powers) result(reduced)
     !! The triangle of the lines' columns, and the record turned by it. There must be more rows than columns.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: rows(:, :)
     type(damped_line), intent(in) :: lines(:)
     logical, intent(in) :: with_still
-    integer, intent(in), optional :: order      !! highest power of time whose columns are there, 1
-    integer, intent(in), optional :: bent       !! the line that has columns of powers above 1, if any
+    integer, intent(in), optional :: powers(:)  !! of time by which each line has slopes: its own if absent, 0 for none
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :), turned(:, :), tau(:), work(:), columns(:, :, :)
-    integer :: k, m, n, highest, info
-    highest = 1
-    if (present(order)) highest = order
+    integer :: highest(size(lines)), k, m, n, c, info
+    highest = lines%powers
+    if (present(powers)) highest = powers
     reduced%lines = size(lines)
     reduced%linear = 2*size(lines) + merge(2, 0, with_still)
-    n = reduced%linear + 2*min(highest, 1)*size(lines) + 2*max(highest - 1, 0)
+    reduced%first = [(1 + 2*sum(highest(:k - 1)), k=1, size(lines) + 1)]
+    n = reduced%linear + 2*sum(highest)
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
     do k = 1, size(lines)
-      m = min(highest, 1)
-      if (present(bent)) m = merge(highest, m, k == bent)
-      columns = line_columns(samples, band, lines(k)%decay, lines(k)%frequency, m)
-      matrix(:, 2*k - 1:2*k) = columns(:, :, lbound(columns, 3))
-      if (highest > 0) matrix(:, reduced%linear + 2*k - 1:reduced%linear + 2*k) = columns(:, :, lbound(columns, 3) + 1)
-      do m = 2, ubound(columns, 3) - lbound(columns, 3)
-        matrix(:, reduced%linear + 2*(size(lines) + m) - 3:reduced%linear + 2*(size(lines) + m) - 2) = &
-          & columns(:, :, lbound(columns, 3) + m)
+      allocate (columns(size(rows, 1), 2, 0:highest(k)))
+      columns(:, :, :) = line_columns(samples, band, lines(k)%decay, lines(k)%frequency, highest(k), &
+        & lines(k)%bend(:lines(k)%powers))
+      matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
+      do m = 1, highest(k)
+        c = reduced%linear + reduced%first(k) + 2*(m - 1)
+        matrix(:, c:c + 1) = columns(:, :, m)
       end do
+      deallocate (columns)
     end do
     if (with_still) matrix(:, reduced%linear - 1:reduced%linear) = still_columns(samples, band)
     reduced%length = norm2(matrix, dim=1)
@@ -150,33 +156,29 @@ contains
     end do
   end function solved
 
-  function slopes(reduced, weight, bent) result(matrix)
-    !! The slopes of all sensors by decay and frequency of each line, or by the drifts of one line's, in units of one over half the
-    !! record and its square, amplitudes, offset and slope eliminated. (sensors × columns, unknowns)
+  function slopes(reduced, weight) result(matrix)
+    !! The slopes of all sensors by the coefficients in the exponents, amplitudes, offset and slope eliminated,
+    !! (sensors × slopes, slopes).
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    integer, intent(in), optional :: bent       !! the line whose drifts are asked for
     real(dp), allocatable :: matrix(:, :)
     real(dp) :: a, b
-    integer :: s, k, n, row, c, first, last, unknowns
-    n = size(reduced%length)
-    first = 1
-    last = reduced%lines
-    if (present(bent)) first = bent
-    if (present(bent)) last = bent
-    allocate (matrix(size(weight)*(n - reduced%linear), 2*(last - first + 1)))
+    integer :: s, k, n, row, i, c
+    n = size(reduced%length) - reduced%linear
+    allocate (matrix(size(weight)*n, n))
     do s = 1, size(weight)
-      row = (s - 1)*(n - reduced%linear)
-      do k = first, last
+      row = (s - 1)*n
+      do k = 1, reduced%lines
         a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
         b = reduced%linear_part(2*k, s)*sqrt(weight(s))
-        c = reduced%linear + merge(2*reduced%lines + 1, 2*k - 1, present(bent))
-        unknowns = 2*(k - first)
-        associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
-            & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-          matrix(row + 1:row + n - reduced%linear, unknowns + 1) = a*upper(one, c) + b*upper(other, c + 1)
-          matrix(row + 1:row + n - reduced%linear, unknowns + 2) = -b*upper(one, c) + a*upper(other, c + 1)
-        end associate
+        do i = reduced%first(k), reduced%first(k + 1) - 1, 2
+          c = reduced%linear + i
+          associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
+              & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
+            matrix(row + 1:row + n, i) = a*upper(one, c) + b*upper(other, c + 1)
+            matrix(row + 1:row + n, i + 1) = -b*upper(one, c) + a*upper(other, c + 1)
+          end associate
+        end do
       end do
     end do
 
@@ -194,12 +196,12 @@ contains
   end function slopes
 
   subroutine step_of(reduced, weight, step, gain)
-    !! The Gauss–Newton step of −decay and 2π·frequency over half the record, and what it promises to take off the weighted squares.
+    !! The Gauss–Newton step of the coefficients in the exponents, and what it promises to take off the weighted squares.
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    real(dp), intent(out) :: step(2, reduced%lines), gain
+    real(dp), intent(out) :: step(:), gain
     real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), work(:)
-    integer :: pivot(2*reduced%lines), rank, info, s, n
+    integer :: pivot(size(step)), rank, info, s, n
     n = size(reduced%length) - reduced%linear
     matrix = slopes(reduced, weight)
     allocate (right(size(matrix, 1), 1), work(64*(sum(shape(matrix)) + 1)))
@@ -210,35 +212,53 @@ contains
     factors = matrix
     call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
       & work, size(work), info)
-    step = reshape(right(:size(matrix, 2), 1), shape(step))
-    gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
+    step = right(:size(step), 1)
+    gain = norm2(matmul(matrix, step))**2
   end subroutine step_of
 
   function moved_lines(samples, lines, step) result(moved)
     !! The lines after a step; a frequency that passes 0 or half the sampling rate comes back as its mirror image.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
-    real(dp), intent(in) :: step(:, :)
+    real(dp), intent(in) :: step(:)
     type(damped_line), allocatable :: moved(:)
     real(dp) :: half
+    integer :: k, m, i
     half = centre_of(samples)
     moved = lines
-    moved%decay = lines%decay - step(1, :)/half
-    moved%frequency = abs(lines%frequency + step(2, :)/(2*pi*half))
-    if (.not. allocated(samples%place)) where (moved%frequency > 0.5_dp) moved%frequency = 1 - moved%frequency
+    i = 1
+    do k = 1, size(lines)
+      moved(k)%decay = lines(k)%decay - step(i)/half
+      moved(k)%frequency = lines(k)%frequency + step(i + 1)/(2*pi*half)
+      do m = 2, lines(k)%powers
+        moved(k)%bend(m) = lines(k)%bend(m) + cmplx(step(i + 2*m - 2), step(i + 2*m - 1), dp)
+      end do
+      i = i + 2*lines(k)%powers
+      if (moved(k)%frequency < 0) call mirror(0.0_dp)
+      if (moved(k)%frequency > 0.5_dp .and. .not. allocated(samples%place)) call mirror(1.0_dp)
+    end do
+
+  contains
+
+    subroutine mirror(whole)
+      !! The conjugate line; the amplitude follows from the fit.
+      real(dp), intent(in) :: whole
+      moved(k)%frequency = whole - moved(k)%frequency
+      moved(k)%bend = conjg(moved(k)%bend)
+    end subroutine mirror
+
   end function moved_lines
 
   function position_covariance(reduced, weight) result(covariance)
-    !! The covariance of −decay and 2π·frequency over half the record, in noise of the variances 1/weight, (2 lines, 2 lines).
+    !! The covariance of the coefficients in the exponents, in noise of the variances 1/weight, (slopes, slopes).
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    real(dp) :: covariance(2*reduced%lines, 2*reduced%lines)
-    real(dp), allocatable :: matrix(:, :), tau(:), work(:)
-    real(dp) :: length(2*reduced%lines), inverse(2*reduced%lines, 2*reduced%lines)
+    real(dp), allocatable :: covariance(:, :)
+    real(dp), allocatable :: matrix(:, :), tau(:), work(:), length(:), inverse(:, :)
     integer :: info, i, n
-    n = 2*reduced%lines
+    n = size(reduced%length) - reduced%linear
     matrix = slopes(reduced, weight)
-    allocate (tau(n), work(64*n))
+    allocate (tau(n), work(64*n), inverse(n, n))
     length = max(norm2(matrix, dim=1), tiny(1.0_dp))
     do i = 1, n
       matrix(:, i) = matrix(:, i)/length(i)
@@ -262,7 +282,7 @@ contains
     type(damped_line), intent(in) :: line
     real(dp) :: image(size(band%rows, 1), size(band%rows, 2)), columns(size(band%rows, 1), 2, 0:0)
     integer :: s
-    columns = line_columns(samples, band, line%decay, line%frequency, 0)
+    columns = line_columns(samples, band, line%decay, line%frequency, 0, line%bend(:line%powers))
     do s = 1, size(image, 2)
       image(:, s) = line%amplitude(s)%re*columns(:, 1, 0) + line%amplitude(s)%im*columns(:, 2, 0)
     end do
