@@ -5,11 +5,12 @@ module bw_belief
   !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; where the line drifts, it also reaches
   !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
   use bw_band, only: band_type, cut_band
-  use bw_band_fit, only: damped_line, fit_band, fit_type, position_covariance, reduce, reduced_type, slopes
+  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce
   use bw_damped_search, only: found_lines
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
+  use bw_line_errors, only: amplitude_deviation, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
@@ -18,6 +19,7 @@ module bw_belief
   public :: believed_lines, normal_quantile
 
   real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
   integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
@@ -28,13 +30,6 @@ module bw_belief
   real(dp), parameter, public :: window_start(6) = [0.0_dp, 0.5_dp, 0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp]
   real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
     !! halves and quarters of the record
-
-  type :: band_errors
-    !! The fit of a band as its errors follow from it.
-    type(reduced_type) :: reduced
-    real(dp), allocatable :: weight(:)         !! one over the noise's variance, (S)
-    real(dp), allocatable :: covariance(:, :)  !! of −decay and 2π·frequency over half the record, (2 lines, 2 lines)
-  end type band_errors
 
   type, public :: believed_line
     !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
@@ -72,25 +67,23 @@ contains
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: confidence, false_alarm
     type(believed_line), intent(inout) :: believed(:)
-    type(band_errors) :: errors
+    type(line_errors) :: errors
     real(dp), allocatable :: rows(:, :)
     type(damped_line), allocatable :: own(:)
     real(dp) :: half, quantile
-    integer :: j, i
+    integer :: j
     own = found%lines(band%member)
     rows = own_rows(samples, found%lines, found%still, band)
-    errors%weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-    errors%reduced = reduce(samples, band%band, rows, own, band%with_still)
-    errors%covariance = position_covariance(errors%reduced, errors%weight)
+    errors = line_errors_of(reduce(samples, band%band, rows, own, band%with_still), &
+      & 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
     half = centre_of(samples)
     quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
     do j = 1, size(own)
       associate (line => believed(band%member(j)))
         line%frequency = own(j)%frequency
         line%decay = own(j)%decay
-        i = errors%reduced%first(j)
-        line%decay_bound = sqrt(errors%covariance(i, i))/half
-        line%frequency_bound = sqrt(errors%covariance(i + 1, i + 1))/(2*pi*half)
+        line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
+        line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
         line%decay_error = quantile*line%decay_bound
         line%frequency_error = quantile*line%frequency_bound
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
@@ -137,12 +130,13 @@ contains
   subroutine judge_amplitude(samples, errors, own, j, gain, line)
     !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
     type(samples_type), intent(in) :: samples
-    type(band_errors), intent(in) :: errors
+    type(line_errors), intent(in) :: errors
     type(damped_line), intent(in) :: own
     integer, intent(in) :: j                   !! its place among the band's lines
     complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
     type(believed_line), intent(inout) :: line
-    real(dp) :: along(2), across(2), growth
+    real(dp), dimension(2, size(gain)) :: along, across
+    real(dp) :: growth
     complex(dp) :: start
     integer :: s
     start = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))*bent_factor(own%bend(:own%powers), -1.0_dp)
@@ -151,50 +145,15 @@ contains
     allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
     do s = 1, size(gain)
       associate (a => own%amplitude(s))
-        along = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
-        across = [-along(2), along(1)]
-        line%amplitude_bound(s) = amplitude_deviation(errors, s, j, along)*growth/abs(gain(s))
-        line%phase_bound(s) = amplitude_deviation(errors, s, j, across)/max(abs(a), tiny(1.0_dp))
+        along = 0
+        along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
+        across = 0
+        across(:, s) = [-along(2, s), along(1, s)]
+        line%amplitude_bound(s) = min(amplitude_deviation(errors, j, along), undetermined)*growth/abs(gain(s))
+        line%phase_bound(s) = min(amplitude_deviation(errors, j, across)/max(abs(a), tiny(1.0_dp)), pi)
       end associate
     end do
   end subroutine judge_amplitude
-
-  real(dp) function amplitude_deviation(errors, s, j, direction) result(deviation)
-    !! The standard deviation of one sensor's amplitude of line j at the first sample in a direction of its plane: what noise
-    !! does to it at known decays and frequencies, and what their errors add.
-    type(band_errors), intent(in) :: errors
-    integer, intent(in) :: s, j
-    real(dp), intent(in) :: direction(2)
-    real(dp) :: y(errors%reduced%linear), slope(size(errors%covariance, 1)), a, b
-    integer :: i, k, c
-    y = 0
-    do i = 1, errors%reduced%linear
-      if (i == 2*j - 1) y(i) = direction(1)/errors%reduced%length(i)
-      if (i == 2*j) y(i) = direction(2)/errors%reduced%length(i)
-      y(i) = (y(i) - dot_product(errors%reduced%triangle(:i - 1, i), y(:i - 1)))/errors%reduced%triangle(i, i)
-    end do
-    do k = 1, errors%reduced%lines
-      a = errors%reduced%linear_part(2*k - 1, s)
-      b = errors%reduced%linear_part(2*k, s)
-      do i = errors%reduced%first(k), errors%reduced%first(k + 1) - 1, 2
-        c = errors%reduced%linear + i
-        associate (one => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c))*errors%reduced%length(c), &
-            & other => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c + 1))*errors%reduced%length(c + 1))
-          slope(i) = -(a*one + b*other)
-          slope(i + 1) = -(-b*one + a*other)
-        end associate
-      end do
-    end do
-    a = errors%reduced%linear_part(2*j - 1, s)        ! slopes are about the record's middle, and the first sample is at u = −1
-    b = errors%reduced%linear_part(2*j, s)
-    do i = errors%reduced%first(j), errors%reduced%first(j + 1) - 1, 2
-      associate (sign => (-1)**(1 + (i - errors%reduced%first(j))/2))
-        slope(i) = slope(i) + sign*dot_product(direction, [a, b])
-        slope(i + 1) = slope(i + 1) + sign*dot_product(direction, [-b, a])
-      end associate
-    end do
-    deviation = sqrt(sum(y**2)/errors%weight(s) + dot_product(slope, matmul(errors%covariance, slope)))
-  end function amplitude_deviation
 
   subroutine judge_windows(samples, band, rows, weight, own, believed)
     !! Fit the band's lines to each half and quarter of the record by itself. Where a window does not tell, its bound is huge.
@@ -205,8 +164,9 @@ contains
     type(believed_line), intent(inout) :: believed(:)
     type(band_type) :: part
     type(fit_type) :: fit
-    real(dp), allocatable :: part_rows(:, :), covariance(:, :)
-    integer :: i, j, k
+    type(line_errors) :: errors
+    real(dp), allocatable :: part_rows(:, :)
+    integer :: i, j
     do i = 1, size(window_start)
       call cut_band(band%band, rows, window_start(i), window_end(i), part, part_rows)
       believed(band%member)%windows(3, i) = huge(1.0_dp)
@@ -215,12 +175,12 @@ contains
       if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
       fit%lines = [(steady(own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
       call fit_band(samples, part, part_rows, weight, band%with_still, fit)
-      covariance = position_covariance(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
+      errors = line_errors_of(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
       do j = 1, size(own)
         associate (line => believed(band%member(j)))
-          k = 2*j - 1
           line%windows(:, i) = [fit%lines(j)%frequency, fit%lines(j)%decay, &
-            & sqrt(covariance(k + 1, k + 1))/(2*pi*centre_of(samples)), sqrt(covariance(k, k))/centre_of(samples)]
+            & min(frequency_deviation(errors, j)/(2*pi*centre_of(samples)), undetermined), &
+            & min(decay_deviation(errors, j)/centre_of(samples), undetermined)]
         end associate
       end do
     end do

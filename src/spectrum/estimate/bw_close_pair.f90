@@ -4,7 +4,8 @@ module bw_close_pair
   !!
   !! What either could take is nearly what amplitudes that change with powers of time take, which is linear: only where that
   !! pays are drifts of rising powers, and pairs of several distances, fitted.
-  use bw_band_fit, only: damped_line, fit_band, fit_type, most_powers, reduce, reduced_type
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type
+  use bw_damped_line, only: damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows

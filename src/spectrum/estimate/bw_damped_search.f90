@@ -9,7 +9,9 @@ module bw_damped_search
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
+  use bw_pure_record, only: find_lines_if_pure
   use bw_samples, only: samples_type, span_of
+  use bw_tapered_residual, only: residual_type
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
   implicit none (type, external)
   private
@@ -50,28 +52,30 @@ module bw_damped_search
     type(ordinates_type) :: ordinates            !! what the lines leave
     type(rejected_line), allocatable :: rejected(:)
     type(whitening_type), allocatable :: whitening(:)  !! what the samples, and with them the amplitudes, went through, (S)
+    type(residual_type) :: left                  !! what the lines of a record that is known to be pure leave of it
     real(dp), allocatable :: deviation(:)        !! of what the lines leave of the record as it was, (S)
   end type found_lines
 
 contains
 
-  subroutine find_damped_lines(samples, false_alarm, found, monitor, stopped)
+  subroutine find_damped_lines(samples, false_alarm, found, monitor)
     !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`. Where the noise of
-    !! even samples is coloured they are whitened in their memory, and searched once more.
+    !! even samples is coloured they are whitened in their memory, and searched once more. Of samples that are known to be pure
+    !! there are the lines and what they leave, and nothing else.
     type(samples_type), intent(inout) :: samples
     real(dp), intent(in) :: false_alarm
-    type(found_lines), intent(out) :: found
-    class(monitor_type), intent(inout), optional :: monitor  !! asked after each look at the record, and told of its progress
-    logical, intent(out), optional :: stopped  !! the monitor asked to stop, and what was found is not to be used
+    type(found_lines), intent(out) :: found    !! of no use where the monitor stops
+    class(monitor_type), intent(inout), optional :: monitor
     type(real_fourier) :: plan
+    logical :: pure
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
-    if (present(stopped)) stopped = .false.
+    call take_if_pure(samples, plan, found, pure, monitor)
+    if (pure .or. stops(monitor)) return
     call settle(samples, found)
     call search(samples, false_alarm, plan, found, monitor)
     found%deviation = found%ordinates%deviation
-    if (present(stopped)) stopped = stops(monitor)
     if (allocated(samples%place) .or. stops(monitor)) return
     call find_whitening(samples, found%lines, found%still, found%whitening)
     if (all(found%whitening%order == 0)) return
@@ -80,8 +84,32 @@ contains
     allocate (found%rejected(0))
     call settle(samples, found)
     call search(samples, false_alarm, plan, found, monitor)
-    if (present(stopped)) stopped = stops(monitor)
   end subroutine find_damped_lines
+
+  subroutine take_if_pure(samples, plan, found, pure, monitor)
+    !! Take the lines of a record that holds nothing else but rounding, which is its noise.
+    type(samples_type), intent(in) :: samples
+    type(real_fourier), intent(inout) :: plan
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: pure
+    class(monitor_type), intent(inout), optional :: monitor
+    type(damped_line), allocatable :: lines(:)
+    type(ordinates_type) :: tapered
+    logical, allocatable :: is_offset(:)
+    integer :: k
+    call find_lines_if_pure(samples, lines, found%left, pure, monitor)
+    if (samples%pure) call move_alloc(lines, found%lines)
+    if (samples%pure .or. .not. pure) return
+    is_offset = lines%steady .and. .not. lines%frequency > 0
+    do k = 1, size(lines)
+      if (is_offset(k)) found%still(1, :) = found%still(1, :) + lines(k)%amplitude%re
+    end do
+    found%lines = pack(lines, .not. is_offset)
+    found%lines%steady = .false.
+    call prepare_bands(samples, found%lines, found%bands)
+    call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+    found%deviation = found%ordinates%deviation
+  end subroutine take_if_pure
 
   subroutine search(samples, false_alarm, plan, found, monitor)
     !! Take up peaks, lines that drift and two lines for one, and leave lines out again, until nothing changes.

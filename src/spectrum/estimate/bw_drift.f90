@@ -3,7 +3,8 @@ module bw_drift
   !!
   !! At a fitted line the slope by b₂ is the line's image times u², so that b₂, its covariance and what it gains are one linear
   !! step. At the time u decay and frequency differ from those in the middle by 2b₂u + 3b₃u² + ….
-  use bw_band_fit, only: damped_line, fit_band, fit_type, most_powers, reduce, reduced_type, slopes
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type, slopes
+  use bw_damped_line, only: damped_line, most_powers
   use bw_kinds, only: dp
   use bw_lapack, only: dgeqrf, dormqr
   use bw_line_bands, only: line_band

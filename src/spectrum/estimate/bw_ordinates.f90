@@ -1,10 +1,10 @@
 module bw_ordinates
   !! What lines leave of a record, seen by frequency: the ordinates of all sensors together over the level of their noise.
-  use bw_band_fit, only: damped_line
+  use bw_damped_line, only: damped_line, subtract_lines
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_knots, quantile_of
-  use bw_samples, only: bent_factor, bent_series, centre_of, phase_factor, place_of, samples_type, span_of
+  use bw_samples, only: bent_factor, centre_of, place_of, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
@@ -13,8 +13,6 @@ module bw_ordinates
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
   integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
-  integer, parameter :: table = 256            !! samples between two turns of a line's coefficient
-  integer, parameter :: tables_of_bend = 1024  !! in which a record is cut where a line drifts
   real(dp), parameter :: quartile = 0.67449_dp !! of a normal number, in standard deviations
   real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
 
@@ -233,9 +231,9 @@ contains
     real(dp), intent(in) :: still(:, :)
     integer, intent(in) :: s
     real(dp), allocatable :: left(:)
-    complex(dp) :: tone(0:table - 1), factor
+    complex(dp) :: factor
     real(dp) :: centre, start, periods
-    integer :: k, n, l, length, longest
+    integer :: k, n
     left = samples%value(:samples%count, s)
     centre = centre_of(samples)
     if (allocated(samples%place)) then
@@ -252,39 +250,8 @@ contains
       return
     end if
     left = left - still(1, s) - still(2, s)*([(n, n=0, size(left) - 1)]/centre - 1)
-    do k = 1, size(lines)
-      tone = [(exp(-lines(k)%decay*l)*phase_factor(lines(k)%frequency, l), l=0, table - 1)]
-      start = 2*min(lines(k)%decay, 0.0_dp)*centre
-      longest = table
-      if (lines(k)%powers > 1) longest = max(1, min(table, size(left)/tables_of_bend))
-      do n = 0, size(left) - 1, longest
-        length = min(longest, size(left) - n)
-        factor = lines(k)%amplitude(s)*exp(start - lines(k)%decay*n)*phase_factor(lines(k)%frequency, n)
-        associate (part => left(n + 1:n + length))
-          if (lines(k)%powers > 1) then
-            part = part - real(factor*tone(:length - 1)*bent_tone(lines(k), (n - centre)/centre, 1/centre, length), dp)
-          else
-            part = part - (factor%re*tone(:length - 1)%re - factor%im*tone(:length - 1)%im)
-          end if
-        end associate
-      end do
-    end do
+    call subtract_lines(lines, s, left)
   end function remainder
-
-  pure function bent_tone(line, u, step, length) result(factor)
-    !! The factors of a line's bend at u, u + step, …
-    type(damped_line), intent(in) :: line
-    real(dp), intent(in) :: u, step
-    integer, intent(in) :: length
-    complex(dp), allocatable :: a(:)
-    complex(dp) :: factor(length)
-    integer :: l, m
-    a = bent_series(line%bend(:line%powers), u)*bent_factor(line%bend(:line%powers), u)
-    factor = a(size(a))
-    do m = size(a) - 1, 1, -1
-      factor = factor*[((l - 1)*step, l=1, length)] + a(m)
-    end do
-  end function bent_tone
 
   pure real(dp) function chance_of(ordinate, shape, bins)
     !! How many ordinates of noise are expected to pass a value: Rice's formula for the transform between its bins.

@@ -12,7 +12,7 @@ module bw_samples
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
-  real(dp), parameter :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
+  real(dp), parameter, public :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
   integer, parameter :: series = 4           !! powers of a block's length over half the record, in which a bend is expanded there;
                                              !! where the bend turns a block by 0.05 this leaves 3e-9
 
@@ -21,6 +21,7 @@ module bw_samples
     real(dp) :: step = 1                     !! s; of uneven times the median
     real(dp), allocatable :: place(:)        !! times τ of the samples, rising from 0, (N); not allocated: 0, 1, 2, …
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
+    logical :: pure = .false.                !! known to hold lines and their rounding and no noise, as a simulation's
   end type samples_type
 
   type, public :: blocks_type
@@ -242,14 +243,16 @@ contains
     end do
   end function uneven_sums
 
-  elemental complex(dp) function phase_factor(frequency, n)
+  elemental complex(dp) function phase_factor(frequency, n, rest)
     !! The factor e^(2πi·frequency·n); whole periods are taken off before anything is rounded.
     real(dp), intent(in) :: frequency        !! periods per step, below 1
     integer, intent(in) :: n                 !! below 2²⁶
+    real(dp), intent(in), optional :: rest   !! of the frequency, below its rounding
     real(dp) :: coarse, periods
     coarse = anint(frequency*grain)/grain
     periods = coarse*n
     periods = periods - anint(periods) + (frequency - coarse)*n
+    if (present(rest)) periods = periods + rest*n
     phase_factor = exp(cmplx(0, 2*pi*periods, dp))
   end function phase_factor
 
