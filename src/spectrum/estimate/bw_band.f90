@@ -137,7 +137,7 @@ contains
 
   function line_columns(samples, band, line, order) result(columns)
     !! The rows of u^m e^(−dτ) cos 2πfτ and of −u^m e^(−dτ) sin 2πfτ, which are a line of amplitude 1 and one of amplitude
-    !! i, for m = 0 … order, (rows, 2, 0:order).
+    !! i, for m = 0 … order, (rows, 2, 0:order); bent as the line is.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     type(damped_line), intent(in) :: line
@@ -146,24 +146,25 @@ contains
     if (band%tapered) then
       columns = tapered_columns(line, samples%count, band%bins(1), band%bins(2), order)
     else
-      columns = summed_columns(samples, band, line%decay, line%frequency, order)
+      columns = summed_columns(samples, band, line%decay, line%frequency, order, line%bend(:line%powers))
     end if
   end function line_columns
 
-  function summed_columns(samples, band, decay, frequency, order) result(columns)
+  function summed_columns(samples, band, decay, frequency, order, bend) result(columns)
     !! The same of a band of sums.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: decay, frequency
     integer, intent(in) :: order
+    complex(dp), intent(in) :: bend(:)
     real(dp) :: columns(size(band%rows, 1), 2, 0:order)
     complex(dp) :: line(size(band%root), 0:order), mirror(size(band%root), 0:order)
     integer :: m
-    line = block_sums(samples, band%blocks, decay, frequency - band%centre, order)
+    line = block_sums(samples, band%blocks, decay, frequency - band%centre, order, bend)
     if (band%is_real .and. .not. band%centre > 0) then
       mirror = conjg(line)
     else
-      mirror = block_sums(samples, band%blocks, decay, -frequency - band%centre, order)
+      mirror = block_sums(samples, band%blocks, decay, -frequency - band%centre, order, conjg(bend))
     end if
     do m = 0, order
       columns(:, 1, m) = rows_of(band, (line(:, m) + mirror(:, m))/2)
@@ -177,7 +178,7 @@ contains
     type(band_type), intent(in) :: band
     real(dp) :: columns(size(band%rows, 1), 2)
     complex(dp) :: sums(size(band%root), 0:1)
-    sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1)
+    sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1, [complex(dp) ::])
     columns(:, 1) = rows_of(band, sums(:, 0))
     columns(:, 2) = rows_of(band, sums(:, 1))
   end function still_columns

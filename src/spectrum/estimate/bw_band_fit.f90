@@ -21,10 +21,12 @@ module bw_band_fit
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
   type, public :: reduced_type
-    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each line. Where
-    !! they are more than the rows, the triangle has as many rows as there are.
+    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each power of each
+    !! line, real and imaginary part of its coefficient in the exponent: −decay and 2π·frequency over half the record, then bends.
+    !! Where they are more than the rows, the triangle has as many rows as there are.
     integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
-    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by decays that are held, (2 lines)
+    integer, allocatable :: first(:)            !! slope of each line, counted among slopes from 1, and one after all, (lines + 1)
+    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by decays that are held, (slopes)
     real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
     real(dp), allocatable :: length(:)          !! of the columns
     real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
@@ -52,7 +54,7 @@ contains
     type(fit_type), intent(inout) :: fit
     type(reduced_type) :: now, trial
     type(damped_line), allocatable :: moved(:)
-    real(dp) :: step(2, size(fit%lines)), gain, factor, left, left_now
+    real(dp) :: step(2*sum(fit%lines%powers)), gain, factor, left, left_now
     integer :: i, j
     logical :: slow
     now = reduce(samples, band, rows, fit%lines, with_still)
@@ -83,35 +85,37 @@ contains
     if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
 
-  function reduce(samples, band, rows, lines, with_still, order, bent) result(reduced)
+  function reduce(samples, band, rows, lines, with_still, powers) result(reduced)
     !! The triangle of the lines' columns, and the record turned by it. There must be more rows than amplitudes.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: rows(:, :)
     type(damped_line), intent(in) :: lines(:)
     logical, intent(in) :: with_still
-    integer, intent(in), optional :: order      !! highest power of time whose columns are there, 1
-    integer, intent(in), optional :: bent       !! the line that has columns of powers above 1, if any
+    integer, intent(in), optional :: powers(:)  !! of time by which each line has slopes: its own if absent, 0 for none
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :), turned(:, :), tau(:), work(:), columns(:, :, :)
-    integer :: k, m, n, last, highest, info
-    highest = 1
-    if (present(order)) highest = order
+    integer :: highest(size(lines)), k, m, n, c, last, info
+    highest = lines%powers
+    if (present(powers)) highest = powers
     reduced%lines = size(lines)
-    reduced%free = [(.not. lines(k)%steady, .true., k=1, size(lines))]
     reduced%linear = 2*size(lines) + merge(2, 0, with_still)
-    n = reduced%linear + 2*min(highest, 1)*size(lines) + 2*max(highest - 1, 0)
+    reduced%first = [(1 + 2*sum(highest(:k - 1)), k=1, size(lines) + 1)]
+    n = reduced%linear + 2*sum(highest)
+    allocate (reduced%free(2*sum(highest)), source=.true.)
+    do k = 1, size(lines)
+      if (highest(k) > 0) reduced%free(reduced%first(k)) = .not. lines(k)%steady
+    end do
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
     do k = 1, size(lines)
-      m = min(highest, 1)
-      if (present(bent)) m = merge(highest, m, k == bent)
-      columns = line_columns(samples, band, lines(k), m)
-      matrix(:, 2*k - 1:2*k) = columns(:, :, lbound(columns, 3))
-      if (highest > 0) matrix(:, reduced%linear + 2*k - 1:reduced%linear + 2*k) = columns(:, :, lbound(columns, 3) + 1)
-      do m = 2, ubound(columns, 3) - lbound(columns, 3)
-        matrix(:, reduced%linear + 2*(size(lines) + m) - 3:reduced%linear + 2*(size(lines) + m) - 2) = &
-          & columns(:, :, lbound(columns, 3) + m)
+      allocate (columns(size(rows, 1), 2, 0:highest(k)))
+      columns(:, :, :) = line_columns(samples, band, lines(k), highest(k))
+      matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
+      do m = 1, highest(k)
+        c = reduced%linear + reduced%first(k) + 2*(m - 1)
+        matrix(:, c:c + 1) = columns(:, :, m)
       end do
+      deallocate (columns)
     end do
     if (with_still) matrix(:, reduced%linear - 1:reduced%linear) = still_columns(samples, band)
     reduced%length = norm2(matrix, dim=1)
@@ -158,37 +162,32 @@ contains
     end do
   end function solved
 
-  function slopes(reduced, weight, bent) result(matrix)
-    !! The slopes of all sensors by decay and frequency of each line, those by decays that are held left out, or by the drifts of
-    !! one line's, in units of one over half the record and its square, amplitudes, offset and slope eliminated.
-    !! (sensors × rows, unknowns)
+  function slopes(reduced, weight) result(matrix)
+    !! The slopes of all sensors by the coefficients in the exponents, those by decays that are held left out, amplitudes, offset
+    !! and slope eliminated, (sensors × rows, unknowns).
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    integer, intent(in), optional :: bent       !! the line whose drifts are asked for
     real(dp), allocatable :: matrix(:, :)
     real(dp) :: a, b
-    integer :: s, k, n, row, c, first, last, unknowns
+    integer :: s, k, n, row, i, c
     n = size(reduced%triangle, 1) - reduced%linear
-    first = 1
-    last = reduced%lines
-    if (present(bent)) first = bent
-    if (present(bent)) last = bent
-    allocate (matrix(size(weight)*n, 2*(last - first + 1)))
+    allocate (matrix(size(weight)*n, size(reduced%free)))
     do s = 1, size(weight)
       row = (s - 1)*n
-      do k = first, last
+      do k = 1, reduced%lines
         a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
         b = reduced%linear_part(2*k, s)*sqrt(weight(s))
-        c = reduced%linear + merge(2*reduced%lines + 1, 2*k - 1, present(bent))
-        unknowns = 2*(k - first)
-        associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
-            & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-          matrix(row + 1:row + n, unknowns + 1) = a*upper(one, c) + b*upper(other, c + 1)
-          matrix(row + 1:row + n, unknowns + 2) = -b*upper(one, c) + a*upper(other, c + 1)
-        end associate
+        do i = reduced%first(k), reduced%first(k + 1) - 1, 2
+          c = reduced%linear + i
+          associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
+              & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
+            matrix(row + 1:row + n, i) = a*upper(one, c) + b*upper(other, c + 1)
+            matrix(row + 1:row + n, i + 1) = -b*upper(one, c) + a*upper(other, c + 1)
+          end associate
+        end do
       end do
     end do
-    if (.not. (all(reduced%free) .or. present(bent))) matrix = matrix(:, pack([(c, c=1, size(matrix, 2))], reduced%free))
+    if (.not. all(reduced%free)) matrix = matrix(:, pack([(c, c=1, size(matrix, 2))], reduced%free))
 
   contains
 
@@ -204,10 +203,10 @@ contains
   end function slopes
 
   subroutine step_of(reduced, weight, step, gain)
-    !! The Gauss–Newton step of −decay and 2π·frequency over half the record, and what it promises to take off the weighted squares.
+    !! The Gauss–Newton step of the coefficients in the exponents, and what it promises to take off the weighted squares.
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    real(dp), intent(out) :: step(2, reduced%lines), gain
+    real(dp), intent(out) :: step(:), gain
     real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
     integer, allocatable :: pivot(:)
     integer :: rank, info, s, n
@@ -224,7 +223,7 @@ contains
     call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
       & work, size(work), info)
     gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
-    step = reshape(unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp), shape(step))
+    step = unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp)
   end subroutine step_of
 
   function scaled(matrix) result(length)
@@ -243,17 +242,24 @@ contains
     !! The lines after a step; a frequency that passes 0 or half the sampling rate comes back as its mirror image.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
-    real(dp), intent(in) :: step(:, :)
+    real(dp), intent(in) :: step(:)
     type(damped_line), allocatable :: moved(:)
     real(dp) :: half
+    integer :: k, m, i
     half = centre_of(samples)
     moved = lines
-    call move_line(moved, -step(1, :)/half, step(2, :)/(2*pi*half))
-    if (allocated(samples%place)) return
-    where (moved%frequency > 0.5_dp)
-      moved%frequency = 1 - moved%frequency
-      moved%rest = -moved%rest
-    end where
+    i = 1
+    do k = 1, size(lines)
+      do m = 2, lines(k)%powers
+        moved(k)%bend(m) = lines(k)%bend(m) + cmplx(step(i + 2*m - 2), step(i + 2*m - 1), dp)
+      end do
+      call move_line(moved(k), -step(i)/half, step(i + 1)/(2*pi*half))
+      i = i + 2*lines(k)%powers
+      if (allocated(samples%place) .or. moved(k)%frequency <= 0.5_dp) cycle
+      moved(k)%frequency = 1 - moved(k)%frequency
+      moved(k)%rest = -moved(k)%rest
+      moved(k)%bend = conjg(moved(k)%bend)
+    end do
   end function moved_lines
 
   subroutine triangle_of(matrix, triangle, length)

@@ -12,7 +12,7 @@ module bw_belief
   use bw_line_bands, only: line_band, own_rows
   use bw_line_errors, only: amplitude_deviation, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
-  use bw_samples, only: centre_of, phase_factor, samples_type, span_of
+  use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
   private
@@ -21,6 +21,7 @@ module bw_belief
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
+  integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
   real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
   integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
@@ -86,35 +87,39 @@ contains
         line%decay_error = quantile*line%decay_bound
         line%frequency_error = quantile*line%frequency_bound
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
-        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j), quantile, false_alarm, line)
+        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
+          & own(j)%powers > 1, quantile, false_alarm, line)
       end associate
     end do
     call judge_windows(samples, band, rows, errors%weight, own, believed)
   end subroutine judge_band
 
-  subroutine judge_drift(samples, drift, quantile, false_alarm, line)
-    !! Say whether a line drifts; if so its intervals reach to where it is at both ends.
+  subroutine judge_drift(samples, drift, fitted, quantile, false_alarm, line)
+    !! Say whether a line drifts; if so its intervals reach to where it is anywhere in the record, or in its life if that is shorter.
     type(samples_type), intent(in) :: samples
     type(drift_type), intent(in) :: drift
+    logical, intent(in) :: fitted              !! the drift is among the line's unknowns
     real(dp), intent(in) :: quantile, false_alarm
     type(believed_line), intent(inout) :: line
-    real(dp) :: half, u(2), slope(4), reach(2)
-    integer :: i, k
+    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at
+    integer :: i, k, m
     half = centre_of(samples)
-    line%drift = 4*drift%step(4)/(2*pi*half)
-    line%drift_bound = 4*sqrt(drift%covariance(4, 4))/(2*pi*half)
-    if (.not. drift%gain > -2*log(false_alarm)) return
+    line%drift = sum([(2*m*drift%value(2*m), m=2, size(slope)/2, 2)])/(2*pi*half)
+    slope = 0
+    slope(4::4) = [(2*m, m=2, size(slope)/2, 2)]
+    line%drift_bound = sqrt(dot_product(slope, matmul(drift%covariance, slope)))/(2*pi*half)
+    if (.not. (fitted .or. drift%gain > -2*log(false_alarm))) return
     line%status = ior(line%status, drifting)
     u = [-1.0_dp, 1.0_dp]
     if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
     if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
     reach = 0
-    do i = 1, 2
+    do i = 0, looks
+      at = u(1) + (u(2) - u(1))*i/looks
       do k = 1, 2
         slope = 0
-        slope(k) = 1
-        slope(k + 2) = 2*u(i)
-        reach(k) = max(reach(k), abs(dot_product(slope, drift%step)) &
+        slope(k::2) = [(m*at**(m - 1), m=1, size(slope)/2)]
+        reach(k) = max(reach(k), abs(dot_product(slope, drift%value)) &
           & + quantile*sqrt(dot_product(slope, matmul(drift%covariance, slope))))
       end do
     end do
@@ -132,9 +137,11 @@ contains
     type(believed_line), intent(inout) :: line
     real(dp), dimension(2, size(gain)) :: along, across
     real(dp) :: growth
+    complex(dp) :: start
     integer :: s
-    growth = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))
-    line%amplitude = own%amplitude/gain*growth
+    start = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))*bent_factor(own%bend(:own%powers), -1.0_dp)
+    growth = abs(start)
+    line%amplitude = own%amplitude/gain*start
     allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
     do s = 1, size(gain)
       associate (a => own%amplitude(s))
@@ -166,7 +173,7 @@ contains
       believed(band%member)%windows(4, i) = huge(1.0_dp)
       if (size(part_rows, 1) < 6*size(own) + 2) cycle
       if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
-      fit%lines = own
+      fit%lines = [(steady(own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
       call fit_band(samples, part, part_rows, weight, band%with_still, fit)
       errors = line_errors_of(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
       do j = 1, size(own)
@@ -177,6 +184,23 @@ contains
         end associate
       end do
     end do
+
+  contains
+
+    type(damped_line) function steady(line, u)
+      !! The line without its drift, at the place that it has at the time u.
+      type(damped_line), intent(in) :: line
+      real(dp), intent(in) :: u
+      complex(dp) :: rate
+      integer :: m
+      steady = line
+      rate = sum([(m*line%bend(m)*u**(m - 1), m=2, line%powers)])
+      steady%decay = line%decay - rate%re/centre_of(samples)
+      steady%frequency = line%frequency + rate%im/(2*pi*centre_of(samples))
+      steady%powers = 1
+      steady%bend = 0
+    end function steady
+
   end subroutine judge_windows
 
   pure real(dp) function closest(frequency)

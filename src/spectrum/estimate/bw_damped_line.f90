@@ -4,7 +4,7 @@ module bw_damped_line
   !! A frequency is kept as two numbers, the second below the rounding of the first, so that the phase at a record's end loses
   !! nothing to the number of periods before it.
   use bw_kinds, only: dp
-  use bw_samples, only: grain, phase_factor
+  use bw_samples, only: bent_factor, bent_series, grain, phase_factor
   implicit none (type, external)
   private
   public :: line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
@@ -12,13 +12,18 @@ module bw_damped_line
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
   real(dp), parameter :: most_decay = 2.5_dp     !! per step, of either sign; the table must not overflow
 
+  integer, parameter :: tables_of_bend = 1024    !! in which a record is cut where a line drifts
+  integer, parameter, public :: most_powers = 6
+
   type, public :: damped_line
-    !! The motion Re A_s e^(−dτ + 2πifτ) at sensor s.
-    real(dp) :: decay = 0                        !! d, per step; negative grows
-    real(dp) :: frequency = 0                    !! f, periods per step, rounded
+    !! The motion Re A_s e^(−dτ + 2πifτ) at sensor s, or Re A_s e^(−dτ + 2πifτ + b₂u² + b₃u³ + …) of one that drifts, u = −1 … 1.
+    real(dp) :: decay = 0                        !! d, per step; negative grows. That in the record's middle if the line drifts
+    real(dp) :: frequency = 0                    !! f, periods per step, rounded. As well
     complex(dp), allocatable :: amplitude(:)     !! A_s at the record's first sample, or at its last for a line that grows, (S)
     real(dp) :: rest = 0                         !! of f, below the rounding of `frequency`
     logical :: steady = .false.                  !! the decay is held at 0
+    integer :: powers = 1                        !! of u in the exponent; 1: no drift
+    complex(dp) :: bend(2:most_powers) = 0       !! b
   end type damped_line
 
 contains
@@ -67,6 +72,7 @@ contains
     added = line%frequency - before
     line%rest = line%rest + ((before - (line%frequency - added)) + (frequency - added))
     if (line%frequency < 0) line%rest = -line%rest
+    if (line%frequency < 0) line%bend = conjg(line%bend)
     line%frequency = abs(line%frequency)
   end subroutine move_line
 
@@ -85,18 +91,43 @@ contains
     real(dp), intent(inout) :: left(:)
     complex(dp) :: tone(0:table - 1), factor
     real(dp) :: start
-    integer :: k, n, l, length
+    integer :: k, n, l, length, longest
     tone = 0
     do k = 1, size(lines)
-      length = min(table, size(left))
-      tone(:length - 1) = [(exp(-lines(k)%decay*l)*phase_factor(lines(k)%frequency, l, lines(k)%rest), l=0, length - 1)]
+      longest = min(table, size(left))
+      if (lines(k)%powers > 1) longest = max(1, min(table, size(left)/tables_of_bend))
+      tone(:longest - 1) = [(exp(-lines(k)%decay*l)*phase_factor(lines(k)%frequency, l, lines(k)%rest), l=0, longest - 1)]
       start = min(lines(k)%decay, 0.0_dp)*max(size(left) - 1, 1)
-      do n = 0, size(left) - 1, table
-        length = min(table, size(left) - n)
+      do n = 0, size(left) - 1, longest
+        length = min(longest, size(left) - n)
         factor = lines(k)%amplitude(s)*exp(start - lines(k)%decay*n)*phase_factor(lines(k)%frequency, n, lines(k)%rest)
-        left(n + 1:n + length) = left(n + 1:n + length) - (factor%re*tone(:length - 1)%re - factor%im*tone(:length - 1)%im)
+        associate (part => left(n + 1:n + length))
+          if (lines(k)%powers > 1) then
+            part = part - real(factor*tone(:length - 1)*bent_tone(lines(k), n, length, size(left)), dp)
+          else
+            part = part - (factor%re*tone(:length - 1)%re - factor%im*tone(:length - 1)%im)
+          end if
+        end associate
       end do
     end do
   end subroutine subtract_lines
+
+  pure function bent_tone(line, start, length, count) result(factor)
+    !! The factors of a line's bend at some of the even samples.
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: start, length, count  !! samples before these, these, in the record
+    complex(dp), allocatable :: a(:)
+    complex(dp) :: factor(length)
+    real(dp) :: centre
+    integer :: l, m
+    centre = max(count - 1, 1)/2.0_dp
+    associate (bend => line%bend(:line%powers), u => (start - centre)/centre)
+      a = bent_series(bend, u)*bent_factor(bend, u)
+    end associate
+    factor = a(size(a))
+    do m = size(a) - 1, 1, -1
+      factor = factor*[((l - 1)/centre, l=1, length)] + a(m)
+    end do
+  end function bent_tone
 
 end module bw_damped_line

@@ -29,9 +29,9 @@ contains
     !! Of line j, over half the record; 0 where the decay is held.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
-    real(dp) :: slope(2, errors%reduced%lines)
+    real(dp) :: slope(size(errors%reduced%free))
     slope = 0
-    slope(1, j) = 1
+    slope(errors%reduced%first(j)) = 1
     decay_deviation = position_deviation(errors, slope)
   end function decay_deviation
 
@@ -39,19 +39,19 @@ contains
     !! Of 2π·frequency of line j, over half the record.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
-    real(dp) :: slope(2, errors%reduced%lines)
+    real(dp) :: slope(size(errors%reduced%free))
     slope = 0
-    slope(2, j) = 1
+    slope(errors%reduced%first(j) + 1) = 1
     frequency_deviation = position_deviation(errors, slope)
   end function frequency_deviation
 
   pure real(dp) function position_deviation(errors, slope)
-    !! Of a sum of −decays and 2π·frequencies over half the record with these factors.
+    !! Of a sum of the coefficients in the lines' exponents with these factors.
     type(line_errors), intent(in) :: errors
-    real(dp), intent(in) :: slope(:, :)        !! (2, lines)
+    real(dp), intent(in) :: slope(:)           !! (slopes of the fit)
     real(dp) :: y(size(errors%length))
     logical :: determined
-    call eliminate(errors%triangle, errors%length, pack(slope, reshape(errors%reduced%free, shape(slope))), y, determined)
+    call eliminate(errors%triangle, errors%length, pack(slope, errors%reduced%free), y, determined)
     position_deviation = merge(norm2(y), huge(1.0_dp), determined)
   end function position_deviation
 
@@ -62,9 +62,9 @@ contains
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
     real(dp), intent(in) :: direction(:, :)    !! (2, S)
-    real(dp) :: slope(2, errors%reduced%lines), own(size(direction, 2)), one, other
+    real(dp) :: slope(size(errors%reduced%free)), own(size(direction, 2)), one, other
     real(dp), dimension(errors%reduced%linear) :: gradient, y
-    integer :: s, k, c
+    integer :: s, k, i, c
     logical :: determined
     total = huge(1.0_dp)
     slope = 0
@@ -78,14 +78,16 @@ contains
         if (.not. determined) return
         own(s) = norm2(y)/sqrt(errors%weight(s))
         do k = 1, fit%lines
-          c = fit%linear + 2*k - 1
-          one = dot_product(y, fit%triangle(:fit%linear, c))*fit%length(c)
-          other = dot_product(y, fit%triangle(:fit%linear, c + 1))*fit%length(c + 1)
-          if (k == j) then                     ! slopes are about the record's middle, and the first sample is at u = −1
-            one = one + direction(1, s)
-            other = other + direction(2, s)
-          end if
-          slope(:, k) = slope(:, k) - turned(one, other, fit%linear_part(2*k - 1:2*k, s))
+          do i = fit%first(k), fit%first(k + 1) - 1, 2
+            c = fit%linear + i
+            one = dot_product(y, fit%triangle(:fit%linear, c))*fit%length(c)
+            other = dot_product(y, fit%triangle(:fit%linear, c + 1))*fit%length(c + 1)
+            if (k == j) then                   ! slopes are about the record's middle, and the first sample is at u = −1
+              one = one + direction(1, s)*(-1)**((i - fit%first(k))/2)
+              other = other + direction(2, s)*(-1)**((i - fit%first(k))/2)
+            end if
+            slope(i:i + 1) = slope(i:i + 1) - turned(one, other, fit%linear_part(2*k - 1:2*k, s))
+          end do
         end do
       end do
     end associate
