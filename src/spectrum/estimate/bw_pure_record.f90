@@ -1,0 +1,84 @@
+module bw_pure_record
+  !! Records that hold lines and their rounding and no noise: histories of simulations. Where nobody says so, the quietest bins of
+  !! the record tell that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
+  use bw_damped_line, only: damped_line
+  use bw_kinds, only: dp
+  use bw_lapack, only: dgelsy
+  use bw_monitor, only: monitor_type, stops
+  use bw_samples, only: samples_type
+  use bw_tapered_residual, only: find_residual, residual_type, strength
+  use bw_tapered_search, only: find_pure_lines
+  implicit none (type, external)
+  private
+  public :: find_lines_if_pure
+
+  integer, parameter :: fewest = 16, longest = 65536  !! samples of one sensor that are looked at first
+  integer, parameter :: short = 200              !! samples; fewer have too few bins to tell which are quiet
+  integer, parameter :: most_numbers = 2**24     !! of all sensors together; more would ask for too much memory
+  real(dp), parameter :: quietest = 1.0e-9_dp    !! of the highest bin; no measurement has so little noise
+  real(dp), parameter :: explained = 1.0e-11_dp  !! of the record, that the lines of a pure one may leave in a bin
+
+contains
+
+  subroutine find_lines_if_pure(samples, lines, left, pure, monitor)
+    !! Find the lines of an even record without noise, an offset being one of frequency 0.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), allocatable, intent(out) :: lines(:)
+    type(residual_type), intent(out) :: left     !! what they leave
+    logical, intent(out) :: pure                 !! false: there is noise, and no use in the lines
+    class(monitor_type), intent(inout), optional :: monitor
+    integer :: s
+    allocate (lines(0))
+    pure = samples%pure
+    if (.not. pure) then
+      if (.not. looks_pure(samples)) return
+    end if
+    associate (record => samples%value(:samples%count, :))
+      call find_pure_lines(record, lines, left, monitor)
+      if (pure .or. stops(monitor)) return
+      pure = maxval(strength(left)) <= explained*norm2([(norm2(record(:, s)), s=1, size(record, 2))])
+    end associate
+  end subroutine find_lines_if_pure
+
+  logical function looks_pure(samples)
+    !! Whether the sensor that moves most holds next to nothing between its lines.
+    type(samples_type), intent(in) :: samples
+    type(residual_type) :: residual
+    real(dp), allocatable :: most(:), record(:, :)
+    integer :: n, s
+    looks_pure = .false.
+    if (allocated(samples%place) .or. samples%count < fewest) return
+    if (samples%count > most_numbers/size(samples%value, 2)) return
+    n = min(samples%count, longest)
+    most = [(maxval(abs(samples%value(:n, s))), s=1, size(samples%value, 2))]
+    s = maxloc(most, dim=1)
+    if (.not. most(s) > 0) return
+    record = samples%value(:n, s:s)/most(s)
+    if (n < short) then
+      looks_pure = has_recursion(record(:, 1))
+    else
+      call find_residual(record, [damped_line ::], residual)
+      looks_pure = residual%noise <= quietest*maxval(strength(residual))
+    end if
+  end function looks_pure
+
+  logical function has_recursion(record)
+    !! Whether each sample follows from those before it: K real exponentials, or half as many lines, obey a linear recursion of order
+    !! K, so that a matrix of shifted records has the rank K. In short records, where lines leave no bin quiet.
+    real(dp), intent(in) :: record(:)            !! below 1
+    real(dp), allocatable :: matrix(:, :), right(:, :), work(:)
+    integer, allocatable :: pivot(:)
+    integer :: order, rows, rank, info, i
+    order = (size(record) - 1)/2
+    rows = size(record) - order
+    allocate (matrix(rows, order), work(64*(rows + order)), pivot(order))
+    do i = 1, order
+      matrix(:, i) = record(i:i + rows - 1)
+    end do
+    right = reshape(record(order + 1:), [rows, 1])
+    pivot = 0
+    call dgelsy(rows, order, 1, matrix, rows, right, rows, pivot, quietest, rank, work, size(work), info)
+    has_recursion = rank < order
+  end function has_recursion
+
+end module bw_pure_record
