@@ -22,7 +22,7 @@ module bw_record_case
   private
   public :: keep_record, run_record_case
 
-  integer(i8), parameter :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
+  integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
 
   type, public :: record_cache
     !! The record of the last case, and the part of it.

@@ -5,10 +5,10 @@ module bw_record_report
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_missing, only: is_missing, scaled
-  use bw_record, only: without_unit
+  use bw_record, only: unit_in, without_unit
   use bw_record_lines, only: reason_texts, status_words
   use bw_record_summary, only: record_summary
-  use bw_sensor_unit, only: si_unit
+  use bw_sensor_unit, only: is_unit, si_unit
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
@@ -87,6 +87,14 @@ contains
     end associate
   end subroutine report_line
 
+  pure function short_name(name) result(text)
+    !! A sensor's name without its unit.
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    text = name
+    if (is_unit(unit_in(name))) text = without_unit(name)
+  end function short_name
+
   pure function short(value) result(text)
     !! Two digits of an error; a dash where the record does not tell it.
     real(dp), intent(in) :: value
@@ -103,7 +111,7 @@ contains
     associate (sensor => record%extent%sensors(s))
       text = si_unit(sensor%quantity)
       if (text == '1') text = sensor%quantity
-      if (size(record%extent%sensors) > 1) text = text//' at '//without_unit(sensor%name)
+      if (size(record%extent%sensors) > 1) text = text//' at '//short_name(sensor%name)
     end associate
   end function place_text
 
@@ -207,7 +215,7 @@ contains
     text = ''
     do s = 1, min(shown_sensors, size(record%extent%sensors))
       associate (sensor => record%extent%sensors(s))
-        text = text//', '//without_unit(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
+        text = text//', '//short_name(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
           si_unit(sensor%quantity)
       end associate
     end do
