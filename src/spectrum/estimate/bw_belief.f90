@@ -12,6 +12,7 @@ module bw_belief
   use bw_line_bands, only: line_band, own_rows
   use bw_line_errors, only: amplitude_deviation, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
+  use bw_pure_record, only: rounding
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
@@ -85,7 +86,7 @@ contains
         line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
         line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
         line%decay_error = quantile*line%decay_bound
-        line%frequency_error = quantile*line%frequency_bound
+        line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
         call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
           & own(j)%powers > 1, quantile, false_alarm, line)

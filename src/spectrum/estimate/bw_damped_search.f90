@@ -9,7 +9,7 @@ module bw_damped_search
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
-  use bw_pure_record, only: find_lines_if_pure
+  use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: samples_type, span_of
   use bw_tapered_residual, only: residual_type
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
@@ -108,6 +108,7 @@ contains
     found%lines%steady = .false.
     call prepare_bands(samples, found%lines, found%bands)
     call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+    found%ordinates%noise%level = safety**2*found%ordinates%noise%level
     found%deviation = found%ordinates%deviation
   end subroutine take_if_pure
 
