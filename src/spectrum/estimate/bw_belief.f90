@@ -86,7 +86,7 @@ contains
         line%decay = own(j)%decay
         line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
         line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
-        line%decay_error = quantile*line%decay_bound
+        line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
         line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
         call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &

@@ -4,9 +4,10 @@ module bw_pure_record
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_lapack, only: dgelsy
+  use bw_line_group, only: group_type, refit_group
   use bw_monitor, only: monitor_type, stops
   use bw_samples, only: samples_type
-  use bw_tapered_residual, only: residual_type, strength
+  use bw_tapered_residual, only: find_residual, residual_type, strength
   use bw_tapered_search, only: find_pure_lines
   implicit none (type, external)
   private
@@ -17,9 +18,10 @@ module bw_pure_record
   real(dp), parameter, public :: rounding = 32*epsilon(1.0_dp)
     !! of a frequency; those of modes, and so of a record that is their sum, have been seen 7 epsilon off
   integer, parameter :: fewest = 16, stretch = 500  !! samples, that are looked at first; as many hold 120 lines
+  integer, parameter :: whole = 256              !! samples, whose lines may be looked for in all bins at once
   integer, parameter :: most_numbers = 2**24     !! of all sensors together; more would ask for too much memory
   real(dp), parameter :: quietest = 1.0e-9_dp    !! of a record; no measurement has so little noise
-  real(dp), parameter :: explained = 1.0e-11_dp  !! of the record, that the lines of a pure one may leave in a bin
+  real(dp), parameter :: unexplained = 1.0e-11_dp  !! of the record, that the lines of a pure one may leave in a bin
 
 contains
 
@@ -30,18 +32,43 @@ contains
     type(residual_type), intent(out) :: left     !! what they leave
     logical, intent(out) :: pure                 !! false: there is noise, and no use in the lines
     class(monitor_type), intent(inout), optional :: monitor
-    integer :: s
+    logical :: simple                            !! few lines for so many samples, and no noise
     allocate (lines(0))
+    simple = looks_pure(samples)
     pure = samples%pure
-    if (.not. pure) then
-      if (.not. looks_pure(samples)) return
-    end if
+    if (.not. (pure .or. simple)) return
     associate (record => samples%value(:samples%count, :))
       call find_pure_lines(record, lines, left, monitor)
-      if (pure .or. stops(monitor)) return
-      pure = maxval(strength(left)) <= explained*norm2([(norm2(record(:, s)), s=1, size(record, 2))])
+      if (stops(monitor)) return
+      if (simple .and. size(record, 1) <= whole .and. .not. explained(record, left)) call take_whole(record, lines, left)
+      pure = pure .or. explained(record, left)
     end associate
   end subroutine find_lines_if_pure
+
+  pure logical function explained(record, left)
+    !! Whether lines leave no more than rounding.
+    real(dp), intent(in) :: record(:, :)
+    type(residual_type), intent(in) :: left
+    integer :: s
+    explained = maxval(strength(left)) <= unexplained*norm2([(norm2(record(:, s)), s=1, size(record, 2))])
+  end function explained
+
+  subroutine take_whole(record, lines, left)
+    !! Find all lines of a short record at once, where there is no bin between them to part them at; they are kept if they explain it.
+    real(dp), intent(in) :: record(:, :)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
+    type(residual_type), intent(inout) :: left
+    type(residual_type) :: fresh
+    type(group_type) :: group
+    call find_residual(record, [damped_line ::], fresh)
+    allocate (group%lines(0))
+    group%peaks = [0, size(record, 1)/2]
+    call refit_group(fresh, group, 0.0_dp)
+    call find_residual(record, group%lines, fresh)
+    if (.not. explained(record, fresh)) return
+    call move_alloc(group%lines, lines)
+    left = fresh
+  end subroutine take_whole
 
   logical function looks_pure(samples)
     !! Whether the sensor that moves most obeys a linear recursion where it does.
