@@ -6,9 +6,9 @@ module bw_sensor_waves
   use bw_missing, only: missing
   use bw_quantile, only: squares_deviation, student_quantile
   use bw_shape_fit, only: candidate_type, candidates_of, freedom_of, interval_of, motion_type, reason_against, scanned, &
-    & sensor_type
+    & sensor_type, worse
   use bw_text, only: append, shortest, string
-  use bw_wave_choice, only: choice_type, choose_waves, possible_tips, worse
+  use bw_wave_choice, only: choice_type, choose_waves, possible_tips
   implicit none (type, external)
   private
   public :: measure_sensor_waves
@@ -134,12 +134,14 @@ contains
       motion = lines%amplitude(:, k)/factor
       deviation = lines%deviation(:, k)/abs(factor)
       do s = 1, size(factor)
-        largest(s) = maxval(abs(motion), mask=is_like(facts%quantity(s)%text)) + tiny(1.0_dp)/epsilon(1.0_dp)
+        largest(s) = tiny(1.0_dp)/epsilon(1.0_dp) &
+          & + maxval(max(abs(motion%re), abs(motion%im)), mask=is_like(facts%quantity(s)%text))
       end do
       motions(k)%freed = any(.not. deviation > 0)
       if (motions(k)%freed) deviation = largest
       motions(k)%weight = 1/max(deviation, rounding*largest)
       motions(k)%data = motion*motions(k)%weight
+      motions(k)%weight = scale(motions(k)%weight, -exponent(maxval(motions(k)%weight)))
     end do
 
   contains
@@ -179,7 +181,7 @@ contains
     do k = 1, size(choices)
       allocate (choices(k)%candidates(0))
       if (.not. shows(motions(k))) cycle
-      candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k))
+      candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k), freedom)
       if (sensors%ends == 'tip') candidates = possible_tips(candidates)
       if (size(candidates) == 0) cycle
       least = minval(candidates%misfit)

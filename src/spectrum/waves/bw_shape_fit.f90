@@ -11,9 +11,11 @@ module bw_shape_fit
 
   real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
   real(dp), parameter :: highest = 200         !! α; about the 64th mode
-  real(dp), parameter :: step = 0.1_dp         !! of a scan; misfits change over π
+  real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
   real(dp), parameter :: dependent = 1.0e-11_dp  !! part of a function that the others leave, below which it says nothing
   integer, parameter :: most_steps = 60
+  real(dp), parameter :: rounding = 8*epsilon(1.0_dp)
+  real(dp), parameter, public :: worse = 25    !! five deviations squared: what fits so much worse is no candidate
 
   type, public :: sensor_type
     !! What is known of the sensors and of the beam's ends.
@@ -25,7 +27,7 @@ module bw_shape_fit
   type, public :: motion_type
     !! One line at the sensors, over the deviations.
     complex(dp), allocatable :: data(:)        !! (S)
-    real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, (S)
+    real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, times any number, (S)
     logical :: freed = .false.                 !! the deviation is known to a factor only
   end type motion_type
 
@@ -200,28 +202,48 @@ contains
     projection%curvature = projection%curvature/tiny_step**2
   end function projection_at
 
-  pure function candidates_of(sensors, motion, alpha, misfit) result(candidates)
-    !! All local minima that a scan shows, polished. Its lower end is one too where the misfit still falls there.
+  pure function candidates_of(sensors, motion, alpha, misfit, freedom) result(candidates)
+    !! The local minima that a scan shows, polished, but for those of which a parabola foretells that they are no candidates
+    !! beside the best. The scan's lower end is a minimum too where the misfit still falls there.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha(:), misfit(:)  !! of the scan, (n)
+    integer, intent(in) :: freedom             !! of the fit
     type(candidate_type), allocatable :: candidates(:)
-    type(candidate_type) :: found(size(alpha))
-    integer :: i, n
-    n = 0
-    do i = 1, size(alpha)
-      if (misfit(i) > misfit(max(i - 1, 1)) .or. misfit(i) > misfit(min(i + 1, size(alpha)))) cycle
-      n = n + 1
-      found(n) = polished(sensors, motion, alpha(i), [max(alpha(i) - step, lowest/2), alpha(i) + step])
+    integer, allocatable :: low(:)
+    real(dp) :: best, reach
+    integer :: i, first
+    low = pack([(i, i=1, size(alpha))], misfit <= eoshift(misfit, -1, huge(1.0_dp)) &
+      & .and. misfit <= eoshift(misfit, 1, huge(1.0_dp)))
+    first = low(minloc(misfit(low), dim=1))
+    candidates = [polished(sensors, motion, alpha(first))]
+    best = candidates(1)%misfit
+    do i = 1, size(low)
+      if (low(i) == first) cycle
+      reach = worse*max(best/freedom, merge(0.0_dp, 1.0_dp, motion%freed))
+      if (least_foretold(sensors, motion, alpha(low(i))) > best + reach) cycle
+      candidates = [candidates, polished(sensors, motion, alpha(low(i)))]
+      best = min(best, candidates(size(candidates))%misfit)
     end do
-    candidates = found(:n)
   end function candidates_of
 
-  pure type(candidate_type) function polished(sensors, motion, start, range) result(candidate)
-    !! The minimum of the misfit near a start, by Gauss–Newton steps that stay in a range and are halved where they fail.
+  pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
+    !! What a parabola foretells of a minimum, and as much less again, since it is none.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
-    real(dp), intent(in) :: start, range(2)
+    real(dp), intent(in) :: alpha
+    type(projection_type) :: here
+    here = projection_at(sensors, motion, alpha)
+    least = here%misfit
+    if (here%curvature > 0) least = least - 2*here%slope**2/here%curvature
+  end function least_foretold
+
+  pure type(candidate_type) function polished(sensors, motion, start) result(candidate)
+    !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; less what
+    !! rounding of α makes of it.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: start
     type(projection_type) :: here, there
     real(dp) :: alpha, move
     integer :: i
@@ -229,7 +251,7 @@ contains
     here = projection_at(sensors, motion, alpha)
     do i = 1, most_steps
       if (.not. here%curvature > 0) exit
-      move = min(max(alpha - here%slope/here%curvature, range(1)), range(2)) - alpha
+      move = min(max(alpha - here%slope/here%curvature, start - step, lowest/2), start + step) - alpha
       do
         if (abs(move) <= epsilon(1.0_dp)*alpha) exit
         there = projection_at(sensors, motion, alpha + move)
@@ -241,7 +263,7 @@ contains
       here = there
     end do
     candidate%alpha = alpha
-    candidate%misfit = here%misfit
+    candidate%misfit = max(0.0_dp, here%misfit - here%curvature*(rounding*alpha)**2)
     if (here%curvature > 0) candidate%deviation = 1/sqrt(here%curvature)
   end function polished
 

@@ -4,13 +4,12 @@ module bw_wave_choice
   !! (Eq. 19). What is chosen fits much better than every choice that contradicts it; otherwise nothing is.
   use bw_kinds, only: dp
   use bw_mode_ratio, only: alpha_range, mass_angle, mode_near
-  use bw_shape_fit, only: candidate_type
+  use bw_shape_fit, only: candidate_type, worse
   implicit none (type, external)
   private
   public :: choose_waves, possible_tips
 
   integer, parameter :: most_anchors = 6       !! lines that a curve is begun with
-  real(dp), parameter, public :: worse = 25    !! five deviations squared: what is so much worse is no candidate
   real(dp), parameter :: clear = 2*log(1.0e3_dp)  !! that much better than any contradiction
   real(dp), parameter :: gap_costs = 2*log(10.0_dp)  !! of a mode without a line, below the highest that has one
 
