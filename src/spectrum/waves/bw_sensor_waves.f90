@@ -4,9 +4,9 @@ module bw_sensor_waves
   use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
-  use bw_quantile, only: squares_deviation, student_quantile
-  use bw_shape_fit, only: candidate_type, candidates_of, freedom_of, interval_of, motion_type, reason_against, scanned, &
-    & sensor_type, worse
+  use bw_quantile, only: normal, squares_deviation, student_quantile
+  use bw_shape_fit, only: candidate_type, candidates_of, costs_of, freedom_of, interval_of, motion_type, reason_against, rounding, &
+    & scanned, sensor_type, worse
   use bw_text, only: append, shortest, string
   use bw_wave_choice, only: choice_type, choose_waves, possible_tips
   implicit none (type, external)
@@ -18,7 +18,7 @@ module bw_sensor_waves
   real(dp), parameter :: seen = 3              !! deviations that a line must have at some sensor
   real(dp), parameter :: vague = 0.5_dp        !! of a wave number; an interval of ± more says nothing
   real(dp), parameter :: lopsided = 1.5_dp     !! one side of an interval over the other, beyond which the longer is the error
-  real(dp), parameter :: rounding = 4*epsilon(1.0_dp)
+  real(dp), parameter :: usual = 0.95_dp       !! confidence at which Student's deviations are made those of normal numbers
 
   type, public :: sensor_facts
     !! What is known beside the lines.
@@ -52,7 +52,7 @@ module bw_sensor_waves
   type :: wave_type
     !! The wave number of a line over the beam's length.
     real(dp) :: alpha = 1, error = 0
-    real(dp) :: quantile = 1, deviation = 0    !! the error is so many standard deviations
+    real(dp) :: deviation = 0                  !! of a normal number with that error
     logical :: exists = .false.
   end type wave_type
 
@@ -175,6 +175,7 @@ contains
     type(candidate_type), allocatable :: candidates(:)
     real(dp), allocatable :: alpha(:), misfit(:, :)
     real(dp) :: least
+    logical :: scaled
     integer :: k, freedom
     freedom = freedom_of(sensors)
     call scanned(sensors, motions, alpha, misfit)
@@ -186,11 +187,13 @@ contains
       if (size(candidates) == 0) cycle
       least = minval(candidates%misfit)
       choices(k)%misfits = .not. motions(k)%freed .and. squares_deviation(least, freedom) > unlikely
-      if (motions(k)%freed .or. choices(k)%misfits) then
-        choices(k)%scale = sqrt(max(least/freedom, rounding**2))
-        choices(k)%freedom = freedom
-      end if
-      choices(k)%candidates = pack(candidates, candidates%misfit <= least + worse*choices(k)%scale**2)
+      scaled = motions(k)%freed .or. choices(k)%misfits
+      if (scaled) choices(k)%scale = sqrt(least/freedom + rounding**2)
+      if (scaled) choices(k)%freedom = freedom
+      candidates%cost = costs_of(candidates%misfit, least, freedom, scaled)
+      choices(k)%candidates = pack(candidates, candidates%cost <= worse)
+      choices(k)%candidates%deviation = choices(k)%candidates%deviation*choices(k)%scale &
+        & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
     end do
     call choose_waves(square, rotates, sensors%ends == 'tip', choices)
   end subroutine find_choices
@@ -209,7 +212,7 @@ contains
     type(choice_type), intent(in) :: choice
     type(wave_type), intent(inout) :: wave
     character(:), allocatable, intent(out) :: reason
-    real(dp) :: interval(2), sides(2)
+    real(dp) :: interval(2), sides(2), quantile
     reason = ''
     if (.not. shows(motion)) then
       reason = 'no sensor shows it, all are near its nodes'
@@ -221,12 +224,12 @@ contains
       end associate
     end if
     if (reason /= '') return
-    wave%quantile = student_quantile(facts%confidence, choice%freedom)
     wave%alpha = choice%candidates(choice%chosen)%alpha
-    interval = interval_of(sensors, motion, choice%candidates(choice%chosen), (wave%quantile*choice%scale)**2)
+    quantile = student_quantile(facts%confidence, choice%freedom)
+    interval = interval_of(sensors, motion, choice%candidates(choice%chosen), (quantile*choice%scale)**2)
     sides = abs(interval - wave%alpha)
-    wave%error = merge(maxval(sides), sum(sides/2), maxval(sides) > lopsided*minval(sides)) + 2*rounding*wave%alpha
-    wave%deviation = wave%error/wave%quantile
+    wave%error = merge(maxval(sides), sum(sides/2), maxval(sides) > lopsided*minval(sides)) + rounding*wave%alpha
+    wave%deviation = wave%error/student_quantile(facts%confidence, normal)
     wave%exists = wave%error <= vague*wave%alpha
     if (.not. wave%exists) reason = 'the sensors do not fix it; '//shortest(wave%alpha/facts%length, 2)// &
       & ' 1/m fits best, and others half as large or twice as large as well'
@@ -259,7 +262,7 @@ contains
       waves%wavenumber_error = found%error/facts%length
       waves%phase_velocity = sqrt(square_of(lines))/waves%wavenumber
       waves%phase_velocity_error = waves%phase_velocity*(hypot(found%error/found%alpha, &
-        & found%quantile*lines%frequency_deviation/lines%angular_frequency) + rounding)
+        & student_quantile(facts%confidence, normal)*lines%frequency_deviation/lines%angular_frequency) + rounding)
     end where
   end subroutine fill_waves
 
@@ -286,7 +289,7 @@ contains
     end if
     if (any(found%exists .and. .not. on_curve)) call append(waves%notes, 'measured waves: lines that do not lie on the '// &
       & 'dispersion of the others have no group velocity')
-    quantile = maxval(found%quantile, mask=on_curve)
+    quantile = student_quantile(facts%confidence, normal)
     if (curve%freedom > 0) then
       if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
         call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
@@ -298,7 +301,7 @@ contains
     call group_velocity_of(curve, square, 2*lines%angular_frequency*lines%frequency_deviation, velocity, deviation)
     where (on_curve)
       waves%group_velocity = velocity
-      waves%group_velocity_error = quantile*deviation + 4*rounding*velocity
+      waves%group_velocity_error = quantile*deviation + 2*rounding*velocity
     end where
     waves%stiffness_root = 1/curve%q**2
     waves%stiffness_root_error = quantile*2*sqrt(curve%covariance(1, 1))/curve%q**3

@@ -7,15 +7,15 @@ module bw_shape_fit
   use bw_wave_shapes, only: function_count, shape_functions
   implicit none (type, external)
   private
-  public :: candidates_of, freedom_of, interval_of, reason_against, scanned
+  public :: candidates_of, costs_of, freedom_of, interval_of, reason_against, scanned
 
   real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
   real(dp), parameter :: highest = 200         !! α; about the 64th mode
   real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
   real(dp), parameter :: dependent = 1.0e-11_dp  !! part of a function that the others leave, below which it says nothing
   integer, parameter :: most_steps = 60
-  real(dp), parameter :: rounding = 8*epsilon(1.0_dp)
-  real(dp), parameter, public :: worse = 25    !! five deviations squared: what fits so much worse is no candidate
+  real(dp), parameter, public :: rounding = 8*epsilon(1.0_dp)
+  real(dp), parameter, public :: worse = 25    !! five deviations squared: what costs so much more is no candidate
 
   type, public :: sensor_type
     !! What is known of the sensors and of the beam's ends.
@@ -34,8 +34,9 @@ module bw_shape_fit
   type, public :: candidate_type
     !! A wave number that fits better than its neighbours.
     real(dp) :: alpha = 0
-    real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory, of data with deviation 1
+    real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory
     real(dp) :: misfit = huge(1.0_dp)          !! sum of squares
+    real(dp) :: cost = 0                       !! against the best, as of `costs_of`
   end type candidate_type
 
   type :: projection_type
@@ -105,26 +106,6 @@ contains
     end do
   end function functions_at
 
-  pure function grid_of(sensors) result(alpha)
-    !! Where a scan looks: with a tip known up to the 64th mode, else up to half a wave between the nearest two sensors.
-    type(sensor_type), intent(in) :: sensors
-    real(dp), allocatable :: alpha(:)
-    real(dp) :: last, nearest
-    integer :: i, j
-    last = highest
-    if (sensors%ends /= 'tip') then
-      nearest = 1
-      do i = 1, size(sensors%position)
-        do j = 1, i - 1
-          if (sensors%position(i) == sensors%position(j)) cycle
-          nearest = min(nearest, abs(sensors%position(i) - sensors%position(j)))
-        end do
-      end do
-      last = min(highest, acos(-1.0_dp)/nearest)
-    end if
-    allocate (alpha, source=[(lowest + step*i, i=0, floor((last - lowest)/step))])
-  end function grid_of
-
   pure subroutine scanned(sensors, motions, alpha, misfit)
     !! The misfits of all lines over a grid of α.
     type(sensor_type), intent(in) :: sensors
@@ -133,7 +114,7 @@ contains
     complex(dp) :: functions(size(sensors%position), columns_of(sensors))
     type(projection_type) :: projection
     integer :: i, k
-    allocate (alpha, source=grid_of(sensors))
+    allocate (alpha, source=[(lowest + step*i, i=0, floor((highest - lowest)/step))])
     allocate (misfit(size(alpha), size(motions)))
     do i = 1, size(alpha)
       functions = functions_at(sensors, cmplx(alpha(i), kind=dp))
@@ -211,7 +192,7 @@ contains
     integer, intent(in) :: freedom             !! of the fit
     type(candidate_type), allocatable :: candidates(:)
     integer, allocatable :: low(:)
-    real(dp) :: best, reach
+    real(dp) :: best, least
     integer :: i, first
     low = pack([(i, i=1, size(alpha))], misfit <= eoshift(misfit, -1, huge(1.0_dp)) &
       & .and. misfit <= eoshift(misfit, 1, huge(1.0_dp)))
@@ -220,12 +201,22 @@ contains
     best = candidates(1)%misfit
     do i = 1, size(low)
       if (low(i) == first) cycle
-      reach = worse*max(best/freedom, merge(0.0_dp, 1.0_dp, motion%freed))
-      if (least_foretold(sensors, motion, alpha(low(i))) > best + reach) cycle
+      least = least_foretold(sensors, motion, alpha(low(i)))
+      if (costs_of(least, best, freedom, .true.) > worse .and. (motion%freed .or. least > best + worse)) cycle
       candidates = [candidates, polished(sensors, motion, alpha(low(i)))]
       best = min(best, candidates(size(candidates))%misfit)
     end do
   end function candidates_of
+
+  elemental real(dp) function costs_of(misfit, least, freedom, scaled) result(cost)
+    !! How much worse a fit is than the best, as twice the logarithm of the ratio of their likelihoods; where the deviation is
+    !! told by the misfit, of those with the likeliest deviation for each.
+    real(dp), intent(in) :: misfit, least      !! sums of squares
+    integer, intent(in) :: freedom
+    logical, intent(in) :: scaled              !! the misfit tells the deviation
+    cost = misfit - least
+    if (scaled) cost = (freedom + 1)*log((max(misfit, least) + freedom*rounding**2)/(least + freedom*rounding**2))
+  end function costs_of
 
   pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
     !! What a parabola foretells of a minimum, and as much less again, since it is none.

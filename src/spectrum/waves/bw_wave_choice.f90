@@ -10,7 +10,7 @@ module bw_wave_choice
   public :: choose_waves, possible_tips
 
   integer, parameter :: most_anchors = 6       !! lines that a curve is begun with
-  real(dp), parameter :: clear = 2*log(1.0e3_dp)  !! that much better than any contradiction
+  real(dp), parameter :: clear = 2*log(1.0e4_dp)  !! that much better than any contradiction
   real(dp), parameter :: gap_costs = 2*log(10.0_dp)  !! of a mode without a line, below the highest that has one
 
   type, public :: choice_type
@@ -31,7 +31,7 @@ module bw_wave_choice
     real(dp), allocatable :: power(:, :), variance(:, :)  !! α⁴ and its variance, (candidate, line)
     real(dp), allocatable :: cost(:, :)        !! misfit above the least, (candidate, line)
     real(dp), allocatable :: angle(:, :), angle_variance(:, :)  !! of the mass that is implied
-    integer, allocatable :: mode(:, :)         !! its number with a mass at the tip
+    integer, allocatable :: mode(:, :)         !! its number, with a mass at the tip; else about its number
     integer, allocatable :: count(:)           !! of candidates, (line)
     logical :: rotates = .false., tip = .false.
   end type problem_type
@@ -102,7 +102,7 @@ contains
     most = maxval([(size(choices(k)%candidates), k=1, size(choices))])
     problem%count = [(size(choices(k)%candidates), k=1, size(choices))]
     problem%square = square/maxval(square)
-    problem%rotates = rotates
+    problem%rotates = rotates .and. count(problem%count > 0) > 1
     problem%tip = tip
     allocate (problem%power(most, size(square)), problem%variance(most, size(square)), problem%cost(most, size(square)), &
       & problem%angle(most, size(square)), problem%angle_variance(most, size(square)), source=huge(1.0_dp))
@@ -110,10 +110,11 @@ contains
     do k = 1, size(square)
       associate (candidates => choices(k)%candidates)
         do j = 1, size(candidates)
-          deviation = choices(k)%scale*min(candidates(j)%deviation, 1.0_dp) + 1.0e-9_dp*candidates(j)%alpha
+          deviation = min(candidates(j)%deviation, 1.0_dp) + 1.0e-9_dp*candidates(j)%alpha
           problem%power(j, k) = candidates(j)%alpha**4
           problem%variance(j, k) = (4*candidates(j)%alpha**3*deviation)**2
-          problem%cost(j, k) = (candidates(j)%misfit - minval(candidates%misfit))/choices(k)%scale**2
+          problem%cost(j, k) = candidates(j)%cost
+          problem%mode(j, k) = floor(candidates(j)%alpha/acos(-1.0_dp))
           if (.not. tip) cycle
           problem%mode(j, k) = mode_near(candidates(j)%alpha)
           problem%angle(j, k) = mass_angle(candidates(j)%alpha, problem%mode(j, k))
@@ -277,7 +278,7 @@ contains
       if (chosen(next) > 0) call take(problem, chosen(next), next, curve)
       if (chosen(next) == 0) curve%cost = curve%cost + worse
     end do
-    if (problem%tip) curve%cost = curve%cost + gap_costs*gaps()
+    curve%cost = curve%cost + gap_costs*gaps()
 
   contains
 
