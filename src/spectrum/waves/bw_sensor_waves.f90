@@ -5,8 +5,8 @@ module bw_sensor_waves
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_quantile, only: normal, squares_deviation, student_quantile
-  use bw_shape_fit, only: candidate_type, candidates_of, costs_of, freedom_of, interval_of, motion_type, reason_against, rounding, &
-    & scanned, sensor_type, worse
+  use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
+    & reason_against, rounding, scanned, sensor_type, worse
   use bw_text, only: append, shortest, string
   use bw_wave_choice, only: choice_type, choose_waves, possible_tips
   implicit none (type, external)
@@ -18,6 +18,9 @@ module bw_sensor_waves
   real(dp), parameter :: seen = 3              !! deviations that a line must have at some sensor
   real(dp), parameter :: vague = 0.5_dp        !! of a wave number; an interval of ± more says nothing
   real(dp), parameter :: lopsided = 1.5_dp     !! one side of an interval over the other, beyond which the longer is the error
+  real(dp), parameter :: linear = 0.02_dp      !! of α; larger deviations are taken from the profile of the misfit
+  real(dp), parameter :: low = 3               !! α of a first mode at most
+  real(dp), parameter :: unknown = 3           !! deviation of an α that may be anything from 0 on
   real(dp), parameter :: usual = 0.95_dp       !! confidence at which Student's deviations are made those of normal numbers
 
   type, public :: sensor_facts
@@ -183,6 +186,7 @@ contains
       allocate (choices(k)%candidates(0))
       if (.not. shows(motions(k))) cycle
       candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k), freedom)
+      call widen(sensors, motions(k), freedom, candidates)
       if (sensors%ends == 'tip') candidates = possible_tips(candidates)
       if (size(candidates) == 0) cycle
       least = minval(candidates%misfit)
@@ -196,7 +200,30 @@ contains
         & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
     end do
     call choose_waves(square, rotates, sensors%ends == 'tip', choices)
+    where (choices%chosen > 0 .and. .not. choices%on_curve .and. count(choices%on_curve) > 1 .and. fits_anything(sensors)) &
+      & choices%chosen = 0
   end subroutine find_choices
+
+  subroutine widen(sensors, motion, freedom, candidates)
+    !! Of a wave so long that the sensors see little of it, linear theory is bad: its deviation is taken from the profile of the
+    !! misfit.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    integer, intent(in) :: freedom
+    type(candidate_type), intent(inout) :: candidates(:)
+    real(dp) :: variance, quantile
+    integer :: i
+    quantile = student_quantile(usual, normal)
+    variance = minval(candidates%misfit)/freedom
+    if (.not. motion%freed) variance = max(1.0_dp, variance)
+    do i = 1, size(candidates)
+      associate (candidate => candidates(i))
+        if (candidate%alpha > low .or. candidate%deviation*sqrt(variance) <= linear*candidate%alpha) cycle
+        candidate%deviation = max(candidate%deviation, min(unknown, maxval(abs(candidate%alpha - &
+          & interval_of(sensors, motion, candidate, quantile**2*variance))))/quantile/sqrt(variance))
+      end associate
+    end do
+  end subroutine widen
 
   pure logical function shows(motion)
     !! Whether some sensor shows the line above its noise.
@@ -218,6 +245,8 @@ contains
       reason = 'no sensor shows it, all are near its nodes'
     else if (size(choice%candidates) == 0) then
       reason = 'no mass at the tip gives such a shape'
+    else if (choice%chosen == 0 .and. choice%rival == 0) then
+      reason = 'it lies on no dispersion with the others, and so few sensors need that'
     else if (choice%chosen == 0) then
       associate (pair => choice%candidates([choice%best, choice%rival])%alpha/facts%length)
         reason = shortest(pair(1), 4)//' and '//shortest(pair(2), 4)//' 1/m fit alike'

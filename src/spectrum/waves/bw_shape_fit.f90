@@ -7,7 +7,7 @@ module bw_shape_fit
   use bw_wave_shapes, only: function_count, shape_functions
   implicit none (type, external)
   private
-  public :: candidates_of, costs_of, freedom_of, interval_of, reason_against, scanned
+  public :: candidates_of, costs_of, fits_anything, freedom_of, interval_of, reason_against, scanned
 
   real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
   real(dp), parameter :: highest = 200         !! α; about the 64th mode
@@ -79,6 +79,12 @@ contains
       & ' of strain, each at another place where it does not have to be 0; there are '//text_of(places_of(sensors, .false.))// &
       & ' and '//text_of(places_of(sensors, .true.))
   end function reason_against
+
+  pure logical function fits_anything(sensors)
+    !! Whether there are so few sensors that some α fits whatever real amplitudes they show.
+    type(sensor_type), intent(in) :: sensors
+    fits_anything = max(places_of(sensors, .false.), places_of(sensors, .true.)) == function_count(sensors%ends) + 1
+  end function fits_anything
 
   pure integer function freedom_of(sensors)
     !! How many real numbers the amplitudes of a line have more than the fit has unknowns.
@@ -219,14 +225,14 @@ contains
   end function costs_of
 
   pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
-    !! What a parabola foretells of a minimum, and as much less again, since it is none.
+    !! What a parabola foretells of a minimum, and less by nine times what it foretells of the fall, since it is none.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha
     type(projection_type) :: here
     here = projection_at(sensors, motion, alpha)
     least = here%misfit
-    if (here%curvature > 0) least = least - 2*here%slope**2/here%curvature
+    if (here%curvature > 0) least = least - 10*here%slope**2/here%curvature
   end function least_foretold
 
   pure type(candidate_type) function polished(sensors, motion, start) result(candidate)
