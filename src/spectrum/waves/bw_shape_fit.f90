@@ -12,7 +12,7 @@ module bw_shape_fit
   real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
   real(dp), parameter :: highest = 200         !! α; about the 64th mode
   real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
-  real(dp), parameter :: dependent = 1.0e-11_dp  !! part of a function that the others leave, below which it says nothing
+  real(dp), parameter :: dependent = 1.0e-8_dp !! part of a function that the others and the places leave: less is rounding
   integer, parameter :: most_steps = 60
   real(dp), parameter, public :: rounding = 8*epsilon(1.0_dp)
   real(dp), parameter, public :: worse = 25    !! five deviations squared: what costs so much more is no candidate
@@ -156,7 +156,7 @@ contains
         end do
       end do
       triangle(j, j) = norm2(basis(:, j))
-      used(j) = triangle(j, j) > dependent*length
+      used(j) = triangle(j, j) > dependent*max(length, norm2(motion%weight))
       basis(:, j) = merge(basis(:, j)/max(triangle(j, j), tiny(1.0_dp)), 0.0_dp, used(j))
       factor(j) = sum(basis(:, j)*left)
       left = left - factor(j)*basis(:, j)
