@@ -22,7 +22,7 @@ module bw_record_case
   private
   public :: keep_record, run_record_case
 
-  integer(i8), parameter :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
+  integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
 
   type, public :: record_cache
     !! The record of the last case, and the part of it.
@@ -65,12 +65,12 @@ contains
 
     samples = samples_of(record)
     call move_alloc(record%values, samples%value)
-    call find_damped_lines(samples, scene%spectrum%false_alarm, found)
+    call find_damped_lines(samples, scene%spectrum%false_alarm, found, monitor)
     if (monitor%stop_requested()) return
     believed = believed_lines(samples, found, scene%spectrum%confidence, scene%spectrum%false_alarm)
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
     call view_noise(record, layout, scene%spectrum%window, found, result%record%noise)
-    call view_fit(record, layout, found, believed, result%record)
+    call view_fit(record, layout, found, result%record)
     if (monitor%stop_requested()) return
     call find_record_waves(scene, layout, result)
     call note_lines(scene, result)

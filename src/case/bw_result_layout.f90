@@ -27,6 +27,7 @@ module bw_result_layout
     logical :: placed = .false.                          !! all of them have places
     character(:), allocatable :: unit                    !! of all of them; `1` where they measure different quantities
     character(:), allocatable :: checksums               !! of the files
+    integer :: longest = 0                               !! samples of a case, at most
     real(dp), allocatable :: times(:)                    !! since the first sample [s]
     logical :: stretched = .false.                       !! two values in a stretch of time: the least and the largest
     real(dp), allocatable :: frequencies(:)              !! Hz

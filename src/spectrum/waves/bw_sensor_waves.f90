@@ -4,11 +4,11 @@ module bw_sensor_waves
   use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
-  use bw_quantile, only: squares_deviation, student_quantile
-  use bw_shape_fit, only: candidate_type, candidates_of, freedom_of, interval_of, motion_type, reason_against, scanned, &
-    & sensor_type
+  use bw_quantile, only: normal, squares_deviation, student_quantile
+  use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
+    & reason_against, rounding, scanned, sensor_type, worse
   use bw_text, only: append, shortest, string
-  use bw_wave_choice, only: choice_type, choose_waves, possible_tips, worse
+  use bw_wave_choice, only: choice_type, choose_waves, possible_tips
   implicit none (type, external)
   private
   public :: measure_sensor_waves
@@ -18,7 +18,10 @@ module bw_sensor_waves
   real(dp), parameter :: seen = 3              !! deviations that a line must have at some sensor
   real(dp), parameter :: vague = 0.5_dp        !! of a wave number; an interval of ± more says nothing
   real(dp), parameter :: lopsided = 1.5_dp     !! one side of an interval over the other, beyond which the longer is the error
-  real(dp), parameter :: rounding = 4*epsilon(1.0_dp)
+  real(dp), parameter :: linear = 0.02_dp      !! of α; larger deviations are taken from the profile of the misfit
+  real(dp), parameter :: low = 3               !! α of a first mode at most
+  real(dp), parameter :: unknown = 3           !! deviation of an α that may be anything from 0 on
+  real(dp), parameter :: usual = 0.95_dp       !! confidence at which Student's deviations are made those of normal numbers
 
   type, public :: sensor_facts
     !! What is known beside the lines.
@@ -52,7 +55,7 @@ module bw_sensor_waves
   type :: wave_type
     !! The wave number of a line over the beam's length.
     real(dp) :: alpha = 1, error = 0
-    real(dp) :: quantile = 1, deviation = 0    !! the error is so many standard deviations
+    real(dp) :: deviation = 0                  !! of a normal number with that error
     logical :: exists = .false.
   end type wave_type
 
@@ -134,12 +137,14 @@ contains
       motion = lines%amplitude(:, k)/factor
       deviation = lines%deviation(:, k)/abs(factor)
       do s = 1, size(factor)
-        largest(s) = maxval(abs(motion), mask=is_like(facts%quantity(s)%text)) + tiny(1.0_dp)/epsilon(1.0_dp)
+        largest(s) = tiny(1.0_dp)/epsilon(1.0_dp) &
+          & + maxval(max(abs(motion%re), abs(motion%im)), mask=is_like(facts%quantity(s)%text))
       end do
       motions(k)%freed = any(.not. deviation > 0)
       if (motions(k)%freed) deviation = largest
       motions(k)%weight = 1/max(deviation, rounding*largest)
       motions(k)%data = motion*motions(k)%weight
+      motions(k)%weight = scale(motions(k)%weight, -exponent(maxval(motions(k)%weight)))
     end do
 
   contains
@@ -173,25 +178,52 @@ contains
     type(candidate_type), allocatable :: candidates(:)
     real(dp), allocatable :: alpha(:), misfit(:, :)
     real(dp) :: least
+    logical :: scaled
     integer :: k, freedom
     freedom = freedom_of(sensors)
     call scanned(sensors, motions, alpha, misfit)
     do k = 1, size(choices)
       allocate (choices(k)%candidates(0))
       if (.not. shows(motions(k))) cycle
-      candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k))
+      candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k), freedom)
+      call widen(sensors, motions(k), freedom, candidates)
       if (sensors%ends == 'tip') candidates = possible_tips(candidates)
       if (size(candidates) == 0) cycle
       least = minval(candidates%misfit)
       choices(k)%misfits = .not. motions(k)%freed .and. squares_deviation(least, freedom) > unlikely
-      if (motions(k)%freed .or. choices(k)%misfits) then
-        choices(k)%scale = sqrt(max(least/freedom, rounding**2))
-        choices(k)%freedom = freedom
-      end if
-      choices(k)%candidates = pack(candidates, candidates%misfit <= least + worse*choices(k)%scale**2)
+      scaled = motions(k)%freed .or. choices(k)%misfits
+      if (scaled) choices(k)%scale = sqrt(least/freedom + rounding**2)
+      if (scaled) choices(k)%freedom = freedom
+      candidates%cost = costs_of(candidates%misfit, least, freedom, scaled)
+      choices(k)%candidates = pack(candidates, candidates%cost <= worse)
+      choices(k)%candidates%deviation = choices(k)%candidates%deviation*choices(k)%scale &
+        & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
     end do
     call choose_waves(square, rotates, sensors%ends == 'tip', choices)
+    where (choices%chosen > 0 .and. .not. choices%on_curve .and. count(choices%on_curve) > 1 .and. fits_anything(sensors)) &
+      & choices%chosen = 0
   end subroutine find_choices
+
+  subroutine widen(sensors, motion, freedom, candidates)
+    !! Of a wave so long that the sensors see little of it, linear theory is bad: its deviation is taken from the profile of the
+    !! misfit.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    integer, intent(in) :: freedom
+    type(candidate_type), intent(inout) :: candidates(:)
+    real(dp) :: variance, quantile
+    integer :: i
+    quantile = student_quantile(usual, normal)
+    variance = minval(candidates%misfit)/freedom
+    if (.not. motion%freed) variance = max(1.0_dp, variance)
+    do i = 1, size(candidates)
+      associate (candidate => candidates(i))
+        if (candidate%alpha > low .or. candidate%deviation*sqrt(variance) <= linear*candidate%alpha) cycle
+        candidate%deviation = max(candidate%deviation, min(unknown, maxval(abs(candidate%alpha - &
+          & interval_of(sensors, motion, candidate, quantile**2*variance))))/quantile/sqrt(variance))
+      end associate
+    end do
+  end subroutine widen
 
   pure logical function shows(motion)
     !! Whether some sensor shows the line above its noise.
@@ -207,24 +239,26 @@ contains
     type(choice_type), intent(in) :: choice
     type(wave_type), intent(inout) :: wave
     character(:), allocatable, intent(out) :: reason
-    real(dp) :: interval(2), sides(2)
+    real(dp) :: interval(2), sides(2), quantile
     reason = ''
     if (.not. shows(motion)) then
       reason = 'no sensor shows it, all are near its nodes'
     else if (size(choice%candidates) == 0) then
       reason = 'no mass at the tip gives such a shape'
+    else if (choice%chosen == 0 .and. choice%rival == 0) then
+      reason = 'it lies on no dispersion with the others, and so few sensors need that'
     else if (choice%chosen == 0) then
       associate (pair => choice%candidates([choice%best, choice%rival])%alpha/facts%length)
         reason = shortest(pair(1), 4)//' and '//shortest(pair(2), 4)//' 1/m fit alike'
       end associate
     end if
     if (reason /= '') return
-    wave%quantile = student_quantile(facts%confidence, choice%freedom)
     wave%alpha = choice%candidates(choice%chosen)%alpha
-    interval = interval_of(sensors, motion, choice%candidates(choice%chosen), (wave%quantile*choice%scale)**2)
+    quantile = student_quantile(facts%confidence, choice%freedom)
+    interval = interval_of(sensors, motion, choice%candidates(choice%chosen), (quantile*choice%scale)**2)
     sides = abs(interval - wave%alpha)
-    wave%error = merge(maxval(sides), sum(sides/2), maxval(sides) > lopsided*minval(sides)) + 2*rounding*wave%alpha
-    wave%deviation = wave%error/wave%quantile
+    wave%error = merge(maxval(sides), sum(sides/2), maxval(sides) > lopsided*minval(sides)) + rounding*wave%alpha
+    wave%deviation = wave%error/student_quantile(facts%confidence, normal)
     wave%exists = wave%error <= vague*wave%alpha
     if (.not. wave%exists) reason = 'the sensors do not fix it; '//shortest(wave%alpha/facts%length, 2)// &
       & ' 1/m fits best, and others half as large or twice as large as well'
@@ -257,7 +291,7 @@ contains
       waves%wavenumber_error = found%error/facts%length
       waves%phase_velocity = sqrt(square_of(lines))/waves%wavenumber
       waves%phase_velocity_error = waves%phase_velocity*(hypot(found%error/found%alpha, &
-        & found%quantile*lines%frequency_deviation/lines%angular_frequency) + rounding)
+        & student_quantile(facts%confidence, normal)*lines%frequency_deviation/lines%angular_frequency) + rounding)
     end where
   end subroutine fill_waves
 
@@ -284,7 +318,7 @@ contains
     end if
     if (any(found%exists .and. .not. on_curve)) call append(waves%notes, 'measured waves: lines that do not lie on the '// &
       & 'dispersion of the others have no group velocity')
-    quantile = maxval(found%quantile, mask=on_curve)
+    quantile = student_quantile(facts%confidence, normal)
     if (curve%freedom > 0) then
       if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
         call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
@@ -296,7 +330,7 @@ contains
     call group_velocity_of(curve, square, 2*lines%angular_frequency*lines%frequency_deviation, velocity, deviation)
     where (on_curve)
       waves%group_velocity = velocity
-      waves%group_velocity_error = quantile*deviation + 4*rounding*velocity
+      waves%group_velocity_error = quantile*deviation + 2*rounding*velocity
     end where
     waves%stiffness_root = 1/curve%q**2
     waves%stiffness_root_error = quantile*2*sqrt(curve%covariance(1, 1))/curve%q**3

@@ -7,13 +7,15 @@ module bw_shape_fit
   use bw_wave_shapes, only: function_count, shape_functions
   implicit none (type, external)
   private
-  public :: candidates_of, freedom_of, interval_of, reason_against, scanned
+  public :: candidates_of, costs_of, fits_anything, freedom_of, interval_of, reason_against, scanned
 
   real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
   real(dp), parameter :: highest = 200         !! α; about the 64th mode
-  real(dp), parameter :: step = 0.1_dp         !! of a scan; misfits change over π
-  real(dp), parameter :: dependent = 1.0e-11_dp  !! part of a function that the others leave, below which it says nothing
+  real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
+  real(dp), parameter :: dependent = 1.0e-8_dp !! part of a function that the others and the places leave: less is rounding
   integer, parameter :: most_steps = 60
+  real(dp), parameter, public :: rounding = 8*epsilon(1.0_dp)
+  real(dp), parameter, public :: worse = 25    !! five deviations squared: what costs so much more is no candidate
 
   type, public :: sensor_type
     !! What is known of the sensors and of the beam's ends.
@@ -25,15 +27,16 @@ module bw_shape_fit
   type, public :: motion_type
     !! One line at the sensors, over the deviations.
     complex(dp), allocatable :: data(:)        !! (S)
-    real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, (S)
+    real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, times any number, (S)
     logical :: freed = .false.                 !! the deviation is known to a factor only
   end type motion_type
 
   type, public :: candidate_type
     !! A wave number that fits better than its neighbours.
     real(dp) :: alpha = 0
-    real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory, of data with deviation 1
+    real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory
     real(dp) :: misfit = huge(1.0_dp)          !! sum of squares
+    real(dp) :: cost = 0                       !! against the best, as of `costs_of`
   end type candidate_type
 
   type :: projection_type
@@ -77,6 +80,12 @@ contains
       & ' and '//text_of(places_of(sensors, .true.))
   end function reason_against
 
+  pure logical function fits_anything(sensors)
+    !! Whether there are so few sensors that some α fits whatever real amplitudes they show.
+    type(sensor_type), intent(in) :: sensors
+    fits_anything = max(places_of(sensors, .false.), places_of(sensors, .true.)) == function_count(sensors%ends) + 1
+  end function fits_anything
+
   pure integer function freedom_of(sensors)
     !! How many real numbers the amplitudes of a line have more than the fit has unknowns.
     type(sensor_type), intent(in) :: sensors
@@ -103,26 +112,6 @@ contains
     end do
   end function functions_at
 
-  pure function grid_of(sensors) result(alpha)
-    !! Where a scan looks: with a tip known up to the 64th mode, else up to half a wave between the nearest two sensors.
-    type(sensor_type), intent(in) :: sensors
-    real(dp), allocatable :: alpha(:)
-    real(dp) :: last, nearest
-    integer :: i, j
-    last = highest
-    if (sensors%ends /= 'tip') then
-      nearest = 1
-      do i = 1, size(sensors%position)
-        do j = 1, i - 1
-          if (sensors%position(i) == sensors%position(j)) cycle
-          nearest = min(nearest, abs(sensors%position(i) - sensors%position(j)))
-        end do
-      end do
-      last = min(highest, acos(-1.0_dp)/nearest)
-    end if
-    allocate (alpha, source=[(lowest + step*i, i=0, floor((last - lowest)/step))])
-  end function grid_of
-
   pure subroutine scanned(sensors, motions, alpha, misfit)
     !! The misfits of all lines over a grid of α.
     type(sensor_type), intent(in) :: sensors
@@ -131,7 +120,7 @@ contains
     complex(dp) :: functions(size(sensors%position), columns_of(sensors))
     type(projection_type) :: projection
     integer :: i, k
-    allocate (alpha, source=grid_of(sensors))
+    allocate (alpha, source=[(lowest + step*i, i=0, floor((highest - lowest)/step))])
     allocate (misfit(size(alpha), size(motions)))
     do i = 1, size(alpha)
       functions = functions_at(sensors, cmplx(alpha(i), kind=dp))
@@ -167,7 +156,7 @@ contains
         end do
       end do
       triangle(j, j) = norm2(basis(:, j))
-      used(j) = triangle(j, j) > dependent*length
+      used(j) = triangle(j, j) > dependent*max(length, norm2(motion%weight))
       basis(:, j) = merge(basis(:, j)/max(triangle(j, j), tiny(1.0_dp)), 0.0_dp, used(j))
       factor(j) = sum(basis(:, j)*left)
       left = left - factor(j)*basis(:, j)
@@ -200,28 +189,58 @@ contains
     projection%curvature = projection%curvature/tiny_step**2
   end function projection_at
 
-  pure function candidates_of(sensors, motion, alpha, misfit) result(candidates)
-    !! All local minima that a scan shows, polished. Its lower end is one too where the misfit still falls there.
+  pure function candidates_of(sensors, motion, alpha, misfit, freedom) result(candidates)
+    !! The local minima that a scan shows, polished, but for those of which a parabola foretells that they are no candidates
+    !! beside the best. The scan's lower end is a minimum too where the misfit still falls there.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
     real(dp), intent(in) :: alpha(:), misfit(:)  !! of the scan, (n)
+    integer, intent(in) :: freedom             !! of the fit
     type(candidate_type), allocatable :: candidates(:)
-    type(candidate_type) :: found(size(alpha))
-    integer :: i, n
-    n = 0
-    do i = 1, size(alpha)
-      if (misfit(i) > misfit(max(i - 1, 1)) .or. misfit(i) > misfit(min(i + 1, size(alpha)))) cycle
-      n = n + 1
-      found(n) = polished(sensors, motion, alpha(i), [max(alpha(i) - step, lowest/2), alpha(i) + step])
+    integer, allocatable :: low(:)
+    real(dp) :: best, least
+    integer :: i, first
+    low = pack([(i, i=1, size(alpha))], misfit <= eoshift(misfit, -1, huge(1.0_dp)) &
+      & .and. misfit <= eoshift(misfit, 1, huge(1.0_dp)))
+    first = low(minloc(misfit(low), dim=1))
+    candidates = [polished(sensors, motion, alpha(first))]
+    best = candidates(1)%misfit
+    do i = 1, size(low)
+      if (low(i) == first) cycle
+      least = least_foretold(sensors, motion, alpha(low(i)))
+      if (costs_of(least, best, freedom, .true.) > worse .and. (motion%freed .or. least > best + worse)) cycle
+      candidates = [candidates, polished(sensors, motion, alpha(low(i)))]
+      best = min(best, candidates(size(candidates))%misfit)
     end do
-    candidates = found(:n)
   end function candidates_of
 
-  pure type(candidate_type) function polished(sensors, motion, start, range) result(candidate)
-    !! The minimum of the misfit near a start, by Gauss–Newton steps that stay in a range and are halved where they fail.
+  elemental real(dp) function costs_of(misfit, least, freedom, scaled) result(cost)
+    !! How much worse a fit is than the best, as twice the logarithm of the ratio of their likelihoods; where the deviation is
+    !! told by the misfit, of those with the likeliest deviation for each.
+    real(dp), intent(in) :: misfit, least      !! sums of squares
+    integer, intent(in) :: freedom
+    logical, intent(in) :: scaled              !! the misfit tells the deviation
+    cost = misfit - least
+    if (scaled) cost = (freedom + 1)*log((max(misfit, least) + freedom*rounding**2)/(least + freedom*rounding**2))
+  end function costs_of
+
+  pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
+    !! What a parabola foretells of a minimum, and less by nine times what it foretells of the fall, since it is none.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motion
-    real(dp), intent(in) :: start, range(2)
+    real(dp), intent(in) :: alpha
+    type(projection_type) :: here
+    here = projection_at(sensors, motion, alpha)
+    least = here%misfit
+    if (here%curvature > 0) least = least - 10*here%slope**2/here%curvature
+  end function least_foretold
+
+  pure type(candidate_type) function polished(sensors, motion, start) result(candidate)
+    !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; less what
+    !! rounding of α makes of it.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: start
     type(projection_type) :: here, there
     real(dp) :: alpha, move
     integer :: i
@@ -229,7 +248,7 @@ contains
     here = projection_at(sensors, motion, alpha)
     do i = 1, most_steps
       if (.not. here%curvature > 0) exit
-      move = min(max(alpha - here%slope/here%curvature, range(1)), range(2)) - alpha
+      move = min(max(alpha - here%slope/here%curvature, start - step, lowest/2), start + step) - alpha
       do
         if (abs(move) <= epsilon(1.0_dp)*alpha) exit
         there = projection_at(sensors, motion, alpha + move)
@@ -241,7 +260,7 @@ contains
       here = there
     end do
     candidate%alpha = alpha
-    candidate%misfit = here%misfit
+    candidate%misfit = max(0.0_dp, here%misfit - here%curvature*(rounding*alpha)**2)
     if (here%curvature > 0) candidate%deviation = 1/sqrt(here%curvature)
   end function polished
 

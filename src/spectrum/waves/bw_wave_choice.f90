@@ -4,14 +4,14 @@ module bw_wave_choice
   !! (Eq. 19). What is chosen fits much better than every choice that contradicts it; otherwise nothing is.
   use bw_kinds, only: dp
   use bw_mode_ratio, only: alpha_range, mass_angle, mode_near
-  use bw_shape_fit, only: candidate_type
+  use bw_shape_fit, only: candidate_type, worse
   implicit none (type, external)
   private
   public :: choose_waves, possible_tips
 
+  real(dp), parameter :: first = 3             !! α of a first mode at most; what is known of it may be that alone
   integer, parameter :: most_anchors = 6       !! lines that a curve is begun with
-  real(dp), parameter, public :: worse = 25    !! five deviations squared: what is so much worse is no candidate
-  real(dp), parameter :: clear = 2*log(1.0e3_dp)  !! that much better than any contradiction
+  real(dp), parameter :: clear = 2*log(1.0e4_dp)  !! that much better than any contradiction
   real(dp), parameter :: gap_costs = 2*log(10.0_dp)  !! of a mode without a line, below the highest that has one
 
   type, public :: choice_type
@@ -32,7 +32,7 @@ module bw_wave_choice
     real(dp), allocatable :: power(:, :), variance(:, :)  !! α⁴ and its variance, (candidate, line)
     real(dp), allocatable :: cost(:, :)        !! misfit above the least, (candidate, line)
     real(dp), allocatable :: angle(:, :), angle_variance(:, :)  !! of the mass that is implied
-    integer, allocatable :: mode(:, :)         !! its number with a mass at the tip
+    integer, allocatable :: mode(:, :)         !! its number, with a mass at the tip; else about its number
     integer, allocatable :: count(:)           !! of candidates, (line)
     logical :: rotates = .false., tip = .false.
   end type problem_type
@@ -103,7 +103,7 @@ contains
     most = maxval([(size(choices(k)%candidates), k=1, size(choices))])
     problem%count = [(size(choices(k)%candidates), k=1, size(choices))]
     problem%square = square/maxval(square)
-    problem%rotates = rotates
+    problem%rotates = rotates .and. count(problem%count > 0) > 1
     problem%tip = tip
     allocate (problem%power(most, size(square)), problem%variance(most, size(square)), problem%cost(most, size(square)), &
       & problem%angle(most, size(square)), problem%angle_variance(most, size(square)), source=huge(1.0_dp))
@@ -111,10 +111,11 @@ contains
     do k = 1, size(square)
       associate (candidates => choices(k)%candidates)
         do j = 1, size(candidates)
-          deviation = choices(k)%scale*min(candidates(j)%deviation, 1.0_dp) + 1.0e-9_dp*candidates(j)%alpha
+          deviation = min(candidates(j)%deviation, max(1.0_dp, first - candidates(j)%alpha)) + 1.0e-9_dp*candidates(j)%alpha
           problem%power(j, k) = candidates(j)%alpha**4
-          problem%variance(j, k) = (4*candidates(j)%alpha**3*deviation)**2
-          problem%cost(j, k) = (candidates(j)%misfit - minval(candidates%misfit))/choices(k)%scale**2
+          problem%variance(j, k) = ((candidates(j)%alpha + deviation)**4 - candidates(j)%alpha**4)**2
+          problem%cost(j, k) = candidates(j)%cost
+          problem%mode(j, k) = floor(candidates(j)%alpha/acos(-1.0_dp))
           if (.not. tip) cycle
           problem%mode(j, k) = mode_near(candidates(j)%alpha)
           problem%angle(j, k) = mass_angle(candidates(j)%alpha, problem%mode(j, k))
@@ -278,7 +279,7 @@ contains
       if (chosen(next) > 0) call take(problem, chosen(next), next, curve)
       if (chosen(next) == 0) curve%cost = curve%cost + worse
     end do
-    if (problem%tip) curve%cost = curve%cost + gap_costs*gaps()
+    curve%cost = curve%cost + gap_costs*gaps()
 
   contains
 
@@ -328,7 +329,7 @@ contains
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: line
     type(curve_type), intent(in) :: curve
-    variance = dot_product([problem%square(line), 1.0_dp], matmul(curve%covariance, [problem%square(line), 1.0_dp]))
+    variance = max(0.0_dp, dot_product([problem%square(line), 1.0_dp], matmul(curve%covariance, [problem%square(line), 1.0_dp])))
   end function foreseen_variance
 
   pure real(dp) function apart(problem, own, line, curve)
@@ -345,12 +346,16 @@ contains
     type(problem_type), intent(in) :: problem
     integer, intent(in) :: own, line
     type(curve_type), intent(inout) :: curve
-    real(dp) :: gain(2), variance
+    real(dp) :: gain(2), left(2, 2), variance
     variance = problem%variance(own, line) + foreseen_variance(problem, line, curve)
     gain = matmul(curve%covariance, [problem%square(line), 1.0_dp])/variance
     curve%cost = curve%cost + problem%cost(own, line) + apart(problem, own, line, curve)
     curve%value = curve%value + gain*(problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))
-    curve%covariance = curve%covariance - variance*spread(gain, 2, 2)*spread(gain, 1, 2)
+    left = -spread(gain, 2, 2)*spread([problem%square(line), 1.0_dp], 1, 2)
+    left(1, 1) = left(1, 1) + 1
+    left(2, 2) = left(2, 2) + 1
+    curve%covariance = matmul(matmul(left, curve%covariance), transpose(left)) &
+      & + problem%variance(own, line)*spread(gain, 2, 2)*spread(gain, 1, 2)  ! Joseph's form, which stays positive
     if (problem%tip) call add_mass(problem, own, line, curve)
   end subroutine take
 

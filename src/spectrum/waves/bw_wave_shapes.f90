@@ -64,6 +64,10 @@ contains
     complex(dp), intent(in) :: alpha
     complex(dp) :: decay
     decay = exp(-alpha)
+    if (real(alpha) < near) then
+      moment_free = (sin(alpha) - cos(alpha) - decay)/((sin(alpha) + sinh(alpha))*decay)
+      return
+    end if
     moment_free = 2*(sin(alpha) - cos(alpha) - decay)/(1 + (2*sin(alpha) - decay)*decay)
   end function moment_free
 
@@ -98,6 +102,7 @@ contains
     real(dp) :: half, x
     integer :: i, m
     half = (maxval(position) - minval(position))/2
+    if (.not. half > 0) half = 1               ! all at one place, where any function stands for the others
     do i = 1, size(position)
       x = position(i) - minval(position) - half
       z = alpha*x

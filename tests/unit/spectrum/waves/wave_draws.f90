@@ -170,19 +170,21 @@ contains
     if (known) lines%deviation = noise
     do k = 1, size(noise, 2)
       do s = 1, size(noise, 1)
-        lines%amplitude(s, k) = lines%amplitude(s, k) + noise(s, k)*cmplx(normal(), normal(), dp)
+        lines%amplitude(s, k) = lines%amplitude(s, k) + noise(s, k)*normal_pair()
       end do
       lines%frequency_deviation(k) = 1.0e-5_dp*lines%angular_frequency(k)
-      lines%angular_frequency(k) = lines%angular_frequency(k) + lines%frequency_deviation(k)*normal()
+      lines%angular_frequency(k) = lines%angular_frequency(k) + lines%frequency_deviation(k)*real(normal_pair())
     end do
   end subroutine noisy
 
-  real(dp) function normal()
+  complex(dp) function normal_pair()
+    !! Two normal numbers. (One at a time would be one and the same where two stand in an expression: compilers may call a
+    !! function once for both.)
     real(dp) :: one, other
     call random_number(one)
     call random_number(other)
-    normal = sqrt(-2*log(1 - one))*cos(2*real(pi, dp)*other)
-  end function normal
+    normal_pair = sqrt(-2*log(1 - one))*exp(cmplx(0.0_dp, 2*pi*other, dp))
+  end function normal_pair
 
   function judge(facts, mass_ratio, modes, decibels, draws) result(tally)
     !! Draw beams with noise, and count.
