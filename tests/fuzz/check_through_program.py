@@ -71,8 +71,9 @@ def fault_of_meaning(text):
     held, held_sweeps = parts(resolved.read_text(encoding="latin-1"))
     if len(said_sweeps) != len(held_sweeps):
         return "another number of sweeps"
-    for sweep in held_sweeps:
-        group, name = sweep["parameter"].split("%")
+    unknown = [values for name, values in held.items() if name.startswith("identify(")]
+    for sweep in [*held_sweeps, *unknown]:
+        group, name = sweep["parameter"].lower().split("%")
         held[group if group in held else f"{group}(1)"][PLACE.sub("", name)] = REPLACED
     for sweep in [*said_sweeps, *held_sweeps]:  # `body(02)%mass` is held as `body(2)%mass`, or `body%mass` of a single one
         sweep["parameter"] = PLACE.sub("", sweep["parameter"])
@@ -85,11 +86,13 @@ def fault_of_meaning(text):
 
 
 def parts(text):
-    """Groups by name, a body's with its number, and the sweeps in their order, as f90nml reads them."""
+    """Groups by name, bodies and unknowns with their numbers, and the sweeps in their order, as f90nml reads them."""
     items = list(f90nml.reads(text).items())
     bodies = [values for name, values in items if name == "body"]
-    groups = {name: values for name, values in items if name not in {"sweep", "body"}}
+    unknowns = [values for name, values in items if name == "identify"]
+    groups = {name: values for name, values in items if name not in {"sweep", "body", "identify"}}
     groups |= {f"body({number})": values for number, values in enumerate(bodies, 1)}
+    groups |= {f"identify({number})": values for number, values in enumerate(unknowns, 1)}
     return groups, [values for name, values in items if name == "sweep"]
 
 

@@ -29,6 +29,7 @@ contains
     case ('response'); call read_response(lines, both)
     case ('record'); call read_record(lines, both)
     case ('spectrum'); call read_spectrum(lines, both)
+    case ('identify'); call read_identify(lines, both)
     case default; both%differing = 'all its names, for which this test has no namelist,'
     end select
   end subroutine read_group
@@ -256,6 +257,23 @@ contains
     call both%same_real('start', start)
     call both%same_real('end', end)
   end subroutine read_record
+
+  subroutine read_identify(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    character(longest_text) :: parameter, with(most_texts)
+    real(dp) :: first, last
+    namelist /identify/ parameter, first, last, with
+    parameter = unset_text
+    with = unset_text
+    first = unset
+    last = unset
+    read (lines, nml=identify, iostat=both%stat)
+    call both%same_text('parameter', parameter)
+    call both%same_real('first', first)
+    call both%same_real('last', last)
+    call both%same_texts('with', with)
+  end subroutine read_identify
 
   subroutine read_spectrum(lines, both)
     character(*), intent(in) :: lines(:)

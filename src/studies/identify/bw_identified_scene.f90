@@ -2,6 +2,8 @@ module bw_identified_scene
   !! The scene of an identified beam, as text that runs: the fitted numbers stand in their places, and what was measured is left
   !! out (`&record`, `&spectrum`, `&identify`), so that it simulates.
   use bw_error, only: error_type
+  use bw_file_lock, only: unique_name
+  use bw_files, only: cannot_be_written, directory_of, remove_file, rename_file
   use bw_fit_problem, only: value_at
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
@@ -12,7 +14,7 @@ module bw_identified_scene
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: identified_text
+  public :: identified_text, write_identified
 
 contains
 
@@ -39,5 +41,23 @@ contains
     end do
     text = '! Identified from the record of '//scene%file//'; intervals as said there.'//nl//text
   end function identified_text
+
+  subroutine write_identified(path, text, error)
+    !! Write a file under another name, and give it its own; what was there is replaced.
+    !! **Errors**: `status_bad_file` where it cannot be written.
+    character(*), intent(in) :: path, text
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: draft
+    integer :: unit, problem, ignored
+    draft = directory_of(path)//'/.'//unique_name()
+    open (newunit=unit, file=draft, access='stream', form='unformatted', action='write', status='new', iostat=problem)
+    if (problem == 0) write (unit, iostat=problem) text
+    if (problem == 0) flush (unit, iostat=problem)
+    if (problem == 0) close (unit, iostat=problem)
+    if (problem == 0) problem = rename_file(draft, path)
+    if (problem == 0) return
+    ignored = remove_file(draft)
+    call cannot_be_written(error, path, problem)
+  end subroutine write_identified
 
 end module bw_identified_scene

@@ -10,7 +10,7 @@ module bw_run_record
   use bw_files, only: remove_file
   use bw_further_scenes, only: further_scenes
   use bw_identification, only: identification, identify
-  use bw_identified_scene, only: identified_text
+  use bw_identified_scene, only: identified_text, write_identified
   use bw_identify_par, only: identify_par
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i4, i8
@@ -26,7 +26,6 @@ module bw_run_record
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_states, only: measured_scene, states_of, unknowns_in
-  use bw_small_file, only: write_small_file
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
@@ -294,7 +293,7 @@ contains
         if (set%measured(c)%scene%name == set%measured(c - 1)%scene%name) cycle
       end if
       path = directory//'/'//set%measured(c)%scene%name//'.identified.nml'
-      call write_small_file(path, identified_text(set%measured(c)%scene, &
+      call write_identified(path, identified_text(set%measured(c)%scene, &
                                                   unknowns_in(set%measured(1)%scene, set%measured(c)%scene), found), error)
       if (allocated(error)) return
       call lines%append_line('  identified '//path)
