@@ -4,6 +4,7 @@ module bw_run_record
   !! First the record, and those of further scenes, are run like any other, each with its own result. What the beam says is put into
   !! the scene's finished result; one that has it already is left alone.
   use bw_absent_mends, only: find_mends, mend_type
+  use bw_beam_fit, only: unlikely
   use bw_beam_state, only: beam_state, state_of
   use bw_belief, only: normal_quantile
   use bw_error, only: error_type, fail, status_bad_file, status_stopped
@@ -202,6 +203,8 @@ contains
     character(:), allocatable, intent(inout) :: notes
     type(beam_state) :: state
     type(identify_par) :: none(0)
+    type(identification) :: found                !! without unknowns
+    type(mend_type), allocatable :: mends(:)
     real(dp) :: nothing(0)
     integer :: c
     allocate (findings%cases(set%own), findings%misfits(set%own))
@@ -215,6 +218,10 @@ contains
         call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
         call lines%append_line('  Misfit: '//explained_text(misfit))
         call note_misfit(misfit, case_text(set, c), notes)
+        if (.not. misfit%tail < unlikely) cycle
+        found%fit%mode_of = state%mode_of
+        call find_mends(set%measured(c:c), found, mends)
+        call report_mends(mends, lines)
       end associate
     end do
   end subroutine compare
@@ -261,8 +268,9 @@ contains
     findings%misfits(1) = misfit_type(found%fit%chi_squared, found%fit%freedom, found%fit%tail, found%fit%scatter)
     do c = 1, size(states)
       call compare_case(set%lines(c), states(c), found%values, findings%cases(c))
-      if (c <= shown_cases) call report_comparison('Lines beside the modes of the identified beam'//case_text(set, c), &
-                                                   set%lines(c), findings%cases(c), lines)
+      if (c > shown_cases .or. size(set%lines(c)%error) == 0) cycle
+      call report_comparison('Lines beside the modes of the identified beam'//case_text(set, c), set%lines(c), &
+                             findings%cases(c), lines)
     end do
     findings%cases = findings%cases(:set%own)
     call report_identified(found, scene%spectrum%confidence, lines)
