@@ -12,6 +12,7 @@ module bw_damped_search
   use bw_order, only: local_maxima, vertex
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: samples_type, span_of
+  use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
   implicit none (type, external)
@@ -109,7 +110,7 @@ contains
     found%lines%steady = .false.
     call prepare_bands(samples, found%lines, found%bands)
     call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
-    found%ordinates%noise%level = safety**2*found%ordinates%noise%level
+    found%ordinates%noise%level = (safety*taper_costs)**2*found%ordinates%noise%level
     found%deviation = found%ordinates%deviation
   end subroutine take_if_pure
 
