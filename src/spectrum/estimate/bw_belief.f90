@@ -12,6 +12,8 @@ module bw_belief
   use bw_line_bands, only: line_band, own_rows
   use bw_line_errors, only: amplitude_deviation, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
+  use bw_order, only: ascending
+  use bw_pure_record, only: rounding
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
@@ -84,8 +86,8 @@ contains
         line%decay = own(j)%decay
         line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
         line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
-        line%decay_error = quantile*line%decay_bound
-        line%frequency_error = quantile*line%frequency_bound
+        line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
+        line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
         call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
           & own(j)%powers > 1, quantile, false_alarm, line)
@@ -109,6 +111,7 @@ contains
     slope(4::4) = [(2*m, m=2, size(slope)/2, 2)]
     line%drift_bound = sqrt(dot_product(slope, matmul(drift%covariance, slope)))/(2*pi*half)
     if (.not. (fitted .or. drift%gain > -2*log(false_alarm))) return
+    if (norm2(drift%value) <= rounding*2*pi*line%frequency*half) return
     line%status = ior(line%status, drifting)
     u = [-1.0_dp, 1.0_dp]
     if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
@@ -280,16 +283,5 @@ contains
       x = x - max(-1.0_dp, min(1.0_dp, (below - probability)*sqrt(2*pi)*exp(x*x/2)))
     end do
   end function normal_quantile
-
-  pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
-    real(dp), intent(in) :: value(:)
-    integer :: order(size(value)), i, j
-    do i = 1, size(value)
-      j = count(value(:i - 1) <= value(i)) + 1
-      order(j + 1:i) = order(j:i - 1)
-      order(j) = i
-    end do
-  end function ascending
 
 end module bw_belief

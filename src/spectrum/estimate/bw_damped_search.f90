@@ -9,8 +9,10 @@ module bw_damped_search
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
-  use bw_pure_record, only: find_lines_if_pure
+  use bw_order, only: local_maxima, vertex
+  use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: samples_type, span_of
+  use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
   implicit none (type, external)
@@ -108,6 +110,7 @@ contains
     found%lines%steady = .false.
     call prepare_bands(samples, found%lines, found%bands)
     call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+    found%ordinates%noise%level = (safety*taper_costs)**2*found%ordinates%noise%level
     found%deviation = found%ordinates%deviation
   end subroutine take_if_pure
 
@@ -195,10 +198,11 @@ contains
     associate (total => ordinates%total, length => ordinates%length)
       bins = span_of(samples)/length
       peak = local_maxima(total, threshold)
+      peak = pack(peak, peak > 0 .and. peak < ubound(total, 1))
       do i = 1, min(size(peak), 4*most_at_once)
         best = maxloc(total(peak), dim=1)
         associate (m => peak(best))
-          place = m + vertex(total, m)
+          place = m + vertex(total(m - 1:m + 1))
           leakage = 0
           do j = 1, size(taken)
             leakage = leakage + total(taken(j))/(1 + ((m - taken(j))*bins/width(total, taken(j), bins))**2) &
@@ -259,26 +263,6 @@ contains
     end function broadened
 
   end function is_drift
-
-  pure function local_maxima(total, threshold) result(peak)
-    !! The ordinates above the threshold that are not lower than their neighbours, without both ends.
-    real(dp), intent(in) :: total(0:), threshold
-    integer, allocatable :: peak(:)
-    integer :: m
-    peak = pack([(m, m=1, size(total) - 2)], total(1:size(total) - 2) > threshold .and. &
-      & total(1:size(total) - 2) >= total(0:size(total) - 3) .and. total(1:size(total) - 2) > total(2:size(total) - 1))
-  end function local_maxima
-
-  pure real(dp) function vertex(total, m)
-    !! Where the parabola through three logarithms is highest, −½ … ½.
-    real(dp), intent(in) :: total(0:)
-    integer, intent(in) :: m
-    real(dp) :: low, middle, high
-    low = log(max(total(m - 1), tiny(1.0_dp)))
-    middle = log(total(m))
-    high = log(max(total(m + 1), tiny(1.0_dp)))
-    vertex = max(-0.5_dp, min(0.5_dp, (high - low)/max(2*(2*middle - low - high), 1.0e-10_dp)))
-  end function vertex
 
   pure real(dp) function width(total, m, bins)
     !! Half the width of a peak at half its height, in bins, not less than that of an undamped line.

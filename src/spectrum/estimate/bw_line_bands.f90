@@ -5,6 +5,7 @@ module bw_line_bands
   use bw_band_fit, only: damped_line, fit_band, fit_type, image_of, still_image
   use bw_kinds, only: dp
   use bw_noise_level, only: level_at, level_knots
+  use bw_order, only: ascending
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
@@ -155,16 +156,5 @@ contains
       if (moved < settled .or. size(bands) == 1) exit
     end do
   end subroutine refine
-
-  pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
-    real(dp), intent(in) :: value(:)
-    integer :: order(size(value)), i, j
-    do i = 1, size(value)
-      j = count(value(:i - 1) <= value(i)) + 1
-      order(j + 1:i) = order(j:i - 1)
-      order(j) = i
-    end do
-  end function ascending
 
 end module bw_line_bands

@@ -13,6 +13,7 @@ module bw_line_bounds
   use bw_kinds, only: dp
   use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in, unknowns
+  use bw_pure_record, only: rounding, safety
   use bw_samples, only: centre_of, samples_type
   use bw_tapered_line, only: main_lobe
   use bw_tapered_residual, only: residual_type
@@ -20,14 +21,11 @@ module bw_line_bounds
   private
   public :: bound_errors
 
-  real(dp), parameter :: safety = 10           !! tuned on random records: 5 holds without noise, not always with it
   real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
   real(dp), parameter :: unlikely = 1.0e-4_dp  !! that a line lies beside another by chance
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
   real(dp), parameter :: still = 1.0e-100_dp   !! of the midpoint's amplitude: a tip that moves less has no ratio; 1/c₁² overflows
-  real(dp), parameter :: rounding = 32*epsilon(1.0_dp)
-    !! of a position; the frequencies of modes, and so of a record that is their sum, have been seen 7 epsilon off
 
   type, public :: bounded_line
     !! A line and how far it may be from the true one. Positions are periods in the record.

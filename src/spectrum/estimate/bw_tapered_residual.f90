@@ -5,6 +5,7 @@ module bw_tapered_residual
   use bw_fourier, only: transform_in_place
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
+  use bw_order, only: local_maxima, vertex
   use bw_tapered_line, only: main_lobe, sidelobe
   implicit none (type, external)
   private
@@ -148,19 +149,6 @@ contains
 
   end function visible_peaks
 
-  pure function local_maxima(value, threshold) result(bins)
-    !! The bins above the threshold that are not lower than their neighbours.
-    real(dp), intent(in) :: value(0:), threshold
-    integer, allocatable :: bins(:)
-    logical :: high(0:size(value) - 1)
-    integer :: last, i
-    last = size(value) - 1
-    high = value > threshold
-    high(1:) = high(1:) .and. value(1:) >= value(:last - 1)
-    high(:last - 1) = high(:last - 1) .and. value(:last - 1) > value(1:)
-    allocate (bins, source=pack([(i, i=0, last)], high))
-  end function local_maxima
-
   pure function plain_bins(residual, first, last) result(image)
     !! The transform without taper at bins first … last, which may lie beyond 0 and the Nyquist frequency.
     type(residual_type), intent(in) :: residual
@@ -188,17 +176,10 @@ contains
       offset = 0
       if (peaks(i) > 0 .and. peaks(i) < ubound(residual%tapered, 1)) then
         value = [(norm2(abs(residual%tapered(peaks(i) + m, :))), m=-1, 1)]
-        if (all(value > 0)) offset = vertex(log(value))
+        offset = vertex(value)
       end if
       lines(i) = line_in_record(peaks(i), offset, 0.0_dp, residual%count)
     end do
   end function peak_lines
-
-  pure real(dp) function vertex(value)
-    !! Where the parabola through three values is highest, −½ … ½.
-    real(dp), intent(in) :: value(-1:1)
-    vertex = (value(1) - value(-1))/max(2*(2*value(0) - value(1) - value(-1)), 1.0_dp)
-    vertex = max(-0.5_dp, min(0.5_dp, vertex))
-  end function vertex
 
 end module bw_tapered_residual

@@ -6,6 +6,7 @@ module bw_tapered_search
   use bw_kinds, only: dp
   use bw_line_group, only: band_of, drop_needless, group_type, refit_group
   use bw_monitor, only: monitor_type, stops
+  use bw_order, only: ascending
   use bw_tapered_line, only: line_image, sidelobe
   use bw_tapered_residual, only: find_residual, residual_type, strength, visible_peaks
   implicit none (type, external)
@@ -202,16 +203,5 @@ contains
       end associate
     end do
   end function line_groups
-
-  pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
-    real(dp), intent(in) :: value(:)
-    integer :: order(size(value)), i, j
-    do i = 1, size(value)
-      j = count(value(:i - 1) <= value(i)) + 1
-      order(j + 1:i) = order(j:i - 1)
-      order(j) = i
-    end do
-  end function ascending
 
 end module bw_tapered_search
