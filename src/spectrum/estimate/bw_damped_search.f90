@@ -157,7 +157,7 @@ contains
     call add(candidates(samples, found, found%ordinates, threshold, same_peak))
     if (changed) return
     associate (noise => found%ordinates%noise)
-      call split_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+      call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, changed)
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
       if (changed) return
