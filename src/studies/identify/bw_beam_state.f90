@@ -33,7 +33,7 @@ module bw_beam_state
     integer, allocatable :: number(:)            !! ascending, (modes)
     real(dp), allocatable :: frequency(:)        !! β [rad/s]; −√(−β²) of a mode that grows, (modes)
     real(dp), allocatable :: decay(:)            !! c/2 [1/s], (modes)
-    real(dp), allocatable :: shape(:, :)         !! deflection or curvature at the sensors, where amplitudes are known, (modes, sensors)
+    real(dp), allocatable :: shape(:, :)         !! Φ, or curvature, at sensors whose amplitudes are known, (modes, sensors)
     logical :: found = .false.                   !! false where these unknowns make no beam, or one whose modes are not found
   end type state_modes
 
