@@ -44,7 +44,8 @@ def run(scene: Scene, output: str | Path | None = None, *, program: str | Path |
     """Run `scene` and return its result, in memory.
 
     `scene` is the path of a namelist file, the text of one, or its groups as a mapping, in which a group that is there
-    several times is a list: {"beam": {"length": 1.0, …}, "sweep": [{…}, {…}]}. The result is kept in the directory
+    several times is a list: {"beam": {"length": 1.0, …}, "sweep": [{…}, {…}]}. Files of a mapping's record are looked
+    for from the working directory. The result is kept in the directory
     `output` where given, replacing an older one. The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH,
     else the one built in the checkout: the one that this package lies in, or its Python's `.venv`, or the directory in
     which it runs.
@@ -124,10 +125,19 @@ def _value(value: Any) -> str:
     return repr(value.item() if isinstance(value, np.generic) else value)
 
 
+def _with_paths(groups: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The same with files of a record as they are found from here, since the scene will lie elsewhere."""
+    if "record" not in groups:
+        return groups
+    files = groups["record"].get("file", [])
+    files = [files] if isinstance(files, (str, Path)) else files
+    return {**groups, "record": {**groups["record"], "file": [str(Path(file).absolute()) for file in files]}}
+
+
 def _scene_file(scene: Scene, scratch: Path) -> Path:
     """Path of the scene: as given, or a file of its text in `scratch`."""
     if isinstance(scene, Mapping):
-        scene = namelist(scene)
+        scene = namelist(_with_paths(scene))
     if isinstance(scene, Path) or "&" not in scene:
         return Path(scene)
     path = scratch / "scene.nml"

@@ -4,16 +4,20 @@ module bw_check_command
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_forecast, only: few_modes, few_samples, forecast_type
+  use bw_further_scenes, only: further_scenes
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_process, only: free_disk, free_memory
+  use bw_record, only: record_extent, record_type
+  use bw_record_plan, only: plan_record
+  use bw_record_summary, only: record_summary
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
-  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, scene_heading, scene_summary, working_bytes
+  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, record_seconds, scene_heading, scene_summary, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
@@ -47,11 +51,17 @@ contains
       layout = layout_of(scenes(i))
       notes = ''
       time_line = ''
-      call plan_tolerance(scenes(i), progress, count_line, error)
-      began = wall_seconds()
-      if (.not. allocated(error)) call try_scene(scenes(i), layout, max(0.5_dp*left, check_seconds/count), progress, &
-                                                 time_line, notes)
-      left = left - (wall_seconds() - began)
+      if (allocated(scenes(i)%record)) then
+        call check_records(scenes(i), layout, count_line, notes, error)
+        if (.not. allocated(error)) time_line = '  time       about '//expected_text(record_seconds(layout))// &
+          ' on one core, more where lines are many or drift'//new_line('a')
+      else
+        call plan_tolerance(scenes(i), progress, count_line, error)
+        began = wall_seconds()
+        if (.not. allocated(error)) call try_scene(scenes(i), layout, max(0.5_dp*left, check_seconds/count), progress, &
+                                                   time_line, notes)
+        left = left - (wall_seconds() - began)
+      end if
       if (progress%stop_requested()) then
         call print_warning('beamwave: stopped before '//scenes(i)%file//' was checked')
         status = max(status, status_stopped)
@@ -80,10 +90,12 @@ contains
     logical, intent(in) :: brief
     character(:), allocatable :: text
     if (brief) then
-      text = scene%file//': good, takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
+      text = scene%file//': good'
+      if (time_line /= '') text = text//', takes '//time_line(index(time_line, 'about'):index(time_line, new_line('a')) - 1)
       if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
     else
-      text = scene_heading(scene)//scene_summary(scene, layout)//count_line//cost_summary(scene, layout)//time_line
+      text = scene_heading(scene)//scene_summary(scene, layout)//count_line
+      text = text//cost_summary(scene, layout)//time_line
       if (notes /= '') text = text//new_line('a')//notes_report(notes(:len(notes) - 1))
     end if
   end function checked_text
@@ -137,6 +149,32 @@ contains
       text = duration_text(seconds)
     end if
   end function expected_text
+
+  subroutine check_records(scene, layout, text, notes, error)
+    !! Read every file of a record: what there is.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(inout) :: layout   !! gets what the files tell
+    character(:), allocatable, intent(out) :: text, notes
+    type(error_type), allocatable, intent(out) :: error
+    type(record_extent), allocatable :: extents(:)
+    type(record_type) :: record
+    type(scene_type), allocatable :: further(:)
+    integer :: f, n
+    text = ''
+    notes = ''
+    call plan_record(scene, layout, extents, record, error)
+    if (.not. allocated(error)) call further_scenes(scene, further, error)
+    if (allocated(error)) return
+    do f = 1, size(extents)
+      text = text//record_summary(extents(f))
+      if (f == 1) notes = room_notes(scene, layout)
+      do n = 1, size(extents(f)%notes)
+        notes = notes//extents(f)%notes(n)%text
+        if (size(extents) > 1) notes = notes//' ('//extents(f)%path//')'
+        notes = notes//new_line('a')
+      end do
+    end do
+  end subroutine check_records
 
   subroutine plan_tolerance(scene, monitor, text, error)
     !! Say how many modes a tolerance takes; of a sweep, whose cases take different ones, nothing is said.

@@ -9,6 +9,7 @@ module bw_run_command
   use bw_outcome, only: outcome_type
   use bw_process, only: pause
   use bw_process_group, only: process_group
+  use bw_run_record, only: run_record
   use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
@@ -83,7 +84,12 @@ contains
     type(scene_tally), intent(inout) :: tally
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
-    call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    outcome%notes = ''
+    if (allocated(scene%record)) then
+      call run_record(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    else
+      call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+    end if
     status = outcome%status
     if (.not. command%group%leads()) return
     status = print_outcome(command, scene, outcome, tally%is_brief(), error)
@@ -119,7 +125,12 @@ contains
     end if
     if (count /= 1) return
     progress = terminal_progress_to(huge(1.0_dp), command%quiet)
-    call study(scenes(1), command%output, command%overwrite, progress, outcome, error)
+    if (allocated(scenes(1)%record)) then
+      call fail(error, status_bad_input, scenes(1)%file//': &record: its histories are not simulated, which beamwave '// &
+                trim(command%row%name)//' is about; accepted: a scene without it')
+    else
+      call study(scenes(1), command%output, command%overwrite, progress, outcome, error)
+    end if
     status = max(status, print_outcome(command, scenes(1), outcome, .false., error))
   end function study_scene
 

@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dgeqrf, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dpotri, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -43,6 +43,16 @@ module bw_lapack
       integer, intent(out) :: info
     end subroutine dpotrf
 
+    subroutine dpotri(uplo, n, a, lda, info)
+      !! The inverse of a symmetric positive definite matrix from Cholesky's factor; info > 0: there is none.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: uplo
+      integer, intent(in) :: n, lda
+      real(dp), intent(inout) :: a(lda, *)
+      integer, intent(out) :: info
+    end subroutine dpotri
+
     subroutine dgeqrf(m, n, a, lda, tau, work, lwork, info)
       !! A = QR by Householder reflections.
       import :: dp
@@ -62,6 +72,17 @@ module bw_lapack
       real(dp), intent(out) :: w(*), work(*)
       integer, intent(out) :: info
     end subroutine dsygv
+
+    subroutine dormqr(side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
+      !! C ← QC, QᵀC, CQ or CQᵀ, Q from dgeqrf.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: side, trans
+      integer, intent(in) :: m, n, k, lda, ldc, lwork
+      real(dp), intent(in) :: a(lda, *), tau(*)
+      real(dp), intent(inout) :: c(ldc, *), work(*)
+      integer, intent(out) :: info
+    end subroutine dormqr
 
     subroutine dgelsy(m, n, nrhs, a, lda, b, ldb, jpvt, rcond, rank, work, lwork, info)
       !! The shortest solution of least squares for a matrix that may lack rank.

@@ -21,7 +21,7 @@ module bw_case_modes
   use bw_tension_source, only: tension_source, tension_source_of
   implicit none (type, external)
   private
-  public :: extend_sources, find_modes, largest_phase_error, record_stretch
+  public :: extend_sources, find_modes, find_sources, largest_phase_error, record_stretch
 
   type, public :: case_mode_cache
     !! Modes that cases of a sweep share.

@@ -1,4 +1,4 @@
-# LAPACK, FFTW3 and NetCDF-Fortran as imported targets beamwave::{lapack,fftw,netcdf}, and what they
+# LAPACK, FFTW3, MINPACK and NetCDF-Fortran as imported targets beamwave::{lapack,fftw,minpack,netcdf}, and what they
 # call themselves in BEAMWAVE_LIBRARY_VERSIONS.
 #
 # gfortran does not look for .mod and .f03 files in /usr/include, and CMake drops -I/usr/include as
@@ -31,6 +31,7 @@ find_path(BW_NETCDF_MODULES netcdf.mod
 find_library(BW_NETCDFF_LIBRARY netcdff HINTS ${BW_PC_NETCDF_LIBRARY_DIRS} ${BW_NF_PREFIX}/lib)
 find_path(BW_FFTW_INCLUDE fftw3.f03 HINTS ${BW_PC_FFTW_INCLUDEDIR})
 find_library(BW_FFTW_LIBRARY fftw3 HINTS ${BW_PC_FFTW_LIBRARY_DIRS})
+find_library(BW_MINPACK_LIBRARY minpack)
 find_package(LAPACK QUIET)
 
 set(missing "")
@@ -40,6 +41,9 @@ endif()
 if(NOT BW_FFTW_INCLUDE OR NOT BW_FFTW_LIBRARY)
   string(APPEND missing "\n  FFTW 3 (fftw3.f03, libfftw3; packages libfftw3-dev, fftw-devel)")
 endif()
+if(NOT BW_MINPACK_LIBRARY)
+  string(APPEND missing "\n  MINPACK (libminpack; packages minpack-dev, minpack-devel)")
+endif()
 if(NOT LAPACK_FOUND)
   string(APPEND missing "\n  LAPACK (packages libopenblas-dev, liblapack-dev, openblas-devel)")
 endif()
@@ -47,17 +51,17 @@ if(missing)
   message(FATAL_ERROR "beamwave needs, and this machine lacks:${missing}")
 endif()
 
-# One program that uses all three proves that they are there for this very compiler (a netcdf.mod
+# One program that uses all of them proves that they are there for this very compiler (a netcdf.mod
 # written by another one is not), and says which versions they are.
 if(NOT BEAMWAVE_LIBRARY_VERSIONS)
   try_run(ran compiled "${PROJECT_BINARY_DIR}/probe" "${CMAKE_CURRENT_LIST_DIR}/probe_libraries.f90"
     COMPILE_DEFINITIONS "-I${BW_NETCDF_MODULES}" "-I${BW_FFTW_INCLUDE}"
-    LINK_LIBRARIES "${BW_NETCDFF_LIBRARY}" "${BW_FFTW_LIBRARY}" LAPACK::LAPACK
+    LINK_LIBRARIES "${BW_NETCDFF_LIBRARY}" "${BW_FFTW_LIBRARY}" "${BW_MINPACK_LIBRARY}" LAPACK::LAPACK
     COMPILE_OUTPUT_VARIABLE build_output RUN_OUTPUT_VARIABLE versions)
   if(NOT compiled OR NOT ran EQUAL 0)
     unset(ran CACHE)        # tried again next time: the libraries may be another set by then
     unset(compiled CACHE)
-    message(FATAL_ERROR "NetCDF-Fortran, FFTW 3 and LAPACK are there, but a program that uses them does not "
+    message(FATAL_ERROR "NetCDF-Fortran, FFTW 3, MINPACK and LAPACK are there, but a program that uses them does not "
       "build or run with ${CMAKE_Fortran_COMPILER}:\n${build_output}\n${versions}")
   endif()
   string(STRIP "${versions}" versions)
@@ -67,6 +71,9 @@ endif()
 
 beamwave_import(netcdf "${BW_NETCDFF_LIBRARY}" "${BW_NETCDF_MODULES}")
 beamwave_import(fftw "${BW_FFTW_LIBRARY}" "${BW_FFTW_INCLUDE}")
+add_library(beamwave_minpack INTERFACE)
+add_library(beamwave::minpack ALIAS beamwave_minpack)
+target_link_libraries(beamwave_minpack INTERFACE "${BW_MINPACK_LIBRARY}")
 add_library(beamwave_lapack INTERFACE)
 add_library(beamwave::lapack ALIAS beamwave_lapack)
 target_link_libraries(beamwave_lapack INTERFACE LAPACK::LAPACK)

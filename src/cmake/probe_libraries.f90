@@ -35,11 +35,18 @@ program probe_libraries
       implicit none (type, external)
       integer, intent(out) :: major, minor, patch
     end subroutine ilaver
+
+    double precision function dpmpar(i)
+      !! MINPACK's numbers of the machine.
+      implicit none (type, external)
+      integer, intent(in) :: i
+    end function dpmpar
   end interface
 
   character(80) :: netcdf_version
   integer :: lapack(3)
 
+  if (abs(dpmpar(1)/epsilon(1.0d0) - 1.0d0) > 1.0d-6) error stop 'MINPACK is built for another machine'
   netcdf_version = nf90_inq_libvers()  ! '4.9.0 of Jan 15 2023 …'
   call ilaver(lapack(1), lapack(2), lapack(3))
   print '(5a,i0,2(".",i0))', 'NetCDF ', netcdf_version(:index(netcdf_version, ' ') - 1), &

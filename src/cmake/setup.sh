@@ -127,6 +127,7 @@ find_tools() {
 find_libraries() {
   need 'NetCDF-Fortran' libnetcdff-dev cmake_found NetCDF-Fortran
   need 'FFTW 3' libfftw3-dev cmake_found 'FFTW 3'
+  need 'MINPACK' minpack-dev cmake_found MINPACK
   need 'LAPACK' libopenblas-serial-dev cmake_found LAPACK  # serial: one thread, whatever the environment says
 }
 

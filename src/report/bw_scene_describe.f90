@@ -25,9 +25,9 @@ module bw_scene_describe
     '&rotation angular_velocity = 50 /', &
     '```', &
     '', &
-    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body` and', &
-    '  `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and `$name` are not', &
-    '  accepted.', &
+    '- A group opens with `&name` and ends with `/`. Groups stand in any order, each once, `&body`,', &
+    '  `&identify` and `&sweep` as often as needed. Between groups only comments and blanks may stand. `&end` and', &
+    '  `$name` are not accepted.', &
     '- Names and words are case-insensitive, and each name stands once in its group. `group%name = ...` and', &
     '  `name(1) = ...` are not accepted.', &
     '- Values are separated by commas, blanks or line ends; a comma may follow the last. `3*0.5` is 0.5 three times.', &
@@ -104,11 +104,16 @@ contains
     !! ` It needs &impact.`, or nothing.
     type(input_group), intent(in) :: group
     character(:), allocatable :: text
-    integer :: i
+    character(:), allocatable :: words
+    integer :: i, gap
     text = ''
     do i = 1, size(group_table)
       if (has_word(group%needs, group_table(i)%name)) text = text//' It needs `&'//trim(group_table(i)%name)//'`.'
+      if (has_word(group%excludes, group_table(i)%name)) text = text//' It excludes `&'//trim(group_table(i)%name)//'`.'
     end do
+    words = trim(group%needs)
+    gap = index(words, '|')
+    if (gap > 0) text = ' It needs `&'//words(:gap - 1)//'` or `&'//words(gap + 1:)//'`.'
   end function needs_text
 
   pure function swept_text(goes_on, rows) result(text)

@@ -8,11 +8,12 @@ module bw_input_name
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_number, is_sweepable, kind_text, place_of, &
+  public :: accepted_text, has_numbers, has_unit, has_word, in_range, is_list, is_number, is_sweepable, kind_text, place_of, &
     quoted_words, range_text
 
   integer, parameter, public :: name_length = 24
-  integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5
+  integer, parameter, public :: real_input = 1, integer_input = 2, logical_input = 3, text_input = 4, reals_input = 5, &
+                                texts_input = 6, columns_input = 7      !! of a table: names in quotes, or numbers from 1
 
   type, public :: number_range
     !! The numbers a name accepts: low … high, both included unless `above`.
@@ -31,9 +32,11 @@ module bw_input_name
     !! A namelist group.
     character(name_length) :: name = ''
     character(120) :: absent = ''            !! what it means that the group is not there
-    character(560) :: rules = ''             !! what its names have to do with each other
-    character(48) :: needs = ''              !! groups that have to be there too, by blanks
+    character(760) :: rules = ''             !! what its names have to do with each other
+    character(48) :: needs = ''              !! groups that have to be there too, by blanks; `a|b`: one of the two
+    character(48) :: excludes = ''           !! groups that it stands instead of, by blanks
     logical :: required = .false.
+    character(name_length) :: unless = ''    !! a group with which a required one may be absent
     logical :: implied = .false.             !! absent is the same as empty
     logical :: repeatable = .false.
     character(8) :: along = ''               !! dimension of a result along which its repeats lie; '' where it has none
@@ -75,6 +78,12 @@ contains
     is_number = row%kind == real_input .or. row%kind == integer_input
   end function is_number
 
+  elemental logical function is_list(row)
+    !! It takes several values.
+    type(input_name), intent(in) :: row
+    is_list = row%most > 1
+  end function is_list
+
   elemental logical function has_unit(row)
     !! One number or several, with a unit of their own.
     type(input_name), intent(in) :: row
@@ -104,9 +113,11 @@ contains
     !! `real`, `whole number`, `logical`, `text`, `reals`, `real or list`.
     type(input_name), intent(in) :: row
     character(:), allocatable :: text
-    character(12), parameter :: names(*) = [character(12) :: 'real', 'whole number', 'logical', 'text', 'reals']
+    character(16), parameter :: names(*) = [character(16) :: 'real', 'whole number', 'logical', 'text', 'reals', &
+                                            'text or list', 'name or number']
     text = trim(names(row%kind))
-    if (row%along /= '') text = 'real or list'
+    if (row%kind == reals_input .and. row%along /= '') text = 'real or list'
+    if (row%kind == columns_input .and. is_list(row)) text = 'names, numbers'
   end function kind_text
 
   pure function range_text(row) result(text)
@@ -118,7 +129,9 @@ contains
     high = row%range%high < huge(1.0_dp)
     if (row%kind == logical_input) then
       text = '.true., .false.'
-    else if (row%kind == text_input) then
+    else if (row%kind == columns_input) then
+      text = 'any, or 1 to '//text_of(nint(row%range%high, i8))
+    else if (row%kind == text_input .or. row%kind == texts_input) then
       text = merge('a word, below', 'any          ', row%words /= '')
       text = trim(text)
     else if (row%kind == integer_input) then
@@ -143,6 +156,13 @@ contains
     case (text_input)
       text = 'a text in quotes'
       if (row%words /= '') text = quoted_words(row%words)
+    case (texts_input)
+      text = 'texts in quotes'
+      if (row%words /= '') text = quoted_words(row%words)
+      if (row%words /= '' .and. is_list(row)) text = text//', one, or one for each column'
+    case (columns_input)
+      text = 'the name of a column in quotes, or its number, from 1'
+      if (row%most > 1) text = text//'; or several of them'
     case (reals_input)
       text = '1 to '//text_of(row%most)//' reals'
       if (row%along /= '') text = 'a real'

@@ -6,9 +6,11 @@ module bw_input_table
   use bw_body_par, only: body_group, body_names
   use bw_capture_par, only: capture_group, capture_names
   use bw_damping_par, only: damping_group, damping_names
+  use bw_identify_par, only: identify_group, identify_names
   use bw_impact_par, only: impact_group, impact_names
   use bw_input_name, only: input_group, input_name, is_sweepable, name_length
   use bw_modes_par, only: modes_group, modes_names
+  use bw_record_par, only: record_group, record_names
   use bw_recontact_par, only: recontact_group, recontact_names
   use bw_release_par, only: release_group, release_names
   use bw_response_par, only: response_group, response_names
@@ -39,7 +41,9 @@ module bw_input_table
     recontact_group, &
     modes_group, &
     response_group, &
+    record_group, &
     spectrum_group, &
+    identify_group, &
     sweep_group]
 
   type(input_name), parameter, public :: name_table(*) = [ &
@@ -57,7 +61,9 @@ module bw_input_table
     recontact_names, &
     modes_names, &
     response_names, &
+    record_names, &
     spectrum_names, &
+    identify_names, &
     sweep_names]
 
 contains

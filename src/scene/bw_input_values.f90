@@ -2,7 +2,7 @@ module bw_input_values
   !! What the groups of a scene say, value by value: between the text of the scene and its types.
   use bw_kinds, only: dp
   use bw_input_name, only: name_length
-  use bw_text, only: shortest
+  use bw_text, only: shortest, string
   implicit none (type, external)
   private
   public :: position_of, positions_of
@@ -17,6 +17,7 @@ module bw_input_values
     logical :: redundant = .false.             !! only repeats another value, and is not shown beside it
     logical :: flag = .false.
     character(:), allocatable :: text
+    type(string), allocatable :: texts(:)      !! of a list of texts, or names of columns, '' where a number stands for it, (n)
     real(dp), allocatable :: numbers(:)        !! of one number or several, whole or not; unallocated where none is known, (n)
     integer, allocatable :: lines(:)           !! line of each of `numbers`, (n)
     integer, allocatable :: sweeps(:)          !! number of the sweep that each of them follows; 0: none, (n)

@@ -5,11 +5,13 @@ module bw_scene
   use bw_body_par, only: bodies_text, body_par, build_body, check_body
   use bw_capture_par, only: build_capture, capture_par, capture_text
   use bw_damping_par, only: build_damping, check_damping, damping_par, damping_text, settle_damping
+  use bw_identify_par, only: check_identify, identify_par
   use bw_impact_par, only: build_impact, check_impact, impact_par, impact_text
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, position_of, positions_of
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: build_modes, modes_par, settle_modes
+  use bw_record_par, only: build_record, check_record, record_par, settle_record
   use bw_recontact_par, only: build_recontact, check_recontact, recontact_par
   use bw_release_par, only: build_release, release_par, release_text
   use bw_response_par, only: build_response, check_response, response_par
@@ -31,7 +33,7 @@ module bw_scene
     character(:), allocatable :: file             !! path as the user wrote it
     character(:), allocatable :: name             !! stem of the file, which names the result
     type(scene_par) :: header                     !! &scene
-    type(beam_par) :: beam                        !! &beam
+    type(beam_par) :: beam                        !! &beam; of length 0 where a record alone is analysed
     type(support_par), allocatable :: support     !! &support; absent: the root is clamped
     type(body_par), allocatable :: bodies(:)      !! &body, in the order of the scene, (n); unallocated: none
     type(rotation_par), allocatable :: rotation   !! &rotation; absent: the beam does not rotate
@@ -44,7 +46,9 @@ module bw_scene
     type(recontact_par), allocatable :: recontact !! &recontact; absent: a rebounded mass never returns
     type(modes_par) :: modes                      !! &modes, always settled
     type(response_par), allocatable :: response   !! &response; absent: no time history
+    type(record_par), allocatable :: record       !! &record; absent: histories are simulated
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
+    type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 where nothing is fitted
     type(sweep_par), allocatable :: sweeps(:)     !! &sweep, the first varying slowest; of size 0 for one case
     type(group_values), allocatable :: groups(:)  !! all values by name, from which the components were built
   end type scene_type
@@ -56,15 +60,17 @@ contains
     !! are. What follows from the inputs and does not fit into double precision is reported.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
-    logical :: new
+    logical :: new, other_beam
     integer :: before, beam, g
     before = messages%count
     beam = position_of(scene%groups, 'beam')
-    if (scene%groups(beam)%changed) call build_beam(scene%groups(beam), scene%beam, messages)
+    other_beam = .false.
+    if (beam > 0) other_beam = scene%groups(beam)%changed
+    if (other_beam) call build_beam(scene%groups(beam), scene%beam, messages)
     if (messages%count > before) return
     do g = 1, size(scene%groups)
       new = scene%groups(g)%changed
-      if (.not. new .and. scene%groups(beam)%changed) new = has_ratio(scene%groups(g))
+      if (.not. new .and. other_beam) new = has_ratio(scene%groups(g))
       if (new) call build_group(scene, g, messages)
     end do
   end subroutine build_scene
@@ -94,6 +100,7 @@ contains
     case ('recontact'); scene%recontact = build_recontact(scene%groups(g))
     case ('modes'); scene%modes = build_modes(scene%groups(g))
     case ('response'); scene%response = build_response(scene%groups(g))
+    case ('record'); scene%record = build_record(scene%groups(g))
     case ('spectrum'); scene%spectrum = build_spectrum(scene%groups(g))
     case default                                   ! the beam was built before
     end select
@@ -121,6 +128,8 @@ contains
     case ('damping'); call check_damping(group, messages)
     case ('impact'); call check_impact(group, messages)
     case ('response'); call check_response(group, messages)
+    case ('record'); call check_record(group, messages)
+    case ('identify'); call check_identify(group, messages)
     case ('sweep'); call check_sweep(group, messages)
     case default                                   ! the others have no rules of their own
     end select
@@ -146,6 +155,7 @@ contains
       select case (groups(g)%group)
       case ('damping'); call settle_damping(groups(g))
       case ('shear'); call settle_shear(groups)
+      case ('record'); call settle_record(groups, messages)
       case ('modes')
         struck = position_of(groups, 'impact') > 0
         captured = struck .and. position_of(groups, 'capture') > 0
@@ -231,10 +241,12 @@ contains
   end function is_plain
 
   pure function method_name(scene) result(name)
-    !! How the modes of a scene are found, those of all its cases.
+    !! How the modes of a scene are found, those of all its cases; `record` where there are none.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: name
     integer(i8) :: closed, cases
+    name = 'record'
+    if (allocated(scene%record)) return
     call count_methods(scene, closed, cases)
     name = 'closed form'
     if (closed == cases) return

@@ -79,6 +79,7 @@ contains
       one%file = scene%file
       one%name = scene%name
       one%groups = scene%groups
+      if (allocated(scene%unknowns)) one%unknowns = scene%unknowns
       allocate (one%sweeps(0))
     else
       do g = 1, size(one%groups)

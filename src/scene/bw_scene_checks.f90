@@ -5,7 +5,7 @@ module bw_scene_checks
   use bw_beam_par, only: beam_mass
   use bw_damping_par, only: by_ratio
   use bw_input_name, only: accepted_text, has_word, place_of
-  use bw_input_table, only: group_table, name_table
+  use bw_input_table, only: group_row, group_table, name_table
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, qp
   use bw_scene, only: by_pieces, check_rules, check_rules_together, method_name, scene_type
@@ -29,30 +29,81 @@ contains
     do i = 1, size(groups)
       call check_group(groups(i), messages)
       call check_needs(groups, i, messages)
+      call check_excluded_groups(groups, i, messages)
     end do
     do i = 1, size(group_table)
-      if (group_table(i)%required .and. position_of(groups, group_table(i)%name) == 0) then
-        call messages%add(0, '&'//trim(group_table(i)%name), 'is missing; accepted: a scene with this group')
-      end if
+      if (group_table(i)%required .and. position_of(groups, group_table(i)%name) == 0) call say_missing(groups, i, messages)
     end do
     call check_rules_together(groups, messages)
   end subroutine check_groups
+
+  pure subroutine say_missing(groups, row, messages)
+    !! A required group is absent. Where another group lets it be, it is missed by what has to do with it.
+    type(group_values), intent(in) :: groups(:)
+    integer, intent(in) :: row                    !! of the group that is absent
+    type(message_list), intent(inout) :: messages
+    character(:), allocatable :: name
+    integer :: i
+    name = '&'//trim(group_table(row)%name)
+    if (position_of(groups, group_table(row)%unless) == 0) then
+      call messages%add(0, name, 'is missing; accepted: a scene with this group')
+      return
+    end if
+    do i = 1, size(groups)
+      if (.not. group_table(groups(i)%row)%is_effect) cycle
+      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs '//name//', which is absent; accepted: both, or '// &
+                        'neither')
+    end do
+  end subroutine say_missing
+
+  pure subroutine check_excluded_groups(groups, i, messages)
+    !! The groups that group i stands instead of.
+    type(group_values), intent(in) :: groups(:)
+    integer, intent(in) :: i
+    type(message_list), intent(inout) :: messages
+    integer :: j
+    do j = 1, size(groups)
+      if (.not. has_word(group_table(groups(i)%row)%excludes, groups(j)%group)) cycle
+      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'excludes &'//trim(groups(j)%group)//' of line '// &
+                        text_of(groups(j)%line)//'; accepted: one or the other')
+    end do
+  end subroutine check_excluded_groups
 
   pure subroutine check_needs(groups, i, messages)
     !! The groups without which group i has no meaning.
     type(group_values), intent(in) :: groups(:)
     integer, intent(in) :: i
     type(message_list), intent(inout) :: messages
-    integer :: row, j
-    row = groups(i)%row
-    do j = 1, size(group_table)
-      if (.not. has_word(group_table(row)%needs, group_table(j)%name)) cycle
-      if (position_of(groups, group_table(j)%name) > 0) cycle
-      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs &'//trim(group_table(j)%name)// &
-                        ', which is absent ('//trim(group_table(j)%absent)//'); accepted: a scene with &'// &
-                        trim(group_table(j)%name)//', or without &'//trim(groups(i)%group))
+    character(:), allocatable :: needs
+    integer :: gap
+    needs = trim(group_table(groups(i)%row)%needs)
+    do while (needs /= '')
+      gap = index(needs//' ', ' ')
+      call check_need(groups, i, needs(:gap - 1), messages)
+      needs = needs(min(gap + 1, len(needs) + 1):)
     end do
   end subroutine check_needs
+
+  pure subroutine check_need(groups, i, need, messages)
+    !! Group i needs a group, or one of two.
+    type(group_values), intent(in) :: groups(:)
+    integer, intent(in) :: i
+    character(*), intent(in) :: need              !! `a`, or `a|b`
+    type(message_list), intent(inout) :: messages
+    integer :: bar
+    bar = index(need, '|')
+    if (bar == 0) then
+      if (position_of(groups, need) > 0) return
+      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs &'//need//', which is absent ('// &
+                        trim(group_table(group_row(need))%absent)//'); accepted: a scene with &'//need//', or without &'// &
+                        trim(groups(i)%group))
+    else
+      if (position_of(groups, need(:bar - 1)) > 0 .or. position_of(groups, need(bar + 1:)) > 0) return
+      call messages%add(groups(i)%line, '&'//trim(groups(i)%group), 'needs &'//need(:bar - 1)//' or &'//need(bar + 1:)// &
+                        ', which are absent ('//trim(group_table(group_row(need(:bar - 1)))%absent)// &
+                        '); accepted: with one of them, or without &'//trim(groups(i)%group))
+    end if
+  end subroutine check_need
 
   pure subroutine check_group(group, messages)
     !! Names that are required or stand instead of each other, then the group's own rules.
@@ -96,6 +147,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
     real(qp) :: lowest, highest
+    if (position_of(scene%groups, 'beam') == 0) return
     lowest = frequency_scale(scene)
     highest = fastest(scene)*(pi*max(scene%modes%before, scene%modes%after))**2
     call check(scene, 'beam', beam_mass(scene%beam), 'the mass of the beam', messages)

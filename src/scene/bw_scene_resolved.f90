@@ -1,7 +1,8 @@
 module bw_scene_resolved
   !! The resolved scene: the namelist with defaults and settled values filled in, and its numbers one by one.
   !! Saved to a file and read again, it gives the same values to the bit.
-  use bw_input_name, only: input_name, integer_input, logical_input, name_length, reals_input, text_input, is_number
+  use bw_input_name, only: columns_input, input_name, integer_input, is_number, logical_input, name_length, reals_input, &
+                           text_input, texts_input
   use bw_input_table, only: group_table, name_table
   use bw_input_values, only: group_values, input_value, positions_of
   use bw_kinds, only: dp, i8
@@ -44,7 +45,7 @@ contains
       end do
     end do
     do i = 1, size(scene%sweeps)
-      call put_sweep(builder, scene%sweeps(i))
+      if (.not. scene%sweeps(i)%implied) call put_sweep(builder, scene%sweeps(i))
     end do
     text = builder%text()
   end function resolved_text
@@ -79,6 +80,8 @@ contains
       call builder%append_line(start//quoted(value%text))
     case (reals_input)
       call put_list(builder, start, value%numbers)
+    case (texts_input, columns_input)
+      call put_texts(builder, start, value)
     case (integer_input)
       call builder%append_line(start//text_of(nint(value%numbers(1), i8)))
     case default
@@ -128,6 +131,23 @@ contains
     end do
     call builder%append_line('')
   end subroutine put_list
+
+  pure subroutine put_texts(builder, start, value)
+    !! Texts separated by commas, one a line; a column's number where it has no name.
+    type(text_builder), intent(inout) :: builder
+    character(*), intent(in) :: start
+    type(input_value), intent(in) :: value
+    character(:), allocatable :: piece
+    integer :: i
+    do i = 1, size(value%texts)
+      piece = '    '
+      if (i == 1) piece = start
+      if (value%texts(i)%text == '') piece = piece//text_of(nint(value%numbers(i), i8))
+      if (value%texts(i)%text /= '') piece = piece//quoted(value%texts(i)%text)
+      if (i < size(value%texts)) piece = piece//','
+      call builder%append_line(piece)
+    end do
+  end subroutine put_texts
 
   pure function quoted(text) result(piece)
     !! In single quotes, those inside doubled.

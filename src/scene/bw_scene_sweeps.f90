@@ -2,7 +2,7 @@ module bw_scene_sweeps
   !! `&sweep` groups as sweeps: what they vary, and whether each value is accepted there.
   use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_sweepable, place_of
   use bw_input_table, only: closest, group_row, name_table
-  use bw_input_values, only: group_values
+  use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
   use bw_scene_checks, only: check_group
   use bw_scene_messages, only: message_list
@@ -11,7 +11,7 @@ module bw_scene_sweeps
   use bw_text, only: lower, text_of
   implicit none (type, external)
   private
-  public :: extract_sweeps
+  public :: excuse_missing, extract_sweeps
 
   real(dp), parameter :: most_cases = 1e9_dp   !! in the product of all sweeps
 
@@ -32,7 +32,31 @@ contains
       call apply_sweep(sources(i), i, groups, sweeps(i), messages)
     end do
     call check_case_count(sources, sweeps, messages)
+    call add_repeats(groups, sweeps)
   end subroutine extract_sweeps
+
+  pure subroutine add_repeats(groups, sweeps)
+    !! Several files of a record are cases, too: a sweep over their numbers, which varies fastest.
+    type(group_values), intent(inout) :: groups(:)
+    type(sweep_par), allocatable, intent(inout) :: sweeps(:)
+    type(sweep_par), allocatable :: more(:)
+    integer :: g, n, i
+    g = position_of(groups, 'record')
+    if (g == 0) return
+    associate (file => groups(g)%values(groups(g)%at('file')))
+      if (.not. file%known .or. groups(g)%count_of('file') < 2) return
+      n = size(sweeps)
+      allocate (more(n + 1))
+      more(:n) = sweeps
+      more(n + 1)%parameter = 'record%file'
+      more(n + 1)%spacing = ''
+      more(n + 1)%values = [(real(i, dp), i=1, size(file%texts))]
+      more(n + 1)%implied = .true.
+      call move_alloc(more, sweeps)
+      file%sweeps(1) = n + 1
+      file%numbers(1) = 1.0_dp
+    end associate
+  end subroutine add_repeats
 
   pure function groups_where(groups, mask) result(picked)
     !! The groups for which the mask is true.

@@ -1,6 +1,6 @@
 module bw_sweep_target
-  !! Which number of a scene a `&sweep` varies: `group%name`, or one of several as `body(2)%mass` and `beam%length(1)`.
-  use bw_input_name, only: input_name, is_number, is_sweepable, place_of
+  !! Which number of a scene a `&sweep` varies, or an `&identify` does not know: `group%name`, or one of several as `body(2)%mass` and `beam%length(1)`.
+  use bw_input_name, only: has_word, input_name, integer_input, is_number, is_sweepable, place_of
   use bw_input_table, only: group_row, name_row, name_table, unknown_group, unknown_name
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_scene_messages, only: message_list, shown
@@ -10,18 +10,20 @@ module bw_sweep_target
   public :: find_target
 
   type, public :: sweep_target
-    !! The number of a scene that a sweep varies.
+    !! The number of a scene that a sweep varies, or that is unknown.
     integer :: group = 0                         !! place of its group; 0: there is none
     integer :: value = 0                         !! place of its name in the group
     integer :: element = 1                       !! which of the name's numbers
     character(:), allocatable :: place           !! how a sweep names it, with numbers only where there are several
   end type sweep_target
 
+  character(*), parameter :: of_the_beam = 'beam support body rotation stiffening shear damping'
+
 contains
 
   pure subroutine find_target(source, groups, target, messages)
     !! The number that a sweep varies; none, with a message, where it cannot.
-    type(group_values), intent(in) :: source
+    type(group_values), intent(in) :: source         !! `&sweep`, or `&identify`, which takes fewer
     type(group_values), intent(in) :: groups(:)
     type(sweep_target), intent(out) :: target
     type(message_list), intent(inout) :: messages
@@ -34,28 +36,38 @@ contains
     if (index(parameter, '&') == 1) then
       problem = "names a group as the scene opens it; accepted: '"//parameter(2:)//"'"
     else if (mark == 0 .or. scan(parameter, ' ') > 0) then
-      problem = "names no input"//likely_target(parameter)//"; accepted: 'group%name'"
+      problem = "names no input"//likely_target(source%group, parameter)//"; accepted: 'group%name'"
     else if (group_row(group) == 0) then
       problem = 'group '//unknown_group(group)
     else if (name_row(group, name) == 0) then
       problem = unknown_name(group, name, to_sweep=.true.)
     else
-      call resolve(groups, name_table(name_row(group, name)), group_number, name_number, target, problem)
+      problem = obstacle(source%group, name_table(name_row(group, name)), groups)
+      if (problem == '') call resolve(source%group, groups, name_table(name_row(group, name)), group_number, name_number, &
+                                      target, problem)
     end if
     if (problem == '') return
     target = sweep_target()
-    call messages%add(source%line_of('parameter'), 'sweep%parameter', shown(parameter)//' '//problem)
+    call messages%add(source%line_of('parameter'), trim(source%group)//'%parameter', shown(parameter)//' '//problem)
   end subroutine find_target
 
-  pure function likely_target(parameter) result(text)
+  elemental logical function is_taken(by, row)
+    !! The name is one that a `&sweep` may vary, or, by `&identify`, may be unknown: a real number of the beam.
+    character(*), intent(in) :: by
+    type(input_name), intent(in) :: row
+    is_taken = is_sweepable(row)
+    if (is_taken .and. by == 'identify') is_taken = row%kind /= integer_input .and. has_word(of_the_beam, row%group)
+  end function is_taken
+
+  pure function likely_target(by, parameter) result(text)
     !! ` (did you mean 'beam%length'?)`, of a name without its group, or with another mark between the two; or nothing.
-    character(*), intent(in) :: parameter
+    character(*), intent(in) :: by, parameter
     character(:), allocatable :: text, name
     integer :: i
     text = ''
     name = trim(parameter(scan(parameter, '.:/ ', back=.true.) + 1:))
     do i = 1, size(name_table)
-      if (name_table(i)%name /= name .or. .not. is_sweepable(name_table(i))) cycle
+      if (name_table(i)%name /= name .or. .not. is_taken(by, name_table(i))) cycle
       if (index(parameter, trim(name_table(i)%group)) == 0 .and. len(parameter) > len(name)) cycle
       if (text /= '') text = text//' or'
       text = text//" '"//place_of(name_table(i))//"'"
@@ -82,16 +94,16 @@ contains
     if (number == 0) number = -1
   end subroutine split
 
-  pure subroutine resolve(groups, row, group_number, name_number, target, problem)
+  pure subroutine resolve(by, groups, row, group_number, name_number, target, problem)
     !! Which number of the scene a known name means.
+    character(*), intent(in) :: by
     type(group_values), intent(in) :: groups(:)
     type(input_name), intent(in) :: row
     integer, intent(in) :: group_number, name_number  !! as written behind the group and the name; 0: none
     type(sweep_target), intent(out) :: target
     character(:), allocatable, intent(out) :: problem
     integer, allocatable :: found(:)
-    problem = obstacle(row, groups)
-    if (problem /= '') return
+    problem = ''
     found = positions_of(groups, row%group)
     call choose('group', trim(row%group), '%'//trim(row%name), size(found), group_number, problem)
     if (problem /= '') return
@@ -110,12 +122,15 @@ contains
       if (problem /= '') return
       if (groups(target%group)%count_of(row%name) > 1) target%place = target%place//'('//text_of(target%element)//')'
       if (.not. allocated(value%sweeps)) return
-      if (value%sweeps(target%element) > 0) problem = 'is swept twice; accepted: each name once'
+      if (value%sweeps(target%element) == 0) return
+      problem = 'is swept twice; accepted: each name once'
+      if (by == 'identify') problem = 'is swept, too; accepted: a sweep or an unknown'
     end associate
   end subroutine resolve
 
-  pure function obstacle(row, groups) result(problem)
-    !! Why a known name cannot be swept here; empty where it can.
+  pure function obstacle(by, row, groups) result(problem)
+    !! Why a known name cannot be swept here, or be unknown; empty where it can.
+    character(*), intent(in) :: by
     type(input_name), intent(in) :: row
     type(group_values), intent(in) :: groups(:)
     character(:), allocatable :: problem
@@ -123,9 +138,11 @@ contains
     g = position_of(groups, row%group)
     problem = ''
     if (.not. (is_number(row) .or. row%along /= '')) then
-      problem = 'is not one number; accepted: '//sweepable_names()
+      problem = 'is not one number; accepted: '//sweepable_names(by)
     else if (.not. is_sweepable(row)) then
-      problem = 'sets an axis of the result; accepted: '//sweepable_names()
+      problem = 'sets an axis of the result; accepted: '//sweepable_names(by)
+    else if (.not. is_taken(by, row)) then
+      problem = 'is no real number of the beam; accepted: '//sweepable_names(by)
     else if (g == 0) then
       problem = 'belongs to a group that is absent; accepted: a scene with &'//trim(row%group)
     else if (groups(g)%line == 0) then
@@ -157,13 +174,14 @@ contains
     if (count > 1) problem = problem//" to '"//before//'('//text_of(count)//')'//behind//"'"
   end subroutine choose
 
-  pure function sweepable_names() result(text)
-    !! Every `group%name` that a sweep may vary.
+  pure function sweepable_names(by) result(text)
+    !! Every `group%name` that a sweep may vary, or that may be unknown.
+    character(*), intent(in) :: by
     character(:), allocatable :: text
     integer :: i
     text = ''
     do i = 1, size(name_table)
-      if (is_sweepable(name_table(i))) text = text//' '//place_of(name_table(i))
+      if (is_taken(by, name_table(i))) text = text//' '//place_of(name_table(i))
     end do
     text = text(2:)
   end function sweepable_names

@@ -21,6 +21,7 @@ SECONDS = 60  # far above any check: what takes longer hangs
 LOCATED = re.compile(r"\d{5}\.nml(:\d+)?: (text|&\w*|\w+%\S*): \S")
 GLUED_COMMENT = re.compile(r"[^\s!]!")  # f90nml 1.4 takes it for a part of the word before it
 PLACE = re.compile(r"\(\d+\)")  # of one of several, in a swept name
+EXIT_FILE = 3
 REPLACED = "replaced by a sweep"
 
 
@@ -51,8 +52,8 @@ def fault_of_program(program, text):
         return "hangs"
     accepted = text.with_suffix(".resolved").exists()
     messages = ended.stderr.decode("utf-8").splitlines()
-    if "can be read, and not yet run" in ended.stderr.decode("utf-8"):
-        return "" if accepted else "refused for two reasons"
+    if accepted and ended.returncode == EXIT_FILE and all(": cannot be read: " in line for line in messages):
+        return ""  # a record whose file is not here
     if ended.returncode != (0 if accepted else 2):
         return f"status {ended.returncode}: {messages}"
     if accepted:
@@ -70,8 +71,9 @@ def fault_of_meaning(text):
     held, held_sweeps = parts(resolved.read_text(encoding="latin-1"))
     if len(said_sweeps) != len(held_sweeps):
         return "another number of sweeps"
-    for sweep in held_sweeps:
-        group, name = sweep["parameter"].split("%")
+    unknown = [values for name, values in held.items() if name.startswith("identify(")]
+    for sweep in [*held_sweeps, *unknown]:
+        group, name = sweep["parameter"].lower().split("%")
         held[group if group in held else f"{group}(1)"][PLACE.sub("", name)] = REPLACED
     for sweep in [*said_sweeps, *held_sweeps]:  # `body(02)%mass` is held as `body(2)%mass`, or `body%mass` of a single one
         sweep["parameter"] = PLACE.sub("", sweep["parameter"])
@@ -84,11 +86,13 @@ def fault_of_meaning(text):
 
 
 def parts(text):
-    """Groups by name, a body's with its number, and the sweeps in their order, as f90nml reads them."""
+    """Groups by name, bodies and unknowns with their numbers, and the sweeps in their order, as f90nml reads them."""
     items = list(f90nml.reads(text).items())
     bodies = [values for name, values in items if name == "body"]
-    groups = {name: values for name, values in items if name not in {"sweep", "body"}}
+    unknowns = [values for name, values in items if name == "identify"]
+    groups = {name: values for name, values in items if name not in {"sweep", "body", "identify"}}
     groups |= {f"body({number})": values for number, values in enumerate(bodies, 1)}
+    groups |= {f"identify({number})": values for number, values in enumerate(unknowns, 1)}
     return groups, [values for name, values in items if name == "sweep"]
 
 

@@ -2,7 +2,7 @@ module fortran_groups
   !! Each group of a scene as a namelist of Fortran, read by the compiler's own library.
   use bw_kinds, only: dp
   use bw_text, only: lower
-  use read_comparison, only: comparison, longest_text, most_values, unset, unset_text, unset_whole
+  use read_comparison, only: comparison, longest_text, most_texts, most_values, unset, unset_text, unset_whole
   implicit none (type, external)
   private
   public :: read_group
@@ -27,7 +27,9 @@ contains
     case ('recontact'); call read_recontact(lines, both)
     case ('modes'); call read_modes(lines, both)
     case ('response'); call read_response(lines, both)
+    case ('record'); call read_record(lines, both)
     case ('spectrum'); call read_spectrum(lines, both)
+    case ('identify'); call read_identify(lines, both)
     case default; both%differing = 'all its names, for which this test has no namelist,'
     end select
   end subroutine read_group
@@ -231,17 +233,66 @@ contains
     call both%same_flag('velocity', velocity)
   end subroutine read_response
 
+  subroutine read_record(lines, both)
+    !! Columns are left out: Fortran has no value that is a name or a number.
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    character(longest_text) :: file(most_texts), quantity(most_texts)
+    real(dp) :: sample_rate, scale(most_values), points(most_values), start, end
+    integer :: i
+    namelist /record/ file, sample_rate, quantity, scale, points, start, end
+    file = unset_text
+    sample_rate = unset
+    quantity = unset_text
+    scale = unset
+    points = unset
+    start = unset
+    end = unset
+    read (lines, nml=record, iostat=both%stat)
+    call both%same_texts('file', file)
+    call both%same_real('sample_rate', sample_rate)
+    call both%same_texts('quantity', [(lower(quantity(i)), i=1, most_texts)])
+    call both%same_list('scale', scale)
+    call both%same_list('points', points)
+    call both%same_real('start', start)
+    call both%same_real('end', end)
+  end subroutine read_record
+
+  subroutine read_identify(lines, both)
+    character(*), intent(in) :: lines(:)
+    type(comparison), intent(inout) :: both
+    character(longest_text) :: parameter, with(most_texts)
+    real(dp) :: first, last
+    namelist /identify/ parameter, first, last, with
+    parameter = unset_text
+    with = unset_text
+    first = unset
+    last = unset
+    read (lines, nml=identify, iostat=both%stat)
+    call both%same_text('parameter', parameter)
+    call both%same_real('first', first)
+    call both%same_real('last', last)
+    call both%same_texts('with', with)
+  end subroutine read_identify
+
   subroutine read_spectrum(lines, both)
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
-    character(longest_text) :: window
+    character(longest_text) :: window, ends
     integer :: max_peaks
-    namelist /spectrum/ window, max_peaks
+    real(dp) :: confidence, false_alarm
+    namelist /spectrum/ window, max_peaks, confidence, false_alarm, ends
     window = unset_text
     max_peaks = unset_whole
+    confidence = unset
+    false_alarm = unset
+    ends = unset_text
     read (lines, nml=spectrum, iostat=both%stat)
     call both%same_text('window', lower(window))
     call both%same_whole('max_peaks', max_peaks)
+    call both%same_real('confidence', confidence)
+    call both%same_real('false_alarm', false_alarm)
+    call both%same_text('ends', lower(ends))
   end subroutine read_spectrum
 
 end module fortran_groups

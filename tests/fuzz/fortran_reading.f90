@@ -29,19 +29,32 @@ contains
     character(:), allocatable, intent(out) :: fault  !! empty for none
     character(:), allocatable :: lines(:)
     integer, allocatable :: places(:)
+    type(group_values), allocatable :: groups(:)
     integer :: i, g
     fault = ''
+    groups = without_unknowns(scene)
     lines = lines_of(text)
     if (misreads(text, lines, scene%header%title)) return
     do i = 1, size(group_table)
       if (group_table(i)%name == 'sweep') cycle
-      places = [positions_of(scene%groups, group_table(i)%name), 0]
+      places = [positions_of(groups, group_table(i)%name), 0]
       do g = 1, max(1, size(places) - 1)
-        if (fault == '') call compare_group(lines, scene%groups, places(g), trim(group_table(i)%name), reading, fault)
+        if (fault == '') call compare_group(lines, groups, places(g), trim(group_table(i)%name), reading, fault)
       end do
     end do
-    if (fault == '') call compare_sweeps(lines, scene%sweeps, reading, fault)
+    if (fault == '') call compare_sweeps(lines, pack(scene%sweeps, .not. scene%sweeps%implied), reading, fault)
   end subroutine compare_with_fortran
+
+  function without_unknowns(scene) result(groups)
+    !! What a scene says, its unknowns as if swept: their values need not be those of the text.
+    type(scene_type), intent(in) :: scene
+    type(group_values), allocatable :: groups(:)
+    integer :: i
+    groups = scene%groups
+    do i = 1, size(scene%unknowns)
+      groups(scene%unknowns(i)%group)%values(scene%unknowns(i)%value)%sweeps = 1
+    end do
+  end function without_unknowns
 
   function lines_of(text) result(lines)
     !! The lines of a text, padded with blanks, without the returns of CR LF.

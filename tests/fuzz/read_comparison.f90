@@ -8,7 +8,7 @@ module read_comparison
 
   real(dp), parameter, public :: unset = -7.25e-250_dp        !! what stands where nothing was read
   integer, parameter, public :: unset_whole = -huge(1)
-  integer, parameter, public :: longest_text = 1000, most_values = 2000
+  integer, parameter, public :: longest_text = 1000, most_values = 2000, most_texts = 20
   character(longest_text), parameter, public :: unset_text = achar(1)
 
   type, public :: comparison
@@ -19,6 +19,7 @@ module read_comparison
     procedure :: same_real
     procedure :: same_whole
     procedure :: same_text
+    procedure :: same_texts
     procedure :: same_list
     procedure :: same_flag
     procedure, private :: held
@@ -62,6 +63,26 @@ contains
     if (.not. value%given) return
     if (value%text(:min(len(value%text), longest_text)) /= read) self%differing = name
   end subroutine same_text
+
+  subroutine same_texts(self, name, read)
+    !! A list of texts, in which holes are closed as in one of numbers.
+    class(comparison), intent(inout) :: self
+    character(*), intent(in) :: name, read(:)
+    type(input_value) :: value
+    character(len(read)), allocatable :: texts(:)
+    integer :: i
+    value = self%held(name)
+    texts = pack(read, read /= unset_text)
+    if (value%given .neqv. size(texts) > 0) self%differing = name
+    if (.not. value%given) return
+    if (size(value%texts) /= size(texts)) then
+      self%differing = name
+      return
+    end if
+    do i = 1, size(texts)
+      if (value%texts(i)%text(:min(len(value%texts(i)%text), longest_text)) /= texts(i)) self%differing = name
+    end do
+  end subroutine same_texts
 
   subroutine same_list(self, name, read)
     !! The compiler's library takes a comment behind a comma for a value left out; ours does not, so holes are closed.

@@ -59,6 +59,8 @@ INPUTS = {
     "response_duration": 1.0,
     "response_samples": 4096,
     "spectrum_max_peaks": 20,
+    "spectrum_confidence": 0.95,
+    "spectrum_false_alarm": 0.01,
 }
 OF_THE_PAPER = [*MODAL, *(f"{name}_before" for name in MODAL), "velocity_jump", "displacement"]
 FULL = captured_beam(

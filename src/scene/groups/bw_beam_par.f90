@@ -29,7 +29,7 @@ module bw_beam_par
   end type beam_par
 
   type(input_group), parameter, public :: beam_group = input_group( &
-    'beam', required=.true., absent='an error: every scene has a beam', &
+    'beam', required=.true., unless='record', absent='an error, unless a `&record` is analysed for frequencies alone', &
     rules='Give `diameter` for a solid circle, `width` and `height` for a solid rectangle, which bends along its height, or '// &
     '`area` and `second_moment` for any other section. A beam of several uniform pieces has a list of values, from the root '// &
     'outwards, for each name in which they differ, as `length = 0.3, 0.7`; one value alone stands for every piece, also a '// &

@@ -1,6 +1,6 @@
 module bw_spectrum_par
   !! `&spectrum`: amplitude spectra, and what they say about waves.
-  use bw_input_name, only: input_group, input_name, integer_input, number_range, text_input
+  use bw_input_name, only: input_group, input_name, integer_input, number_range, real_input, text_input
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
   use bw_scene_messages, only: message_list
@@ -12,23 +12,34 @@ module bw_spectrum_par
   type, public :: spectrum_par
     character(:), allocatable :: window   !! one of the words below
     integer :: max_peaks = 20             !! ≥ 1
+    real(dp) :: confidence = 0.95_dp      !! of intervals, 0.5 … 1, below 1
+    real(dp) :: false_alarm = 0.01_dp     !! probability that noise alone makes a line, > 0
+    character(:), allocatable :: ends     !! what is known of the beam's ends: one of the words below
   end type spectrum_par
 
   integer, parameter :: least_samples = 16
     !! below it, no two peaks stand apart: the widest window's peak covers eight lines of the spectrum
 
   type(input_group), parameter, public :: spectrum_group = input_group( &
-    'spectrum', needs='response', absent='no spectral analysis', &
+    'spectrum', needs='response|record', absent='no spectral analysis', &
     rules='It needs at least 16 samples. Frequencies, wave numbers and wave velocities of the spectral peaks are measured '// &
     'where 0.5 and 1.0 are among the points of `&response`; with `&stiffening`, `&shear` or a `rotary_inertia` of the '// &
-    'captured body only their frequencies are.')
+    'captured body only their frequencies are. `confidence`, `false_alarm` and `ends` concern a `&record`: its lines are '// &
+    'fitted by the shape of the tip''s mode (tip), of a beam of which the clamped root alone is known (clamped), or of any '// &
+    'piece of beam (any).')
 
   type(input_name), parameter, public :: spectrum_names(*) = [ &
     input_name('spectrum', 'window', text_input, default="'hann'", &
                words='hann rectangular hamming blackman blackman_harris flat_top', &
                meaning='window of the amplitude spectrum'), &
     input_name('spectrum', 'max_peaks', integer_input, '1', number_range(1.0_dp, 1e4_dp), '20', &
-               meaning='largest number of spectral peaks that are measured')]
+               meaning='largest number of spectral peaks that are measured'), &
+    input_name('spectrum', 'confidence', real_input, '1', number_range(0.5_dp, 0.999999_dp), '0.95', swept=.true., &
+               meaning='of the intervals of a record''s lines'), &
+    input_name('spectrum', 'false_alarm', real_input, '1', number_range(1e-12_dp, 0.5_dp), '0.01', swept=.true., &
+               meaning='probability of a line in a record of noise alone'), &
+    input_name('spectrum', 'ends', text_input, default="'tip'", words='tip clamped any', &
+               meaning='what the waves of a record are fitted by')]
 
 contains
 
@@ -51,6 +62,9 @@ contains
     type(group_values), intent(in) :: values
     spectrum%window = values%text('window')
     spectrum%max_peaks = values%whole('max_peaks')
+    spectrum%confidence = values%number('confidence')
+    spectrum%false_alarm = values%number('false_alarm')
+    spectrum%ends = values%text('ends')
   end function build_spectrum
 
 end module bw_spectrum_par

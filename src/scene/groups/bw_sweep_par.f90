@@ -14,6 +14,7 @@ module bw_sweep_par
     character(:), allocatable :: parameter   !! 'group%name', in lower case
     real(dp), allocatable :: values(:)       !! one per value of the parameter, (n)
     character(:), allocatable :: spacing     !! 'linear' or 'log' between the ends; '' where the values were listed
+    logical :: implied = .false.             !! no `&sweep` says it: the values are numbers of the files of a record
   end type sweep_par
 
   integer, parameter :: most_values = 1000000

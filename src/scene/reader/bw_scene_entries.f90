@@ -4,8 +4,8 @@ module bw_scene_entries
   !!
   !! Commas and blanks separate; values may go on over lines; one trailing comma is fine. A value that is
   !! left out (`1,,2`, `2*`), which Fortran reads as 'keep what was there', is an error.
-  use bw_input_name, only: accepted_text, in_range, input_name, integer_input, is_number, logical_input, place_of, reals_input, &
-                           text_input
+  use bw_input_name, only: accepted_text, columns_input, in_range, input_name, integer_input, is_list, is_number, &
+                           logical_input, place_of, reals_input, text_input, texts_input
   use bw_input_values, only: input_value
   use bw_kinds, only: dp
   use bw_scene_messages, only: message_list, shown
@@ -157,11 +157,13 @@ contains
     before = messages%count
     several = size(items) > 1 .or. items(1)%repeat > 1
     hint = hint_of_items(row, text, items)
-    if (several .and. (row%kind /= reals_input .or. hint /= '')) then
+    if (several .and. (.not. is_list(row) .or. hint /= '')) then
       call messages%add(items(min(2, size(items)))%line, place_of(row), &
                         'has more than one value'//hint//'; accepted: '//accepted_text(row)//list_hint(row, hint))
     else if (row%kind == reals_input) then
       call read_reals(row, text, items, value, messages)
+    else if (row%kind == texts_input .or. row%kind == columns_input) then
+      call read_texts(row, text, items, value, messages)
     else
       call read_scalar(row, text(items(1)%first:items(1)%last), items(1), value, messages)
     end if
@@ -303,5 +305,51 @@ contains
       n = n + items(i)%repeat
     end do
   end subroutine read_reals
+
+  pure subroutine read_texts(row, text, items, value, messages)
+    !! A list of texts, or of columns by name or number, each as often as its item says.
+    type(input_name), intent(in) :: row
+    character(*), intent(in) :: text
+    type(item), intent(in) :: items(:)
+    type(input_value), intent(inout) :: value
+    type(message_list), intent(inout) :: messages
+    integer :: i, j, n
+    if (sum(real(items%repeat, dp)) > row%most) then
+      call messages%add(items(1)%line, place_of(row), 'has too many values; accepted: '//accepted_text(row))
+      return
+    end if
+    n = sum(items%repeat)
+    allocate (value%texts(n))
+    call value%set_numbers([(0.0_dp, i=1, n)], items(1)%line)
+    n = 0
+    do i = 1, size(items)
+      do j = 1, items(i)%repeat
+        n = n + 1
+        value%lines(n) = items(i)%line
+        call read_one_text(row, text(items(i)%first:items(i)%last), items(i), value%texts(n)%text, value%numbers(n), &
+                           messages)
+      end do
+    end do
+  end subroutine read_texts
+
+  pure subroutine read_one_text(row, piece, source, text, number, messages)
+    !! One text of a list, or a column: a number without quotes is that of a column.
+    type(input_name), intent(in) :: row
+    character(*), intent(in) :: piece
+    type(item), intent(in) :: source
+    character(:), allocatable, intent(out) :: text
+    real(dp), intent(inout) :: number
+    type(message_list), intent(inout) :: messages
+    character(:), allocatable :: problem
+    text = ''
+    if (row%kind == columns_input .and. source%quote == ' ') then
+      call parse_whole(piece, number, problem)
+      if (problem == '' .and. .not. in_range(row%range, number)) problem = shown(piece)//' is out of range'
+    else
+      call parse_text(piece, source%quote, row%words, text, problem)
+      if (problem == '' .and. text == '') problem = 'is empty'
+    end if
+    if (problem /= '') call messages%add(source%line, place_of(row), problem//'; accepted: '//accepted_text(row))
+  end subroutine read_one_text
 
 end module bw_scene_entries

@@ -18,6 +18,7 @@ module bw_scene_reader
   use bw_scene_parser, only: parse, parsed_scene
   use bw_scene_sweeps, only: extract_sweeps
   use bw_scene_tokens, only: token
+  use bw_scene_unknowns, only: check_ranges, extract_unknowns
   use bw_system_calls, only: bw_listen, is_directory, is_file
   use bw_text, only: text_of
   implicit none (type, external)
@@ -59,10 +60,12 @@ contains
     if (.not. messages%cut) then
       call fill_groups(text, tokens, parsed, scene%groups, messages)
       call extract_sweeps(scene%groups, scene%sweeps, messages)
+      call extract_unknowns(scene%groups, scene%sweeps, scene%unknowns, messages)
       call check_groups(scene%groups, messages)
       call complete(scene, messages)
     end if
     if (messages%count == 0) call check_corners(scene, messages)
+    if (messages%count == 0) call check_ranges(scene, messages)
     if (messages%count > 0) call fail(error, status_bad_input, messages%text())
   end subroutine read_scene_text
 

@@ -1,0 +1,108 @@
+"""The command `beamwave-record`: files of laboratories into NetCDF files that `&record` reads."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from ..files import EXIT_DONE, EXIT_FILE, EXIT_USAGE, save
+from .channels import Channel, NotARecord, Wanted
+from .readers import ACCEPTED, read_channels
+from .write import grouped, write_record
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the words of the command line."""
+    words = argparse.ArgumentParser(
+        prog="beamwave-record", description="Makes NetCDF files, which &record reads, of histories in other files."
+    )
+    words.add_argument("files", metavar="FILE", nargs="+", type=Path, help=f"{ACCEPTED}; told by content")
+    words.add_argument("--output", metavar="DIR", type=Path, help="where the files go (default: beside each file)")
+    words.add_argument("--overwrite", action="store_true", help="replace files that are there")
+    words.add_argument(
+        "--sample-rate", metavar="HZ", type=float, help="samples in a second, where the file does not say"
+    )
+    words.add_argument("--time", metavar="NAME", help="array of the times in s (default: time or t)")
+    words.add_argument(
+        "--variable", metavar="NAME", action="append", default=[], help="array of histories (default: all); repeatable"
+    )
+    words.add_argument("--points", metavar="XI", nargs="+", type=float, help="place of each sensor, x/l")
+    words.add_argument("--unit", metavar="UNIT", help="unit of all histories, where the file does not say")
+    words.add_argument(
+        "--quantity",
+        choices=["displacement", "velocity", "acceleration", "strain"],
+        help="what all histories are, where the file does not say",
+    )
+    return words
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Write a NetCDF file for each file; 0, or 2 for wrong words, or 3 if any could not be read or written."""
+    given = parser().parse_intermixed_args(argv)
+    problem = _problem(given)
+    if problem:
+        print(problem, file=sys.stderr)
+        return EXIT_USAGE
+    if given.output is not None:
+        try:
+            given.output.mkdir(parents=True, exist_ok=True)
+        except OSError as failure:
+            print(failure, file=sys.stderr)
+            return EXIT_FILE
+    done = [_convert(file, given) for file in given.files]
+    return EXIT_DONE if all(done) else EXIT_FILE
+
+
+def _problem(given: argparse.Namespace) -> str:
+    """What is wrong with the words; empty if nothing is."""
+    if given.sample_rate is not None and not 0 < given.sample_rate < float("inf"):
+        return f"--sample-rate is {given.sample_rate:g}; accepted: above 0"
+    if given.sample_rate is not None and given.time is not None:
+        return "--sample-rate excludes --time; accepted: one or the other"
+    if given.points and not all(0 <= point <= 1 for point in given.points):
+        return "--points are places x/l; accepted: 0 to 1"
+    stems = [file.stem for file in given.files]
+    twice = sorted({stem for stem in stems if stems.count(stem) > 1})
+    if given.output is not None and twice:
+        return f"several files would become the same: {', '.join(twice)}"
+    return ""
+
+
+def _convert(source: Path, given: argparse.Namespace) -> bool:
+    """Make the files of one; whether that went well."""
+    try:
+        channels = read_channels(source, Wanted(given.sample_rate, given.time, given.variable))
+        _complete(channels, given)
+        groups = grouped(channels)
+        for number, group in enumerate(groups, 1):
+            end = ".nc" if len(groups) == 1 else f"_{number}.nc"
+            path = (given.output or source.parent) / f"{source.stem}{end}"
+            if path.exists() and not given.overwrite:
+                raise NotARecord(f"{path} is there already; accepted: --overwrite, or another --output")
+            save(path, partial(write_record, group, source=f"beamwave-record, from {source.name}"))
+            for channel in group:
+                print(
+                    f"  {channel.name}: {channel.values.size} samples, {channel.quantity or 'unknown'} [{channel.unit}]"
+                )
+    except (OSError, NotARecord) as failure:
+        print(f"{source}: {failure}" if isinstance(failure, NotARecord) else failure, file=sys.stderr)
+        return False
+    return True
+
+
+def _complete(channels: list[Channel], given: argparse.Namespace) -> None:
+    """Add what the caller says and the file does not. Raises `NotARecord` where places and sensors do not match."""
+    if given.points and len(given.points) != len(channels):
+        names = ", ".join(channel.name for channel in channels)
+        raise NotARecord(f"--points has {len(given.points)} values, and there are {len(channels)} sensors: {names}")
+    for number, channel in enumerate(channels):
+        channel.unit = channel.unit or given.unit or ""
+        channel.quantity = channel.quantity or given.quantity or ""
+        channel.position = given.points[number] if given.points else None
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+"""Channels into a NetCDF file: one variable each along `time`, as `&record` reads it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+
+from .channels import Channel
+
+
+def grouped(channels: Iterable[Channel]) -> list[list[Channel]]:
+    """Channels by their times: one file holds one axis of time."""
+    groups: list[list[Channel]] = []
+    for channel in channels:
+        for group in groups:
+            if group[0].times is channel.times or np.array_equal(group[0].times, channel.times):
+                group.append(channel)
+                break
+        else:
+            groups.append([channel])
+    return groups
+
+
+def write_record(channels: Sequence[Channel], path: Path, source: str) -> None:
+    """Write channels of one axis of time; `source` is what the file says of where they come from."""
+    with netCDF4.Dataset(path, "w") as file:
+        file.Conventions = "CF-1.11"
+        file.source = source
+        file.createDimension("time", channels[0].times.size)
+        time = file.createVariable("time", "f8", ("time",))
+        time.units, time.long_name = "s", "time"
+        time[:] = channels[0].times
+        names: set[str] = {"time", "t"}
+        for channel in channels:
+            kind = "f4" if channel.values.dtype == np.float32 else "f8"
+            variable = file.createVariable(_free_name(channel.name, names), kind, ("time",), fill_value=False)
+            variable.units = channel.unit or "1"
+            variable.long_name = channel.description or channel.name
+            if channel.quantity:
+                variable.quantity = channel.quantity
+            if channel.position is not None:
+                variable.position = channel.position
+            variable[:] = channel.values
+
+
+def _free_name(name: str, taken: set[str]) -> str:
+    """A name that NetCDF takes and no variable has."""
+    plain = re.sub(r"[/\x00-\x1f\x7f]", "_", name).strip() or "history"
+    if not (plain[0].isalnum() or plain[0] == "_"):
+        plain = f"_{plain}"
+    free, number = plain, 1
+    while free.lower() in taken:
+        number += 1
+        free = f"{plain}_{number}"
+    taken.add(free.lower())
+    return free

@@ -1,0 +1,66 @@
+"""Lines beside modes, and what was identified from them."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from beamwave_postproc import NothingToDraw, identified, record_model
+
+MODELLED = np.array([20.0, 125.0, np.nan, 350.0])
+AWAY = np.array([1e-3, -2e-3, np.nan, 0.0])
+
+
+@pytest.fixture
+def held():
+    """Four lines of which the third is no mode."""
+    return xr.Dataset(
+        {
+            "measured_angular_frequency": ("peak", np.nan_to_num(MODELLED * (1 + AWAY), nan=200.0), {"units": "rad s-1"}),
+            "measured_angular_frequency_error": ("peak", 1e-3 * np.nan_to_num(MODELLED, nan=200.0)),
+            "measured_decay_rate": ("peak", [0.1, 0.2, 0.3, 0.4], {"units": "s-1"}),
+            "measured_decay_rate_error": ("peak", [0.01, 0.02, 0.03, 0.04]),
+            "modelled_angular_frequency": ("peak", MODELLED, {"units": "rad s-1"}),
+            "modelled_decay_rate": ("peak", [0.11, 0.22, np.nan, 0.0]),
+            "peak_mode": ("peak", [1, 2, 0, 4]),
+            "misfit_probability": ((), 1e-5),
+            "misfit_freedom": ((), 3),
+            "model_scatter": ((), 0.002),
+            "identified": ("unknown", [7e10, 1e4]),
+            "identified_error": ("unknown", [1e9, 9e3]),
+            "identified_low": ("unknown", [6.9e10, 1e3]),
+            "identified_high": ("unknown", [7.1e10, 1e5]),
+            "identified_correlation": (("unknown", "unknown_too"), [[1.0, -0.9], [-0.9, 1.0]]),
+            "identified_parameter": ("unknown", ["beam%youngs_modulus", "support%stiffness"]),
+            "identified_unit": ("unknown", ["Pa", "N m-1"]),
+            "identify_first": ("unknown", [6e10, 1e3]),
+            "identify_last": ("unknown", [8e10, 1e5]),
+        },
+        {"peak": [1, 2, 3, 4], "unknown": [1, 2]},
+        {"title": "A ring-down", "effects": ""},
+    )
+
+
+def test_lines_that_are_modes_stand_at_their_numbers_in_per_cent(held):
+    fig = record_model(held)
+    above, below = fig.axes
+    marks = above.containers[0].lines[0]
+    np.testing.assert_allclose(marks.get_xdata(), [1, 2, 4])
+    np.testing.assert_allclose(marks.get_ydata(), [0.1, -0.2, 0.0], atol=1e-12)
+    np.testing.assert_allclose(below.containers[0].lines[0].get_ydata(), [0.1, 0.2, 0.4])
+    assert any("off by 0.2 %" in text.get_text() for text in fig.texts)
+
+
+def test_intervals_lie_in_their_ranges_by_logarithms_over_decades(held):
+    left, right = identified(held).axes
+    marks = [box.lines[0].get_xdata()[0] for box in left.containers]
+    np.testing.assert_allclose(marks, [0.5, 0.5])
+    bars = [np.ptp(box.lines[2][0].get_segments()[0][:, 0]) for box in left.containers]
+    np.testing.assert_allclose(bars, [0.1, 1.0])
+    assert [text.get_text() for text in right.texts] == ["1.00", "-0.90", "-0.90", "1.00"]
+
+
+def test_without_a_model_there_is_nothing_to_draw(held):
+    with pytest.raises(NothingToDraw):
+        record_model(held.drop_vars("modelled_angular_frequency"))
+    with pytest.raises(NothingToDraw):
+        identified(held.drop_vars("identified"))

@@ -1,0 +1,198 @@
+module bw_read_record
+  !! From a file to a record: the columns that the scene means, the part that it uses, in SI, with what there is to say of it.
+  use bw_descriptors, only: close_file, open_file, read_bytes, to_read
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input
+  use bw_files, only: cannot_be_read, directory_of
+  use bw_input_values, only: group_values, position_of
+  use bw_kinds, only: dp, i1, i8
+  use bw_missing, only: is_missing
+  use bw_netcdf_source, only: netcdf_source
+  use bw_record, only: record_type
+  use bw_record_columns, only: choose_columns, sensors_of
+  use bw_record_notes, only: add_notes
+  use bw_record_source, only: record_source
+  use bw_sample_times, only: even_interval, first_fall, used_part
+  use bw_scene, only: scene_type
+  use bw_text, only: shortest, text_of
+  use bw_text_source, only: text_source
+  implicit none (type, external)
+  private
+  public :: read_record, record_path
+
+  integer, parameter, public :: least_samples = 16     !! as of simulated histories
+  real(dp), parameter :: latest = 1.0e15_dp            !! s
+  real(dp), parameter :: largest = 1.0e150_dp          !! of what squares still fit into double precision
+
+contains
+
+  pure function record_path(scene, number) result(path)
+    !! Where a file of the record lies: beside the scene.
+    type(scene_type), intent(in) :: scene              !! with a record
+    integer, intent(in) :: number                      !! of the file, from 1
+    character(:), allocatable :: path
+    path = scene%record%files(number)%text
+    if (path(1:1) == '/' .or. index(scene%file, '/') == 0) return
+    if (index(scene%file, '/dev/fd/') == 1) return     ! the scene came through a pipe, beside which nothing lies
+    path = directory_of(scene%file)//path
+  end function record_path
+
+  subroutine read_record(scene, number, record, error)
+    !! Read one file of a scene's record.
+    !! **Errors**: `status_bad_file` where it cannot be read, or memory is refused; `status_bad_input`, with the place, where it
+    !! does not hold what the scene asks for, or something that is no history.
+    type(scene_type), intent(in) :: scene              !! with a record
+    integer, intent(in) :: number                      !! of the file, from 1
+    type(record_type), intent(out) :: record
+    type(error_type), allocatable, intent(out) :: error
+    class(record_source), allocatable :: source
+    integer, allocatable :: columns(:)
+    real(dp), allocatable :: times(:), steps(:)
+    integer(i8) :: part(2)                             ! first and last sample that is used
+    integer :: time
+    record%path = record_path(scene, number)
+    call choose_source(record%path, source, error)
+    if (.not. allocated(error)) call source%open(record%path, error)
+    if (.not. allocated(error)) call choose_columns(scene, source, time, columns, error)
+    if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
+    if (.not. allocated(error)) call settle_times(scene, source, times, steps, record, part, error)
+    if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
+    if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
+    if (allocated(source)) call source%close()
+  end subroutine read_record
+
+  subroutine choose_source(path, source, error)
+    !! NetCDF is told by its first bytes; all else is taken for text.
+    character(*), intent(in) :: path
+    class(record_source), allocatable, intent(out) :: source
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i1), parameter :: hdf(8) = [-119_i1, 72_i1, 68_i1, 70_i1, 13_i1, 10_i1, 26_i1, 10_i1]
+    integer(i1), parameter :: classic(3) = [67_i1, 68_i1, 70_i1]
+    integer(i1) :: bytes(8)
+    integer(i8) :: have
+    integer :: descriptor, problem, ignored
+    bytes = 0
+    problem = open_file(path, to_read, descriptor)
+    if (problem == 0) problem = read_bytes(descriptor, 0_i8, bytes, have)
+    ignored = close_file(descriptor)
+    if (problem /= 0) then
+      call cannot_be_read(error, path, problem)
+    else if (all(bytes == hdf) .or. (all(bytes(:3) == classic) .and. bytes(4) >= 1 .and. bytes(4) <= 5)) then
+      allocate (netcdf_source :: source)
+    else
+      allocate (text_source :: source)
+    end if
+  end subroutine choose_source
+
+  subroutine settle_times(scene, source, times, steps, record, part, error)
+    !! Times since the first sample that is used, and which samples those are.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(inout) :: source
+    real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; used up
+    type(record_type), intent(inout) :: record
+    integer(i8), intent(out) :: part(2)
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i8) :: j
+    part = [1_i8, 0_i8]
+    associate (par => scene%record, first => part(1), last => part(2))
+      if (is_missing(par%sample_rate)) then
+        call check_times(source, times, error)
+        if (allocated(error)) return
+      else
+        times = [(real(j, dp)/par%sample_rate, j=0, record%samples_there - 1)]
+      end if
+      call used_part(times, par%first_time, par%last_time, first, last)
+      if (last - first + 1 < least_samples) then
+        call refuse_short(scene, record, times, max(0_i8, last - first + 1), error)
+        return
+      end if
+      record%origin = times(first)
+      if (is_missing(par%sample_rate)) then
+        record%interval = even_interval(times(first:last), steps(first:last))
+      else
+        record%interval = 1.0_dp/par%sample_rate
+      end if
+      if (record%interval > 0.0_dp) then
+        record%times = [((j - first)*record%interval, j=first, last)]
+      else
+        record%times = times(first:last) - times(first)
+      end if
+    end associate
+  end subroutine settle_times
+
+  subroutine check_times(source, times, error)
+    !! Times rise, and are those of a clock. **Errors**: `status_bad_input`, with the place.
+    class(record_source), intent(inout) :: source
+    real(dp), intent(in) :: times(:)
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i8) :: row
+    row = first_fall(times)
+    if (row > 0) then
+      call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
+                ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
+    else if (any(abs(times) > latest)) then
+      row = findloc(abs(times) > latest, .true., dim=1)
+      call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
+                ' is far from that of any clock; accepted: up to '//text_of(latest)//' s')
+    end if
+  end subroutine check_times
+
+  subroutine refuse_short(scene, record, times, samples, error)
+    !! Say that too few samples are left. **Errors**: `status_bad_input`.
+    type(scene_type), intent(in) :: scene
+    type(record_type), intent(in) :: record
+    real(dp), intent(in) :: times(:)
+    integer(i8), intent(in) :: samples
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: place
+    integer :: line
+    place = record%path//': has '//text_of(samples)//' samples'
+    associate (group => scene%groups(position_of(scene%groups, 'record')))
+      line = max(group%line_of('start'), group%line_of('end'))
+      if (line > 0) place = scene%file//':'//text_of(line)//': record%'//cut_by(group, line)//': leaves '//text_of(samples)// &
+        ' of '//text_of(size(times))//' samples of '//record%path
+    end associate
+    if (size(times) > 0) place = place//', whose times are '//shortest(times(1), 6)//' to '//shortest(times(size(times)), 6)//' s'
+    call fail(error, status_bad_input, place//'; accepted: '//text_of(least_samples)//' or more')
+  end subroutine refuse_short
+
+  pure function cut_by(group, line) result(name)
+    !! Which of the two cuts stands at a line.
+    type(group_values), intent(in) :: group
+    integer, intent(in) :: line
+    character(:), allocatable :: name
+    name = 'end'
+    if (group%line_of('start') == line) name = 'start'
+  end function cut_by
+
+  subroutine read_sensors(scene, source, columns, part, record, error)
+    !! The samples that are used, in SI.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(inout) :: source
+    integer, intent(in) :: columns(:)
+    integer(i8), intent(in) :: part(2)                 !! first and last sample that is used
+    type(record_type), intent(inout) :: record
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: s, status
+    real(dp) :: factor
+    record%sensors = sensors_of(scene%record, source, columns)
+    allocate (record%values(part(2) - part(1) + 1, size(columns)), stat=status)
+    if (status /= 0) then
+      call fail(error, status_bad_file, record%path//': memory for '//text_of(part(2) - part(1) + 1)//' samples of '// &
+                text_of(size(columns))//' sensors was refused')
+      return
+    end if
+    call source%read_values(columns, part(1), record%values, error)
+    if (allocated(error)) return
+    do s = 1, size(columns)
+      factor = scene%record%scales(min(s, size(scene%record%scales)))
+      if (maxval(abs(record%values(:, s))) <= largest/max(1.0_dp, abs(factor))) then
+        if (factor /= 1.0_dp) record%values(:, s) = factor*record%values(:, s)
+        cycle
+      end if
+      call fail(error, status_bad_input, record%path//': '//record%sensors(s)%name//' has numbers that are too large; '// &
+                'accepted: up to '//text_of(largest)//' in SI')
+      return
+    end do
+  end subroutine read_sensors
+
+end module bw_read_record

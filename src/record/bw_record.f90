@@ -1,0 +1,142 @@
+module bw_record
+  !! A record: histories of sensors along a beam that a file holds, as what follows takes them, and what a file says of its
+  !! columns.
+  use bw_kinds, only: dp, i8
+  use bw_missing, only: missing
+  use bw_text, only: lower, string, text_of
+  implicit none (type, external)
+  private
+  public :: bare_name, extent_of, is_even, measure_the_same, quantities_of, unit_in, without_unit
+
+  type, public :: column_type
+    !! A column of a table, or a variable of a file.
+    character(:), allocatable :: name            !! as the file has it; '' where it has none
+    character(:), allocatable :: unit            !! as the file has it; '' where it says none
+    character(:), allocatable :: quantity        !! 'displacement', 'velocity', 'acceleration', 'strain'; '' where it says none
+    real(dp) :: position = missing               !! ξ; `missing` where it says none
+    logical :: is_numeric = .true.               !! it holds numbers
+    logical :: is_time = .false.                 !! it holds the times, as far as its name tells
+  end type column_type
+
+  type, public :: sensor_type
+    character(:), allocatable :: name            !! of its column, or its number
+    character(:), allocatable :: quantity        !! one of those above
+    real(dp) :: position = missing               !! ξ in [0, 1]; `missing` where nobody says it
+  end type sensor_type
+
+  type, public :: record_type
+    character(:), allocatable :: path            !! of the file
+    integer(i8) :: samples_there = 0             !! in the file, before it is cut
+    real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
+    real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
+    real(dp), allocatable :: times(:)            !! since the first sample [s], rising; even ones are (j−1)·interval, (samples)
+    real(dp), allocatable :: values(:, :)        !! in SI, (samples, sensors)
+    type(sensor_type), allocatable :: sensors(:) !! (sensors)
+    type(string), allocatable :: notes(:)        !! what there is to say of it, one line each
+  end type record_type
+
+  type, public :: record_extent
+    !! What there is to say of a record without its samples.
+    character(:), allocatable :: path            !! of the file
+    integer(i8) :: samples_there = 0             !! in the file
+    integer :: samples = 0                       !! that are used
+    real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
+    real(dp) :: duration = 0.0_dp                !! from the first sample to the last [s]
+    real(dp) :: steps(2) = 0.0_dp                !! the smallest and the largest interval [s]; the same where samples are even
+    type(sensor_type), allocatable :: sensors(:) !! (sensors)
+    real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in SI, (2, sensors)
+    type(string), allocatable :: notes(:)        !! as those of the record
+  end type record_extent
+
+contains
+
+  pure type(record_extent) function extent_of(record) result(extent)
+    !! What there is to say of a record without its samples.
+    type(record_type), intent(in) :: record
+    integer :: n
+    n = size(record%times)
+    extent%path = record%path
+    extent%samples_there = record%samples_there
+    extent%samples = n
+    extent%origin = record%origin
+    extent%duration = record%times(n)
+    extent%steps = record%interval
+    if (.not. record%interval > 0.0_dp) then
+      extent%steps = [minval(record%times(2:) - record%times(:n - 1)), maxval(record%times(2:) - record%times(:n - 1))]
+    end if
+    extent%sensors = record%sensors
+    extent%ranges = reshape([minval(record%values, dim=1), maxval(record%values, dim=1)], [2, size(record%sensors)], order=[2, 1])
+    extent%notes = record%notes
+  end function extent_of
+
+  pure logical function is_even(extent)
+    !! Its samples are evenly spaced.
+    type(record_extent), intent(in) :: extent
+    is_even = extent%steps(1) >= extent%steps(2)
+  end function is_even
+
+  pure logical function measure_the_same(sensors, others)
+    !! Two records have as many sensors of the same quantities, whatever they are called.
+    type(sensor_type), intent(in) :: sensors(:), others(:)
+    measure_the_same = quantities_of(sensors) == quantities_of(others) .and. size(sensors) == size(others)
+  end function measure_the_same
+
+  pure function quantities_of(sensors) result(text)
+    !! What sensors measure, in their order: `2 x displacement, strain`.
+    type(sensor_type), intent(in) :: sensors(:)
+    character(:), allocatable :: text
+    integer :: first, last
+    text = ''
+    last = 0
+    do while (last < size(sensors))
+      first = last + 1
+      last = first
+      do while (last < size(sensors))
+        if (sensors(last + 1)%quantity /= sensors(first)%quantity) exit
+        last = last + 1
+      end do
+      if (first > 1) text = text//', '
+      if (last > first) text = text//text_of(last - first + 1)//' x '
+      text = text//sensors(first)%quantity
+    end do
+  end function quantities_of
+
+  pure function bare_name(name) result(bare)
+    !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.
+    character(*), intent(in) :: name
+    character(:), allocatable :: bare
+    bare = without_unit(lower(name))
+  end function bare_name
+
+  pure function unit_in(name) result(unit)
+    !! The unit in brackets behind a name: `Time [s]` → `s`; nothing where there is none.
+    character(*), intent(in) :: name
+    character(:), allocatable :: unit
+    character(:), allocatable :: text
+    integer :: open
+    unit = ''
+    text = trim(adjustl(name))
+    open = opening(text)
+    if (open > 0) unit = trim(adjustl(text(open + 1:len(text) - 1)))
+  end function unit_in
+
+  pure function without_unit(name) result(short)
+    !! A name without the unit in brackets behind it: `Time [s]` → `Time`; as it is where nothing would be left.
+    character(*), intent(in) :: name
+    character(:), allocatable :: short
+    integer :: open
+    short = trim(adjustl(name))
+    open = opening(short)
+    if (open > 1) short = trim(short(:open - 1))
+  end function without_unit
+
+  pure integer function opening(text) result(open)
+    !! Place of the bracket that opens the last part of a text; 0 where it does not end in a bracket.
+    character(*), intent(in) :: text
+    open = 0
+    if (len(text) == 0) return
+    if (text(len(text):) == ']') open = index(text, '[', back=.true.)
+    if (text(len(text):) == ')') open = index(text, '(', back=.true.)
+  end function opening
+
+end module bw_record

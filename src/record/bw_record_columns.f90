@@ -1,0 +1,222 @@
+module bw_record_columns
+  !! Which columns of a file a scene means, and what its sensors measure where.
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_input_values, only: position_of
+  use bw_missing, only: is_missing
+  use bw_record, only: bare_name, column_type, sensor_type
+  use bw_record_par, only: column_choice, record_par
+  use bw_record_source, only: record_source
+  use bw_scene, only: scene_type
+  use bw_text, only: shortened, text_of
+  implicit none (type, external)
+  private
+  public :: choose_columns, sensors_of
+
+  integer, parameter :: most_listed = 30               !! columns in a message
+
+contains
+
+  subroutine choose_columns(scene, source, time, columns, error)
+    !! The column of the times and those of the sensors. **Errors**: `status_bad_input`, for what is not in the file.
+    type(scene_type), intent(in) :: scene              !! with a record
+    class(record_source), intent(in) :: source
+    integer, intent(out) :: time                       !! 0: the sampling rate tells the times
+    integer, allocatable, intent(out) :: columns(:)    !! of the sensors
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    time = 0
+    allocate (columns(0))
+    associate (record => scene%record)
+      if (allocated(record%time)) then
+        call choose(scene, source, 'time', record%time, time, error)
+      else if (count(source%columns%is_time) == 1) then
+        time = findloc(source%columns%is_time, .true., dim=1)
+      end if
+      if (allocated(error)) return
+      if (time == 0 .and. is_missing(record%sample_rate)) then
+        call refuse(scene, 'time', 'is missing, and no column of '//source%path//' is named time or t; accepted: '// &
+                    listed(source)//'; or sample_rate', error)
+        return
+      end if
+      if (allocated(record%columns)) then
+        deallocate (columns)
+        allocate (columns(size(record%columns)))
+        do i = 1, size(columns)
+          call choose(scene, source, 'columns', record%columns(i), columns(i), error)
+          if (allocated(error)) return
+        end do
+      else
+        columns = all_sensors(source, time)
+      end if
+      if (.not. is_missing(record%sample_rate)) time = 0     ! a column of times is there, and not asked
+    end associate
+    call check_choice(scene, source, time, columns, error)
+  end subroutine choose_columns
+
+  pure function all_sensors(source, time) result(columns)
+    !! All columns of numbers but the time; where the file says of some what they measure, those.
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: time
+    integer, allocatable :: columns(:)
+    logical :: taken(size(source%columns)), says(size(source%columns))
+    integer :: i
+    do i = 1, size(taken)
+      taken(i) = source%columns(i)%is_numeric .and. i /= time
+      says(i) = source%columns(i)%quantity /= ''
+    end do
+    if (any(taken .and. says) .and. source%is_labelled) taken = taken .and. says
+    columns = pack([(i, i=1, size(taken))], taken)
+  end function all_sensors
+
+  subroutine check_choice(scene, source, time, columns, error)
+    !! There is a sensor, none is the time or named twice, and lists of the scene go with them.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: time, columns(:)
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i
+    if (size(columns) == 0) call refuse(scene, 'columns', source%path//' has no column of numbers beside the time; accepted: '// &
+                                        'one sensor at least', error)
+    do i = 1, size(columns)
+      if (columns(i) == time) call refuse(scene, 'columns', 'holds the column of the times, '//shown(source, time)// &
+                                          '; accepted: those of sensors', error)
+      if (any(columns(:i - 1) == columns(i))) call refuse(scene, 'columns', 'names '//shown(source, columns(i))// &
+                                                          ' twice; accepted: each once', error)
+      if (.not. source%columns(columns(i))%is_numeric) call refuse(scene, 'columns', shown(source, columns(i))//' of '// &
+        source%path//' holds no numbers; accepted: '//listed(source), error)
+    end do
+    associate (record => scene%record)
+      if (allocated(record%points)) call check_count(scene, source, 'points', size(record%points), columns, error)
+      if (allocated(record%quantities)) then
+        if (size(record%quantities) > 1) call check_count(scene, source, 'quantity', size(record%quantities), columns, error)
+      end if
+      if (size(record%scales) > 1) call check_count(scene, source, 'scale', size(record%scales), columns, error)
+    end associate
+  end subroutine check_choice
+
+  subroutine check_count(scene, source, name, values, columns, error)
+    !! A list has one value for each sensor.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    character(*), intent(in) :: name
+    integer, intent(in) :: values, columns(:)
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: text
+    integer :: i
+    if (values == size(columns)) return
+    text = ''
+    do i = 1, min(size(columns), most_listed)
+      text = text//', '//shown(source, columns(i))
+    end do
+    if (size(columns) > most_listed) text = text//', ...'
+    call refuse(scene, name, 'has '//text_of(values)//trim(merge(' value ', ' values', values == 1))//', and '// &
+                source%path//' has '//text_of(size(columns))//trim(merge(' sensor ', ' sensors', size(columns) == 1))// &
+                ' ('//text(3:)//'); accepted: one for each', error)
+  end subroutine check_count
+
+  subroutine choose(scene, source, name, choice, column, error)
+    !! The number of a column that the scene means.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    character(*), intent(in) :: name                   !! in `&record`
+    type(column_choice), intent(in) :: choice
+    integer, intent(out) :: column
+    type(error_type), allocatable, intent(inout) :: error
+    integer, allocatable :: found(:)
+    column = choice%number
+    if (choice%name == '') then
+      if (column > size(source%columns)) call refuse(scene, name, text_of(column)//' is no column of '//source%path// &
+                                                    ', which has '//text_of(size(source%columns))//'; accepted: '// &
+                                                    listed(source), error)
+      return
+    end if
+    found = named(source, choice%name)
+    if (size(found) == 0) then
+      call refuse(scene, name, "'"//shortened(choice%name)//"' is no column of "//source%path//'; accepted: '// &
+                  listed(source), error)
+    else if (size(found) > 1) then
+      call refuse(scene, name, "'"//shortened(choice%name)//"' is the name of several columns of "//source%path// &
+                  '; accepted: their numbers, as '//text_of(found(1))//' and '//text_of(found(2)), error)
+    else
+      column = found(1)
+    end if
+  end subroutine choose
+
+  pure function named(source, name) result(found)
+    !! Columns of a name: as it is written, else in whatever letters and without its unit.
+    class(record_source), intent(in) :: source
+    character(*), intent(in) :: name
+    integer, allocatable :: found(:)
+    logical :: same(size(source%columns)), alike(size(source%columns))
+    integer :: i
+    do i = 1, size(same)
+      same(i) = source%columns(i)%name == name
+      alike(i) = bare_name(source%columns(i)%name) == bare_name(name) .and. name /= ''
+    end do
+    found = pack([(i, i=1, size(same))], same)
+    if (size(found) == 0) found = pack([(i, i=1, size(same))], alike)
+  end function named
+
+  pure function listed(source) result(text)
+    !! The columns that are there, by name, or by number where they have none.
+    class(record_source), intent(in) :: source
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, min(size(source%columns), most_listed)
+      if (source%columns(i)%name /= '') text = text//", '"//shortened(source%columns(i)%name)//"'"
+    end do
+    if (text == '') then
+      text = 'numbers 1 to '//text_of(size(source%columns))//' (it has no names)'
+    else
+      text = text(3:)
+      if (size(source%columns) > most_listed) text = text//', ...'
+      text = text//', or numbers 1 to '//text_of(size(source%columns))
+    end if
+  end function listed
+
+  pure function shown(source, column) result(text)
+    !! How a message names a column.
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: column
+    character(:), allocatable :: text
+    text = 'column '//text_of(column)
+    if (source%columns(column)%name /= '') text = "'"//shortened(source%columns(column)%name)//"'"
+  end function shown
+
+  subroutine refuse(scene, name, problem, error)
+    !! `SCENE:LINE: record%name: …`, unless there is an error already.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: name, problem
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: place
+    integer :: line
+    if (allocated(error)) return
+    line = scene%groups(position_of(scene%groups, 'record'))%line_of(name)
+    place = scene%file
+    if (line > 0) place = place//':'//text_of(line)
+    call fail(error, status_bad_input, place//': record%'//name//': '//problem)
+  end subroutine refuse
+
+  pure function sensors_of(record, source, columns) result(sensors)
+    !! What each sensor is called, measures, and where it is: the scene's word before the file's.
+    type(record_par), intent(in) :: record
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: columns(:)
+    type(sensor_type), allocatable :: sensors(:)
+    integer :: i
+    allocate (sensors(size(columns)))
+    do i = 1, size(columns)
+      associate (column => source%columns(columns(i)))
+        sensors(i)%name = column%name
+        if (column%name == '') sensors(i)%name = 'column '//text_of(columns(i))
+        sensors(i)%quantity = column%quantity
+        if (allocated(record%quantities)) sensors(i)%quantity = record%quantities(min(i, size(record%quantities)))%text
+        if (sensors(i)%quantity == '') sensors(i)%quantity = 'displacement'
+        sensors(i)%position = column%position
+        if (allocated(record%points)) sensors(i)%position = record%points(i)
+      end associate
+    end do
+  end function sensors_of
+
+end module bw_record_columns

@@ -1,0 +1,140 @@
+module bw_record_flaws
+  !! Samples of a sensor that say nothing of the motion: it stuck at a value, or the motion went beyond its range.
+  !!
+  !! Equal samples in a row are no flaw by themselves: digits are coarse, noise is small, motions turn. Let q be the smallest
+  !! step between neighbours. A run of L equal samples is a flaw where neither explains it:
+  !!
+  !! - **Noise.** With p the part of equal neighbours before or behind the run, over three times its length, whichever is
+  !!   larger (a motion that dies away comes to rest on few digits), n samples hold n p^(L−1) runs as long by chance. That has
+  !!   to be below `chance`.
+  !! - **Smooth motion.** Where the motion is flat over the run, like a crest (second order) or a terrace (third order), it stays
+  !!   within q for half the run, and so leaves it by at most 3³ q = 27 q in a further length of the run on either side.
+  !!   The record has to go farther than `reach` q there.
+  !!
+  !! At the largest and the smallest value, where a sensor clips, L ≥ 3 is asked for and the second test at the samples next to
+  !! the run, on both sides: a crest that is flat over L ≥ 3 samples has fallen there by at most ((L+2)/L)² q < 3 q.
+  use bw_kinds, only: dp, i8
+  implicit none (type, external)
+  private
+  public :: find_flaws
+
+  real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, of each sensor
+  real(dp), parameter :: reach = 30.0_dp         !! steps
+  real(dp), parameter :: crest_fall = 4.0_dp     !! steps
+  integer, parameter :: least_run = 3            !! samples
+  integer, parameter :: around = 3               !! lengths of a run
+
+  type, public :: flaws_type
+    !! What is wrong with the samples of one sensor. Places are numbers of samples, from 1.
+    logical :: is_constant = .false.             !! all samples are equal
+    integer(i8) :: stuck_runs = 0                !! how often it stuck
+    integer(i8) :: stuck_first = 0, stuck_last = 0   !! the longest time that it did
+    integer(i8) :: clipped_high = 0              !! samples at the largest value where it clips there, else 0
+    integer(i8) :: clipped_low = 0               !! at the smallest value
+    real(dp) :: highest = 0.0_dp, lowest = 0.0_dp
+  end type flaws_type
+
+contains
+
+  pure type(flaws_type) function find_flaws(values) result(flaws)
+    !! Look at the samples of one sensor, in the order of their times.
+    real(dp), intent(in) :: values(:)
+    real(dp) :: step
+    integer(i8) :: n, first, last
+    n = size(values, kind=i8)
+    flaws%highest = maxval(values)
+    flaws%lowest = minval(values)
+    flaws%is_constant = flaws%highest == flaws%lowest
+    if (flaws%is_constant) return
+    step = smallest_step(values)
+    last = 0
+    do while (last < n)
+      first = last + 1
+      last = end_of_run(values, first)
+      if (last - first + 1 < least_run) cycle
+      if (is_clipped(values, first, last, step, flaws)) then       ! one such run tells of all samples there
+        if (values(first) == flaws%highest) flaws%clipped_high = count(values == flaws%highest, kind=i8)
+        if (values(first) == flaws%lowest) flaws%clipped_low = count(values == flaws%lowest, kind=i8)
+      else if (is_stuck(values, first, last, step)) then
+        flaws%stuck_runs = flaws%stuck_runs + 1
+        if (last - first <= flaws%stuck_last - flaws%stuck_first .and. flaws%stuck_runs > 1) cycle
+        flaws%stuck_first = first
+        flaws%stuck_last = last
+      end if
+    end do
+  end function find_flaws
+
+  pure real(dp) function smallest_step(values) result(step)
+    !! The smallest step between neighbours that differ.
+    real(dp), intent(in) :: values(:)
+    real(dp) :: change
+    integer(i8) :: j
+    step = huge(step)
+    do j = 2, size(values, kind=i8)
+      change = abs(values(j) - values(j - 1))
+      if (change > 0.0_dp) step = min(step, change)
+    end do
+  end function smallest_step
+
+  pure integer(i8) function end_of_run(values, first) result(last)
+    !! The last sample that is equal to the first one and to all between.
+    real(dp), intent(in) :: values(:)
+    integer(i8), intent(in) :: first
+    last = first
+    do while (last < size(values, kind=i8))
+      if (values(last + 1) /= values(first)) return
+      last = last + 1
+    end do
+  end function end_of_run
+
+  pure logical function is_clipped(values, first, last, step, flaws)
+    !! A run at the largest or smallest value with steep sides.
+    real(dp), intent(in) :: values(:)
+    integer(i8), intent(in) :: first, last
+    real(dp), intent(in) :: step
+    type(flaws_type), intent(in) :: flaws         !! its largest and smallest value
+    is_clipped = .false.
+    if (values(first) /= flaws%highest .and. values(first) /= flaws%lowest) return
+    is_clipped = .true.
+    if (first > 1) is_clipped = abs(values(first - 1) - values(first)) > crest_fall*step
+    if (last < size(values)) is_clipped = is_clipped .and. abs(values(last + 1) - values(last)) > crest_fall*step
+  end function is_clipped
+
+  pure logical function is_stuck(values, first, last, step)
+    !! A run that neither noise nor a smooth motion explains.
+    real(dp), intent(in) :: values(:)
+    integer(i8), intent(in) :: first, last
+    real(dp), intent(in) :: step
+    real(dp) :: share
+    integer(i8) :: n, length
+    n = size(values, kind=i8)
+    length = last - first + 1
+    share = max(equal_share(values(max(1_i8, first - around*length):first - 1)), &
+                equal_share(values(last + 1:min(n, last + around*length))))
+    is_stuck = log(real(n, dp)) + (length - 1)*log(share) <= log(chance)
+    if (is_stuck) is_stuck = goes_beyond(values, first, last, length, reach*step)
+  end function is_stuck
+
+  pure real(dp) function equal_share(values) result(share)
+    !! The part of neighbours that are equal, as a few of them tell it: by the rule of succession, above 0 and below 1.
+    real(dp), intent(in) :: values(:)
+    integer(i8) :: n
+    n = max(1_i8, size(values, kind=i8)) - 1
+    share = 0.0_dp
+    if (n > 0) share = real(count(values(2:) == values(:n), kind=i8), dp)
+    share = (share + 1)/(n + 2)
+  end function equal_share
+
+  pure logical function goes_beyond(values, first, last, length, distance)
+    !! Within so many samples beside a run the record goes farther from its value than a distance.
+    real(dp), intent(in) :: values(:)
+    integer(i8), intent(in) :: first, last, length
+    real(dp), intent(in) :: distance
+    integer(i8) :: a, b
+    a = max(1_i8, first - length)
+    b = min(size(values, kind=i8), last + length)
+    goes_beyond = any(abs(values(a:first - 1) - values(first)) > distance)
+    if (.not. goes_beyond) goes_beyond = any(abs(values(last + 1:b) - values(first)) > distance)
+  end function goes_beyond
+
+end module bw_record_flaws

@@ -1,0 +1,125 @@
+module bw_record_notes
+  !! What there is to say of a record beside its numbers: units that are not SI, columns that are left out, samples that say
+  !! nothing.
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp, i8
+  use bw_note, only: remark
+  use bw_record, only: record_type
+  use bw_record_flaws, only: find_flaws, flaws_type
+  use bw_record_source, only: record_source
+  use bw_scene, only: scene_type
+  use bw_sensor_unit, only: factor_of, is_unit, quantity_of, si_unit
+  use bw_text, only: append, shortest, string, text_of
+  implicit none (type, external)
+  private
+  public :: add_notes
+
+contains
+
+  subroutine add_notes(scene, source, time, columns, record)
+    !! All notes of a record whose numbers are read.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: time, columns(:)            !! 0: there is no column of times
+    type(record_type), intent(inout) :: record
+    integer :: s
+    allocate (record%notes(0))
+    if (time > 0) call note_time_unit(source%columns(time)%unit, record%notes)
+    do s = 1, size(columns)
+      call note_unit(scene, source%columns(columns(s))%unit, s, record)
+      call note_flaws(find_flaws(record%values(:, s)), s, record)
+    end do
+    call note_left_out(source, time, columns, record%notes)
+  end subroutine add_notes
+
+  subroutine note_time_unit(unit, notes)
+    !! Times are taken for seconds; the file may say something else.
+    character(*), intent(in) :: unit
+    type(string), allocatable, intent(inout) :: notes(:)
+    if (unit == '' .or. factor_of(unit, 'time') == 1.0_dp) return
+    if (index(unit, 'seconds since') == 1 .or. index(unit, 's since') == 1) return
+    call append(notes, "times: the file gives them in '"//unit//"', and they are taken for seconds")
+  end subroutine note_time_unit
+
+  subroutine note_unit(scene, unit, s, record)
+    !! A sensor's unit is not that of its quantity, and no scale brings it there; or it is another quantity's.
+    type(scene_type), intent(in) :: scene
+    character(*), intent(in) :: unit                   !! as the file has it
+    integer, intent(in) :: s                           !! the sensor
+    type(record_type), intent(inout) :: record
+    real(dp) :: factor, scale
+    associate (sensor => record%sensors(s))
+      if (.not. is_unit(unit)) return
+      scale = scene%record%scales(min(s, size(scene%record%scales)))
+      factor = factor_of(unit, sensor%quantity)
+      if (factor == 0.0_dp .and. quantity_of(unit) /= '') then
+        call append(record%notes, 'units: '//sensor%name//" is taken for "//sensor%quantity//", and the file gives it in '"// &
+                    unit//"', a unit of "//quantity_of(unit))
+      else if (factor > 0.0_dp .and. factor /= 1.0_dp .and. &
+               .not. scene%groups(position_of(scene%groups, 'record'))%given('scale')) then
+        call append(record%notes, 'units: '//sensor%name//" is in '"//unit//"' and is taken as it is; scale = "// &
+                    shortest(factor, 6)//' would bring it to '//si_unit(sensor%quantity))
+      else if (factor > 0.0_dp .and. abs(scale/factor - 1.0_dp) > 0.01_dp) then
+        call append(record%notes, 'units: '//sensor%name//" is in '"//unit//"', and scale is "//shortest(scale, 6)// &
+                    ', not '//shortest(factor, 6))
+      end if
+    end associate
+  end subroutine note_unit
+
+  subroutine note_flaws(flaws, s, record)
+    !! Samples that are constant, stuck or clipped.
+    type(flaws_type), intent(in) :: flaws
+    integer, intent(in) :: s                           !! the sensor
+    type(record_type), intent(inout) :: record
+    associate (name => record%sensors(s)%name)
+      if (flaws%is_constant) then
+        call append(record%notes, 'constant: '//name//' is '//shortest(flaws%highest, 6)//' in all samples')
+        return
+      end if
+      if (flaws%clipped_high > 0) call note_clipped(flaws%clipped_high, 'above ', flaws%highest)
+      if (flaws%clipped_low > 0) call note_clipped(flaws%clipped_low, 'below ', flaws%lowest)
+      if (flaws%stuck_runs > 0) call note_stuck(flaws, s, record)
+    end associate
+
+  contains
+
+    subroutine note_clipped(samples, side, value)
+      integer(i8), intent(in) :: samples
+      character(*), intent(in) :: side
+      real(dp), intent(in) :: value
+      call append(record%notes, 'clipped: '//record%sensors(s)%name//' is cut off '//side//shortest(value, 6)//' in '// &
+                  text_of(samples)//' samples')
+    end subroutine note_clipped
+
+  end subroutine note_flaws
+
+  subroutine note_stuck(flaws, s, record)
+    !! A value that does not change for a time.
+    type(flaws_type), intent(in) :: flaws
+    integer, intent(in) :: s                           !! the sensor
+    type(record_type), intent(inout) :: record
+    character(:), allocatable :: text
+    text = 'constant: '//record%sensors(s)%name//' stays at '//shortest(record%values(flaws%stuck_first, s), 6)//' from '// &
+      shortest(record%origin + record%times(flaws%stuck_first), 6)//' to '// &
+      shortest(record%origin + record%times(flaws%stuck_last), 6)//' s'
+    if (flaws%stuck_runs > 1) text = text//', and '//text_of(flaws%stuck_runs - 1)//' more times'
+    call append(record%notes, text)
+  end subroutine note_stuck
+
+  subroutine note_left_out(source, time, columns, notes)
+    !! Columns that hold no numbers, or of which the file does not say what they measure while it does so of others.
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: time, columns(:)
+    type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(source%columns)
+      if (i == time .or. any(columns == i) .or. source%columns(i)%is_time) cycle
+      if (source%columns(i)%is_numeric) cycle
+      text = text//', '//text_of(i)
+    end do
+    if (text /= '') call remark(notes, 'columns: without numbers, and left out: '//text(3:))
+  end subroutine note_left_out
+
+end module bw_record_notes

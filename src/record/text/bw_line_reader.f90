@@ -1,0 +1,149 @@
+module bw_line_reader
+  !! The lines of a text file one by one, however large it is: a piece of it is in memory at a time.
+  use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input
+  use bw_files, only: cannot_be_read, path_state
+  use bw_kinds, only: i1, i8
+  use bw_system_calls, only: is_file
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: text_between
+
+  integer, parameter :: piece = 2**20                      !! bytes read at a time
+  integer, parameter :: longest_line = 2**24               !! bytes
+  integer(i1), parameter :: line_feed = 10_i1, carriage_return = 13_i1
+  integer(i1), parameter :: byte_order_mark(3) = int([-17, -69, -65], i1)
+
+  type, public :: line_reader
+    character(:), allocatable :: path
+    integer(i1), allocatable :: bytes(:)                   !! where the line lies
+    integer :: first = 1, last = 0                         !! of the line in `bytes`, without its end
+    integer(i8) :: line = 0                                !! its number in the file, from 1
+    integer, private :: descriptor = -1
+    integer(i8), private :: offset = 0                     !! bytes read of the file
+    integer, private :: next = 1                           !! where the next line begins in `bytes`
+    integer, private :: have = 0                           !! bytes in memory
+    logical, private :: ended = .false.                    !! nothing more is in the file
+  contains
+    procedure :: open => open_reader
+    procedure :: next_line
+    procedure :: close => close_reader
+    procedure, private :: refill
+  end type line_reader
+
+contains
+
+  subroutine open_reader(self, path, error)
+    !! Open a file, before its first line; a byte-order mark is no part of it. **Errors**: `status_bad_file`.
+    class(line_reader), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(inout) :: error
+    type(path_state) :: state
+    integer :: problem
+    call self%close()
+    self%path = path
+    self%line = 0
+    self%offset = 0
+    self%next = 1
+    self%have = 0
+    self%ended = .false.
+    problem = open_file(path, to_read, self%descriptor)
+    if (problem == 0) problem = look_at_open(self%descriptor, state)
+    if (problem /= 0) then
+      call cannot_be_read(error, path, problem)
+    else if (state%kind /= is_file) then
+      call fail(error, status_bad_file, path//': is no file; a record is read more than once, and no pipe can be')
+    end if
+    if (allocated(error)) return
+    if (.not. allocated(self%bytes)) allocate (self%bytes(2*piece))
+    call self%refill(error)
+    if (self%have < 3 .or. allocated(error)) return
+    if (all(self%bytes(:3) == byte_order_mark)) self%next = 4
+  end subroutine open_reader
+
+  subroutine close_reader(self)
+    !! Close the file; nothing is done where none is open.
+    class(line_reader), intent(inout) :: self
+    integer :: ignored
+    ignored = close_file(self%descriptor)
+  end subroutine close_reader
+
+  subroutine next_line(self, there, error)
+    !! Go on to the next line; an end of its own is not needed for the last one.
+    !! **Errors**: `status_bad_file` where the file cannot be read, `status_bad_input` where a line is longer than any row.
+    class(line_reader), intent(inout) :: self
+    logical, intent(out) :: there
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: at, searched
+    searched = self%next
+    there = .false.
+    do
+      at = line_end(self%bytes, searched, self%have)
+      if (at <= self%have) exit                            ! a line feed
+      if (self%ended) exit
+      searched = self%have - self%next + 1                 ! bytes of this line that have none
+      call self%refill(error)
+      if (allocated(error)) return
+      searched = self%next + searched
+    end do
+    there = self%next <= self%have
+    if (.not. there) return
+    self%first = self%next
+    self%last = at - 1
+    self%next = at + 1
+    self%line = self%line + 1
+    if (self%last < self%first) return
+    if (self%bytes(self%last) == carriage_return) self%last = self%last - 1
+  end subroutine next_line
+
+  pure integer function line_end(bytes, first, last) result(at)
+    !! The first line feed between two places; the place behind the last where there is none.
+    integer(i1), intent(in) :: bytes(:)
+    integer, intent(in) :: first, last
+    do at = first, last
+      if (bytes(at) == line_feed) return
+    end do
+  end function line_end
+
+  subroutine refill(self, error)
+    !! Drop the lines that are done, and read on.
+    class(line_reader), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i1), allocatable :: wider(:)
+    integer(i8) :: got
+    integer :: kept, problem
+    kept = self%have - self%next + 1
+    self%bytes(:kept) = self%bytes(self%next:self%have)
+    self%next = 1
+    self%have = kept
+    if (kept > longest_line) then
+      call fail(error, status_bad_input, self%path//':'//text_of(self%line + 1)//': the line is longer than '// &
+                text_of(longest_line)//' bytes; accepted: a text of lines, or NetCDF')
+      return
+    end if
+    if (kept + piece > size(self%bytes)) then
+      allocate (wider(2*size(self%bytes)))
+      wider(:kept) = self%bytes(:kept)
+      call move_alloc(wider, self%bytes)
+    end if
+    problem = read_bytes(self%descriptor, self%offset, self%bytes(kept + 1:kept + piece), got)
+    if (problem /= 0) call cannot_be_read(error, self%path, problem)
+    self%offset = self%offset + got
+    self%have = kept + int(got)
+    self%ended = got < piece
+  end subroutine refill
+
+  pure function text_between(bytes, first, last) result(text)
+    !! Bytes as the characters that they are.
+    integer(i1), intent(in) :: bytes(:)
+    integer, intent(in) :: first, last
+    character(:), allocatable :: text
+    integer :: i
+    allocate (character(max(0, last - first + 1)) :: text)
+    do i = first, last
+      text(i - first + 1:i - first + 1) = transfer(bytes(i), 'a')
+    end do
+  end function text_between
+
+end module bw_line_reader

@@ -1,0 +1,144 @@
+module bw_number_scan
+  !! Numbers in a text, read where they stand: fast, and rounded as the nearest double.
+  !!
+  !! A mantissa below 2⁵³ and a power of ten up to 22 are both exact in double precision, so that one product or quotient of
+  !! them is the nearest double (Clinger, How to read floating point numbers accurately, 1990). The rest goes to C's `strtod`.
+  use, intrinsic :: iso_c_binding, only: c_char, c_double, c_loc, c_null_char, c_ptr
+  use bw_kinds, only: dp, i1, i8
+  implicit none (type, external)
+  private
+  public :: scan_number
+
+  integer(i1), parameter :: zero = iachar('0', i1), nine = iachar('9', i1), plus = iachar('+', i1), minus = iachar('-', i1)
+  integer(i1), parameter :: letters(*) = iachar(['e', 'E', 'd', 'D'], i1)
+  integer, parameter :: exact_power = 22, most_digits = 18
+  integer(i8), parameter :: exact_mantissa = 2_i8**53
+  integer, parameter :: largest_exponent = 99999           !! what is written beyond is no other number
+  integer, parameter :: largest_power = 308                !! numbers stay below ten to it
+  integer :: power
+  real(dp), parameter :: tens(0:exact_power) = [(10.0_dp**power, power=0, exact_power)]
+
+  interface
+    real(c_double) function strtod(text, behind) bind(c, name='strtod')
+      !! C's own reading; what stands behind the number ends it.
+      import :: c_double, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: text, behind
+    end function strtod
+  end interface
+
+contains
+
+  subroutine scan_number(bytes, at, last, mark, value, decade, good)
+    !! Read `[sign] digits [mark digits] [e|d [sign] digits]` from a place on. A number of 1e308 or more, where doubles
+    !! end, is not good.
+    integer(i1), intent(in) :: bytes(:)
+    integer, intent(inout) :: at               !! first byte; afterwards the one behind the number
+    integer, intent(in) :: last                !! last byte of the line
+    integer(i1), intent(in) :: mark            !! decimal mark
+    real(dp), intent(out) :: value
+    integer, intent(out) :: decade             !! power of ten of the last digit
+    logical, intent(out) :: good
+    integer(i8) :: mantissa
+    integer :: first, digits, exponent
+    logical :: negative
+    first = at
+    value = 0.0_dp
+    decade = 0
+    mantissa = 0
+    digits = 0
+    negative = .false.
+    good = at <= last
+    if (.not. good) return
+    negative = bytes(at) == minus
+    if (negative .or. bytes(at) == plus) at = at + 1
+    exponent = at
+    call scan_digits(bytes, at, last, mantissa, digits)
+    exponent = at - exponent                   ! for now the digits, which may be zeros
+    if (at <= last) then
+      if (bytes(at) == mark) then
+        at = at + 1
+        decade = at
+        call scan_digits(bytes, at, last, mantissa, digits)
+        decade = decade - at
+      end if
+    end if
+    good = exponent - decade > 0
+    if (.not. good) return
+    exponent = 0
+    if (at <= last) call scan_exponent(bytes, at, last, exponent, good)
+    if (.not. good) return
+    decade = decade + exponent
+    good = digits + decade <= largest_power .or. digits == 0
+    if (digits == 0 .or. .not. good) return
+    if (digits <= most_digits .and. mantissa <= exact_mantissa .and. abs(decade) <= exact_power) then
+      value = real(mantissa, dp)
+      if (decade < 0) value = value/tens(-decade)
+      if (decade > 0) value = value*tens(decade)
+      if (negative) value = -value
+    else
+      value = by_library(bytes(first:at - 1), mark)
+    end if
+  end subroutine scan_number
+
+  pure subroutine scan_digits(bytes, at, last, mantissa, digits)
+    !! Digits up to something else; zeros before the first other digit do not count.
+    integer(i1), intent(in) :: bytes(:)
+    integer, intent(inout) :: at
+    integer, intent(in) :: last
+    integer(i8), intent(inout) :: mantissa     !! of no meaning with more than `most_digits`
+    integer, intent(inout) :: digits
+    integer :: digit
+    do while (at <= last)
+      digit = bytes(at) - zero
+      if (digit < 0 .or. digit > 9) return
+      at = at + 1
+      if (digits == 0 .and. digit == 0) cycle
+      digits = digits + 1
+      if (digits <= most_digits) mantissa = 10*mantissa + digit
+    end do
+  end subroutine scan_digits
+
+  pure subroutine scan_exponent(bytes, at, last, exponent, good)
+    !! `e-3`, if it is there.
+    integer(i1), intent(in) :: bytes(:)
+    integer, intent(inout) :: at
+    integer, intent(in) :: last
+    integer, intent(out) :: exponent
+    logical, intent(inout) :: good             !! digits follow the letter
+    logical :: negative
+    integer :: first
+    exponent = 0
+    if (.not. any(bytes(at) == letters)) return
+    at = at + 1
+    negative = .false.
+    if (at <= last) then
+      negative = bytes(at) == minus
+      if (negative .or. bytes(at) == plus) at = at + 1
+    end if
+    first = at
+    do while (at <= last)
+      if (bytes(at) < zero .or. bytes(at) > nine) exit
+      exponent = min(10*exponent + (bytes(at) - zero), largest_exponent)
+      at = at + 1
+    end do
+    good = at > first
+    if (negative) exponent = -exponent
+  end subroutine scan_exponent
+
+  real(dp) function by_library(bytes, mark) result(value)
+    !! The number as C reads it, once its letter is an e and its mark a point.
+    integer(i1), intent(in) :: bytes(:)
+    integer(i1), intent(in) :: mark
+    character(kind=c_char), target :: text(size(bytes) + 1)
+    integer :: i
+    do i = 1, size(bytes)
+      text(i) = achar(bytes(i))
+      if (bytes(i) == mark) text(i) = '.'
+      if (any(bytes(i) == letters)) text(i) = 'e'
+    end do
+    text(size(text)) = c_null_char
+    value = strtod(c_loc(text), transfer(0_i8, c_loc(text)))
+  end function by_library
+
+end module bw_number_scan

@@ -1,0 +1,113 @@
+module bw_text_fields
+  !! A line of a table as its fields, and what one field is. For header lines and for the few rows by which a table is told;
+  !! the rows themselves are read by bw_text_rows, which is fast.
+  use bw_kinds, only: dp, i1
+  use bw_number_scan, only: scan_number
+  use bw_text, only: append, lower, string
+  implicit none (type, external)
+  private
+  public :: fields_of, is_missing_word, number_marks
+
+  character, parameter, public :: tab = achar(9)
+  character, parameter, public :: blanks = ' '                 !! as a separator: any number of blanks and tabs
+  character(*), parameter :: quotes = '"'''
+
+contains
+
+  pure function fields_of(line, separator) result(fields)
+    !! The fields of a line without blanks around them and without their quotes, in which a separator may stand.
+    character(*), intent(in) :: line
+    character, intent(in) :: separator                         !! `,`, `;`, `tab` or `blanks`
+    type(string), allocatable :: fields(:)
+    integer :: at, last
+    allocate (fields(0))
+    at = 1
+    do
+      at = at + leading_blanks(line(at:), separator)
+      if (at > len(line) .and. separator == blanks) return
+      last = last_of_field(line, at, separator)
+      call append(fields, without_quotes(line(at:last)))
+      at = last + 2
+      if (at > len(line) + 1) return                           ! no separator stands behind the last field
+      if (at > len(line) .and. separator == blanks) return
+    end do
+  end function fields_of
+
+  pure integer function leading_blanks(text, separator) result(count)
+    !! Blanks at the beginning; tabs too, where they do not separate.
+    character(*), intent(in) :: text
+    character, intent(in) :: separator
+    if (separator == tab) count = verify(text, ' ') - 1
+    if (separator /= tab) count = verify(text, ' '//tab) - 1
+    if (count < 0) count = len(text)
+  end function leading_blanks
+
+  pure integer function last_of_field(line, first, separator) result(last)
+    !! Last byte of the field that begins at `first`, before the separator or the end of the line.
+    character(*), intent(in) :: line
+    integer, intent(in) :: first
+    character, intent(in) :: separator
+    character :: quote
+    logical :: inside
+    inside = .false.
+    quote = ' '
+    do last = first, len(line)
+      associate (letter => line(last:last))
+        if (inside) then
+          inside = letter /= quote
+        else if (last == first .and. index(quotes, letter) > 0) then
+          quote = letter
+          inside = index(line(last + 1:), quote) > 0
+        else if (letter == separator .or. (separator == blanks .and. letter == tab)) then
+          exit
+        end if
+      end associate
+    end do
+    last = last - 1
+  end function last_of_field
+
+  pure function without_quotes(text) result(field)
+    !! What stands in quotes, or the text itself, without blanks around it.
+    character(*), intent(in) :: text
+    character(:), allocatable :: field
+    integer :: n
+    n = verify(text, ' '//tab, back=.true.)
+    field = text(:n)
+    if (n < 2) return
+    if (index(quotes, field(1:1)) > 0 .and. field(n:n) == field(1:1)) field = trim(adjustl(field(2:n - 1)))
+  end function without_quotes
+
+  function number_marks(field) result(marks)
+    !! How a field is a number: '.' with a point, ',' with a comma for its decimal mark, '0' with neither; '' for no number.
+    character(*), intent(in) :: field
+    character(:), allocatable :: marks
+    integer(i1) :: bytes(len(field))
+    character :: mark
+    real(dp) :: value
+    integer :: at, decade, i
+    logical :: good
+    marks = ''
+    mark = merge(',', '.', index(field, ',') > 0)
+    do i = 1, len(field)
+      bytes(i) = transfer(field(i:i), 0_i1)
+    end do
+    at = 1
+    call scan_number(bytes, at, len(field), iachar(mark, i1), value, decade, good)
+    if (.not. good .or. at <= len(field)) return
+    marks = '0'
+    if (index(field, mark) > 0) marks = mark
+  end function number_marks
+
+  pure logical function is_missing_word(field)
+    !! What stands where a number is missing: nothing, or `nan` and the like.
+    character(*), intent(in) :: field
+    select case (lower(field))
+    case ('', 'nan', '-nan', '+nan', 'inf', '+inf', '-inf', 'infinity', 'na', 'n/a', 'null', 'none', '-', '--', '*', '?', &
+          '#n/a', '1.#qnan', '-1.#ind', 'missing')
+      is_missing_word = .true.
+    case default
+      is_missing_word = .false.
+    end select
+  end function is_missing_word
+
+end module bw_text_fields

@@ -1,0 +1,216 @@
+module bw_text_layout
+  !! How a text holds a table, as its first lines tell: what separates columns, the decimal mark, where the rows begin, what the
+  !! columns are called.
+  !!
+  !! Each separator is tried; the one by which most fields are numbers is taken. Rows have as many fields as most lines with
+  !! numbers have, and begin with the first such line that has numbers wherever most of them have. What stands before is header.
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_record, only: column_type
+  use bw_text, only: string, text_of
+  use bw_text_fields, only: blanks, fields_of, is_missing_word, number_marks, tab
+  use bw_text_header, only: is_comment, name_columns
+  implicit none (type, external)
+  private
+  public :: find_layout
+
+  integer, parameter, public :: most_probed = 200              !! lines that tell the layout
+  character, parameter :: separators(*) = [tab, ';', ',', blanks]
+
+  type, public :: text_layout
+    character :: separator = blanks                            !! one of those above
+    character :: mark = '.'                                    !! decimal mark
+    logical :: closed = .false.                                !! a separator stands behind the last field, too
+    integer :: header = 0                                      !! lines before the first row
+    type(column_type), allocatable :: columns(:)
+  end type text_layout
+
+  type :: probed_line
+    !! A line as one separator cuts it.
+    type(string), allocatable :: fields(:)
+    logical, allocatable :: numeric(:)                         !! fields that are numbers
+  end type probed_line
+
+contains
+
+  subroutine find_layout(path, lines, layout, error)
+    !! **Errors**: `status_bad_input` where no rows of numbers are found, or the decimal mark is in doubt.
+    character(*), intent(in) :: path
+    type(string), intent(in) :: lines(:)                       !! the first lines of the file
+    type(text_layout), intent(out) :: layout
+    type(error_type), allocatable, intent(inout) :: error
+    type(probed_line) :: probed(size(lines)), best(size(lines))
+    integer :: i, n, numbers, most, columns
+    real :: share, largest_share
+    most = 0
+    largest_share = 0.0
+    do i = 1, size(separators)
+      do n = 1, size(lines)
+        call probe(lines(n)%text, separators(i), probed(n))
+      end do
+      columns = usual_count(probed)
+      numbers = numbers_in(probed, columns)
+      share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
+                                                   n=1, size(lines))]))
+      if (numbers < most .or. (numbers == most .and. share <= largest_share)) cycle
+      most = numbers
+      largest_share = share
+      layout%separator = separators(i)
+      best = probed
+    end do
+    if (most == 0) then
+      call fail(error, status_bad_input, path//': has no rows of numbers in its first '//text_of(size(lines))// &
+                ' lines; accepted: columns of numbers separated by commas, semicolons, tabs or blanks, or NetCDF '// &
+                '(beamwave-record makes it of UFF 58, .mat, .npy and .wav files)')
+      return
+    end if
+    call settle(path, lines, best, layout, error)
+  end subroutine find_layout
+
+  subroutine probe(line, separator, probed)
+    !! The fields of a line, and which are numbers; of a comment there are none.
+    character(*), intent(in) :: line
+    character, intent(in) :: separator
+    type(probed_line), intent(out) :: probed
+    character(:), allocatable :: marks
+    integer :: i
+    if (is_comment(line)) then
+      allocate (probed%fields(0), probed%numeric(0))
+      return
+    end if
+    probed%fields = fields_of(line, separator)
+    allocate (probed%numeric(size(probed%fields)))
+    do i = 1, size(probed%fields)
+      marks = number_marks(probed%fields(i)%text)
+      probed%numeric(i) = marks /= '' .and. .not. (marks == ',' .and. separator == ',')
+    end do
+  end subroutine probe
+
+  pure integer function usual_count(probed) result(columns)
+    !! How many fields most lines with numbers have; of several such counts the one that comes last.
+    type(probed_line), intent(in) :: probed(:)
+    integer :: n, m, lines, most
+    columns = 0
+    most = 0
+    do n = size(probed), 1, -1
+      if (.not. any(probed(n)%numeric) .or. size(probed(n)%fields) == columns) cycle
+      lines = 0
+      do m = 1, size(probed)
+        if (any(probed(m)%numeric) .and. size(probed(m)%fields) == size(probed(n)%fields)) lines = lines + 1
+      end do
+      if (lines <= most) cycle
+      most = lines
+      columns = size(probed(n)%fields)
+    end do
+  end function usual_count
+
+  pure integer function numbers_in(probed, columns) result(numbers)
+    !! How many numbers stand in the lines of so many fields.
+    type(probed_line), intent(in) :: probed(:)
+    integer, intent(in) :: columns
+    integer :: n
+    numbers = 0
+    do n = 1, size(probed)
+      if (size(probed(n)%fields) == columns) numbers = numbers + count(probed(n)%numeric)
+    end do
+  end function numbers_in
+
+  subroutine settle(path, lines, probed, layout, error)
+    !! The first row, the decimal mark and the columns, once the separator is known.
+    character(*), intent(in) :: path
+    type(string), intent(in) :: lines(:)
+    type(probed_line), intent(in) :: probed(:)                 !! as that separator cuts them
+    type(text_layout), intent(inout) :: layout
+    type(error_type), allocatable, intent(inout) :: error
+    logical, allocatable :: numeric(:)                         !! columns that hold numbers in more than half of the lines
+    integer, allocatable :: found(:)
+    integer :: columns, n, i
+    columns = usual_count(probed)
+    allocate (found(columns), source=0)
+    do n = 1, size(lines)
+      if (size(probed(n)%fields) == columns .and. any(probed(n)%numeric)) found = found + merge(1, 0, probed(n)%numeric)
+    end do
+    numeric = 2*found > maxval(found)
+    layout%header = first_row(probed, numeric) - 1
+    associate (row => probed(layout%header + 1)%fields)
+      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' .and. found(columns) == 0
+    end associate
+    if (layout%closed) columns = columns - 1
+    allocate (layout%columns(columns))
+    do i = 1, columns
+      layout%columns(i)%name = ''
+      layout%columns(i)%unit = ''
+      layout%columns(i)%is_numeric = numeric(i)
+    end do
+    call name_columns(lines(:layout%header), layout%separator, layout%closed, layout%columns)
+    call find_mark(path, probed(layout%header + 1:), layout, error)
+  end subroutine settle
+
+  pure integer function first_row(probed, numeric) result(n)
+    !! The first row; where every line has a word among its numbers, the first with a number, which is refused when it is read.
+    type(probed_line), intent(in) :: probed(:)
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    do n = 1, size(probed)
+      if (is_row(probed(n), numeric)) return
+    end do
+    do n = 1, size(probed) - 1
+      if (size(probed(n)%fields) == size(numeric) .and. any(probed(n)%numeric)) return
+    end do
+  end function first_row
+
+  pure logical function is_row(line, numeric)
+    !! A line with numbers, or what stands for missing ones, in all columns of numbers.
+    type(probed_line), intent(in) :: line
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    integer :: i
+    is_row = size(line%fields) == size(numeric)
+    if (.not. is_row) return
+    is_row = any(line%numeric .and. numeric)
+    do i = 1, size(numeric)
+      if (numeric(i) .and. .not. line%numeric(i)) is_row = is_row .and. is_missing_word(line%fields(i)%text)
+    end do
+  end function is_row
+
+  subroutine find_mark(path, rows, layout, error)
+    !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_input` where both stand, or where all commas
+    !! could as well part thousands.
+    character(*), intent(in) :: path
+    type(probed_line), intent(in) :: rows(:)
+    type(text_layout), intent(inout) :: layout
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: marks
+    logical :: points, commas, certain
+    integer :: n, i
+    points = .false.
+    commas = .false.
+    certain = .false.
+    do n = 1, size(rows)
+      do i = 1, min(size(rows(n)%fields), size(layout%columns))
+        marks = number_marks(rows(n)%fields(i)%text)
+        points = points .or. marks == '.'
+        if (marks /= ',' .or. layout%separator == ',') cycle
+        commas = .true.
+        certain = certain .or. .not. parts_thousands(rows(n)%fields(i)%text)
+      end do
+    end do
+    if (.not. commas) return
+    layout%mark = ','
+    if (points) then
+      call fail(error, status_bad_input, path//': has numbers with decimal points and others with commas; '// &
+                'accepted: one decimal mark')
+    else if (.not. certain) then
+      call fail(error, status_bad_input, path//': its commas may be decimal marks or part thousands; '// &
+                'accepted: decimal points')
+    end if
+  end subroutine find_mark
+
+  pure logical function parts_thousands(field)
+    !! `12,345`: the comma could part thousands.
+    character(*), intent(in) :: field
+    integer :: comma, first
+    first = max(1, verify(field, '+-'))
+    comma = index(field, ',')
+    parts_thousands = comma - first >= 1 .and. comma - first <= 3 .and. len(field) == comma + 3 .and. field(first:first) /= '0'
+    if (parts_thousands) parts_thousands = verify(field(comma + 1:), '0123456789') == 0
+  end function parts_thousands
+
+end module bw_text_layout

@@ -1,0 +1,200 @@
+module bw_text_source
+  !! A file of text as a source of histories. It is read twice, each time from front to back: once for the times, once for what
+  !! is used of the rest, so that nothing but the numbers themselves is kept.
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_kinds, only: dp, i1, i8
+  use bw_line_reader, only: line_reader, text_between
+  use bw_record_source, only: record_source
+  use bw_text, only: append, string, text_of
+  use bw_text_header, only: is_comment
+  use bw_text_layout, only: find_layout, most_probed, text_layout
+  use bw_text_rows, only: prepared, row_form, row_problem, says_nothing, scan_row
+  implicit none (type, external)
+  private
+
+  type, extends(record_source), public :: text_source
+    type(text_layout) :: layout
+    type(line_reader), private :: reader
+  contains
+    procedure :: open => open_text
+    procedure :: read_times
+    procedure :: read_values
+    procedure :: place_of_row
+    procedure :: close => close_text
+    procedure, private :: rewind => rewind_text
+    procedure, private :: next_row
+    procedure, private :: refuse_row
+  end type text_source
+
+contains
+
+  subroutine open_text(self, path, error)
+    !! Find the layout by the first lines.
+    class(text_source), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(inout) :: error
+    type(string), allocatable :: lines(:)
+    character(:), allocatable :: line
+    logical :: there
+    integer :: rows
+    self%path = path
+    call self%reader%open(path, error)
+    if (allocated(error)) return
+    call refuse_binary(self%reader%bytes, path, error)
+    allocate (lines(0))
+    rows = 0
+    do while (rows < most_probed .and. size(lines) < 10*most_probed .and. .not. allocated(error))
+      call self%reader%next_line(there, error)
+      if (.not. there) exit
+      line = text_between(self%reader%bytes, self%reader%first, self%reader%last)
+      call append(lines, line)
+      if (.not. is_comment(line)) rows = rows + 1
+    end do
+    if (allocated(error)) return
+    call find_layout(path, lines, self%layout, error)
+    if (.not. allocated(error)) self%columns = self%layout%columns
+  end subroutine open_text
+
+  pure subroutine refuse_binary(bytes, path, error)
+    !! Say of a file that is no text what it may be. **Errors**: `status_bad_input`.
+    integer(i1), intent(in) :: bytes(:)                    !! from its beginning, and behind its end zeros or anything
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: problem
+    problem = ''
+    if (all(bytes(:2) == [-1_i1, -2_i1]) .or. all(bytes(:2) == [-2_i1, -1_i1])) then
+      problem = 'is text in UTF-16; accepted: UTF-8, as "CSV UTF-8" of spreadsheets'
+    else if (all(bytes(:2) == [31_i1, -117_i1]) .or. text_between(bytes, 1, 2) == 'PK') then
+      problem = 'is compressed, or a spreadsheet; accepted: text or NetCDF'
+    else if (text_between(bytes, 1, 6) == 'MATLAB' .or. text_between(bytes, 2, 6) == 'NUMPY' .or. &
+             text_between(bytes, 1, 4) == 'RIFF') then
+      problem = 'is binary, of MATLAB, NumPy or sound; accepted: text or NetCDF, which beamwave-record makes of it'
+    end if
+    if (problem /= '') call fail(error, status_bad_input, path//': '//problem)
+  end subroutine refuse_binary
+
+  subroutine rewind_text(self, error)
+    !! Go back to the first row.
+    class(text_source), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    logical :: there
+    integer :: i
+    call self%reader%open(self%path, error)
+    do i = 1, self%layout%header
+      if (allocated(error)) return
+      call self%reader%next_line(there, error)
+    end do
+  end subroutine rewind_text
+
+  subroutine next_row(self, there, error)
+    !! Go on to the next line that is no comment and not empty.
+    class(text_source), intent(inout) :: self
+    logical, intent(out) :: there
+    type(error_type), allocatable, intent(inout) :: error
+    do
+      call self%reader%next_line(there, error)
+      if (.not. there) return
+      if (.not. says_nothing(self%reader%bytes, self%reader%first, self%reader%last)) return
+    end do
+  end subroutine next_row
+
+  subroutine read_times(self, column, rows, times, steps, error)
+    !! One pass over the file.
+    class(text_source), intent(inout) :: self
+    integer, intent(in) :: column
+    integer(i8), intent(out) :: rows
+    real(dp), allocatable, intent(out) :: times(:), steps(:)
+    type(error_type), allocatable, intent(inout) :: error
+    type(row_form) :: form
+    real(dp) :: number(1)
+    integer :: decade(1)
+    logical :: there, good
+    rows = 0
+    allocate (times(merge(4096, 0, column > 0)), steps(merge(4096, 0, column > 0)))
+    form = prepared(self%layout, pack([column], [column > 0]))
+    call self%rewind(error)
+    do while (.not. allocated(error))
+      call self%next_row(there, error)
+      if (.not. there) exit
+      rows = rows + 1
+      if (column == 0) cycle
+      call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, number, decade, good)
+      if (.not. good) call self%refuse_row([column], error)
+      if (rows > size(times)) call grow(times)
+      if (rows > size(steps)) call grow(steps)
+      times(rows) = number(1)
+      steps(rows) = 10.0_dp**max(-300, min(300, decade(1)))
+    end do
+    if (column == 0) return
+    times = times(:rows)
+    steps = steps(:rows)
+  end subroutine read_times
+
+  pure subroutine grow(numbers)
+    !! Twice as much room.
+    real(dp), allocatable, intent(inout) :: numbers(:)
+    real(dp), allocatable :: more(:)
+    allocate (more(2*size(numbers)))
+    more(:size(numbers)) = numbers
+    call move_alloc(more, numbers)
+  end subroutine grow
+
+  subroutine read_values(self, columns, first, values, error)
+    !! Another pass, up to the last row that is asked for.
+    class(text_source), intent(inout) :: self
+    integer, intent(in) :: columns(:)
+    integer(i8), intent(in) :: first
+    real(dp), intent(inout) :: values(:, :)
+    type(error_type), allocatable, intent(inout) :: error
+    type(row_form) :: form
+    real(dp) :: numbers(size(columns))
+    integer :: decades(size(columns))
+    integer(i8) :: row, i
+    logical :: there, good
+    form = prepared(self%layout, columns)
+    call self%rewind(error)
+    do row = 1, first + size(values, 1) - 1
+      if (allocated(error)) return
+      call self%next_row(there, error)
+      if (.not. there) call fail(error, status_bad_input, self%path//': became shorter while it was read')
+      if (row < first .or. .not. there) cycle
+      call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, numbers, decades, good)
+      if (.not. good) call self%refuse_row(columns, error)
+      i = row - first + 1
+      values(i, :) = numbers
+    end do
+  end subroutine read_values
+
+  subroutine refuse_row(self, columns, error)
+    !! Say what is wrong with the row at hand. **Errors**: `status_bad_input`.
+    class(text_source), intent(in) :: self
+    integer, intent(in) :: columns(:)                      !! that are read
+    type(error_type), allocatable, intent(inout) :: error
+    call fail(error, status_bad_input, self%path//':'//text_of(self%reader%line)//': '// &
+              row_problem(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last)))
+  end subroutine refuse_row
+
+  function place_of_row(self, row) result(place)
+    !! The line of a row, for a message: found by one more pass.
+    class(text_source), intent(inout) :: self
+    integer(i8), intent(in) :: row
+    character(:), allocatable :: place
+    type(error_type), allocatable :: error
+    logical :: there
+    integer(i8) :: i
+    place = self%path
+    call self%rewind(error)
+    do i = 1, row
+      if (.not. allocated(error)) call self%next_row(there, error)
+      if (allocated(error)) return
+    end do
+    place = place//':'//text_of(self%reader%line)
+  end function place_of_row
+
+  subroutine close_text(self)
+    !! Close the file.
+    class(text_source), intent(inout) :: self
+    call self%reader%close()
+  end subroutine close_text
+
+end module bw_text_source

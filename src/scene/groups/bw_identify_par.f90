@@ -1,0 +1,57 @@
+module bw_identify_par
+  !! `&identify`: a number of the beam is not known, and is found from the lines of a record.
+  use bw_input_name, only: any_number, input_group, input_name, real_input, text_input, texts_input
+  use bw_input_values, only: group_values
+  use bw_kinds, only: dp
+  use bw_scene_messages, only: message_list
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: check_identify
+
+  integer, parameter, public :: most_unknowns = 12       !! the corners of their ranges are checked, 2 to this power
+  integer, parameter :: most_scenes = 100
+  real(dp), parameter, public :: logarithmic_from = 10.0_dp
+    !! last over first, both above 0, from which an unknown is searched by its logarithm
+
+  type, public :: identify_par
+    !! An unknown number of a scene, with its range.
+    character(:), allocatable :: parameter               !! 'group%name', in lower case, as a sweep names it
+    character(:), allocatable :: unit                    !! as UDUNITS writes it
+    integer :: group = 0                                 !! place of its group among the scene's; 0: it could not be found
+    integer :: value = 0                                 !! place of its name in the group
+    integer :: element = 1                               !! which of the name's numbers
+    real(dp) :: first = 0.0_dp, last = 0.0_dp            !! its range, first < last
+    real(dp) :: start = 0.0_dp                           !! where the scene says that it is, else the middle of the range
+    logical :: logarithmic = .false.                     !! searched by its logarithm
+  end type identify_par
+
+  type(input_group), parameter, public :: identify_group = input_group( &
+    'identify', needs='record spectrum beam', repeatable=.true., along='unknown', absent='nothing is fitted', &
+    rules='One group for each unknown. Its group must be present; a value given there that lies in the range is one of the '// &
+    'places where the search begins. One of several is named by its number, as `body(2)%mass`. An unknown whose '// &
+    'range is above 0 and spans a factor of 10 or more is searched by its logarithm. It excludes `&sweep`; several '// &
+    'files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of '// &
+    'its own and the same beam in another state (with a mass, or of another length); an unknown has one value in '// &
+    'every scene that gives a value to its name.')
+
+  type(input_name), parameter, public :: identify_names(*) = [ &
+    input_name('identify', 'parameter', text_input, required=.true., &
+               meaning='the input that is unknown, as ''group%name''; a real number of the beam'), &
+    input_name('identify', 'first', real_input, '', any_number, required=.true., meaning='the least value that it may have'), &
+    input_name('identify', 'last', real_input, '', any_number, required=.true., meaning='the largest'), &
+    input_name('identify', 'with', texts_input, most=most_scenes, meaning='further scenes whose records are fitted together')]
+
+contains
+
+  pure subroutine check_identify(group, messages)
+    !! The range has a width.
+    type(group_values), intent(in) :: group
+    type(message_list), intent(inout) :: messages
+    if (.not. (group%known('first') .and. group%known('last'))) return
+    if (group%number('first') < group%number('last')) return
+    call messages%add(group%line_of('last'), 'identify%last', text_of(group%number('last'))//' is not above first = '// &
+                      text_of(group%number('first'))//'; accepted: a range, first < last')
+  end subroutine check_identify
+
+end module bw_identify_par

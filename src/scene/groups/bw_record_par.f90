@@ -1,0 +1,179 @@
+module bw_record_par
+  !! `&record`: histories that are read from files, of a beam that somebody measured or simulated elsewhere.
+  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, real_input, reals_input, &
+                           texts_input, unit_interval
+  use bw_input_values, only: group_values, input_value, position_of
+  use bw_kinds, only: dp
+  use bw_missing, only: missing
+  use bw_scene_messages, only: message_list, shown
+  use bw_text, only: string, text_of
+  implicit none (type, external)
+  private
+  public :: build_record, check_record, settle_record
+
+  integer, parameter :: most_columns = 4096, most_files = 10000
+
+  type, public :: column_choice
+    !! A column of a table, by its name or its number.
+    character(:), allocatable :: name            !! '' where the number says it
+    integer :: number = 0                        !! from 1; 0 where the name says it
+  end type column_choice
+
+  type, public :: record_par
+    type(string), allocatable :: files(:)        !! as the user wrote them, beside the scene; repeats of one measurement, (n)
+    integer :: file = 1                          !! the number of the one that is this case
+    type(column_choice), allocatable :: time     !! unallocated: not said
+    real(dp) :: sample_rate = missing            !! [Hz], > 0; `missing` where times are read
+    type(column_choice), allocatable :: columns(:)   !! the sensors; unallocated: all but the time, (n_sensors)
+    type(string), allocatable :: quantities(:)   !! of all sensors, or one for each; unallocated: what the file says, (1 or n_sensors)
+    real(dp), allocatable :: scales(:)           !! SI over the unit of the column, (1 or n_sensors)
+    real(dp), allocatable :: points(:)           !! ξ of each sensor; unallocated: what the file says, if anything, (n_sensors)
+    real(dp) :: first_time = -huge(1.0_dp)       !! first and last time that is used [s], as the file counts them
+    real(dp) :: last_time = huge(1.0_dp)
+  end type record_par
+
+  type(input_group), parameter, public :: record_group = input_group( &
+    'record', needs='spectrum', excludes='impact response', absent='histories are simulated, not read', &
+    rules='A file is looked for beside the scene. It is text (columns separated by commas, semicolons, tabs or blanks; header '// &
+    'lines; comments behind # or %) or NetCDF, as a result of beamwave is; its content tells which. Several files are repeats '// &
+    'of one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column, or the '// &
+    'variable, named time or t. Times are taken as they are, even or not, and have to rise. Without `columns` all columns but '// &
+    'the time are sensors. Without `points` there are frequencies and decay only. `&beam` may be absent.')
+
+  type(input_name), parameter, public :: record_names(*) = [ &
+    input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
+    input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
+               meaning='column of the times, in s'), &
+    input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time', &
+               meaning='samples in a second, the first at time 0'), &
+    input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
+               meaning='columns of the sensors'), &
+    input_name('record', 'quantity', texts_input, words='displacement velocity acceleration strain', most=most_columns, &
+               meaning='what sensors measure; else what the file says'), &
+    input_name('record', 'scale', reals_input, '1', any_number, '1', most=most_columns, &
+               meaning='SI unit over the file''s, of all sensors or each'), &
+    input_name('record', 'points', reals_input, '1', unit_interval, most=most_columns, &
+               meaning='place of each sensor: x/l, 0 at the root, 1 at the tip'), &
+    input_name('record', 'start', real_input, 's', any_number, swept=.true., meaning='first time that is used'), &
+    input_name('record', 'end', real_input, 's', any_number, swept=.true., meaning='last time that is used')]
+
+  character(*), parameter :: per_sensor(*) = [character(8) :: 'columns', 'points', 'quantity', 'scale']
+
+contains
+
+  pure subroutine check_record(record, messages)
+    !! Lists go together, nothing is named twice, no scale is 0.
+    type(group_values), intent(in) :: record
+    type(message_list), intent(inout) :: messages
+    call check_repeats(record, 'file', messages)
+    call check_repeats(record, 'columns', messages)
+    call check_counts(record, messages)
+    associate (scale => record%values(record%at('scale')), columns => record%values(record%at('columns')), &
+               time => record%values(record%at('time')))
+      if (scale%known) then
+        if (any(scale%numbers == 0.0_dp)) call messages%add(scale%line, 'record%scale', 'is 0; accepted: any other number')
+      end if
+      if (.not. (columns%known .and. time%known)) return
+      if (place_in(columns, 1, size(columns%texts), time, 1) > 0) call messages%add(columns%line, 'record%columns', &
+        'holds the column of the times; accepted: those of sensors')
+    end associate
+  end subroutine check_record
+
+  pure subroutine check_repeats(record, name, messages)
+    !! No file and no column stands twice.
+    type(group_values), intent(in) :: record
+    character(*), intent(in) :: name
+    type(message_list), intent(inout) :: messages
+    integer :: i
+    associate (value => record%values(record%at(name)))
+      if (.not. value%known) return
+      do i = 2, size(value%texts)
+        if (place_in(value, 1, i - 1, value, i) == 0) cycle
+        call messages%add(value%lines(i), 'record%'//name, what(value, i)//' is there twice; accepted: each once')
+      end do
+    end associate
+  end subroutine check_repeats
+
+  pure integer function place_in(list, first, last, other, i) result(place)
+    !! Place between two of a list that holds what item i of another is; 0: none.
+    type(input_value), intent(in) :: list, other
+    integer, intent(in) :: first, last, i
+    do place = last, first, -1
+      if (list%texts(place)%text /= other%texts(i)%text) cycle
+      if (other%texts(i)%text /= '' .or. list%numbers(place) == other%numbers(i)) return
+    end do
+    place = 0
+  end function place_in
+
+  pure function what(value, i) result(text)
+    !! How a message shows an item of a list.
+    type(input_value), intent(in) :: value
+    integer, intent(in) :: i
+    character(:), allocatable :: text
+    text = shown(value%texts(i)%text)
+    if (value%texts(i)%text == '') text = text_of(nint(value%numbers(i)))
+  end function what
+
+  pure subroutine check_counts(record, messages)
+    !! Lists of more than one value have as many as there are sensors; places are always one for each.
+    type(group_values), intent(in) :: record
+    type(message_list), intent(inout) :: messages
+    integer :: i, first
+    first = 0
+    do i = 1, size(per_sensor)
+      associate (value => record%values(record%at(trim(per_sensor(i)))))
+        if (.not. value%known) cycle
+        if (i > 2 .and. size(value%numbers) == 1) cycle
+        if (first == 0) first = i
+        if (record%count_of(trim(per_sensor(first))) == size(value%numbers)) cycle
+        call messages%add(value%line, 'record%'//trim(per_sensor(i)), 'has '//text_of(size(value%numbers))//' values, and '// &
+                          trim(per_sensor(first))//' has '//text_of(record%count_of(trim(per_sensor(first))))// &
+                          '; accepted: '//trim(merge('one for each column    ', 'one, or one each column', i < 3)))
+      end associate
+    end do
+  end subroutine check_counts
+
+  pure subroutine settle_record(groups, messages)
+    !! The part that is used has a length, in every case of a sweep.
+    type(group_values), intent(in) :: groups(:)
+    type(message_list), intent(inout) :: messages
+    associate (record => groups(position_of(groups, 'record')))
+      if (.not. (record%known('start') .and. record%known('end'))) return
+      if (record%number('start') < record%number('end')) return
+      call messages%add(record%line_of('end'), 'record%end', text_of(record%number('end'))//' is not after start = '// &
+                        text_of(record%number('start'))//'; accepted: a later time')
+    end associate
+  end subroutine settle_record
+
+  pure type(record_par) function build_record(values) result(record)
+    !! From checked values.
+    type(group_values), intent(in) :: values
+    type(column_choice), allocatable :: time(:)
+    record%files = values%values(values%at('file'))%texts
+    record%file = max(1, values%whole('file'))
+    if (values%known('time')) then
+      time = choices(values%values(values%at('time')))
+      record%time = time(1)
+    end if
+    if (values%known('columns')) record%columns = choices(values%values(values%at('columns')))
+    if (values%known('quantity')) record%quantities = values%values(values%at('quantity'))%texts
+    if (values%known('points')) record%points = values%values(values%at('points'))%numbers
+    record%scales = values%values(values%at('scale'))%numbers
+    if (values%known('sample_rate')) record%sample_rate = values%number('sample_rate')
+    if (values%known('start')) record%first_time = values%number('start')
+    if (values%known('end')) record%last_time = values%number('end')
+  end function build_record
+
+  pure function choices(value) result(columns)
+    !! Columns as a scene names them.
+    type(input_value), intent(in) :: value
+    type(column_choice), allocatable :: columns(:)
+    integer :: i
+    allocate (columns(size(value%texts)))
+    do i = 1, size(columns)
+      columns(i)%name = value%texts(i)%text
+      columns(i)%number = nint(value%numbers(i))
+    end do
+  end function choices
+
+end module bw_record_par

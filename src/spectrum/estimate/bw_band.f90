@@ -1,0 +1,212 @@
+module bw_band
+  !! A band of a record around a few lines: the samples, turned by the frequency in its middle and summed over blocks.
+  !!
+  !! A few hundred complex sums hold what the record says of a line near the middle, to less than a thousandth of its
+  !! information, and the image of any exponential is known exactly. The rows are real numbers whose noise is white and has
+  !! the variance of the samples' noise near the middle: real and imaginary parts of each sum, over the root of half its
+  !! samples. Near 0 and half the sampling rate, where a line meets its mirror image, and where blocks are single samples,
+  !! the rows are the real samples themselves or their sums.
+  !!
+  !! Where a record holds no noise but other lines, a few bins of the tapered transform serve instead: they tell less of a line,
+  !! and nothing of lines in other bins.
+  use bw_damped_line, only: damped_line
+  use bw_kinds, only: dp
+  use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
+  use bw_tapered_line, only: parts, tapered_columns
+  implicit none (type, external)
+  private
+  public :: band_around, cut_band, line_columns, still_columns, tapered_band
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: sums_per_bin = 128   !! loses (π/128)²/3 of the information at the edge of the band
+  real(dp), parameter :: clear = 2           !! widths of a block's transform between a band and its mirror image
+
+  type, public :: band_type
+    real(dp) :: centre = 0                   !! periods per step
+    real(dp) :: half_width = 0               !! bins, of 1/span each
+    logical :: is_real = .false.             !! the sums of the mirror image are the same numbers
+    type(blocks_type) :: blocks
+    real(dp), allocatable :: root(:)         !! what the rows of a block are divided by, (B)
+    real(dp), allocatable :: rows(:, :)      !! the record, (rows, S)
+    logical :: tapered = .false.             !! the rows are bins of the tapered transform, and there are no blocks
+    integer :: bins(2) = 0                   !! the first and the last of these
+  end type band_type
+
+contains
+
+  function band_around(samples, lowest, highest, widest) result(band)
+    !! The band that holds lines between two frequencies whose decays are up to `widest` (per step, of either sign).
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: lowest, highest, widest
+    type(band_type) :: band
+    real(dp) :: span, width
+    integer :: blocks, s
+    span = span_of(samples)
+    width = (highest - lowest)*span/2 + widest*span/pi + 1
+    band%centre = (lowest + highest)/2
+    blocks = ceiling(sums_per_bin*width)
+    band%is_real = min(lowest, nyquist_of(samples) - highest)*span <= clear*blocks
+    if (band%is_real) then
+      band%centre = merge(0.0_dp, 0.5_dp, allocated(samples%place) .or. lowest + highest < 0.5_dp)
+      width = abs(band%centre - (lowest + highest)/2)*span + width
+      blocks = ceiling(sums_per_bin*width)
+    end if
+    if (2*blocks > samples%count) then
+      blocks = samples%count
+      band%centre = 0
+      band%is_real = .true.
+    end if
+    band%half_width = width
+    band%blocks = even_blocks(samples, blocks)
+    associate (first => band%blocks%first)
+      band%root = sqrt(real(first(2:) - first(:size(first) - 1), dp)/merge(1, 2, band%is_real))
+    end associate
+    allocate (band%rows(size(band%root)*merge(1, 2, band%is_real), size(samples%value, 2)))
+    do s = 1, size(samples%value, 2)
+      band%rows(:, s) = rows_of(band, summed(samples, s, band))
+    end do
+  end function band_around
+
+  pure function tapered_band(image, first) result(band)
+    !! The band of these bins of a tapered transform.
+    integer, intent(in) :: first
+    complex(dp), intent(in) :: image(first:, :)  !! (bins, S)
+    type(band_type) :: band
+    integer :: s
+    band%tapered = .true.
+    band%bins = [first, ubound(image, 1)]
+    allocate (band%rows(2*size(image, 1), size(image, 2)))
+    do s = 1, size(image, 2)
+      band%rows(:, s) = parts(image(:, s))
+    end do
+  end function tapered_band
+
+  pure real(dp) function nyquist_of(samples)
+    !! Half the sampling rate, in periods per step; uneven times have none.
+    type(samples_type), intent(in) :: samples
+    nyquist_of = merge(huge(1.0_dp), 0.5_dp, allocated(samples%place))
+  end function nyquist_of
+
+  pure function rows_of(band, sums) result(rows)
+    !! Complex sums over blocks as real rows of unit weight.
+    type(band_type), intent(in) :: band
+    complex(dp), intent(in) :: sums(:)       !! (B)
+    real(dp) :: rows(size(sums)*merge(1, 2, band%is_real))
+    if (band%is_real) then
+      rows = sums%re/band%root
+    else
+      rows = [sums%re/band%root, sums%im/band%root]
+    end if
+  end function rows_of
+
+  pure function summed(samples, s, band) result(sums)
+    !! One sensor's samples, turned by the band's centre and summed over each block.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: s
+    type(band_type), intent(in) :: band
+    complex(dp) :: sums(size(band%blocks%first) - 1)
+    complex(dp), allocatable :: turn(:)
+    real(dp), allocatable :: cosine(:), sine(:)
+    integer :: b, n, length
+    associate (first => band%blocks%first)
+      length = maxval(first(2:) - first(:size(first) - 1))
+      if (length == 1) then
+        sums = samples%value(:samples%count, s)
+        return
+      end if
+      if (allocated(samples%place)) then
+        do b = 1, size(sums)
+          associate (place => samples%place(first(b):first(b + 1) - 1), value => samples%value(first(b):first(b + 1) - 1, s))
+    sums(b) = sum(value*exp(cmplx(0, -2*pi*(band%centre*place - anint(band%centre*place)), dp)))
+          end associate
+        end do
+        return
+      end if
+      turn = phase_factor(-band%centre, [(n, n=0, length - 1)])
+      cosine = turn%re
+      sine = turn%im
+      do b = 1, size(sums)
+        length = first(b + 1) - first(b)
+        associate (value => samples%value(first(b):first(b + 1) - 1, s))
+          sums(b) = phase_factor(-band%centre, first(b) - 1)* &
+            & cmplx(dot_product(value, cosine(:length)), dot_product(value, sine(:length)), dp)
+        end associate
+      end do
+    end associate
+  end function summed
+
+  function line_columns(samples, band, line, order) result(columns)
+    !! The rows of u^m e^(−dτ) cos 2πfτ and of −u^m e^(−dτ) sin 2πfτ, which are a line of amplitude 1 and one of amplitude
+    !! i, for m = 0 … order, (rows, 2, 0:order); bent as the line is.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: order             !! at most 1 in a tapered band
+    real(dp) :: columns(size(band%rows, 1), 2, 0:order)
+    if (band%tapered) then
+      columns = tapered_columns(line, samples%count, band%bins(1), band%bins(2), order)
+    else
+      columns = summed_columns(samples, band, line%decay, line%frequency, order, line%bend(:line%powers))
+    end if
+  end function line_columns
+
+  function summed_columns(samples, band, decay, frequency, order, bend) result(columns)
+    !! The same of a band of sums.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: decay, frequency
+    integer, intent(in) :: order
+    complex(dp), intent(in) :: bend(:)
+    real(dp) :: columns(size(band%rows, 1), 2, 0:order)
+    complex(dp) :: line(size(band%root), 0:order), mirror(size(band%root), 0:order)
+    integer :: m
+    line = block_sums(samples, band%blocks, decay, frequency - band%centre, order, bend)
+    if (band%is_real .and. .not. band%centre > 0) then
+      mirror = conjg(line)
+    else
+      mirror = block_sums(samples, band%blocks, decay, -frequency - band%centre, order, conjg(bend))
+    end if
+    do m = 0, order
+      columns(:, 1, m) = rows_of(band, (line(:, m) + mirror(:, m))/2)
+      columns(:, 2, m) = rows_of(band, (0, 1)*(line(:, m) - mirror(:, m))/2)
+    end do
+  end function summed_columns
+
+  function still_columns(samples, band) result(columns)
+    !! The rows of an offset and of a slope, 1 and u, (rows, 2).
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    real(dp) :: columns(size(band%rows, 1), 2)
+    complex(dp) :: sums(size(band%root), 0:1)
+    sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1, [complex(dp) ::])
+    columns(:, 1) = rows_of(band, sums(:, 0))
+    columns(:, 2) = rows_of(band, sums(:, 1))
+  end function still_columns
+
+  pure subroutine cut_band(band, rows, first, last, part, own)
+    !! The part of a band, and of rows like its own, between two fractions of its blocks.
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :)
+    real(dp), intent(in) :: first, last      !! 0 … 1
+    type(band_type), intent(out) :: part
+    real(dp), allocatable, intent(out) :: own(:, :)
+    integer :: low, high, blocks
+    blocks = size(band%root)
+    low = 1 + nint(first*blocks)
+    high = nint(last*blocks)
+    part%centre = band%centre
+    part%half_width = band%half_width
+    part%is_real = band%is_real
+    part%blocks%first = band%blocks%first(low:high + 1)
+    part%root = band%root(low:high)
+    if (band%is_real) then
+      own = rows(low:high, :)
+    else
+      allocate (own(2*size(part%root), size(rows, 2)))
+      own(:size(part%root), :) = rows(low:high, :)
+      own(size(part%root) + 1:, :) = rows(blocks + low:blocks + high, :)
+    end if
+    part%rows = own
+  end subroutine cut_band
+
+end module bw_band

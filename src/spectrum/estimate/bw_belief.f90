@@ -1,0 +1,293 @@
+module bw_belief
+  !! What can be believed of the lines of a record: bounds in the noise found, intervals that hold what the record shows of
+  !! drift, and names for lines that are no single steady mode.
+  !!
+  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; where the line drifts, it also reaches
+  !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
+  use bw_band, only: band_type, cut_band
+  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce
+  use bw_damped_search, only: found_lines
+  use bw_drift, only: drift_of, drift_type
+  use bw_kinds, only: dp
+  use bw_line_bands, only: line_band, own_rows
+  use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
+  use bw_noise_level, only: level_at
+  use bw_order, only: ascending
+  use bw_pure_record, only: rounding
+  use bw_samples, only: bent_factor, centre_of, samples_type, span_of
+  use bw_whitening, only: gain_of
+  implicit none (type, external)
+  private
+  public :: believed_lines, normal_quantile
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
+  real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
+  integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
+  real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
+  real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
+  integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
+  integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
+    !! bits of a status; 0 is a line that is none of these
+  real(dp), parameter, public :: window_start(6) = [0.0_dp, 0.5_dp, 0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp]
+  real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
+    !! halves and quarters of the record
+
+  type, public :: believed_line
+    !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
+    real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
+    real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
+    complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
+    real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
+    real(dp), allocatable :: amplitude_noise(:)
+      !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
+    integer :: status = 0
+    real(dp) :: drift = 0, drift_bound = 0     !! change of frequency from the first sample to the last, and its bound
+    real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
+  end type believed_line
+
+contains
+
+  function believed_lines(samples, found, confidence, false_alarm) result(believed)
+    !! The lines by ascending frequency.
+    type(samples_type), intent(in) :: samples  !! as `find_damped_lines` has left them
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: confidence         !! of the intervals, 0 … 1
+    real(dp), intent(in) :: false_alarm        !! that a steady line is said to drift
+    type(believed_line), allocatable :: believed(:)
+    integer :: i
+    allocate (believed(size(found%lines)))
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) > 0) call judge_band(samples, found, found%bands(i), confidence, false_alarm, believed)
+    end do
+    believed = believed(ascending(believed%frequency))
+    call name_lines(samples, believed)
+  end function believed_lines
+
+  subroutine judge_band(samples, found, band, confidence, false_alarm, believed)
+    !! Bounds, drift and intervals of the lines of one band.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: confidence, false_alarm
+    type(believed_line), intent(inout) :: believed(:)
+    type(line_errors) :: errors
+    real(dp), allocatable :: rows(:, :)
+    type(damped_line), allocatable :: own(:)
+    real(dp) :: half, quantile
+    integer :: j
+    logical :: oscillates
+    own = found%lines(band%member)
+    rows = own_rows(samples, found%lines, found%still, band)
+    errors = line_errors_of(reduce(samples, band%band, rows, own, band%with_still), &
+      & 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
+    half = centre_of(samples)
+    quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
+    do j = 1, size(own)
+      associate (line => believed(band%member(j)))
+        line%frequency = own(j)%frequency
+        line%decay = own(j)%decay
+        line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
+        line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
+        oscillates = line%frequency_bound < undetermined
+        if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
+        line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
+        line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
+        call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
+        if (oscillates) call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
+          & own(j)%powers > 1, quantile, false_alarm, line)
+      end associate
+    end do
+    call judge_windows(samples, band, rows, errors%weight, own, believed)
+  end subroutine judge_band
+
+  subroutine judge_drift(samples, drift, fitted, quantile, false_alarm, line)
+    !! Say whether a line drifts; if so its intervals reach to where it is anywhere in the record, or in its life if that is shorter.
+    type(samples_type), intent(in) :: samples
+    type(drift_type), intent(in) :: drift
+    logical, intent(in) :: fitted              !! the drift is among the line's unknowns
+    real(dp), intent(in) :: quantile, false_alarm
+    type(believed_line), intent(inout) :: line
+    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at
+    integer :: i, k, m
+    half = centre_of(samples)
+    line%drift = sum([(2*m*drift%value(2*m), m=2, size(slope)/2, 2)])/(2*pi*half)
+    slope = 0
+    slope(4::4) = [(2*m, m=2, size(slope)/2, 2)]
+    line%drift_bound = sqrt(dot_product(slope, matmul(drift%covariance, slope)))/(2*pi*half)
+    if (.not. (fitted .or. drift%gain > -2*log(false_alarm))) return
+    if (norm2(drift%value) <= rounding*2*pi*line%frequency*half) return
+    line%status = ior(line%status, drifting)
+    u = [-1.0_dp, 1.0_dp]
+    if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
+    if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
+    reach = 0
+    do i = 0, looks
+      at = u(1) + (u(2) - u(1))*i/looks
+      do k = 1, 2
+        slope = 0
+        slope(k::2) = [(m*at**(m - 1), m=1, size(slope)/2)]
+        reach(k) = max(reach(k), abs(dot_product(slope, drift%value)) &
+          & + quantile*sqrt(dot_product(slope, matmul(drift%covariance, slope))))
+      end do
+    end do
+    line%decay_error = max(line%decay_error, reach(1)/half)
+    line%frequency_error = max(line%frequency_error, reach(2)/(2*pi*half))
+  end subroutine judge_drift
+
+  subroutine judge_amplitude(samples, errors, own, j, gain, line)
+    !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
+    type(samples_type), intent(in) :: samples
+    type(line_errors), intent(in) :: errors
+    type(damped_line), intent(in) :: own
+    integer, intent(in) :: j                   !! its place among the band's lines
+    complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
+    type(believed_line), intent(inout) :: line
+    real(dp), dimension(2, size(gain)) :: along, across
+    real(dp) :: growth
+    complex(dp) :: start
+    integer :: s
+    start = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))*bent_factor(own%bend(:own%powers), -1.0_dp)
+    growth = abs(start)
+    line%amplitude = own%amplitude/gain*start
+    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))
+    do s = 1, size(gain)
+      associate (a => own%amplitude(s))
+        along = 0
+        along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
+        across = 0
+        across(:, s) = [-along(2, s), along(1, s)]
+        line%amplitude_bound(s) = min(amplitude_deviation(errors, j, along), undetermined)*growth/abs(gain(s))
+        line%amplitude_noise(s) = min(amplitude_noise(errors, j, s), undetermined)*growth/abs(gain(s))
+        line%phase_bound(s) = min(amplitude_deviation(errors, j, across), pi*abs(a))/max(abs(a), tiny(1.0_dp))
+      end associate
+    end do
+  end subroutine judge_amplitude
+
+  subroutine judge_windows(samples, band, rows, weight, own, believed)
+    !! Fit the band's lines to each half and quarter of the record by itself. Where a window does not tell, its bound is huge.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: own(:)
+    type(believed_line), intent(inout) :: believed(:)
+    type(band_type) :: part
+    type(fit_type) :: fit
+    type(line_errors) :: errors
+    real(dp), allocatable :: part_rows(:, :)
+    integer :: i, j
+    do i = 1, size(window_start)
+      call cut_band(band%band, rows, window_start(i), window_end(i), part, part_rows)
+      believed(band%member)%windows(3, i) = huge(1.0_dp)
+      believed(band%member)%windows(4, i) = huge(1.0_dp)
+      if (size(part_rows, 1) < 6*size(own) + 2) cycle
+      if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
+      fit%lines = [(steady(own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
+      call fit_band(samples, part, part_rows, weight, band%with_still, fit)
+      errors = line_errors_of(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
+      do j = 1, size(own)
+        associate (line => believed(band%member(j)))
+          line%windows(:, i) = [fit%lines(j)%frequency, fit%lines(j)%decay, &
+            & min(frequency_deviation(errors, j)/(2*pi*centre_of(samples)), undetermined), &
+            & min(decay_deviation(errors, j)/centre_of(samples), undetermined)]
+        end associate
+      end do
+    end do
+
+  contains
+
+    type(damped_line) function steady(line, u)
+      !! The line without its drift, at the place that it has at the time u.
+      type(damped_line), intent(in) :: line
+      real(dp), intent(in) :: u
+      complex(dp) :: rate
+      integer :: m
+      steady = line
+      rate = sum([(m*line%bend(m)*u**(m - 1), m=2, line%powers)])
+      steady%decay = line%decay - rate%re/centre_of(samples)
+      steady%frequency = line%frequency + rate%im/(2*pi*centre_of(samples))
+      steady%powers = 1
+      steady%bend = 0
+    end function steady
+
+  end subroutine judge_windows
+
+  pure real(dp) function closest(frequency)
+    !! The least distance between two of several frequencies.
+    real(dp), intent(in) :: frequency(:)
+    integer :: i
+    closest = huge(1.0_dp)
+    do i = 2, size(frequency)
+      closest = min(closest, minval(abs(frequency(:i - 1) - frequency(i))))
+    end do
+  end function closest
+
+  pure subroutine name_lines(samples, believed)
+    !! Name close pairs, harmonics and lines at an edge.
+    type(samples_type), intent(in) :: samples
+    type(believed_line), intent(inout) :: believed(:)
+    real(dp) :: strength(size(believed)), away
+    integer :: i, j, k, m
+    do i = 1, size(believed)
+      strength(i) = norm2(abs(believed(i)%amplitude))
+    end do
+    do k = 1, size(believed)
+      associate (line => believed(k))
+        if (count(abs(believed%frequency - line%frequency)*span_of(samples) < beside) > 1) &
+          & line%status = ior(line%status, close_pair)
+        away = line%frequency
+        if (.not. allocated(samples%place)) away = min(away, 0.5_dp - line%frequency)
+        if (away*span_of(samples) < beside) line%status = ior(line%status, at_edge)
+        do i = 1, size(believed)
+          if (.not. strength(i) > strength(k)) cycle
+          do m = 2, most_times
+            if (is_at(line, m*believed(i)%frequency, m*believed(i)%frequency_error)) line%status = ior(line%status, harmonic)
+          end do
+          do j = 1, i - 1
+            if (.not. strength(j) > strength(k)) cycle
+            do m = -1, 1, 2
+              if (is_at(line, believed(i)%frequency + m*believed(j)%frequency, &
+                & hypot(believed(i)%frequency_error, believed(j)%frequency_error))) line%status = ior(line%status, harmonic)
+            end do
+          end do
+        end do
+      end associate
+    end do
+
+  contains
+
+    pure logical function is_at(line, frequency, error)
+      !! Whether a line is at a frequency, or where that is folded to, within both errors.
+      type(believed_line), intent(in) :: line
+      real(dp), intent(in) :: frequency, error
+      real(dp) :: folded
+      folded = abs(frequency)
+      if (.not. allocated(samples%place)) folded = abs(folded - anint(folded))
+      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error)
+    end function is_at
+
+  end subroutine name_lines
+
+  pure real(dp) function student_quantile(confidence, span, sensors) result(quantile)
+    !! How many standard deviations hold so much of a normal number whose deviation is known from the noise of a window only.
+    real(dp), intent(in) :: confidence, span
+    integer, intent(in) :: sensors
+    real(dp) :: freedom
+    quantile = normal_quantile((1 + confidence)/2)
+    freedom = sensors*max(10.0_dp, min(span, 96.0_dp))
+    quantile = quantile + (quantile**3 + quantile)/(4*freedom)
+  end function student_quantile
+
+  pure real(dp) function normal_quantile(probability) result(x)
+    !! The number that a normal number is below with that probability, by Newton's method.
+    real(dp), intent(in) :: probability
+    real(dp) :: below
+    integer :: i
+    x = 0
+    do i = 1, 60
+      below = erfc(-x/sqrt(2.0_dp))/2
+      x = x - max(-1.0_dp, min(1.0_dp, (below - probability)*sqrt(2*pi)*exp(x*x/2)))
+    end do
+  end function normal_quantile
+
+end module bw_belief

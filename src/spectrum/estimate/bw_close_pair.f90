@@ -1,0 +1,335 @@
+module bw_close_pair
+  !! Lines that are no single steady mode: where a line leaves more than noise of its peak, a drift of the line and a second line
+  !! beside it are both fitted, and the likelier is taken if it pays for its unknowns.
+  !!
+  !! What either could take is nearly what amplitudes that change with powers of time take, which is linear: only where that
+  !! pays are drifts of rising powers, and pairs of several distances, fitted.
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type
+  use bw_damped_line, only: damped_line, most_powers
+  use bw_drift, only: drift_of, drift_type
+  use bw_kinds, only: dp
+  use bw_line_bands, only: line_band, own_rows
+  use bw_noise_level, only: level_at, level_knots
+  use bw_ordinates, only: ordinates_type
+  use bw_samples, only: samples_type, span_of
+  implicit none (type, external)
+  private
+  public :: join_lines, split_lines
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: places = 8             !! independent places of a second line in a peak; from trials on noise
+  integer, parameter :: highest_power = 4
+  real(dp), parameter :: widest_apart = 1.5_dp  !! bins of a member from the single line
+  real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
+  real(dp), parameter :: below(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.0_dp, 0.7_dp]
+  real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
+    !! bins from a line to two lines on either side of it, to start from
+  real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
+  real(dp), parameter :: promise = 0.3_dp       !! of what a fit gains, that it shows to first order
+  real(dp), parameter :: credit = 12            !! of the weighted squares, for what a line looks like at first sight; from trials
+  real(dp), parameter :: widest_drift = 15      !! of −decay and 2π·frequency over half the record; one bin is π
+  real(dp), parameter :: turns(3) = [0.0_dp, 2.0_dp, -2.0_dp]  !! radians at both ends, of drifts to start from
+
+contains
+
+  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed)
+    !! Try every line as one that drifts and as two; the best of each band is kept, but where it gains so much less than is
+    !! left elsewhere that it may be fitted to what leaks from there.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(ordinates_type), intent(in) :: ordinates  !! what the lines leave
+    type(line_band), intent(in) :: bands(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    logical, intent(out) :: changed
+    type :: shape_type
+      type(damped_line), allocatable :: lines(:)  !! of a band; a further one is the last
+    end type shape_type
+    type(shape_type) :: best(size(bands))
+    type(damped_line), allocatable :: after(:)
+    real(dp) :: pays(size(bands)), least
+    integer :: i, n
+    pays = 0
+    least = leaking*2*maxval(ordinates%total)
+    do i = 1, size(bands)
+      if (size(bands(i)%member) == 0) cycle
+      best(i)%lines = lines(bands(i)%member)
+      call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
+        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), best(i)%lines, &
+        & pays(i), least)
+    end do
+    least = max(least, leaking*maxval(pays))
+    changed = any(pays > least)
+    if (.not. changed) return
+    after = lines
+    do i = 1, size(bands)
+      if (pays(i) <= least) cycle
+      n = size(bands(i)%member)
+      after(bands(i)%member) = best(i)%lines(:n)
+      after = [after, best(i)%lines(n + 1:)]
+    end do
+    call move_alloc(after, lines)
+  end subroutine split_lines
+
+  subroutine shape_band(samples, band, rows, weight, chance, own, pays_best, least)
+    !! Keep what pays best for one of the band's lines.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    real(dp), intent(in) :: chance              !! of a drift or a second line where there is none
+    type(damped_line), allocatable, intent(inout) :: own(:)  !! the lines of the band; a further one is the last
+    real(dp), intent(out) :: pays_best          !! what it takes off the weighted squares beyond its price; 0: nothing pays
+    real(dp), intent(in) :: least               !! what it must take off them to be looked at
+    type(fit_type) :: fit, best
+    real(dp) :: left, pays
+    logical :: bulges                           !! the line drifts as a pair of equal lines does, cos δu ≈ e^(−δ²u²/2)
+    integer :: j
+    fit%lines = own
+    call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+    left = fit%left
+    pays_best = 0
+    do j = 1, size(own)
+      call try_drifts()
+      call try_pairs()
+    end do
+    if (pays_best > 0) own = best%lines
+
+  contains
+
+    subroutine try_drifts()
+      !! One power of time after the other in the exponent of line j.
+      type(fit_type) :: start
+      type(drift_type) :: drift
+      integer :: powers, k
+      bulges = .false.
+      powers = min(own(j)%powers + 2, most_powers)
+      if (powers == own(j)%powers) return
+      drift = drift_of(samples, band, rows, weight, own, j, powers)
+      if (drift%gain < max(least*promise, price_of_drift(powers, chance) - price_of_drift(own(j)%powers, chance))) return
+      start%lines = [own(:j - 1), own(j + 1:), own(j)]
+      do powers = own(j)%powers + 1, most_powers
+        start%lines(size(own))%powers = powers
+        fit%left = huge(1.0_dp)
+        do k = 1, size(turns)
+          if (k > 1 .and. powers > 2) exit
+          call try(start, turns(k))
+        end do
+        start%lines = fit%lines
+        if (wild(fit%lines(size(own)))) return
+        if (powers == 2) bulges = fit%lines(size(own))%bend(2)%re < -abs(fit%lines(size(own))%bend(2)%im)
+        pays = left - fit%left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)
+        if (bulges) then
+          call keep(0.0_dp)
+        else
+          call keep(credit)
+        end if
+      end do
+    end subroutine try_drifts
+
+    subroutine try(start, turn)
+      !! A fit that starts from another drift.
+      type(fit_type), intent(in) :: start
+      real(dp), intent(in) :: turn
+      type(fit_type) :: other
+      other = start
+      associate (line => other%lines(size(own)))
+        line%bend(2) = line%bend(2) + cmplx(0, turn, dp)
+      end associate
+      call fit_band(samples, band%band, rows, weight, band%with_still, other)
+      if (other%left < fit%left) fit = other
+    end subroutine try
+
+    subroutine try_pairs()
+      !! Two steady lines for line j.
+      integer :: k
+      if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
+      do k = 1, size(below)
+        fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
+        call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+        if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
+        pays = left - fit%left + price_of_drift(own(j)%powers, chance) - least_gain(size(weight), chance)
+        if (bulges) then
+          call keep(credit)
+        else
+          call keep(0.0_dp)
+        end if
+      end do
+    end subroutine try_pairs
+
+    subroutine keep(credit)
+      !! Take the fit if it pays, and better than the best for now.
+      real(dp), intent(in) :: credit
+      if (pays <= 0 .or. pays + credit <= pays_best) return
+      pays_best = pays + credit
+      best = fit
+    end subroutine keep
+
+  end subroutine shape_band
+
+  pure logical function wild(line)
+    !! Whether a fit has taken a line for so large a drift that it may describe anything.
+    type(damped_line), intent(in) :: line
+    integer :: m
+    wild = sum([(m*abs(line%bend(m)), m=2, line%powers)]) > widest_drift
+  end function wild
+
+  logical function beside_in_bins(line, pair, span) result(near)
+    !! Whether both lines are within the peak of the one, neither much broader: what is further away has a peak of its own. Two that
+    !! are less apart in frequency than in decay are one whose decay changes.
+    type(damped_line), intent(in) :: line, pair(:)
+    real(dp), intent(in) :: span
+    near = all(abs(pair%frequency - line%frequency)*span < widest_apart + abs(line%decay)*span/pi) .and. &
+      & all(abs(pair%decay - line%decay)*span < broadest + 2*abs(line%decay)*span) .and. &
+      & abs(pair(1)%decay - pair(2)%decay) < 2*pi*abs(pair(1)%frequency - pair(2)%frequency)
+  end function beside_in_bins
+
+  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed)
+    !! Leave a line out of each peak that has several, where the others, fitted again, do as well but for noise.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(level_knots), intent(in) :: noise
+    type(line_band), intent(in) :: bands(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    logical, intent(out) :: changed
+    logical :: stays(size(lines)), straightened
+    integer :: i
+    stays = .true.
+    straightened = .false.
+    do i = 1, size(bands)
+      if (size(bands(i)%member) > 0) call straighten(bands(i))
+      if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
+    end do
+    changed = straightened .or. .not. all(stays)
+    if (.not. all(stays)) lines = pack(lines, stays)
+
+  contains
+
+    subroutine straighten(band)
+      !! Take powers of time out of the exponents of lines that do not need them.
+      type(line_band), intent(in) :: band
+      type(fit_type) :: fit
+      real(dp), allocatable :: rows(:, :), weight(:)
+      type(damped_line), allocatable :: own(:)
+      real(dp) :: left, chance
+      integer :: j, powers
+      own = lines(band%member)
+      if (all(own%powers == 1)) return
+      rows = own_rows(samples, lines, still, band)
+      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
+      chance = false_alarm/size(lines)
+      fit%lines = own
+      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+      left = fit%left
+      do j = 1, size(own)
+        do powers = 1, own(j)%powers - 1
+          fit%lines = own
+          fit%lines(j)%powers = powers
+          fit%lines(j)%bend(powers + 1:) = 0
+          call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+          if (fit%left > left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)) cycle
+          lines(band%member) = fit%lines
+          straightened = .true.
+          return
+        end do
+      end do
+    end subroutine straighten
+
+    subroutine join_band(band, least)
+      !! Leave out the line that is missed least.
+      type(line_band), intent(in) :: band
+      real(dp), intent(in) :: least
+      type(fit_type) :: fit
+      real(dp), allocatable :: rows(:, :), weight(:)
+      type(damped_line), allocatable :: own(:), best(:)
+      real(dp) :: left, least_left
+      integer :: j, chosen
+      own = lines(band%member)
+      rows = own_rows(samples, lines, still, band)
+      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
+      fit%lines = own
+      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+      left = fit%left
+      least_left = left + least
+      chosen = 0
+      do j = 1, size(own)
+        if (count(abs(own%frequency - own(j)%frequency)*span_of(samples) < 2*widest_apart) < 2) cycle
+        fit%lines = [own(:j - 1), own(j + 1:)]
+        call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+        if (fit%left >= least_left) cycle
+        least_left = fit%left
+        chosen = j
+        best = fit%lines
+      end do
+      if (chosen == 0) return
+      stays(band%member(chosen)) = .false.
+      lines(band%member(:chosen - 1)) = best(:chosen - 1)
+      lines(band%member(chosen + 1:)) = best(chosen:)
+    end subroutine join_band
+
+  end subroutine join_lines
+
+  pure function pair_at(line, away) result(pair)
+    !! Two steady lines beside one.
+    type(damped_line), intent(in) :: line
+    real(dp), intent(in) :: away(2)             !! periods per step
+    type(damped_line) :: pair(2)
+    pair = line
+    pair%frequency = abs(line%frequency + away)
+    pair%powers = 1
+    pair(1)%bend = 0
+    pair(2)%bend = 0
+  end function pair_at
+
+  real(dp) function bent_gain(samples, band, rows, weight, lines, j) result(gain)
+    !! What the weighted squares lose where the amplitudes of line j may change with the second to fourth power of time, which is
+    !! nearly all that a second line in its peak could take.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: j
+    type(reduced_type) :: reduced
+    reduced = reduce(samples, band%band, rows, [lines(:j - 1), lines(j + 1:), lines(j)], band%with_still, &
+      & [lines(:j - 1)%powers, lines(j + 1:)%powers, max(lines(j)%powers, highest_power)])
+    associate (first => reduced%linear + reduced%first(size(lines)) + 2)
+      gain = sum(weight*sum(reduced%rotated(first:, :)**2, dim=1))
+    end associate
+  end function bent_gain
+
+  pure real(dp) function price_of_drift(powers, false_alarm) result(price)
+    !! What a drift must take off the weighted squares: as much as noise gives to two unknowns with that probability for each power
+    !! above the first, and for the first of them as much more as a pair pays for its places, since a drift that is fitted without
+    !! need makes decays uncertain.
+    integer, intent(in) :: powers
+    real(dp), intent(in) :: false_alarm
+    price = 0
+    if (powers > 1) price = -2*log(false_alarm)*(powers - 1) + 2*log(places)
+  end function price_of_drift
+
+  pure real(dp) function least_gain(sensors, false_alarm) result(gain)
+    !! What a second line must take off the weighted squares: noise gives more with that probability. Decay, frequency and an
+    !! amplitude at each sensor are 2 + 2S normal numbers, at about `places` places.
+    integer, intent(in) :: sensors
+    real(dp), intent(in) :: false_alarm
+    real(dp) :: low, high, term, tail
+    integer :: i, j
+    low = 0
+    high = 2000.0_dp + 20*sensors
+    do i = 1, 60
+      gain = (low + high)/2
+      term = exp(-gain/2)
+      tail = term
+      do j = 1, sensors
+        term = term*gain/(2*j)
+        tail = tail + term
+      end do
+      if (tail*places > false_alarm) then
+        low = gain
+      else
+        high = gain
+      end if
+    end do
+  end function least_gain
+
+end module bw_close_pair

@@ -1,0 +1,185 @@
+module bw_tapered_residual
+  !! What is left of a record when lines are taken out, and which peaks still stand out of it.
+  use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+  use bw_damped_line, only: damped_line, line_in_record, subtract_lines
+  use bw_fourier, only: transform_in_place
+  use bw_kinds, only: dp
+  use bw_monitor, only: monitor_type, stops
+  use bw_order, only: local_maxima, vertex
+  use bw_tapered_line, only: main_lobe, sidelobe
+  implicit none (type, external)
+  private
+  public :: find_residual, peak_lines, plain_bins, strength, visible_peaks
+
+  integer, parameter :: bins_for_noise = 100   !! with fewer bins, lines may fill the quietest tenth
+  integer, parameter :: most_peaks = 64        !! taken up at a time
+  real(dp), parameter :: chance = 8            !! noise does not reach so many standard deviations in 10¹² bins
+  real(dp), parameter :: faintest = 1.0e-13_dp !! of the record's peak; rounded phases make lines of up to 1e-14
+  real(dp), parameter :: guard = 4             !! a peak stands out of so many times the sidelobes of stronger ones
+  real(dp), parameter :: pi = acos(-1.0_dp)
+
+  type, public :: residual_type
+    integer :: count = 0                       !! samples in the record
+    complex(dp), allocatable :: tapered(:, :)  !! transform with the taper sin⁶(πj/N), (0:N/2, S)
+    complex(dp), allocatable :: plain(:, :)    !! transform without, (0:N/2, S)
+    real(dp) :: noise = 0                      !! standard deviation of a real number of `tapered`
+    real(dp) :: highest = 0                    !! of the record's samples
+    real(dp) :: threshold = 0                  !! smaller values of |tapered| are no line
+  end type residual_type
+
+contains
+
+  subroutine find_residual(record, lines, residual, monitor)
+    !! Transform what the lines leave of the record, and judge its noise. The lines are subtracted in the memory of the
+    !! transforms, so that a long record is not stored more often than it must be.
+    real(dp), intent(in) :: record(0:, :)      !! (N, S)
+    type(damped_line), intent(in) :: lines(:)
+    type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; of no use where the monitor stops
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without taper and with it
+    real(dp) :: rounding, largest
+    integer :: i, n, s, sensors
+    n = size(record, 1)
+    sensors = size(record, 2)
+    residual%count = n
+    if (.not. allocated(residual%plain)) allocate (residual%tapered(0:n/2, sensors), residual%plain(0:n/2, sensors))
+    call c_f_pointer(c_loc(residual%plain), left, [2*(n/2 + 1), sensors])
+    call c_f_pointer(c_loc(residual%tapered), seen, [2*(n/2 + 1), sensors])
+    seen(:n, :) = record
+    residual%highest = maxval(abs(record))
+    call apply_taper(seen(:n, :))
+    rounding = epsilon(1.0_dp)*maxval([(norm2(seen(:n, s)), s=1, sensors)])
+    largest = maxval(abs(seen(:n, :)))
+    left(:n, :) = record
+    do i = 1, size(lines)
+      if (stops(monitor)) return
+      do s = 1, sensors
+        call subtract_lines(lines(i:i), s, left(:n, s))
+      end do
+    end do
+    call copy(left(:n, :), seen(:n, :))        ! an assignment of pointers would go through a third array
+    call apply_taper(seen(:n, :))
+    do s = 1, sensors
+      if (stops(monitor)) return
+      call transform_in_place(n, residual%tapered(:, s))
+      call transform_in_place(n, residual%plain(:, s))
+    end do
+    residual%noise = max(rounding, quiet_level(strength(residual)))
+    residual%threshold = max(chance*residual%noise, faintest*largest*n*main_lobe/2)
+  end subroutine find_residual
+
+  pure subroutine copy(from, to)
+    !! Copy between arrays that do not overlap.
+    real(dp), intent(in) :: from(:, :)
+    real(dp), intent(inout) :: to(:, :)
+    to = from
+  end subroutine copy
+
+  pure subroutine apply_taper(samples)
+    !! Multiply all sensors by the taper sin⁶(πj/N), which is the same from both ends to the bit.
+    real(dp), intent(inout) :: samples(0:, :)  !! (N, S)
+    real(dp) :: taper
+    integer :: j, n
+    n = size(samples, 1)
+    samples(0, :) = 0
+    do j = 1, n/2
+      taper = sin(pi*j/n)**6
+      samples(j, :) = taper*samples(j, :)
+      if (2*j < n) samples(n - j, :) = taper*samples(n - j, :)
+    end do
+  end subroutine apply_taper
+
+  pure function strength(residual) result(value)
+    !! The length of all sensors' tapered transforms together in each bin, (0:N/2).
+    type(residual_type), intent(in) :: residual
+    real(dp) :: value(0:ubound(residual%tapered, 1))
+    value = norm2(abs(residual%tapered), dim=2)
+  end function strength
+
+  pure real(dp) function quiet_level(value)
+    !! The standard deviation of the noise in `value`, judged by its quietest tenth; 0 where there are too few bins to tell.
+    !! The tenth quantile, found by bisection, of the length of four normal numbers is 1.03 standard deviations.
+    real(dp), intent(in) :: value(:)
+    real(dp) :: low, high, middle
+    integer :: i
+    quiet_level = 0
+    if (size(value) < bins_for_noise) return
+    low = 0
+    high = maxval(value)
+    do i = 1, 80
+      middle = merge((low + high)/2, sqrt(low)*sqrt(high), low == 0)
+      if (low == 0) middle = high/1024
+      if (10*count(value < middle) > size(value)) then
+        high = middle
+      else
+        low = middle
+      end if
+      if (high <= 1.05_dp*low .or. high == 0) exit
+    end do
+    quiet_level = high/1.03_dp
+  end function quiet_level
+
+  function visible_peaks(residual) result(peak)
+    !! The bins of the peaks that are neither noise nor a sidelobe of a stronger peak, the strongest first.
+    type(residual_type), intent(in) :: residual
+    integer, allocatable :: peak(:)
+    real(dp) :: value(0:ubound(residual%tapered, 1))
+    integer, allocatable :: candidate(:)
+    integer :: i, best
+    value = strength(residual)
+    allocate (candidate, source=local_maxima(value, residual%threshold))
+    allocate (peak(0))
+    do i = 1, min(size(candidate), 4*most_peaks)
+      best = maxloc(value(candidate), dim=1)
+      associate (bin => candidate(best))
+        if (value(bin) > guard*leakage(bin)) peak = [peak, bin]
+      end associate
+      candidate = [candidate(:best - 1), candidate(best + 1:)]
+      if (size(peak) == most_peaks) exit
+    end do
+
+  contains
+
+    pure real(dp) function leakage(bin)
+      !! The sidelobes that the peaks found so far and their mirror images have in this bin.
+      integer, intent(in) :: bin
+      leakage = sum(value(peak)*(sidelobe(real(bin - peak, dp)) + sidelobe(real(bin + peak, dp)) &
+        & + sidelobe(real(residual%count - bin - peak, dp))))
+    end function leakage
+
+  end function visible_peaks
+
+  pure function plain_bins(residual, first, last) result(image)
+    !! The transform without taper at bins first … last, which may lie beyond 0 and the Nyquist frequency.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: first, last
+    complex(dp) :: image(first:last, size(residual%plain, 2))
+    integer :: m, k
+    do m = first, last
+      k = modulo(m, residual%count)
+      if (2*k <= residual%count) then
+        image(m, :) = residual%plain(k, :)
+      else
+        image(m, :) = conjg(residual%plain(residual%count - k, :))
+      end if
+    end do
+  end function plain_bins
+
+  pure function peak_lines(residual, peaks) result(lines)
+    !! A line without amplitude at each peak; its offset comes from a parabola through the logarithms of three bins.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: peaks(:)
+    type(damped_line) :: lines(size(peaks))
+    real(dp) :: value(-1:1), offset
+    integer :: i, m
+    do i = 1, size(peaks)
+      offset = 0
+      if (peaks(i) > 0 .and. peaks(i) < ubound(residual%tapered, 1)) then
+        value = [(norm2(abs(residual%tapered(peaks(i) + m, :))), m=-1, 1)]
+        offset = vertex(value)
+      end if
+      lines(i) = line_in_record(peaks(i), offset, 0.0_dp, residual%count)
+    end do
+  end function peak_lines
+
+end module bw_tapered_residual

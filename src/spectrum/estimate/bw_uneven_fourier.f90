@@ -1,0 +1,43 @@
+module bw_uneven_fourier
+  !! The Fourier sums Σ x_n e^(−2πi mτ_n/M), m = 0 … M/2, of samples at any times 0 ≤ τ < M: every sample is spread by a
+  !! Gaussian over a grid of half steps, the grid is transformed by FFTW, and the Gaussian taken out again.
+  !! Source: Greengard & Lee, SIAM Review 46 (2004) 443.
+  use bw_fourier, only: real_fourier
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: uneven_transform
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter :: reach = 12             !! points on either side; leaves 1e-12
+
+contains
+
+  subroutine uneven_transform(place, value, length, plan, spectrum)
+    !! Transform samples at uneven times.
+    real(dp), intent(in) :: place(:)           !! τ, (N), in 0 … M
+    real(dp), intent(in) :: value(:)           !! (N)
+    integer, intent(in) :: length              !! M, even
+    type(real_fourier), intent(inout) :: plan
+    complex(dp), intent(out) :: spectrum(0:)   !! (0:M/2)
+    real(dp) :: width, away
+    integer :: n, l, nearest
+    width = pi*reach/(real(length, dp)**2*3)
+    call plan%prepare(2*length)
+    plan%samples = 0
+    do n = 1, size(place)
+      nearest = nint(2*place(n))
+      do l = nearest - reach, nearest + reach
+        away = pi*(2*place(n) - l)/length
+        associate (cell => plan%samples(modulo(l, 2*length) + 1))
+          cell = cell + value(n)*exp(-away**2/(4*width))
+        end associate
+      end do
+    end do
+    call plan%transform()
+    do n = 0, length/2
+      spectrum(n) = plan%spectrum(n)*sqrt(pi/width)*exp(width*real(n, dp)**2)/(2*length)
+    end do
+  end subroutine uneven_transform
+
+end module bw_uneven_fourier

@@ -1,0 +1,125 @@
+module bw_whitening
+  !! Samples with coloured noise turned into samples with white noise: what an autoregression does not foresee.
+  !!
+  !! The autoregression of each sensor comes from what the lines leave (Burg, 1975), its order from the Bayesian criterion. The
+  !! filter h changes a line's amplitude by a factor and neither its decay nor its frequency, so that the fit of the filtered
+  !! samples is the maximum likelihood in such noise, but for the first samples, one for each order, that are used up.
+  use bw_band_fit, only: damped_line
+  use bw_kinds, only: dp
+  use bw_ordinates, only: remainder
+  use bw_samples, only: phase_factor, samples_type
+  implicit none (type, external)
+  private
+  public :: find_whitening, gain_of, no_whitening, whiten
+
+  integer, parameter :: highest_order = 16
+  real(dp), parameter :: worth = 0.99_dp        !! of the noise's variance: a filter that leaves more changes nothing
+  integer, parameter :: longest = 65536         !! samples that tell enough of the noise
+  integer, parameter :: samples_per_order = 32  !! fewer do not tell of so high an order
+
+  type, public :: whitening_type
+    !! One sensor's filter y'_n = Σ_i h_i y_(n−i), i = 0 … order.
+    integer :: order = 0
+    real(dp) :: coefficient(0:highest_order) = 0
+    integer :: lost = 0                          !! samples at the start that the record has lost by it
+  end type whitening_type
+
+contains
+
+  pure function no_whitening(sensors) result(whitening)
+    !! The filters that leave samples as they are, (S).
+    integer, intent(in) :: sensors
+    type(whitening_type) :: whitening(sensors)
+    whitening%coefficient(0) = 1
+  end function no_whitening
+
+  subroutine find_whitening(samples, lines, still, whitening)
+    !! Find each sensor's filter from what lines, offset and slope leave.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    type(whitening_type), intent(inout) :: whitening(:)
+    real(dp), allocatable :: left(:)
+    integer :: s, first
+    do s = 1, size(whitening)
+      left = remainder(samples, lines, still, s)
+      first = max(0, (size(left) - longest)/2)
+      call burg(left(first + 1:size(left) - first), whitening(s))
+    end do
+    whitening%lost = maxval(whitening%order)
+  end subroutine find_whitening
+
+  pure subroutine burg(left, whitening)
+    !! Fit autoregressions of rising order; the one that the criterion likes best stays.
+    real(dp), intent(in) :: left(:)
+    type(whitening_type), intent(inout) :: whitening
+    real(dp) :: forward(size(left)), backward(size(left)), kept
+    real(dp) :: h(0:highest_order), before(0:highest_order), power, reflection, criterion, least
+    integer :: n, p, i
+    n = size(left)
+    forward = left
+    backward = left
+    h = 0
+    h(0) = 1
+    power = sum(left**2)/n
+    least = n*log(max(power, tiny(1.0_dp)))
+    whitening%order = 0
+    whitening%coefficient = h
+    do p = 1, min(highest_order, n/samples_per_order)
+      reflection = sum(forward(p + 1:)**2) + sum(backward(p:n - 1)**2)
+      if (.not. reflection > 0) exit
+      reflection = -2*dot_product(forward(p + 1:), backward(p:n - 1))/reflection
+      before = h
+      do i = 1, p
+        h(i) = before(i) + reflection*before(p - i)
+      end do
+      do i = n, p + 1, -1
+        kept = forward(i)
+        forward(i) = kept + reflection*backward(i - 1)
+        backward(i) = backward(i - 1) + reflection*kept
+      end do
+      power = power*(1 - reflection**2)
+      criterion = n*log(max(power, tiny(1.0_dp))) + p*log(real(n, dp))
+      if (criterion >= least .or. power > worth*sum(left**2)/n) cycle
+      least = criterion
+      whitening%order = p
+      whitening%coefficient = h
+    end do
+  end subroutine burg
+
+  subroutine whiten(samples, whitening, lines)
+    !! Filter the samples in their memory, and the amplitudes of the lines with them. Fewer samples remain.
+    type(samples_type), intent(inout) :: samples
+    type(whitening_type), intent(in) :: whitening(:)
+    type(damped_line), intent(inout) :: lines(:)
+    integer :: s, n, k, lost, order
+    do s = 1, size(whitening)
+      order = whitening(s)%order
+      lost = whitening(s)%lost
+      do n = 1, samples%count - lost
+        samples%value(n, s) = dot_product(whitening(s)%coefficient(order:0:-1), samples%value(n + lost - order:n + lost, s))
+      end do
+    end do
+    samples%count = samples%count - whitening(1)%lost
+    do k = 1, size(lines)
+      lines(k)%amplitude = lines(k)%amplitude*gain_of(whitening, lines(k))
+    end do
+  end subroutine whiten
+
+  pure function gain_of(whitening, line) result(gain)
+    !! The factors of a line's amplitudes by the filters, (S). Phases are those at the first sample, of which there are fewer now.
+    type(whitening_type), intent(in) :: whitening(:)
+    type(damped_line), intent(in) :: line
+    complex(dp) :: gain(size(whitening))
+    integer :: s, i, away
+    gain = 0
+    do s = 1, size(whitening)
+      do i = 0, whitening(s)%order
+        away = merge(-i, whitening(s)%lost - i, line%decay < 0)
+        gain(s) = gain(s) + whitening(s)%coefficient(i)*exp(-line%decay*away)* &
+          & phase_factor(line%frequency, whitening(s)%lost - i)
+      end do
+    end do
+  end function gain_of
+
+end module bw_whitening

@@ -1,0 +1,119 @@
+module bw_beam_state
+  !! One state of the beam whose numbers are sought: the lines that were measured in it, and its modes as they follow from the
+  !! unknowns.
+  use bw_beam_units, only: beam_units, units_of
+  use bw_case_modes, only: find_sources
+  use bw_case_result, only: case_modes
+  use bw_double_double, only: dd
+  use bw_error, only: error_type
+  use bw_identify_par, only: identify_par
+  use bw_kinds, only: dp
+  use bw_mode_set, only: mode_set, mode_sources
+  use bw_monitor, only: silent_monitor
+  use bw_scene, only: scene_type
+  use bw_scene_unknowns, only: scene_with, with_unknowns
+  implicit none (type, external)
+  private
+  public :: state_of
+
+  type, public :: measured_lines
+    !! The lines of a record, in ascending order of frequency.
+    real(dp), allocatable :: frequency(:)        !! |z| = √(β² + δ²) [rad/s]: the mode's without its damping, (lines)
+    real(dp), allocatable :: deviation(:)        !! its standard deviation [rad/s], > 0, (lines)
+    real(dp), allocatable :: decay(:)            !! δ [1/s], (lines)
+    real(dp), allocatable :: decay_deviation(:)  !! > 0, (lines)
+    complex(dp), allocatable :: amplitude(:, :)  !! unallocated: not known where, or not comparable, (sensors, lines)
+    real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
+    real(dp), allocatable :: points(:)           !! ξ, (sensors)
+    logical :: bends = .false.                   !! sensors measure strain, else motion
+  end type measured_lines
+
+  type, public :: state_modes
+    !! Modes by their numbers.
+    integer, allocatable :: number(:)            !! ascending, (modes)
+    real(dp), allocatable :: frequency(:)        !! β [rad/s]; −√(−β²) of a mode that grows, (modes)
+    real(dp), allocatable :: decay(:)            !! c/2 [1/s], (modes)
+    real(dp), allocatable :: shape(:, :)         !! Φ, or curvature, at sensors whose amplitudes are known, (modes, sensors)
+    logical :: found = .false.                   !! false where these unknowns make no beam, or one whose modes are not found
+  end type state_modes
+
+  type, public :: beam_state
+    type(measured_lines) :: lines
+    logical, allocatable :: foreign(:)           !! lines that are known to be no modes, (lines)
+    integer, allocatable :: mode_of(:)           !! the mode that each line is taken for; 0: none, (lines)
+    integer :: most_modes = 0                    !! as many as the scene counts
+    logical, allocatable :: concerned(:)         !! by an unknown, (unknowns)
+    type(scene_type), private :: varied, one
+    real(dp), allocatable, private :: values(:)  !! of the unknowns that the last modes were found with
+    type(state_modes), private :: last
+    integer :: solutions = 0                     !! how often modes were found
+  contains
+    procedure :: modes_at
+  end type beam_state
+
+contains
+
+  type(beam_state) function state_of(scene, unknowns, lines) result(state)
+    !! A state without an assignment of its lines.
+    type(scene_type), intent(in) :: scene        !! without sweeps
+    type(identify_par), intent(in) :: unknowns(:)   !! those of group 0 do not concern this scene
+    type(measured_lines), intent(in) :: lines
+    state%lines = lines
+    state%concerned = unknowns%group > 0
+    state%most_modes = scene%modes%before
+    allocate (state%mode_of(size(lines%frequency)), source=0)
+    allocate (state%foreign(size(lines%frequency)), source=.false.)
+    call with_unknowns(scene, unknowns, state%varied)
+  end function state_of
+
+  subroutine modes_at(self, values, number, modes)
+    !! Find modes; what was asked last is remembered.
+    class(beam_state), intent(inout) :: self
+    real(dp), intent(in) :: values(:)            !! of the unknowns
+    integer, intent(in) :: number(:)             !! ascending, ≤ most_modes
+    type(state_modes), intent(out) :: modes
+    if (self%last%found .and. allocated(self%values)) then
+      if (size(number) == size(self%last%number)) then
+        if (all(number == self%last%number) .and. all(values == self%values .or. .not. self%concerned)) then
+          modes = self%last
+          return
+        end if
+      end if
+    end if
+    self%solutions = self%solutions + 1
+    self%values = values
+    call solve(self, values, number, modes)
+    self%last = modes
+  end subroutine modes_at
+
+  subroutine solve(state, values, number, modes)
+    !! Find modes of the scene with these values.
+    class(beam_state), intent(inout) :: state
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: number(:)
+    type(state_modes), intent(inout) :: modes
+    type(error_type), allocatable :: error
+    type(beam_units) :: units
+    type(case_modes) :: preliminary
+    type(mode_sources) :: sources
+    class(mode_set), allocatable :: set
+    type(silent_monitor) :: monitor
+    modes%number = number
+    allocate (modes%frequency(size(number)), modes%decay(size(number)), source=0.0_dp)
+    call scene_with(state%varied, values, state%one, error)
+    if (allocated(error)) return
+    units = units_of(state%one%beam)
+    call find_sources(state%one, units, monitor, preliminary, sources)
+    if (.not. preliminary%resolved) return
+    call sources%free%find(number, set)
+    modes%found = set%resolved
+    if (.not. modes%found) return
+    modes%frequency = sign(sqrt(abs(set%beta_squared%hi)), set%beta_squared%hi)*units%frequency
+    if (allocated(state%lines%points)) then
+      if (state%lines%bends) modes%shape = set%some_curvatures(1, set%count, state%lines%points)
+      if (.not. state%lines%bends) modes%shape = set%shapes(state%lines%points)
+    end if
+    if (allocated(set%damping)) modes%decay = 0.5_dp*set%damping*units%frequency
+  end subroutine solve
+
+end module bw_beam_state

@@ -1,0 +1,161 @@
+module bw_fit_intervals
+  !! What can be believed of unknowns that were fitted: intervals by profile likelihood, and how they go with each other.
+  !!
+  !! The interval of an unknown reaches to where the least sum of squares over all others is larger by the square of the
+  !! quantile. What the others are there is remembered: both ends fit alike.
+  use bw_beam_fit, only: fit_type
+  use bw_fit_problem, only: fit_problem
+  use bw_kinds, only: dp
+  use bw_lapack, only: dpotrf, dpotri
+  implicit none (type, external)
+  private
+  public :: find_intervals
+
+  type, public :: interval_type
+    !! Of one unknown; all places are v, −1 … 1 in the range.
+    real(dp) :: low = -1.0_dp, high = 1.0_dp
+    logical :: low_open = .true., high_open = .true.   !! the end is that of the range, not the record's
+    real(dp), allocatable :: at_low(:), at_high(:)     !! all unknowns there, (unknowns)
+  end type interval_type
+
+  type, public :: belief_type
+    type(interval_type), allocatable :: intervals(:)   !! (unknowns)
+    real(dp), allocatable :: correlation(:, :)         !! 0 beside unknowns that the record says nothing of, (unknowns, unknowns)
+    real(dp), allocatable :: deviation(:)              !! of v, where residuals are taken for linear, (unknowns)
+  end type belief_type
+
+contains
+
+  subroutine find_intervals(problem, fit, quantile, belief)
+    !! Intervals and correlations about a fit; the problem is at it before and after.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), intent(in) :: fit
+    real(dp), intent(in) :: quantile             !! of the normal distribution, two-sided
+    type(belief_type), intent(out) :: belief
+    integer :: i, n
+    n = size(problem%unknowns)
+    allocate (belief%intervals(n))
+    call find_covariance(problem, belief)
+    do i = 1, n
+      associate (interval => belief%intervals(i))
+        call follow(problem, fit, i, -1, quantile, belief, interval%low, interval%low_open, interval%at_low)
+        call follow(problem, fit, i, 1, quantile, belief, interval%high, interval%high_open, interval%at_high)
+      end associate
+    end do
+    problem%v = fit%v
+    problem%free = [(i, i=1, n)]
+  end subroutine find_intervals
+
+  subroutine find_covariance(problem, belief)
+    !! (JᵀJ + 1)⁻¹, J by differences: the 1 is what the range itself says of v, 0 ± 1, so that there is an inverse though the
+    !! record may say nothing of some direction.
+    type(fit_problem), intent(inout) :: problem
+    type(belief_type), intent(inout) :: belief
+    real(dp), parameter :: step = 1.0e-5_dp
+    real(dp), allocatable :: jacobian(:, :), up(:), down(:), information(:, :), covariance(:, :)
+    real(dp) :: v(size(problem%v))
+    integer :: i, j, m, n
+    n = size(problem%v)
+    m = problem%count()
+    allocate (jacobian(m, n), up(m), down(m), information(n, n))
+    do i = 1, n
+      v = problem%v
+      v(i) = min(1.0_dp, problem%v(i) + step)
+      call problem%find_residuals(v, up)
+      jacobian(:, i) = v(i)
+      v(i) = max(-1.0_dp, problem%v(i) - step)
+      call problem%find_residuals(v, down)
+      jacobian(:, i) = (up - down)/(jacobian(:, i) - v(i))
+    end do
+    information = matmul(transpose(jacobian), jacobian)
+    do i = 1, n
+      information(i, i) = information(i, i) + 1
+    end do
+    call invert(information, covariance)
+    allocate (belief%correlation(n, n), belief%deviation(n))
+    belief%deviation = sqrt([(covariance(i, i), i=1, n)])
+    do j = 1, n
+      do i = 1, n
+        belief%correlation(i, j) = covariance(i, j)/(belief%deviation(i)*belief%deviation(j))
+      end do
+    end do
+  end subroutine find_covariance
+
+  subroutine invert(matrix, inverse)
+    !! By Cholesky's factor, each unknown in units of its own.
+    real(dp), intent(in) :: matrix(:, :)         !! symmetric, positive definite
+    real(dp), allocatable, intent(out) :: inverse(:, :)
+    real(dp) :: unit(size(matrix, 1))
+    integer :: i, j, n, info
+    n = size(matrix, 1)
+    unit = [(1/sqrt(matrix(i, i)), i=1, n)]
+    inverse = matrix*spread(unit, 1, n)*spread(unit, 2, n)
+    call dpotrf('L', n, inverse, n, info)
+    if (info == 0) call dpotri('L', n, inverse, n, info)
+    do j = 1, n
+      do i = 1, j - 1
+        inverse(i, j) = inverse(j, i)
+      end do
+    end do
+    inverse = inverse*spread(unit, 1, n)*spread(unit, 2, n)
+  end subroutine invert
+
+  subroutine follow(problem, fit, i, way, quantile, belief, end, is_open, place)
+    !! Go from the fit to one side until the least sum of squares has grown by the square of the quantile. Its root grows
+    !! about linearly, so that secants get there in a few steps.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), intent(in) :: fit
+    integer, intent(in) :: i                     !! the unknown
+    integer, intent(in) :: way                   !! −1 or 1
+    real(dp), intent(in) :: quantile
+    type(belief_type), intent(in) :: belief
+    real(dp), intent(out) :: end
+    logical, intent(out) :: is_open
+    real(dp), allocatable, intent(out) :: place(:)
+    real(dp), parameter :: near = 0.01_dp
+    integer, parameter :: most_steps = 12
+    real(dp) :: t, inner, outer, g, g_inner, g_outer, room
+    integer :: step
+    room = 1 - way*fit%v(i)
+    inner = 0
+    g_inner = 0
+    outer = -1
+    g_outer = 0
+    place = fit%v
+    t = min(room, quantile*belief%deviation(i))
+    do step = 1, most_steps
+      g = growth_at(t)
+      place = problem%v
+      is_open = t >= room .and. g < quantile
+      if (abs(g - quantile) < near*quantile .or. is_open) exit
+      if (g < quantile) then
+        inner = t
+        g_inner = g
+      else
+        outer = t
+        g_outer = g
+      end if
+      if (outer < 0) then
+        t = min(room, merge(min(4*t, t*quantile/max(g, 0.1_dp*quantile)), 4*t, g > 0))
+      else
+        t = inner + (outer - inner)*min(0.9_dp, max(0.1_dp, (quantile - g_inner)/(g_outer - g_inner)))
+      end if
+    end do
+    end = fit%v(i) + way*t
+  contains
+    real(dp) function growth_at(distance) result(growth)
+      !! √ of how much larger the least sum of squares is.
+      real(dp), intent(in) :: distance
+      real(dp), allocatable :: residuals(:)
+      integer :: j
+      problem%free = pack([(j, j=1, size(fit%v))], [(j /= i, j=1, size(fit%v))])
+      problem%v = max(-1.0_dp, min(1.0_dp, fit%v + (place - fit%v)))
+      if (step == 1) problem%v = max(-1.0_dp, min(1.0_dp, fit%v + way*distance*belief%correlation(:, i)* &
+                                                  belief%deviation/belief%deviation(i)))
+      problem%v(i) = max(-1.0_dp, min(1.0_dp, fit%v(i) + way*distance))
+      call problem%minimise(residuals)
+      growth = sqrt(max(0.0_dp, sum(residuals**2) - fit%sum))
+    end function growth_at
+  end subroutine follow
+
+end module bw_fit_intervals

@@ -1,0 +1,267 @@
+module bw_fit_problem
+  !! Residuals of all measured lines against the modes of their beams: what is made least when unknowns are fitted.
+  !!
+  !! An unknown x of a range is v = −1 … 1, linear in x, or in ln x where the range spans decades. A line's residual is
+  !! (f_line − f)/√(s² + τ²f_line²): s its standard deviation, τ what the model is off by besides. Decays have residuals
+  !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
+  !! whose own complex amplitude is the one that fits them best.
+  use bw_beam_state, only: beam_state, state_modes
+  use bw_identify_par, only: identify_par
+  use bw_kinds, only: dp
+  use bw_least_squares, only: least_squares, residual_problem
+  use bw_line_assignment, only: band_type, best_scatter, pairing
+  implicit none (type, external)
+  private
+  public :: chi_squared_tail, position_in, value_at
+
+  real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
+  real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
+  real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
+
+  type, extends(residual_problem), public :: fit_problem
+    type(identify_par), allocatable :: unknowns(:)
+    type(beam_state), allocatable :: states(:)
+    real(dp) :: scatter = 0.0_dp                 !! τ
+    logical :: fits_decay = .false.
+    real(dp), allocatable :: v(:)                !! of all unknowns, (unknowns)
+    integer, allocatable :: free(:)              !! the unknowns that are changed
+    integer :: evaluations = 0
+  contains
+    procedure :: find_residuals
+    procedure :: count => count_residuals
+    procedure :: count_tested
+    procedure :: pairs
+    procedure :: match
+    procedure :: minimise
+    procedure :: sum_at
+    procedure :: values => values_of_problem
+  end type fit_problem
+
+contains
+
+  elemental real(dp) function value_at(unknown, v) result(x)
+    !! The unknown itself.
+    type(identify_par), intent(in) :: unknown
+    real(dp), intent(in) :: v
+    real(dp) :: way
+    way = min(1.0_dp, max(0.0_dp, 0.5_dp + 0.5_dp*v))
+    if (unknown%logarithmic) then
+      x = exp((1 - way)*log(unknown%first) + way*log(unknown%last))
+    else
+      x = (1 - way)*unknown%first + way*unknown%last
+    end if
+    x = min(unknown%last, max(unknown%first, x))
+  end function value_at
+
+  elemental real(dp) function position_in(unknown, x) result(v)
+    !! The place of a value in the range of its unknown, −1 … 1.
+    type(identify_par), intent(in) :: unknown
+    real(dp), intent(in) :: x
+    if (unknown%logarithmic) then
+      v = 2*log(x/unknown%first)/log(unknown%last/unknown%first) - 1
+    else
+      v = 2*(x - unknown%first)/(unknown%last - unknown%first) - 1
+    end if
+    v = min(1.0_dp, max(-1.0_dp, v))
+  end function position_in
+
+  pure function values_of_problem(self) result(values)
+    !! The unknowns themselves.
+    class(fit_problem), intent(in) :: self
+    real(dp) :: values(size(self%unknowns))
+    values = value_at(self%unknowns, self%v)
+  end function values_of_problem
+
+  pure integer function count_residuals(self) result(count)
+    !! One for each line that is a mode, one for its decay where damping is unknown, and two for its amplitude at each sensor.
+    class(fit_problem), intent(in) :: self
+    integer :: i
+    count = self%count_tested()
+    do i = 1, size(self%states)
+      associate (state => self%states(i))
+        if (allocated(state%lines%points)) count = count + 2*size(state%lines%points)*counted(state%mode_of)
+      end associate
+    end do
+  end function count_residuals
+
+  pure integer function count_tested(self) result(count)
+    !! The residuals by which a model is tested, which stand before those of amplitudes: the errors of these are not known well.
+    class(fit_problem), intent(in) :: self
+    integer :: i
+    count = 0
+    do i = 1, size(self%states)
+      count = count + merge(2, 1, self%fits_decay)*counted(self%states(i)%mode_of)
+    end do
+  end function count_tested
+
+  pure integer function counted(mode_of)
+    !! Lines that are modes.
+    integer, intent(in) :: mode_of(:)
+    counted = count(mode_of > 0)
+  end function counted
+
+  subroutine find_residuals(self, v, residuals)
+    !! The residuals of all lines, those that are no modes apart, in the order of states and lines; decays behind frequencies,
+    !! amplitudes behind all of these.
+    class(fit_problem), intent(inout) :: self
+    real(dp), intent(in) :: v(:)                 !! of the free unknowns
+    real(dp), intent(out) :: residuals(:)
+    type(state_modes) :: modes
+    integer, allocatable :: line(:)
+    real(dp) :: all_v(size(self%v))
+    integer :: i, k, n, m
+    self%evaluations = self%evaluations + 1
+    all_v = self%v
+    all_v(self%free) = v
+    residuals = 0
+    n = 0
+    m = self%count_tested()
+    do i = 1, size(self%states)
+      associate (state => self%states(i), lines => self%states(i)%lines)
+        line = pack([(k, k=1, size(state%mode_of))], state%mode_of > 0)
+        call state%modes_at(value_at(self%unknowns, all_v), state%mode_of(line), modes)
+        do k = 1, size(line)
+          n = n + 1
+          residuals(n) = impossible
+          if (modes%found) residuals(n) = (lines%frequency(line(k)) - modes%frequency(k)) &
+            /sqrt(lines%deviation(line(k))**2 + (self%scatter*lines%frequency(line(k)))**2)
+        end do
+        if (allocated(lines%points)) then
+          do k = 1, size(line)
+            if (modes%found) call put_amplitudes(lines%amplitude(:, line(k)), lines%amplitude_deviation(:, line(k)), &
+                                                 modes%shape(k, :), residuals(m + 1:m + 2*size(lines%points)))
+            m = m + 2*size(lines%points)
+          end do
+        end if
+        if (.not. self%fits_decay) cycle
+        do k = 1, size(line)
+          n = n + 1
+          residuals(n) = impossible
+          if (modes%found) residuals(n) = (lines%decay(line(k)) - modes%decay(k)) &
+            /sqrt(lines%decay_deviation(line(k))**2 + (self%scatter*lines%decay(line(k)))**2)
+        end do
+      end associate
+    end do
+  end subroutine find_residuals
+
+  pure subroutine put_amplitudes(amplitude, deviation, shape, residuals)
+    !! Residuals of the amplitudes of one line, real and imaginary parts.
+    complex(dp), intent(in) :: amplitude(:)      !! (sensors)
+    real(dp), intent(in) :: deviation(:), shape(:)
+    real(dp), intent(out) :: residuals(:)        !! (2 sensors)
+    complex(dp) :: scale, left(size(amplitude))
+    real(dp) :: weight(size(amplitude))
+    integer :: s
+    s = size(amplitude)
+    weight = 1/(deviation**2 + (sensor_error*maxval(abs(amplitude)))**2)
+    scale = sum(weight*shape*amplitude)/max(sum(weight*shape**2), tiny(1.0_dp))
+    left = sqrt(weight)*(amplitude - scale*shape)
+    residuals(:s) = left%re
+    residuals(s + 1:) = left%im
+  end subroutine put_amplitudes
+
+  subroutine pairs(self, records, band)
+    !! The lines of all states, and their modes as the unknowns are, up to those above the highest line.
+    class(fit_problem), intent(inout) :: self
+    type(pairing), allocatable, intent(out) :: records(:)
+    type(band_type), intent(out) :: band
+    integer, parameter :: at_once = 4
+    real(dp), parameter :: beyond = 1.1_dp       !! times the highest line, up to where modes are looked for
+    type(state_modes) :: modes
+    real(dp) :: low, high
+    integer :: i, k, n, lines
+    allocate (records(size(self%states)))
+    low = huge(low)
+    high = 0
+    lines = 0
+    do i = 1, size(self%states)
+      associate (state => self%states(i), frequency => self%states(i)%lines%frequency)
+        if (size(frequency) == 0) cycle
+        low = min(low, frequency(1))
+        high = max(high, frequency(size(frequency)))
+        lines = lines + size(frequency)
+        n = min(size(frequency) + at_once, state%most_modes)
+        do
+          call state%modes_at(self%values(), [(k, k=1, n)], modes)
+          if (.not. modes%found .or. n == state%most_modes) exit
+          if (modes%frequency(n) > beyond*frequency(size(frequency))) exit
+          n = min(n + at_once, state%most_modes)
+        end do
+        records(i)%line = frequency
+        records(i)%deviation = state%lines%deviation/frequency
+        records(i)%foreign = state%foreign
+        records(i)%mode = modes%frequency
+        if (.not. modes%found) records(i)%mode = -records(i)%mode
+      end associate
+    end do
+    do i = 1, size(self%states)
+      if (allocated(records(i)%line)) cycle
+      records(i)%line = self%states(i)%lines%frequency
+      records(i)%deviation = records(i)%line
+      records(i)%mode = records(i)%line
+      records(i)%foreign = self%states(i)%foreign
+    end do
+    band%width = exp(1.0_dp)*max(high/low, 1.0_dp)
+    band%share = max(0.0_dp, 1 - size(self%unknowns)/real(max(1, lines), dp))
+  end subroutine pairs
+
+  subroutine match(self, least, price, changed)
+    !! Assign lines to modes where the unknowns are, and set τ: both as they cost least.
+    class(fit_problem), intent(inout) :: self
+    real(dp), intent(in) :: least                !! τ is not below
+    real(dp), intent(out) :: price
+    logical, intent(out) :: changed              !! the assignment is another
+    type(pairing), allocatable :: records(:)
+    type(band_type) :: band
+    integer :: i
+    call self%pairs(records, band)
+    call best_scatter(records, band, least, self%scatter, price)
+    changed = .false.
+    do i = 1, size(self%states)
+      changed = changed .or. any(records(i)%mode_of /= self%states(i)%mode_of)
+      self%states(i)%mode_of = records(i)%mode_of
+    end do
+  end subroutine match
+
+  subroutine minimise(self, residuals)
+    !! Change the free unknowns until the sum of squares is least; the assignment stays.
+    class(fit_problem), intent(inout) :: self
+    real(dp), allocatable, intent(out) :: residuals(:)
+    real(dp) :: v(size(self%free))
+    integer :: evaluations
+    v = self%v(self%free)
+    if (size(v) == 0 .or. self%count() == 0) then
+      allocate (residuals(self%count()))
+      call self%find_residuals(v, residuals)
+      return
+    end if
+    call least_squares(self, self%count(), model_accuracy, v, residuals, evaluations)
+    self%v(self%free) = v
+  end subroutine minimise
+
+  real(dp) function sum_at(self) result(sum_of_squares)
+    !! The sum of squares where the unknowns are.
+    class(fit_problem), intent(inout) :: self
+    real(dp) :: residuals(self%count())
+    call self%find_residuals(self%v(self%free), residuals)
+    sum_of_squares = sum(residuals**2)
+  end function sum_at
+
+  pure real(dp) function chi_squared_tail(x, freedom) result(tail)
+    !! Probability that a sum of squares of so many standard normal deviates is above x: from 1 or 2 degrees of freedom
+    !! upwards by Q(n) = Q(n − 2) + (x/2)^(n/2 − 1) e^(−x/2)/Γ(n/2).
+    real(dp), intent(in) :: x                    !! ≥ 0
+    integer, intent(in) :: freedom               !! ≥ 1
+    integer :: n
+    if (mod(freedom, 2) == 1) then
+      tail = erfc(sqrt(0.5_dp*x))
+    else
+      tail = exp(-0.5_dp*x)
+    end if
+    if (.not. x > 0.0_dp) return
+    do n = 3 + mod(freedom + 1, 2), freedom, 2
+      tail = tail + exp((0.5_dp*n - 1)*log(0.5_dp*x) - 0.5_dp*x - log_gamma(0.5_dp*n))
+    end do
+  end function chi_squared_tail
+
+end module bw_fit_problem

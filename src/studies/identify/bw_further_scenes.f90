@@ -1,0 +1,102 @@
+module bw_further_scenes
+  !! The scenes that `&identify` groups name beside their own: each has a record of the same beam in a state of its own.
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_files, only: directory_of
+  use bw_input_values, only: group_values, position_of, positions_of
+  use bw_scene, only: scene_type
+  use bw_scene_reader, only: read_scene
+  use bw_text, only: string, text_of
+  implicit none (type, external)
+  private
+  public :: further_scenes
+
+contains
+
+  subroutine further_scenes(scene, further, error)
+    !! Read them, each once, in their order.
+    !! **Errors**: one cannot be read, or is no scene of a record and a beam.
+    type(scene_type), intent(in) :: scene
+    type(scene_type), allocatable, intent(out) :: further(:)
+    type(error_type), allocatable, intent(out) :: error
+    type(string), allocatable :: paths(:)
+    integer, allocatable :: places(:)
+    integer :: i
+    call list_paths(scene, paths, places)
+    allocate (further(size(paths)))
+    do i = 1, size(paths)
+      call read_scene(paths(i)%text, further(i), error)
+      if (allocated(error)) return
+      call check_further(scene, scene%groups(places(i)), further, i, error)
+      if (allocated(error)) return
+    end do
+  end subroutine further_scenes
+
+  subroutine list_paths(scene, paths, places)
+    !! The files, and the group that names each.
+    type(scene_type), intent(in) :: scene
+    type(string), allocatable, intent(out) :: paths(:)
+    integer, allocatable, intent(out) :: places(:)
+    integer, allocatable :: groups(:)
+    character(:), allocatable :: path
+    integer :: g, i, j
+    logical :: known
+    allocate (paths(0), places(0))
+    groups = positions_of(scene%groups, 'identify')
+    do g = 1, size(groups)
+      associate (group => scene%groups(groups(g)))
+        if (.not. group%known('with')) cycle
+        associate (names => group%values(group%at('with'))%texts)
+          do i = 1, size(names)
+            path = names(i)%text
+            if (index(path, '/') /= 1) path = directory_of(scene%file)//'/'//path
+            known = .false.
+            do j = 1, size(paths)
+              known = known .or. paths(j)%text == path
+            end do
+            if (known) cycle
+            call add(paths, path)
+            places = [places, groups(g)]
+          end do
+        end associate
+      end associate
+    end do
+  end subroutine list_paths
+
+  subroutine add(list, text)
+    !! One more text. (Array constructors of such types leak in gfortran 12.)
+    type(string), allocatable, intent(inout) :: list(:)
+    character(*), intent(in) :: text
+    type(string), allocatable :: longer(:)
+    integer :: i
+    allocate (longer(size(list) + 1))
+    do i = 1, size(list)
+      longer(i)%text = list(i)%text
+    end do
+    longer(size(longer))%text = text
+    call move_alloc(longer, list)
+  end subroutine add
+
+  subroutine check_further(scene, group, further, i, error)
+    !! A further scene has a record and a beam, no unknowns of its own, and a result of its own.
+    type(scene_type), intent(in) :: scene
+    type(group_values), intent(in) :: group              !! that names it
+    type(scene_type), intent(in) :: further(:)
+    integer, intent(in) :: i                             !! which of them
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: problem
+    integer :: j
+    problem = ''
+    if (.not. allocated(further(i)%record)) problem = 'has no &record'
+    if (position_of(further(i)%groups, 'beam') == 0) problem = 'has no &beam'
+    if (size(further(i)%unknowns) > 0) problem = 'has &identify groups of its own'
+    if (.not. all(further(i)%sweeps%implied)) problem = 'has sweeps'
+    if (further(i)%name == scene%name) problem = 'would have the same result as this scene'
+    do j = 1, i - 1
+      if (further(j)%name == further(i)%name) problem = 'would have the same result as '//further(j)%file
+    end do
+    if (problem == '') return
+    call fail(error, status_bad_input, scene%file//':'//text_of(group%line_of('with'))//': identify%with: '//further(i)%file// &
+              ' '//problem//'; accepted: scenes with &record and &beam, without &identify and &sweep, of other names than this one')
+  end subroutine check_further
+
+end module bw_further_scenes

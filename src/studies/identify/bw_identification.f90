@@ -1,0 +1,121 @@
+module bw_identification
+  !! From measured lines to the beam: the unknowns with their intervals, what the record does not fix, and whether the model
+  !! explains the lines.
+  use bw_beam_fit, only: fit_beam, fit_type, unlikely
+  use bw_beam_state, only: beam_state
+  use bw_fit_intervals, only: belief_type, find_intervals, interval_type
+  use bw_fit_problem, only: fit_problem, value_at
+  use bw_identify_par, only: identify_par
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: identify, problem_of
+
+  real(dp), parameter :: hardly_fixed = 0.25_dp  !! of its range, from which an unknown counts as not fixed
+  real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns stand for each other
+
+  type, public :: loose_direction
+    !! An unknown that the record does not fix, and another that makes up for it.
+    integer :: unknown = 0
+    integer :: partner = 0                       !! 0: nothing makes up for it, the record does not see it
+    real(dp), allocatable :: one(:), other(:)    !! all unknowns at two places that fit alike, (unknowns)
+  end type loose_direction
+
+  type, public :: identification
+    type(identify_par), allocatable :: unknowns(:)
+    type(fit_type) :: fit
+    type(belief_type) :: belief
+    real(dp), allocatable :: values(:)           !! of the unknowns
+    real(dp), allocatable :: low(:), high(:)     !! ends of their intervals
+    real(dp), allocatable :: others(:, :)        !! other places that fit as well, (unknowns, places)
+    type(loose_direction), allocatable :: loose(:)
+    logical :: explained = .true.                !! by noise
+    integer :: evaluations = 0
+  end type identification
+
+contains
+
+  subroutine identify(states, unknowns, quantile, found)
+    !! Fit the unknowns to the lines of all states.
+    type(beam_state), intent(inout) :: states(:) !! their assignments are those of the fit in the end
+    type(identify_par), intent(in) :: unknowns(:)
+    real(dp), intent(in) :: quantile             !! of the normal distribution: intervals reach so far, two-sided
+    type(identification), intent(out) :: found
+    type(fit_problem) :: problem
+    type(fit_type), allocatable :: others(:)
+    integer :: i, n
+    problem = problem_of(states, unknowns)
+    call fit_beam(problem, quantile**2, .true., found%fit, others)
+    call find_intervals(problem, found%fit, quantile, found%belief)
+    found%unknowns = unknowns
+    found%values = problem%values()
+    found%explained = .not. found%fit%tail < unlikely
+    found%evaluations = problem%evaluations
+    call widen(found%belief%intervals)
+    found%low = value_at(unknowns, found%belief%intervals%low)
+    found%high = value_at(unknowns, found%belief%intervals%high)
+    allocate (found%others(size(unknowns), size(others)))
+    n = 0
+    do i = 1, size(others)
+      if (all(others(i)%v >= found%belief%intervals%low .and. others(i)%v <= found%belief%intervals%high)) cycle
+      n = n + 1
+      found%others(:, n) = value_at(unknowns, others(i)%v)
+    end do
+    found%others = found%others(:, :n)
+    call find_loose(found)
+    states = problem%states
+  end subroutine identify
+
+  pure type(fit_problem) function problem_of(states, unknowns) result(problem)
+    !! What is fitted, before it is. Decays are where numbers of the damping are unknown.
+    type(beam_state), intent(in) :: states(:)
+    type(identify_par), intent(in) :: unknowns(:)
+    integer :: i
+    problem%unknowns = unknowns
+    problem%states = states
+    problem%fits_decay = any([(index(unknowns(i)%parameter, 'damping%') == 1, i=1, size(unknowns))])
+    allocate (problem%v(size(unknowns)), source=0.0_dp)
+  end function problem_of
+
+  subroutine widen(intervals)
+    !! The places at the ends of all intervals fit alike: an interval reaches at least to where these are. (Where curves of
+    !! equal fit turn back, what is found by going along one unknown is not all of them.)
+    type(interval_type), intent(inout) :: intervals(:)
+    integer :: i, j
+    do i = 1, size(intervals)
+      do j = 1, size(intervals)
+        intervals(i)%low = min(intervals(i)%low, intervals(j)%at_low(i), intervals(j)%at_high(i))
+        intervals(i)%high = max(intervals(i)%high, intervals(j)%at_low(i), intervals(j)%at_high(i))
+      end do
+    end do
+  end subroutine widen
+
+  subroutine find_loose(found)
+    !! Unknowns whose intervals fill much of their ranges, each with the one that follows it most.
+    type(identification), intent(inout) :: found
+    type(loose_direction), allocatable :: loose(:)
+    real(dp) :: others(size(found%values))
+    integer :: i, j, n
+    n = size(found%values)
+    allocate (loose(n))
+    j = 0
+    do i = 1, n
+      associate (interval => found%belief%intervals(i))
+        if (interval%high - interval%low < 2*hardly_fixed) cycle
+        j = j + 1
+        loose(j)%unknown = i
+        others = abs(interval%at_high - interval%at_low)
+        others(i) = 0
+        loose(j)%partner = maxloc(others, dim=1)
+        if (n == 1) loose(j)%partner = 0
+        if (loose(j)%partner > 0) then
+          if (abs(found%belief%correlation(i, loose(j)%partner)) < together .and. maxval(others) < 0.1_dp) loose(j)%partner = 0
+        end if
+        loose(j)%one = value_at(found%unknowns, interval%at_low)
+        loose(j)%other = value_at(found%unknowns, interval%at_high)
+      end associate
+    end do
+    found%loose = loose(:j)
+  end subroutine find_loose
+
+end module bw_identification

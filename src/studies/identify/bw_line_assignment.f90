@@ -1,0 +1,142 @@
+module bw_line_assignment
+  !! Which measured line is which mode: both in ascending order, lines that are no modes and modes without a line left out, at
+  !! the least price.
+  !!
+  !! A price is −2 ln of a probability. A line is a mode with probability 1 − `p_foreign`, and then lies about the mode's
+  !! frequency f as a normal deviate whose relative variance is s² + τ²: s the line's own standard deviation, τ what the model
+  !! is off by, common to all lines. Or it is none, and lies anywhere in the band, by the logarithm of its frequency. Any mode below
+  !! the last one that has a line lacks one with probability `p_silent`. So a pair costs ((f_line − f)/f_line)²/(s² + τ²)
+  !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p_foreign)(1 − p_silent), a foreign line 2ρ ln(width of the band) − 2 ln p_foreign, and a
+  !! silent mode −2 ln p_silent. As k unknowns make k of n residuals vanish whatever the lines are, only the share
+  !! ρ = 1 − k/n of the logarithms counts: it is what restricted likelihood leaves.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: assign, best_scatter
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: p_foreign = 0.05_dp, p_silent = 0.3_dp    !! chosen: few lines are foreign, many modes silent
+
+  type, public :: band_type
+    !! What prices depend on beside a line and a mode.
+    real(dp) :: width = 1.0_dp           !! ln of the highest over the lowest frequency that a line may have
+    real(dp) :: share = 1.0_dp           !! ρ
+  end type band_type
+
+  type, public :: pairing
+    !! The lines and modes of one record.
+    real(dp), allocatable :: line(:)     !! frequencies, ascending, > 0, (lines)
+    real(dp), allocatable :: deviation(:)  !! relative standard deviations s, (lines)
+    logical, allocatable :: foreign(:)   !! a line that is known to be no mode, (lines)
+    real(dp), allocatable :: mode(:)     !! frequencies, ascending; not > 0: no line can be this mode, (modes)
+    integer, allocatable :: mode_of(:)   !! the mode of each line; 0: none, (lines)
+  end type pairing
+
+contains
+
+  subroutine best_scatter(records, band, least, scatter, price)
+    !! Assign the lines of several records with the τ at which it costs least.
+    type(pairing), intent(inout) :: records(:)
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: least        !! τ is not below
+    real(dp), intent(out) :: scatter     !! τ
+    real(dp), intent(out) :: price
+    real(dp), parameter :: largest = 0.3_dp, ratio = 2.0_dp
+    integer, parameter :: most = 22      !! down to 1e-7 of the largest, then 0
+    real(dp) :: tau, cost
+    integer :: i
+    price = huge(price)
+    scatter = largest
+    do i = 0, most
+      tau = largest/ratio**i
+      if (i == most) tau = 0
+      if (tau < least) tau = least
+      call price_all(tau, cost)
+      if (cost < price) scatter = tau
+      price = min(price, cost)
+      if (tau <= least) exit
+    end do
+    call price_all(scatter, price)
+  contains
+    subroutine price_all(tau, total)
+      real(dp), intent(in) :: tau
+      real(dp), intent(out) :: total
+      real(dp) :: one
+      integer :: r
+      total = 0
+      do r = 1, size(records)
+        call assign(records(r), band, tau, one)
+        total = total + one
+      end do
+    end subroutine price_all
+  end subroutine best_scatter
+
+  pure subroutine assign(record, band, tau, price)
+    !! The assignment that costs least, by dynamic programming over the first i lines and j modes.
+    type(pairing), intent(inout) :: record
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: tau
+    real(dp), intent(out) :: price
+    integer, parameter :: pair = 1, foreign = 2, silent = 3
+    real(dp), allocatable :: cost(:, :)
+    integer, allocatable :: step(:, :)
+    real(dp) :: choices(3)
+    integer :: i, j, n, m
+    n = size(record%line)
+    m = size(record%mode)
+    allocate (cost(0:n, 0:m), step(0:n, 0:m))
+    step = 0
+    cost(0, 0) = 0
+    do j = 0, m
+      do i = 0, n
+        if (i + j == 0) cycle
+        choices = huge(price)
+        if (i > 0 .and. j > 0) choices(pair) = cost(i - 1, j - 1) + pair_price(record, band, tau, i, j)
+        if (i > 0) choices(foreign) = cost(i - 1, j) + 2*band%share*log(band%width) - 2*log(p_foreign)
+        if (j > 0) choices(silent) = cost(i, j - 1) + silent_price(record%mode(j))
+        step(i, j) = minloc(choices, dim=1)
+        cost(i, j) = choices(step(i, j))
+      end do
+    end do
+    if (allocated(record%mode_of)) deallocate (record%mode_of)
+    allocate (record%mode_of(n), source=0)
+    i = n
+    j = minloc(cost(n, :), dim=1) - 1                  ! modes above the last that has a line may well be silent
+    price = cost(n, j)
+    do while (i + j > 0)
+      if (step(i, j) == pair) record%mode_of(i) = j
+      select case (step(i, j))
+      case (pair)
+        i = i - 1
+        j = j - 1
+      case (foreign)
+        i = i - 1
+      case default
+        j = j - 1
+      end select
+    end do
+  end subroutine assign
+
+  pure real(dp) function pair_price(record, band, tau, i, j) result(price)
+    !! Of line i as mode j.
+    type(pairing), intent(in) :: record
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: tau
+    integer, intent(in) :: i, j
+    real(dp), parameter :: never = 1.0e30_dp
+    real(dp) :: variance
+    price = never
+    if (record%foreign(i) .or. .not. record%mode(j) > 0) return
+    variance = record%deviation(i)**2 + tau**2
+    price = min(never, ((record%line(i) - record%mode(j))/record%line(i))**2/variance) &
+      + band%share*log(2*pi*variance) - 2*log((1 - p_foreign)*(1 - p_silent))
+  end function pair_price
+
+  elemental real(dp) function silent_price(frequency) result(price)
+    !! Of a mode without a line; one that grows has none.
+    real(dp), intent(in) :: frequency
+    price = 0
+    if (frequency > 0) price = -2*log(p_silent)
+  end function silent_price
+
+end module bw_line_assignment

@@ -1,0 +1,85 @@
+module bw_model_comparison
+  !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
+  use bw_beam_fit, only: explain, unlikely
+  use bw_beam_state, only: beam_state, state_modes
+  use bw_fit_problem, only: chi_squared_tail, fit_problem
+  use bw_identification, only: problem_of
+  use bw_identify_par, only: identify_par
+  use bw_kinds, only: dp
+  use bw_missing, only: missing
+  use bw_result_lines, only: result_lines
+  implicit none (type, external)
+  private
+  public :: compare_case, match_lines
+
+  type, public :: compared_lines
+    !! The lines of one case with their modes; missing where a line is no mode.
+    integer, allocatable :: mode(:)              !! 0: none, (lines)
+    real(dp), allocatable :: frequency(:)        !! of the mode, were it damped as the line is [rad/s], (lines)
+    real(dp), allocatable :: decay(:)            !! of the mode [1/s], (lines)
+    real(dp), allocatable :: frequency_misfit(:) !! measured − computed over half the interval, (lines)
+    real(dp), allocatable :: decay_misfit(:)     !! likewise; missing where nothing damps the modes, (lines)
+  end type compared_lines
+
+  type, public :: misfit_type
+    !! How well modes explain lines.
+    real(dp) :: chi_squared = 0.0_dp
+    integer :: freedom = 0
+    real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone
+    real(dp) :: scatter = 0.0_dp                 !! relative, of frequencies, beside noise
+  end type misfit_type
+
+contains
+
+  subroutine match_lines(state, misfit)
+    !! Assign the lines of one state of which nothing is unknown.
+    type(beam_state), intent(inout) :: state
+    type(misfit_type), intent(out) :: misfit
+    type(fit_problem) :: problem
+    type(identify_par) :: none(0)
+    real(dp), allocatable :: residuals(:)
+    real(dp) :: price
+    logical :: changed
+    problem = problem_of([state], none)
+    allocate (problem%free(0))
+    if (size(state%lines%frequency) == 0) return
+    call problem%match(0.0_dp, price, changed)
+    problem%scatter = 0
+    call problem%minimise(residuals)
+    misfit%freedom = problem%count_tested()
+    misfit%chi_squared = sum(residuals(:misfit%freedom)**2)
+    if (misfit%freedom > 0) misfit%tail = chi_squared_tail(misfit%chi_squared, misfit%freedom)
+    if (misfit%tail < unlikely) call explain(problem, misfit%freedom)
+    misfit%scatter = problem%scatter
+    state = problem%states(1)
+  end subroutine match_lines
+
+  subroutine compare_case(measured, state, values, compared)
+    !! Lines beside the modes that they are taken for.
+    type(result_lines), intent(in) :: measured
+    type(beam_state), intent(inout) :: state     !! with its assignment
+    real(dp), intent(in) :: values(:)            !! of the unknowns
+    type(compared_lines), intent(out) :: compared
+    type(state_modes) :: modes
+    integer, allocatable :: line(:)
+    real(dp) :: square
+    integer :: i, k, n
+    n = size(state%mode_of)
+    compared%mode = state%mode_of
+    allocate (compared%frequency(n), compared%decay(n), compared%frequency_misfit(n), compared%decay_misfit(n), source=missing)
+    line = pack([(k, k=1, n)], state%mode_of > 0)
+    call state%modes_at(values, state%mode_of(line), modes)
+    if (.not. modes%found) return
+    do i = 1, size(line)
+      k = line(i)
+      square = modes%frequency(i)**2 - measured%lines%decay(k)**2
+      if (square >= 0) compared%frequency(k) = sqrt(square)
+      compared%decay(k) = modes%decay(i)
+      if (square >= 0 .and. measured%error(k) > 0) compared%frequency_misfit(k) = &
+        (measured%angular_frequency(k) - compared%frequency(k))/measured%error(k)
+      if (measured%decay_error(k) > 0 .and. modes%decay(i) > 0) compared%decay_misfit(k) = &
+        (measured%lines%decay(k) - modes%decay(i))/measured%decay_error(k)
+    end do
+  end subroutine compare_case
+
+end module bw_model_comparison

@@ -1,0 +1,202 @@
+module bw_model_report
+  !! The printed report of a beam held against its record, and of what was identified.
+  use bw_absent_mends, only: mend_type
+  use bw_beam_fit, only: unlikely
+  use bw_columns, only: right
+  use bw_identification, only: identification
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing
+  use bw_model_comparison, only: compared_lines, misfit_type
+  use bw_record_report, only: to_its_error
+  use bw_result_lines, only: result_lines
+  use bw_text, only: shortest, text_builder, text_of
+  implicit none (type, external)
+  private
+  public :: explained_text, loose_text, report_comparison, report_identified, report_mends
+
+  real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
+  integer, parameter :: widths(7) = [14, 11, 6, 14, 12, 12, 14]
+
+contains
+
+  subroutine report_comparison(title, measured, compared, lines)
+    !! A row for each line of a case, with the mode that it is taken for.
+    character(*), intent(in) :: title            !! of the case
+    type(result_lines), intent(in) :: measured
+    type(compared_lines), intent(in) :: compared
+    type(text_builder), intent(inout) :: lines
+    character(24) :: words(size(widths))
+    integer :: k
+    call lines%append_line('')
+    call lines%append_line('  '//title)
+    call put_row(lines, '  line', [character(24) :: 'measured', '+/-', 'mode', 'computed', 'difference', 'over +/-', 'decay rates'])
+    call put_row(lines, '      ', [character(24) :: 'Hz', 'Hz', '', 'Hz', '%', '', 'over +/-'])
+    do k = 1, size(compared%mode)
+      words = '-'
+      words(1) = to_its_error(measured%angular_frequency(k)/two_pi, measured%error(k)/two_pi)
+      words(2) = shortest(measured%error(k)/two_pi, 2)
+      if (compared%mode(k) > 0) words(3) = text_of(compared%mode(k))
+      if (.not. is_missing(compared%frequency(k))) then
+        words(4) = to_its_error(compared%frequency(k)/two_pi, measured%error(k)/two_pi)
+        words(5) = shortest(100*(measured%angular_frequency(k)/compared%frequency(k) - 1), 3)
+      end if
+      if (.not. is_missing(compared%frequency_misfit(k))) words(6) = shortest(compared%frequency_misfit(k), 3)
+      if (.not. is_missing(compared%decay_misfit(k))) words(7) = shortest(compared%decay_misfit(k), 3)
+      call put_row(lines, right(text_of(k), 6), words)
+    end do
+  end subroutine report_comparison
+
+  subroutine put_row(lines, first, words)
+    !! Words at the right of their columns.
+    type(text_builder), intent(inout) :: lines
+    character(*), intent(in) :: first, words(:)
+    integer :: c
+    call lines%append(first)
+    do c = 1, size(words)
+      call lines%append(right(trim(words(c)), widths(c)))
+    end do
+    call lines%append_line('')
+  end subroutine put_row
+
+  function explained_text(misfit) result(text)
+    !! Whether noise explains what the modes leave of the lines.
+    type(misfit_type), intent(in) :: misfit
+    character(:), allocatable :: text
+    real(dp), parameter :: never = 1.0e-12_dp
+    if (misfit%freedom < 1) then
+      text = 'there are no more lines than unknowns, so that nothing tests the model'
+      return
+    end if
+    text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//text_of(misfit%freedom)//' degrees of freedom; noise '// &
+      'alone makes more of it in '
+    if (misfit%tail < never) text = text//'less than one of '//shortest(1/never, 2)//' records'
+    if (.not. misfit%tail < never) text = text//shortest(100*misfit%tail, 2)//' % of records'
+    if (misfit%tail < unlikely) then
+      text = 'the model does not explain the lines: '//text//'. Frequencies are off by '//shortest(100*misfit%scatter, 2)// &
+        ' % (one standard deviation)'
+    else
+      text = 'the model explains the lines: '//text
+    end if
+  end function explained_text
+
+  subroutine report_identified(found, confidence, lines)
+    !! A row for each unknown, and what goes with what.
+    type(identification), intent(in) :: found
+    real(dp), intent(in) :: confidence
+    type(text_builder), intent(inout) :: lines
+    integer :: i
+    call lines%append_line('')
+    call lines%append_line('  Identified; intervals of '//shortest(100*confidence, 6)//' % by profile likelihood')
+    call lines%append_line('  unknown                               value          from            to   unit')
+    do i = 1, size(found%values)
+      associate (unknown => found%unknowns(i), interval => found%belief%intervals(i))
+        call lines%append('  '//unknown%parameter//repeat(' ', max(1, 28 - len(unknown%parameter))))
+        call lines%append(right(to_width(found%values(i), found%high(i) - found%low(i)), 15))
+        call lines%append(right(to_width(found%low(i), found%high(i) - found%low(i)), 14))
+        call lines%append(right(to_width(found%high(i), found%high(i) - found%low(i)), 14))
+        call lines%append('   '//unknown%unit)
+        if (interval%low_open) call lines%append('; from: the end of its range')
+        if (interval%high_open) call lines%append('; to: the end of its range')
+        call lines%append_line('')
+      end associate
+    end do
+    call report_correlations(found, lines)
+    do i = 1, size(found%loose)
+      call lines%append_line('  Not fixed: '//loose_text(found, i))
+    end do
+    do i = 1, size(found%others, 2)
+      call lines%append_line('  Fits as well: '//place_text(found, found%others(:, i), [1], .true.))
+    end do
+  end subroutine report_identified
+
+  function to_width(value, width) result(text)
+    !! A number with as many digits as an interval of this width tells, two of its own at least.
+    real(dp), intent(in) :: value, width
+    character(:), allocatable :: text
+    integer :: digits
+    digits = 15
+    if (width > 0.0_dp .and. abs(value) > 0.0_dp) digits = 3 + floor(log10(abs(value))) - floor(log10(width))
+    text = shortest(value, max(2, min(15, digits)))
+  end function to_width
+
+  subroutine report_correlations(found, lines)
+    !! Those that matter.
+    type(identification), intent(in) :: found
+    type(text_builder), intent(inout) :: lines
+    real(dp), parameter :: least = 0.5_dp
+    integer :: i, j
+    do i = 1, size(found%values)
+      do j = i + 1, size(found%values)
+        if (abs(found%belief%correlation(i, j)) < least) cycle
+        call lines%append_line('  Correlation of '//found%unknowns(i)%parameter//' and '//found%unknowns(j)%parameter//': '// &
+                               shortest(found%belief%correlation(i, j), 3))
+      end do
+    end do
+  end subroutine report_correlations
+
+  function loose_text(found, i) result(text)
+    !! An unknown that the record does not fix, and the one that makes up for it, at two places that fit alike.
+    type(identification), intent(in) :: found
+    integer, intent(in) :: i
+    character(:), allocatable :: text
+    associate (loose => found%loose(i))
+      text = found%unknowns(loose%unknown)%parameter
+      if (loose%partner == 0) then
+        text = text//': '//place_text(found, loose%one, [loose%unknown], .false.)//' and '// &
+          place_text(found, loose%other, [loose%unknown], .false.)//' fit alike'
+      else
+        text = text//' and '//found%unknowns(loose%partner)%parameter//': '// &
+          place_text(found, loose%one, [loose%unknown, loose%partner], .false.)//' and '// &
+          place_text(found, loose%other, [loose%unknown, loose%partner], .false.)//' fit alike'
+      end if
+    end associate
+  end function loose_text
+
+  function place_text(found, values, which, all_named) result(text)
+    !! Values of unknowns: `0.0044 kg at 0.8`, or all of them with their names.
+    type(identification), intent(in) :: found
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: which(:)
+    logical, intent(in) :: all_named
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    if (all_named) then
+      do i = 1, size(values)
+        text = text//', '//found%unknowns(i)%parameter//' = '//with_unit(values(i), found%unknowns(i)%unit)
+      end do
+      text = text(3:)
+    else
+      do i = 1, size(which)
+        if (i > 1) text = text//' with '
+        text = text//with_unit(values(which(i)), found%unknowns(which(i))%unit)
+      end do
+    end if
+  end function place_text
+
+  function with_unit(value, unit) result(text)
+    !! `4.4 kg`.
+    real(dp), intent(in) :: value
+    character(*), intent(in) :: unit
+    character(:), allocatable :: text
+    text = shortest(value, 4)
+    if (unit /= '1' .and. unit /= '') text = text//' '//unit
+  end function with_unit
+
+  subroutine report_mends(mends, lines)
+    !! What would mend a misfit, the most first.
+    type(mend_type), intent(in) :: mends(:)
+    type(text_builder), intent(inout) :: lines
+    integer :: i
+    if (size(mends) == 0) return
+    call lines%append_line('  With an effect that the model leaves out, fitted again, frequencies would be off by')
+    do i = 1, size(mends)
+      call lines%append(right(shortest(100*mends(i)%fit%scatter, 2), 10)//' %   '//mends(i)%effect)
+      if (mends(i)%parameter /= '') call lines%append(' ('//mends(i)%parameter//' = '// &
+                                                      with_unit(mends(i)%value, mends(i)%unit)//')')
+      if (mends(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
+      call lines%append_line('')
+    end do
+  end subroutine report_mends
+
+end module bw_model_report

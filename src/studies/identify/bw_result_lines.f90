@@ -1,0 +1,97 @@
+module bw_result_lines
+  !! The lines of a record from its finished result.
+  use bw_beam_state, only: measured_lines
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing
+  use bw_netcdf_path, only: plain_path
+  use bw_result_header, only: quantities
+  use netcdf, only: nf90_close, nf90_get_var, nf90_inq_varid, nf90_inquire_dimension, nf90_inquire_variable, nf90_noerr, &
+    nf90_nowrite, nf90_open, nf90_strerror
+  implicit none (type, external)
+  private
+  public :: read_result_lines
+
+  real(dp), parameter :: least_error = 1.0e-12_dp     !! of a frequency, relatively: to this modes are known
+  real(dp), parameter :: least_decay_error = 1.0e-9_dp   !! of a decay, over the frequency
+
+  type, public :: result_lines
+    !! The lines of one case.
+    type(measured_lines) :: lines
+    real(dp), allocatable :: angular_frequency(:), error(:)   !! of the damped line and half its interval [rad/s], (lines)
+    real(dp), allocatable :: decay_error(:)      !! half its interval [1/s], (lines)
+    integer, allocatable :: status(:)            !! bits of `status_words`, (lines)
+  end type result_lines
+
+contains
+
+  subroutine read_result_lines(path, quantile, cases, error)
+    !! Read the lines of all cases of a result.
+    character(*), intent(in) :: path
+    real(dp), intent(in) :: quantile             !! how many standard deviations half an interval is
+    type(result_lines), allocatable, intent(out) :: cases(:)
+    type(error_type), allocatable, intent(out) :: error
+    real(dp), allocatable, dimension(:, :, :) :: frequency, frequency_error, decay, decay_error, status
+    real(dp), allocatable, dimension(:, :, :) :: amplitude, amplitude_error, phase, place, quantity
+    logical :: placed
+    integer :: file, problem, c, k, n
+    problem = nf90_open(plain_path(path), nf90_nowrite, file)
+    call read_block(file, 'measured_angular_frequency', frequency, problem)
+    call read_block(file, 'measured_angular_frequency_error', frequency_error, problem)
+    call read_block(file, 'measured_decay_rate', decay, problem)
+    call read_block(file, 'measured_decay_rate_error', decay_error, problem)
+    call read_block(file, 'peak_status', status, problem)
+    if (problem /= nf90_noerr) then
+      call fail(error, status_bad_file, path//': its lines cannot be read: '//trim(nf90_strerror(problem)))
+      return
+    end if
+    call read_block(file, 'measured_amplitude', amplitude, problem)
+    call read_block(file, 'measured_amplitude_error', amplitude_error, problem)
+    call read_block(file, 'measured_phase', phase, problem)
+    call read_block(file, 'point_position', place, problem)
+    call read_block(file, 'sensor_quantity', quantity, problem)
+    placed = problem == nf90_noerr
+    if (placed) placed = size(place) > 1 .and. all(quantity == quantity(1, 1, 1))    ! else they say nothing of shapes
+    problem = nf90_close(file)
+    allocate (cases(size(frequency, 2)))
+    do c = 1, size(cases)
+      n = count(.not. is_missing(frequency(:, c, 1)))
+      associate (one => cases(c))
+        one%angular_frequency = frequency(:n, c, 1)
+        one%error = frequency_error(:n, c, 1)
+        one%decay_error = decay_error(:n, c, 1)
+        one%status = nint(status(:n, c, 1))
+        one%lines%decay = decay(:n, c, 1)
+        one%lines%frequency = hypot(one%angular_frequency, one%lines%decay)
+        one%lines%deviation = [(max(least_error*frequency(k, c, 1), frequency_error(k, c, 1)/quantile), k=1, n)]
+        one%lines%decay_deviation = [(max(least_decay_error*frequency(k, c, 1), decay_error(k, c, 1)/quantile), k=1, n)]
+        if (.not. placed .or. n == 0) cycle
+        if (any(is_missing(amplitude_error(:n, :, c)))) cycle
+        one%lines%points = place(:, 1, 1)
+        one%lines%bends = nint(quantity(1, 1, 1)) == findloc(quantities == 'strain', .true., dim=1)
+        one%lines%amplitude = transpose(amplitude(:n, :, c)*exp((0.0_dp, 1.0_dp)*phase(:n, :, c)))
+        one%lines%amplitude_deviation = transpose(amplitude_error(:n, :, c))/quantile
+      end associate
+    end do
+  end subroutine read_result_lines
+
+  subroutine read_block(file, name, values, problem)
+    !! A variable of up to three dimensions, the fastest first.
+    integer, intent(in) :: file
+    character(*), intent(in) :: name
+    real(dp), allocatable, intent(out) :: values(:, :, :)
+    integer, intent(inout) :: problem            !! of NetCDF; nothing is done after one
+    integer :: variable, rank, ids(3), lengths(3), i
+    if (problem == nf90_noerr) problem = nf90_inq_varid(file, name, variable)
+    if (problem == nf90_noerr) problem = nf90_inquire_variable(file, variable, ndims=rank)
+    if (problem == nf90_noerr) problem = nf90_inquire_variable(file, variable, dimids=ids(:rank))
+    lengths = 1
+    do i = 1, merge(rank, 0, problem == nf90_noerr)
+      if (problem == nf90_noerr) problem = nf90_inquire_dimension(file, ids(i), len=lengths(i))
+    end do
+    if (problem /= nf90_noerr) return
+    allocate (values(lengths(1), lengths(2), lengths(3)))
+    problem = nf90_get_var(file, variable, values, count=lengths(:rank))
+  end subroutine read_block
+
+end module bw_result_lines

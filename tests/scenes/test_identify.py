@@ -1,0 +1,188 @@
+"""Records held against a beam: modes beside lines, unknown numbers of the beam, and the scene of what was identified.
+
+The true frequencies are those of the closed forms of a cantilever with a mass at its tip, solved here.
+"""
+
+import mpmath
+import numpy as np
+import pytest
+import results
+from ring_downs import as_text
+from workplace import namelist
+
+LENGTH, DENSITY, HEIGHT, WIDTH = 0.6, 2700.0, 0.006, 0.03  # an aluminium beam
+MODULUS, MASS = 68.4e9, 0.047
+RATE, SAMPLES, NOISE = 2000.0, 2048, 0.02
+DECAYS = np.array([0.6, 2.0, 4.0, 8.0])  # 1/s
+BEAM = {"length": LENGTH, "density": DENSITY, "width": WIDTH, "height": HEIGHT}
+UNKNOWN = {"parameter": "beam%youngs_modulus", "first": 50e9, "last": 90e9}
+MORE = {"parameter": "body%mass", "first": 0.01, "last": 0.3, "with": "alone.nml"}
+WIDE = 2.0  # intervals of 95 %: four standard deviations, and the seeds are fixed
+
+
+def wave_numbers(ratio, count=4):
+    """Roots α of 1 + cos α cosh α + αγ (cos α sinh α − sin α cosh α) = 0."""
+
+    def equation(a):
+        return (1 / mpmath.cosh(a) + mpmath.cos(a) + a * ratio * (mpmath.cos(a) * mpmath.tanh(a) - mpmath.sin(a)))
+
+    ends = [(0.01, 2.0), *(((k - 1) * mpmath.pi + 0.5, (k - 0.5) * mpmath.pi + 0.2) for k in range(2, count + 1))]
+    return np.array([float(mpmath.findroot(equation, end, solver="anderson")) for end in ends])
+
+
+def frequencies(ratio=0.0, modulus=MODULUS):
+    """Undamped angular frequencies, rad/s."""
+    return np.sqrt(modulus * HEIGHT**2 / 12 / DENSITY) * (wave_numbers(ratio) / LENGTH) ** 2
+
+
+def ring_down(seed, beta, foreign=None):
+    """A record of the modes, with a tone that is none where one is asked for."""
+    dice = np.random.default_rng(seed)
+    time = np.arange(SAMPLES) / RATE
+    damped = np.sqrt(beta**2 - DECAYS**2)
+    values = (np.exp(-np.outer(DECAYS, time)) * np.cos(np.outer(damped, time) + dice.uniform(0, 6, (4, 1)))).sum(axis=0)
+    if foreign:
+        values += 0.5 * np.cos(2 * np.pi * foreign * time)
+    return as_text(time, (values + NOISE * dice.standard_normal(SAMPLES))[None, :], "time [s],tip [m]")
+
+
+def scene_of(record, unknowns=(), **groups):
+    """A scene as text: f90nml's way for groups that repeat."""
+    scene = {"beam": BEAM, **groups, "record": {"file": record}, "spectrum": {}}
+    return namelist(scene) + "".join(namelist({"identify": unknown}) for unknown in unknowns)
+
+
+RATIO = MASS / (DENSITY * WIDTH * HEIGHT * LENGTH)
+
+
+@pytest.fixture(scope="module")
+def together(shared):
+    """The beam alone and the beam with a mass, fitted together."""
+    here = shared("together")
+    here.write("alone.csv", ring_down(1, frequencies()))
+    here.write("loaded.csv", ring_down(2, frequencies(RATIO), foreign=333.0))
+    here.write("alone.nml", scene_of("alone.csv", beam={**BEAM, "youngs_modulus": 70e9}))
+    here.write("loaded.nml", scene_of("loaded.csv", [UNKNOWN, MORE], body={"mass": 0.1, "position": 1.0}))
+    return here, here.run("loaded")
+
+
+def test_unknowns_of_two_states_are_inside_their_intervals(together):
+    _, result = together
+    found, error = result["identified"], result["identified_error"]
+    assert [str(name).strip() for name in result["identified_parameter"]] == ["beam%youngs_modulus", "body%mass"]
+    assert [str(unit).strip() for unit in result["identified_unit"]] == ["Pa", "kg"]
+    assert (abs(found - [MODULUS, MASS]) < WIDE * error).all()
+    assert (error < np.array([1e-3, 1e-2]) * found).all()
+    assert ((result["identified_low"] < found) & (found < result["identified_high"])).all()
+    correlation = result["identified_correlation"]
+    assert np.diag(correlation).tolist() == pytest.approx([1, 1])
+    assert correlation[0, 1] == pytest.approx(correlation[1, 0])
+    assert result["misfit_freedom"] == 6
+    assert result["misfit_probability"] > 1e-3
+
+
+def test_a_tone_that_is_no_mode_is_left_out(together):
+    _, result = together
+    mode = result["peak_mode"][: result["peak_count"]]
+    assert sorted(mode) == [0, 1, 2, 3, 4]
+    lone = result["measured_angular_frequency"][: len(mode)][mode == 0]
+    assert lone / (2 * np.pi) == pytest.approx([333.0], abs=0.01)
+
+
+def test_the_result_of_the_other_state_is_there_too(together):
+    here, _ = together
+    alone = here.result("alone")
+    true = np.sqrt(frequencies(modulus=70e9) ** 2 - alone["measured_decay_rate"][:4] ** 2)
+    assert alone["peak_count"] == 4
+    assert "peak_mode" not in alone.variables  # it is compared where it is run itself
+    assert (abs(alone["measured_angular_frequency"][:4] / true - np.sqrt(MODULUS / 70e9)) < 1e-4).all()
+
+
+def test_the_identified_scene_runs(together):
+    here, result = together
+    for name in ["loaded", "alone"]:
+        scene = (here.directory / "output" / f"{name}.identified.nml").read_text(encoding="utf-8")
+        assert "&record" not in scene and "&identify" not in scene
+    assert here.beamwave("run", "output/loaded.identified.nml").returncode == 0
+    again = here.result("loaded.identified")
+    line = result["peak_mode"][: result["peak_count"]] > 0
+    computed = result["modelled_angular_frequency"][: line.size][line]
+    decay = result["measured_decay_rate"][: line.size][line]
+    np.testing.assert_allclose(np.hypot(computed, decay), again["angular_frequency"][:4], rtol=1e-12)
+
+
+def test_a_second_run_has_nothing_to_do_until_a_further_record_is_another(together):
+    here, _ = together
+    again = here.beamwave("run", "loaded.nml")
+    assert again.returncode == 0 and "nothing to do" in again.stdout and "Identified" in again.stdout
+    here.write("alone.csv", ring_down(7, frequencies()))
+    assert here.beamwave("run", "loaded.nml").returncode == 3
+    assert here.beamwave("run", "loaded.nml", "--overwrite").returncode == 0
+    assert here.result("loaded")["identified"][0] == pytest.approx(MODULUS, rel=1e-3)
+
+
+def test_modes_stand_beside_lines_where_nothing_is_unknown(here):
+    here.write("ring.csv", ring_down(3, frequencies()))
+    here.write("ring.nml", scene_of("ring.csv", beam={**BEAM, "youngs_modulus": MODULUS}, damping={"ratio": 0.003}))
+    result = here.run("ring")
+    beta = frequencies()
+    assert result["peak_mode"][:4].tolist() == [1, 2, 3, 4]
+    assert results.is_fill(result["modelled_angular_frequency"][4:]).all()
+    decay = result["measured_decay_rate"][:4]
+    np.testing.assert_allclose(result["modelled_angular_frequency"][:4], np.sqrt(beta**2 - decay**2), rtol=1e-11)
+    np.testing.assert_allclose(result["modelled_decay_rate"][:4], 0.003 * beta, rtol=1e-11)
+    away = (result["measured_angular_frequency"] - result["modelled_angular_frequency"])[:4]
+    np.testing.assert_allclose(result["frequency_misfit"][:4], away / result["measured_angular_frequency_error"][:4], rtol=1e-6)
+    assert (abs(result["frequency_misfit"][:4]) < WIDE).all()
+    away = decay - 0.003 * beta
+    np.testing.assert_allclose(result["decay_misfit"][:4], away / result["measured_decay_rate_error"][:4], rtol=1e-6)
+    assert result["misfit_probability"] > 1e-3
+
+
+def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
+    """A mass at the tip that nobody told of; a root that turns has the same frequencies."""
+    here.write("ring.csv", ring_down(4, frequencies(RATIO)))
+    here.write("ring.nml", scene_of("ring.csv", [UNKNOWN]))
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 0
+    assert "misfit: the model does not explain the lines" in ended.stderr
+    advice = ended.stdout.split("With an effect that the model leaves out")[1].splitlines()[1:]
+    assert all("explains the lines" in line for line in advice[:2])
+    assert {"a mass at the tip", "a root that turns"} == {line.split("%   ")[1].split(" (")[0] for line in advice[:2]}
+    mass = next(line for line in advice if "a mass at the tip" in line).split("body%mass = ")[1].split(" kg")[0]
+    assert float(mass) == pytest.approx(MASS, rel=0.01)
+    assert here.result("ring")["misfit_probability"] < 1e-3
+    here.write("given.nml", scene_of("ring.csv", beam={**BEAM, "youngs_modulus": MODULUS}))
+    mended = here.beamwave("run", "given.nml").stdout.split("With an effect that the model leaves out")[1]
+    assert "a mass at the tip (body%mass = 0.0" in mended and "explains the lines" in mended
+
+
+def test_repeats_are_fitted_together(here):
+    for seed in [5, 6]:
+        here.write(f"ring_{seed}.csv", ring_down(seed, frequencies()))
+    here.write("both.nml", scene_of(["ring_5.csv", "ring_6.csv"], [UNKNOWN]))
+    here.write("one.nml", scene_of("ring_5.csv", [UNKNOWN]))
+    both, one = here.run("both"), here.run("one")
+    assert both["peak_mode"].shape[0] == 2
+    assert both["identified"].shape == (1,)
+    assert abs(both["identified"][0] - MODULUS) < WIDE * both["identified_error"][0]
+    assert both["identified_error"][0] < 0.9 * one["identified_error"][0]
+    assert both["misfit_freedom"] == 7
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("missing.nml", None, "missing.nml"),
+        ("plain.nml", "&beam length=1 density=1 youngs_modulus=1e9 diameter=0.1 /", "has no &record"),
+    ],
+)
+def test_a_further_scene_that_is_none_of_a_record_is_refused(here, name, text, said):
+    here.write("ring.csv", ring_down(8, frequencies()))
+    if text:
+        here.write(name, text)
+    here.write("ring.nml", scene_of("ring.csv", [{**UNKNOWN, "with": name}]))
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == (2 if text else 3)
+    assert said in ended.stderr
+    assert not (here.directory / "output" / "ring.nc").exists()

@@ -1,0 +1,101 @@
+module measured_beams
+  !! Beams of scenes whose lines are known: the exact modes of the true beam, each moved by a normal deviate of its own
+  !! standard deviation. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
+  use bw_beam_state, only: beam_state, measured_lines, state_modes, state_of
+  use bw_error, only: error_type
+  use bw_identification, only: identification, identify
+  use bw_kinds, only: dp
+  use bw_scene, only: scene_type
+  use bw_scene_reader, only: read_scene_text
+  implicit none (type, external)
+  private
+  public :: draws_of, find_unknowns, lines_of, normal, scene_from, start_draws, true_modes, uniform
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter, public :: quantile = 1.959963984540054_dp      !! of 95 %
+  character, parameter, public :: nl = new_line('a')
+  character(*), parameter, public :: measured = "&record file='a.csv' sample_rate=1000 /&spectrum /&modes before=12 /"//nl
+
+contains
+
+  subroutine start_draws(seed)
+    integer, intent(in) :: seed
+    integer, allocatable :: seeds(:)
+    integer :: n, i
+    real(dp) :: drop
+    call random_seed(size=n)
+    allocate (seeds(n), source=7919*seed + 13)
+    call random_seed(put=seeds)
+    do i = 1, 40
+      call random_number(drop)
+    end do
+  end subroutine start_draws
+
+  integer function draws_of(few)
+    !! A number of draws, times BEAMWAVE_DRAWS.
+    integer, intent(in) :: few
+    character(12) :: text
+    integer :: status, factor
+    call get_environment_variable('BEAMWAVE_DRAWS', text, status=status)
+    factor = 1
+    if (status == 0) read (text, *) factor
+    draws_of = factor*few
+  end function draws_of
+
+  real(dp) function uniform(low, high)
+    real(dp), intent(in) :: low, high
+    call random_number(uniform)
+    uniform = low + (high - low)*uniform
+  end function uniform
+
+  real(dp) function normal()
+    !! Box and Muller's.
+    normal = sqrt(-2*log(1 - uniform(0.0_dp, 1.0_dp)))*cos(uniform(0.0_dp, 2*pi))
+  end function normal
+
+  function scene_from(text) result(scene)
+    !! A scene that is known to be accepted.
+    character(*), intent(in) :: text
+    type(scene_type) :: scene
+    type(error_type), allocatable :: error
+    call read_scene_text(text, 'x.nml', scene, error)
+    if (allocated(error)) print '(a)', error%message
+  end function scene_from
+
+  function true_modes(scene, values, count) result(modes)
+    !! The first modes of the beam with these values of its unknowns.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: count
+    type(state_modes) :: modes
+    type(beam_state) :: state
+    integer :: k
+    state = state_of(scene, scene%unknowns, lines_of([real(dp) ::], [real(dp) ::]))
+    call state%modes_at(values, [(k, k=1, count)], modes)
+  end function true_modes
+
+  function lines_of(frequency, relative) result(lines)
+    !! Lines that were measured to these relative standard deviations, and have no decay.
+    real(dp), intent(in) :: frequency(:), relative(:)
+    type(measured_lines) :: lines
+    integer :: k
+    allocate (lines%frequency(size(frequency)))
+    do k = 1, size(frequency)
+      lines%frequency(k) = frequency(k)*(1 + relative(k)*normal())
+    end do
+    lines%deviation = relative*frequency
+    allocate (lines%decay(size(frequency)), source=0.0_dp)
+    lines%decay_deviation = lines%deviation
+  end function lines_of
+
+  subroutine find_unknowns(scene, lines, found)
+    !! What the lines say of the unknowns of a scene.
+    type(scene_type), intent(in) :: scene
+    type(measured_lines), intent(in) :: lines
+    type(identification), intent(out) :: found
+    type(beam_state) :: states(1)
+    states(1) = state_of(scene, scene%unknowns, lines)
+    call identify(states, scene%unknowns, quantile, found)
+  end subroutine find_unknowns
+
+end module measured_beams
