@@ -55,7 +55,8 @@ contains
       if (size(bands(i)%member) == 0) cycle
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
-        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), best(i)%lines, pays(i), least)
+        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
+        & best(i)%lines, pays(i), least)
     end do
     least = max(least, leaking*maxval(pays))
     changed = any(pays > least)
