@@ -74,11 +74,13 @@ contains
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
     call take_if_pure(samples, plan, found, pure, monitor)
-    if (pure .or. stops(monitor)) return
+    if (pure) return
+    if (stops(monitor)) return
     call settle(samples, found)
     call search(samples, false_alarm, plan, found, monitor)
     found%deviation = found%ordinates%deviation
-    if (allocated(samples%place) .or. stops(monitor)) return
+    if (allocated(samples%place)) return
+    if (stops(monitor)) return
     call find_whitening(samples, found%lines, found%still, found%whitening)
     if (all(found%whitening%order == 0)) return
     call whiten(samples, found%whitening, found%lines)
@@ -133,7 +135,8 @@ contains
       better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
       if (present(monitor)) call monitor%advance(1 - 1.0_dp/(1 + round))
-      if (.not. (changed .or. better) .or. stops(monitor)) exit
+      if (.not. (changed .or. better)) exit
+      if (stops(monitor)) exit
       call settle(samples, found)
     end do
   end subroutine search
@@ -247,8 +250,10 @@ contains
           if (abs(own(j)%frequency - frequency)*span_of(samples) > drift_reach + broadened(own(j))) cycle
           rows = own_rows(samples, found%lines, found%still, band)
           weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-          is_drift = is_drift .or. 2*ordinate < drift_gain(samples, band, rows, weight, own, j)
-          if (own(j)%powers > 1) is_drift = is_drift .or. 2*ordinate < undescribed*drift_taken(samples, band, rows, weight, own, j)
+          is_drift = 2*ordinate < drift_gain(samples, band, rows, weight, own, j)
+          if (is_drift) return
+          if (own(j)%powers > 1) is_drift = 2*ordinate < undescribed*drift_taken(samples, band, rows, weight, own, j)
+          if (is_drift) return
         end do
       end associate
     end do
