@@ -116,7 +116,7 @@ contains
     integer :: i, first, last
     sigmas = normal_quantile(1 - false_alarm/(4*size(window_start)))
     do i = 1, size(window_start)
-      if (line%windows(3, i)*span_of(samples)*(window_end(i) - window_start(i)) > told) cycle
+      if (line%windows(3, i) > told/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
       away = abs(line%windows(1:2, i) - [line%frequency, line%decay])
       if (away(1) > sigmas*line%windows(3, i)) line%frequency_error = max(line%frequency_error, away(1))
       if (away(2) > sigmas*line%windows(4, i)) line%decay_error = max(line%decay_error, away(2))
