@@ -1,6 +1,6 @@
 module bw_pure_record
-  !! Records that hold lines and their rounding and no noise: histories of simulations. Where nobody says so, a stretch of the record
-  !! tells that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
+  !! Records that hold lines and their rounding and no noise: histories of simulations. Where nobody says so, a stretch of the
+  !! record tells that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_lapack, only: dgelsy
@@ -13,8 +13,9 @@ module bw_pure_record
   private
   public :: find_lines_if_pure
 
-  real(dp), parameter, public :: safety = 10     !! deviations of what is left that a bound of a pure record's line takes in: rounding
-                                                 !! is no noise. Tuned on random records: 5 holds without noise, not always with it
+  real(dp), parameter, public :: safety = 10
+    !! deviations of what is left that a bound of a pure record's line takes in: rounding is no noise. Tuned on random records,
+    !! some with noise: 5 holds without noise, not always with it
   real(dp), parameter, public :: rounding = 32*epsilon(1.0_dp)
     !! of a frequency; those of modes, and so of a record that is their sum, have been seen 7 epsilon off
   integer, parameter :: fewest = 16, stretch = 500  !! samples, that are looked at first; as many hold 120 lines
@@ -32,15 +33,17 @@ contains
     type(residual_type), intent(out) :: left     !! what they leave
     logical, intent(out) :: pure                 !! false: there is noise, and no use in the lines
     class(monitor_type), intent(inout), optional :: monitor
-    logical :: simple                            !! few lines for so many samples, and no noise
     allocate (lines(0))
-    simple = looks_pure(samples)
     pure = samples%pure
-    if (.not. (pure .or. simple)) return
+    if (.not. pure) then
+      if (.not. looks_pure(samples)) return
+    end if
     associate (record => samples%value(:samples%count, :))
       call find_pure_lines(record, lines, left, monitor)
       if (stops(monitor)) return
-      if (simple .and. size(record, 1) <= whole .and. .not. explained(record, left)) call take_whole(record, lines, left)
+      if (size(record, 1) <= whole .and. .not. explained(record, left)) then
+        if (looks_pure(samples)) call take_whole(record, lines, left)
+      end if
       pure = pure .or. explained(record, left)
     end associate
   end subroutine find_lines_if_pure
@@ -54,7 +57,8 @@ contains
   end function explained
 
   subroutine take_whole(record, lines, left)
-    !! Find all lines of a short record at once, where there is no bin between them to part them at; they are kept if they explain it.
+    !! Find all lines of a short record at once, where there is no bin between them to part them at; they are kept if they
+    !! explain it.
     real(dp), intent(in) :: record(:, :)
     type(damped_line), allocatable, intent(inout) :: lines(:)
     type(residual_type), intent(inout) :: left
@@ -86,8 +90,8 @@ contains
   end function looks_pure
 
   logical function has_recursion(record)
-    !! Whether each sample follows from those before it: K real exponentials, or half as many lines, obey a linear recursion of order
-    !! K, so that a matrix of shifted records has the rank K.
+    !! Whether each sample follows from those before it: K real exponentials, or half as many lines, obey a linear recursion of
+    !! order K, so that a matrix of shifted records has the rank K.
     real(dp), intent(in) :: record(:)            !! below 1
     real(dp), allocatable :: matrix(:, :), right(:, :), work(:)
     integer, allocatable :: pivot(:)
