@@ -95,6 +95,10 @@ contains
     part = [1_i8, 0_i8]
     associate (par => scene%record, first => part(1), last => part(2))
       if (is_missing(par%sample_rate)) then
+        if (par%time_scale /= 1.0_dp) then
+          times = par%time_scale*times
+          steps = par%time_scale*steps
+        end if
         call check_times(source, times, error)
         if (allocated(error)) return
       else

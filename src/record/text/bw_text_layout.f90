@@ -48,7 +48,7 @@ contains
         call probe(lines(n)%text, separators(i), probed(n))
       end do
       columns = usual_count(probed)
-      numbers = numbers_in(probed, columns)
+      numbers = numbers_in(probed, number_columns(probed, columns))
       share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
                                                    n=1, size(lines))]))
       if (numbers < most .or. (numbers == most .and. share <= largest_share)) cycle
@@ -81,7 +81,7 @@ contains
     allocate (probed%numeric(size(probed%fields)))
     do i = 1, size(probed%fields)
       marks = number_marks(probed%fields(i)%text)
-      probed%numeric(i) = marks /= '' .and. .not. (marks == ',' .and. separator == ',')
+      probed%numeric(i) = marks /= ''
     end do
   end subroutine probe
 
@@ -103,15 +103,32 @@ contains
     end do
   end function usual_count
 
-  pure integer function numbers_in(probed, columns) result(numbers)
-    !! How many numbers stand in the lines of so many fields.
+  pure function number_columns(probed, columns) result(numeric)
+    !! Columns that hold numbers in more than half of the lines of so many fields.
     type(probed_line), intent(in) :: probed(:)
     integer, intent(in) :: columns
-    integer :: n
-    numbers = 0
+    logical :: numeric(columns)
+    integer :: found(columns), n
+    found = 0
     do n = 1, size(probed)
-      if (size(probed(n)%fields) == columns) numbers = numbers + count(probed(n)%numeric)
+      if (size(probed(n)%fields) == columns .and. any(probed(n)%numeric)) found = found + merge(1, 0, probed(n)%numeric)
     end do
+    numeric = 2*found > maxval(found)
+  end function number_columns
+
+  pure integer function numbers_in(probed, numeric) result(numbers)
+    !! How many numbers stand in rows; where no line is one, in lines of as many fields.
+    type(probed_line), intent(in) :: probed(:)
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    integer :: n, others
+    numbers = 0
+    others = 0
+    do n = 1, size(probed)
+      if (size(probed(n)%fields) /= size(numeric)) cycle
+      others = others + count(probed(n)%numeric)
+      if (is_row(probed(n), numeric)) numbers = numbers + count(probed(n)%numeric)
+    end do
+    if (numbers == 0) numbers = others
   end function numbers_in
 
   subroutine settle(path, lines, probed, layout, error)
@@ -121,18 +138,13 @@ contains
     type(probed_line), intent(in) :: probed(:)                 !! as that separator cuts them
     type(text_layout), intent(inout) :: layout
     type(error_type), allocatable, intent(inout) :: error
-    logical, allocatable :: numeric(:)                         !! columns that hold numbers in more than half of the lines
-    integer, allocatable :: found(:)
-    integer :: columns, n, i
+    logical, allocatable :: numeric(:)                         !! columns of numbers
+    integer :: columns, i
     columns = usual_count(probed)
-    allocate (found(columns), source=0)
-    do n = 1, size(lines)
-      if (size(probed(n)%fields) == columns .and. any(probed(n)%numeric)) found = found + merge(1, 0, probed(n)%numeric)
-    end do
-    numeric = 2*found > maxval(found)
+    numeric = number_columns(probed, columns)
     layout%header = first_row(probed, numeric) - 1
     associate (row => probed(layout%header + 1)%fields)
-      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' .and. found(columns) == 0
+      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' .and. .not. numeric(columns)
     end associate
     if (layout%closed) columns = columns - 1
     allocate (layout%columns(columns))
@@ -141,7 +153,7 @@ contains
       layout%columns(i)%unit = ''
       layout%columns(i)%is_numeric = numeric(i)
     end do
-    call name_columns(lines(:layout%header), layout%separator, layout%closed, layout%columns)
+    call name_columns(lines(:layout%header), layout%separator, layout%columns)
     call find_mark(path, probed(layout%header + 1:), layout, error)
   end subroutine settle
 
@@ -187,7 +199,7 @@ contains
       do i = 1, min(size(rows(n)%fields), size(layout%columns))
         marks = number_marks(rows(n)%fields(i)%text)
         points = points .or. marks == '.'
-        if (marks /= ',' .or. layout%separator == ',') cycle
+        if (marks /= ',') cycle                    ! between commas it stands in quotes
         commas = .true.
         certain = certain .or. .not. parts_thousands(rows(n)%fields(i)%text)
       end do
