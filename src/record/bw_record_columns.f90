@@ -77,7 +77,7 @@ contains
   end subroutine check_time
 
   pure function all_sensors(source, time) result(columns)
-    !! All columns of numbers but the time, and others of its name; where the file says of some what they measure, those.
+    !! All columns of numbers but the time, and others that are called as it is, or time; where the file says of some what they measure, those.
     class(record_source), intent(in) :: source
     integer, intent(in) :: time
     integer, allocatable :: columns(:)
@@ -86,6 +86,8 @@ contains
     do i = 1, size(taken)
       taken(i) = source%columns(i)%is_numeric .and. i /= time .and. .not. source%columns(i)%is_time
       says(i) = source%columns(i)%quantity /= ''
+      if (time > 0) taken(i) = taken(i) .and. (source%columns(i)%name == '' .or. &
+                                               source%columns(i)%name /= source%columns(time)%name)
     end do
     if (any(taken .and. says) .and. source%is_labelled) taken = taken .and. says
     columns = pack([(i, i=1, size(taken))], taken)

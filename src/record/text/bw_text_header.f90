@@ -42,7 +42,8 @@ contains
   end subroutine name_columns
 
   pure subroutine find_names(lines, comments, separator, columns, names, units)
-    !! The last line that can hold names, and the units behind it. Away from the rows, `Rate,1000` holds no names.
+    !! The last line that can hold names, and the units behind it. Away from the rows, `Rate,1000` holds no names; a line of
+    !! numbers does only where there is no other.
     type(string), intent(in) :: lines(:)
     logical, intent(in) :: comments                            !! look at comments, else at other lines
     character, intent(in) :: separator
@@ -60,9 +61,12 @@ contains
         if (size(units) == 0 .and. are_units(fields(:columns), above, columns)) then
           units = fields(:columns)
           is_near = .true.
-        else if (is_near .or. are_words(fields(:columns))) then
+        else if (are_words(fields(:columns)) .or. (is_near .and. count_words(fields(:columns)) > 0)) then
           names = fields(:columns)
           return
+        else
+          if (is_near) names = fields(:columns)
+          is_near = .false.
         end if
       else if (size(fields) > 0) then
         is_near = .false.
@@ -99,7 +103,7 @@ contains
   end function uncommented
 
   pure logical function fits(fields, columns)
-    !! There is a field for each column, and at most one more, which says nothing or is LabVIEW's `Comment`.
+    !! There is a field for each column, and at most one more, which says nothing or is the word `Comment` of LabVIEW.
     type(string), intent(in) :: fields(:)
     integer, intent(in) :: columns
     fits = size(fields) == columns
@@ -118,14 +122,22 @@ contains
   end function any_text
 
   pure logical function are_words(fields)
-    !! No field begins as a number, a date or a clock does.
+    !! All fields are words, or say nothing.
     type(string), intent(in) :: fields(:)
     integer :: i
-    are_words = .true.
-    do i = 1, size(fields)
-      if (fields(i)%text /= '') are_words = are_words .and. verify(fields(i)%text(1:1), '0123456789+-.') > 0
-    end do
+    are_words = count_words(fields) == count([(fields(i)%text /= '', i=1, size(fields))])
   end function are_words
+
+  pure integer function count_words(fields) result(words)
+    !! Fields that do not begin as a number, a date or a clock does.
+    type(string), intent(in) :: fields(:)
+    integer :: i
+    words = 0
+    do i = 1, size(fields)
+      if (fields(i)%text == '') cycle
+      if (verify(fields(i)%text(1:1), '0123456789+-.') > 0) words = words + 1
+    end do
+  end function count_words
 
   pure logical function are_units(fields, above, columns)
     !! A line of units: each field is one, or is empty. Where only some are known, words stand above all of them, and they are

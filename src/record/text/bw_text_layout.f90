@@ -116,6 +116,17 @@ contains
     numeric = 2*found > maxval(found)
   end function number_columns
 
+  pure logical function any_number(probed, columns)
+    !! The last of so many fields is a number somewhere.
+    type(probed_line), intent(in) :: probed(:)
+    integer, intent(in) :: columns
+    integer :: n
+    any_number = .false.
+    do n = 1, size(probed)
+      if (size(probed(n)%fields) == columns) any_number = any_number .or. probed(n)%numeric(columns)
+    end do
+  end function any_number
+
   pure integer function numbers_in(probed, numeric) result(numbers)
     !! How many numbers stand in rows; where no line is one, in lines of as many fields.
     type(probed_line), intent(in) :: probed(:)
@@ -143,8 +154,12 @@ contains
     columns = usual_count(probed)
     numeric = number_columns(probed, columns)
     layout%header = first_row(probed, numeric) - 1
+    if (layout%header < size(probed) - 1) then
+      if (counts_columns(probed(:layout%header + 2), numeric)) layout%header = layout%header + 1
+    end if
     associate (row => probed(layout%header + 1)%fields)
-      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' .and. .not. numeric(columns)
+      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' &
+        .and. .not. any_number(probed, columns)
     end associate
     if (layout%closed) columns = columns - 1
     allocate (layout%columns(columns))
@@ -168,6 +183,35 @@ contains
       if (size(probed(n)%fields) == size(numeric) .and. any(probed(n)%numeric)) return
     end do
   end function first_row
+
+  logical function counts_columns(probed, numeric) result(counts)
+    !! The last line but one has the numbers of the columns for names, as `0,1,2` or `,0,1`: whole numbers one by one, where
+    !! others are not whole, and no names before.
+    type(probed_line), intent(in) :: probed(:)
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    character(:), allocatable :: marks
+    integer :: n, i, first
+    counts = .false.
+    n = size(probed)
+    if (.not. is_row(probed(n), numeric)) return
+    do i = 1, n - 2
+      if (size(probed(i)%fields) == size(numeric)) return
+    end do
+    marks = ''
+    do i = 1, size(numeric)
+      marks = marks//number_marks(probed(n)%fields(i)%text)
+    end do
+    if (scan(marks, '.,') == 0) return
+    associate (fields => probed(n - 1)%fields)
+      first = merge(2, 1, fields(1)%text == '')
+      if (size(numeric) < 3 .or. verify(fields(first)%text, '01') > 0) return
+      do i = first, size(numeric)
+        if (fields(i)%text == '' .and. i == size(numeric)) cycle   ! behind a separator that closes the line
+        if (fields(i)%text /= text_of(i - first + index('1', fields(first)%text))) return
+      end do
+    end associate
+    counts = .true.
+  end function counts_columns
 
   pure logical function is_row(line, numeric)
     !! A line with numbers, or what stands for missing ones, in all columns of numbers.
