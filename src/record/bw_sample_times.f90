@@ -69,8 +69,8 @@ contains
   end function roundest
 
   pure subroutine nearest_even(times, interval, off)
-    !! The even times nearest to uneven ones, and how far off these are at most. The interval is the roundest that has them no
-    !! more than twice as far off as least squares do.
+    !! Even times near to uneven ones, and how far off them these are at most. The interval is the roundest that has them no
+    !! more than twice as far off as that of least squares.
     real(dp), intent(in) :: times(:)         !! [s], rising
     real(dp), intent(out) :: interval, off   !! [s]
     real(dp) :: low, high
@@ -79,6 +79,8 @@ contains
     off = 0.5_dp*(high - low)
     low = roundest(times, spread(4*off, 1, size(times)), interval)
     if (low > 0.0_dp) interval = low
+    call measure_rest(times, interval, low, high)
+    off = 0.5_dp*(high - low)
   end subroutine nearest_even
 
   pure subroutine measure_rest(times, interval, low, high)
