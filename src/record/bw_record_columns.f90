@@ -77,7 +77,8 @@ contains
   end subroutine check_time
 
   pure function all_sensors(source, time) result(columns)
-    !! All columns of numbers but the time, and others that are called as it is, or time; where the file says of some what they measure, those.
+    !! All columns of numbers but the time, and others that are called as it is, or time; where the file says
+    !! of some what they measure, those.
     class(record_source), intent(in) :: source
     integer, intent(in) :: time
     integer, allocatable :: columns(:)

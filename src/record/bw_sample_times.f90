@@ -36,8 +36,9 @@ contains
     !! The interval of times that are even but for the digits that were cut; 0 where they are not even.
     !!
     !! Times t_j of n samples, each known to half of its last digit, or of the grain of its clock where that is coarser, h_j, are
-    !! even with the interval d where one number a has |t_j − a − j d| ≤ h_j for all j. Least squares give d to about h n^(−3/2). Of all that fit, the roundest is taken: the
-    !! sampling rate, or the interval, with as few digits as fit; so that 1/3 ms printed with three digits is 3000 Hz.
+    !! even with the interval d where one number a has |t_j − a − j d| ≤ h_j for all j. Least squares give d to about
+    !! h n^(−3/2). Of all that fit, the roundest is taken: the sampling rate, or the interval, with as few digits as fit; so that
+    !! 1/3 ms printed with three digits is 3000 Hz.
     real(dp), intent(in) :: times(:)         !! [s], rising
     real(dp), intent(in) :: steps(:)         !! what the last digit of each stands for [s]; 0: all digits are there
     real(dp) :: fitted

@@ -218,36 +218,45 @@ contains
     type(probed_line), intent(in) :: line
     logical, intent(in) :: numeric(:)                          !! columns of numbers
     integer :: i
+    logical :: says_something                                  !! a number, or a word as `nan`, but no line of dashes
     is_row = size(line%fields) == size(numeric)
     if (.not. is_row) return
-    is_row = any(line%numeric .and. numeric)
+    says_something = any(line%numeric .and. numeric)
     do i = 1, size(numeric)
-      if (numeric(i) .and. .not. line%numeric(i)) is_row = is_row .and. is_missing_word(line%fields(i)%text)
+      if (line%numeric(i) .or. .not. numeric(i)) cycle
+      is_row = is_row .and. is_missing_word(line%fields(i)%text)
+      says_something = says_something .or. scan(line%fields(i)%text, 'naNAiI') > 0
     end do
+    is_row = is_row .and. says_something
   end function is_row
 
   subroutine find_mark(path, rows, layout, error)
     !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_input` where both stand, or where all commas
-    !! could as well part thousands.
+    !! could as well part thousands, or where `0,025` was cut into two columns.
     character(*), intent(in) :: path
     type(probed_line), intent(in) :: rows(:)
     type(text_layout), intent(inout) :: layout
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: marks
-    logical :: points, commas, certain
+    logical :: points, commas, certain, decimals
     integer :: n, i
     points = .false.
     commas = .false.
+    decimals = .false.
     certain = .false.
     do n = 1, size(rows)
       do i = 1, min(size(rows(n)%fields), size(layout%columns))
         marks = number_marks(rows(n)%fields(i)%text)
         points = points .or. marks == '.'
+        if (marks == '0') decimals = decimals .or. begins_with_zeros(rows(n)%fields(i)%text)
         if (marks /= ',') cycle                    ! between commas it stands in quotes
         commas = .true.
         certain = certain .or. .not. parts_thousands(rows(n)%fields(i)%text)
       end do
     end do
+    if (layout%separator == ',' .and. decimals .and. .not. (points .or. commas)) call fail(error, status_bad_input, path// &
+      ': its commas are decimal marks, or part columns of whole numbers that begin with 0; accepted: decimal points, or '// &
+      'semicolons between columns')
     if (.not. commas) return
     layout%mark = ','
     if (points) then
@@ -258,6 +267,12 @@ contains
                 'accepted: decimal points')
     end if
   end subroutine find_mark
+
+  pure logical function begins_with_zeros(field)
+    !! `025`: digits of which the first is a zero and no number.
+    character(*), intent(in) :: field
+    begins_with_zeros = len(field) > 1 .and. verify(field, '0123456789') == 0 .and. field(1:1) == '0'
+  end function begins_with_zeros
 
   pure logical function parts_thousands(field)
     !! `12,345`: the comma could part thousands.

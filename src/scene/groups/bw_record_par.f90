@@ -45,8 +45,8 @@ module bw_record_par
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
-    input_name('record', 'time_scale', real_input, '1', positive, '1', excludes='sample_rate', &
-               meaning='s over the file''s unit of time: 1e-3 for ms, 1e-6 for us'), &
+    input_name('record', 'time_scale', real_input, '1', positive, excludes='sample_rate', &
+               meaning='s over the unit of time, where it is no s: 1e-3 for ms, 1e-6 for us'), &
     input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', &
                meaning='samples in a second, the first at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
@@ -162,7 +162,7 @@ contains
     if (values%known('quantity')) record%quantities = values%values(values%at('quantity'))%texts
     if (values%known('points')) record%points = values%values(values%at('points'))%numbers
     record%scales = values%values(values%at('scale'))%numbers
-    record%time_scale = values%number('time_scale')
+    if (values%known('time_scale')) record%time_scale = values%number('time_scale')
     if (values%known('sample_rate')) record%sample_rate = values%number('sample_rate')
     if (values%known('start')) record%first_time = values%number('start')
     if (values%known('end')) record%last_time = values%number('end')
