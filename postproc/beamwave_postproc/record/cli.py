@@ -93,7 +93,6 @@ def _convert(source: Path, given: argparse.Namespace) -> bool:
             if path.exists() and not given.overwrite:
                 raise NotARecord(f"{path} is there already; accepted: --overwrite, or another --output")
             save(path, partial(write_record, group, source=f"beamwave-record, from {source.name}"))
-            print(path)
             for channel in group:
                 print(
                     f"  {channel.name}: {channel.values.size} samples, {channel.quantity or 'unknown'} [{channel.unit}]"
