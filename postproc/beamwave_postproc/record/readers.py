@@ -133,8 +133,8 @@ def _hdf5_arrays(path: Path) -> dict[str, np.ndarray]:
             several = [isinstance(field, np.ndarray) and field.dtype == object for field in fields.values()]
             if not all(several) or any(cells) or len({field.size for field in fields.values()}) != 1:
                 return fields
-            rows = zip(*(field.ravel() for field in fields.values()), strict=True)
-            return [dict(zip(fields, row, strict=True)) for row in rows]
+            rows = zip(*(field.ravel() for field in fields.values()))
+            return [dict(zip(fields, row)) for row in rows]
         if h5py.check_ref_dtype(item.dtype):
             held = item[()].T  # MATLAB stores columns one after another
             cells = np.empty(held.shape, dtype=object)
