@@ -148,6 +148,99 @@ def test_names_that_are_not_there_are_listed(tmp_path):
         read_channels(path, Wanted(time="x"))
 
 
+def records(tmp_path):
+    """What the files hold that were written, by name."""
+    return {file.stem: xr.load_dataset(file) for file in sorted(tmp_path.glob("*.nc"))}
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_one_column_of_an_array_may_hold_the_times(tmp_path, turned):
+    path = tmp_path / "a.npy"
+    table = np.column_stack([HISTORIES[:, 0], 1e3 * TIMES, HISTORIES[:, 1]])
+    np.save(path, table.T if turned else table)
+    assert_histories(converted(path, "--time", "2", "--time-scale", "1e-3"), ["a_1", "a_3"])
+    with pytest.raises(NotARecord, match="has 3 columns, and --time is 4"):
+        read_channels(path, Wanted(time="4"))
+    with pytest.raises(NotARecord, match=r"number of their column; there: a \("):
+        read_channels(path)
+
+
+@pytest.mark.parametrize("shape", ["cells", "tables"])
+def test_each_row_of_cells_is_a_record_of_its_own(tmp_path, shape):
+    """Repeats may even have the same times; they do not become sensors of one record."""
+    path = tmp_path / "rows.mat"
+    cells = np.empty((2, 2) if shape == "cells" else 2, dtype=object)
+    for row, history in enumerate(HISTORIES.T):
+        if shape == "cells":
+            cells[row, 0], cells[row, 1] = TIMES[np.newaxis], history[:, np.newaxis]
+        else:
+            cells[row] = np.column_stack([TIMES, history])
+    scipy.io.savemat(path, {"data": cells})
+    assert cli.main([str(path)]) == 3  # nothing tells the times
+    assert cli.main([str(path), "--time", "1"]) == 0
+    found = records(tmp_path)
+    names = ["data{1}.2", "data{2}.2"] if shape == "cells" else ["data.1", "data.2"]
+    assert [list(ds.data_vars) for ds in found.values()] == [[name] for name in names]
+    for ds, name, history in zip(found.values(), names, HISTORIES.T):
+        assert np.abs(ds["time"] - TIMES).max() <= 1e-12
+        assert np.array_equal(ds[name], history)
+
+
+def test_structures_with_times_of_their_own_are_records_of_their_own(tmp_path):
+    path = tmp_path / "two.mat"
+    steel = {"Out": {"Time": TIMES, "Acc": HISTORIES.T}}
+    scipy.io.savemat(path, {"Fe": steel, "Al": {"Out": {"Time": TIMES + 1.0, "Acc": HISTORIES.T}}, "other": TIMES})
+    assert cli.main([str(path), "--points", "0.5", "1"]) == 0
+    first, second = records(tmp_path).values()
+    assert_histories(first, ["Fe.Out.Acc_1", "Fe.Out.Acc_2"])
+    assert list(second.data_vars) == ["Al.Out.Acc_1", "Al.Out.Acc_2"]
+    assert np.abs(second["time"] - TIMES - 1.0).max() <= 1e-12
+    assert second["Al.Out.Acc_2"].attrs["position"] == 1.0
+    with pytest.raises(NotARecord, match="none of them is that of other"):
+        read_channels(path, Wanted(variables=["other"]))
+    assert [one.name for one in read_channels(path, Wanted(variables=["Al.Out.Acc"]))] == list(second.data_vars)
+
+
+def test_an_array_of_structures_is_a_record_each(tmp_path):
+    path = tmp_path / "runs.mat"
+    runs = np.array([(TIMES, history) for history in HISTORIES.T], dtype=[("t", object), ("y", object)])
+    scipy.io.savemat(path, {"runs": runs})
+    found = read_channels(path)
+    assert [(one.name, one.record) for one in found] == [("runs{1}.y", "runs{1}"), ("runs{2}.y", "runs{2}")]
+    assert all(np.array_equal(one.values, history) for one, history in zip(found, HISTORIES.T))
+
+
+@pytest.mark.parametrize("kind", ["cell", "struct"])
+def test_cells_and_structures_of_version_7_3(tmp_path, kind):
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "new.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        held = file.create_group("#refs#")
+        places = np.empty((2, 2), dtype=h5py.ref_dtype)  # as MATLAB stores its columns: (cells of a row, rows)
+        for row, history in enumerate(HISTORIES.T):
+            for cell, values in enumerate((TIMES, history)):
+                held[f"{row}{cell}"] = values[np.newaxis]
+                places[cell, row] = held[f"{row}{cell}"].ref
+        if kind == "cell":
+            file.create_dataset("data", data=places, dtype=h5py.ref_dtype).attrs["MATLAB_class"] = np.bytes_("cell")
+        else:
+            for cell, name in enumerate(("t", "y")):
+                file.create_dataset(f"data/{name}", data=places[cell : cell + 1].T, dtype=h5py.ref_dtype)
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file".ljust(512))
+    found = read_channels(path, Wanted(time="1") if kind == "cell" else None)
+    assert [one.name for one in found] == [f"data{{{row}}}.{'2' if kind == 'cell' else 'y'}" for row in (1, 2)]
+    for one, history in zip(found, HISTORIES.T):
+        assert np.array_equal(one.times, TIMES)
+        assert np.array_equal(one.values, history)
+
+
+def test_units_of_time_exclude_a_rate(tmp_path, capsys):
+    for words in (["--time-scale", "0"], ["--time-scale", "1e-3", "--sample-rate", "5"]):
+        assert cli.main([str(tmp_path / "a.npy"), *words]) == 2
+        assert "--time-scale" in capsys.readouterr().err
+
+
 def test_files_of_a_mapping_are_looked_for_from_here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "elsewhere").mkdir()

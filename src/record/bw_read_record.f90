@@ -20,7 +20,7 @@ module bw_read_record
   public :: read_record, record_path
 
   integer, parameter, public :: least_samples = 16     !! as of simulated histories
-  real(dp), parameter :: latest = 1.0e15_dp            !! s
+  real(dp), parameter :: latest = 1.0e11_dp            !! s: 3000 years; what is later counts no seconds
   real(dp), parameter :: largest = 1.0e150_dp          !! of what squares still fit into double precision
 
 contains
@@ -95,6 +95,10 @@ contains
     part = [1_i8, 0_i8]
     associate (par => scene%record, first => part(1), last => part(2))
       if (is_missing(par%sample_rate)) then
+        if (par%time_scale /= 1.0_dp) then
+          times = par%time_scale*times
+          steps = par%time_scale*steps
+        end if
         call check_times(source, times, error)
         if (allocated(error)) return
       else
@@ -132,7 +136,8 @@ contains
     else if (any(abs(times) > latest)) then
       row = findloc(abs(times) > latest, .true., dim=1)
       call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
-                ' is far from that of any clock; accepted: up to '//text_of(latest)//' s')
+                ' is far from that of any clock; accepted: up to '//text_of(latest)//' s; or time_scale, where they are in '// &
+                'ms or the like')
     end if
   end subroutine check_times
 

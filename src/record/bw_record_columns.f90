@@ -29,15 +29,11 @@ contains
     associate (record => scene%record)
       if (allocated(record%time)) then
         call choose(scene, source, 'time', record%time, time, error)
-      else if (count(source%columns%is_time) == 1) then
-        time = findloc(source%columns%is_time, .true., dim=1)
+      else
+        time = named_time(source)
       end if
+      if (is_missing(record%sample_rate)) call check_time(scene, source, time, error)
       if (allocated(error)) return
-      if (time == 0 .and. is_missing(record%sample_rate)) then
-        call refuse(scene, 'time', 'is missing, and no column of '//source%path//' is named time or t; accepted: '// &
-                    listed(source)//'; or sample_rate', error)
-        return
-      end if
       if (allocated(record%columns)) then
         deallocate (columns)
         allocate (columns(size(record%columns)))
@@ -53,16 +49,46 @@ contains
     call check_choice(scene, source, time, columns, error)
   end subroutine choose_columns
 
+  pure integer function named_time(source) result(time)
+    !! The only column that is named time or t; of several the only one with numbers; else 0.
+    class(record_source), intent(in) :: source
+    time = 0
+    associate (named => source%columns%is_time, numeric => source%columns%is_numeric)
+      if (count(named) == 1) time = findloc(named, .true., dim=1)
+      if (count(named .and. numeric) == 1) time = findloc(named .and. numeric, .true., dim=1)
+    end associate
+  end function named_time
+
+  subroutine check_time(scene, source, time, error)
+    !! There is a column of times, and it holds numbers. **Errors**: `status_bad_input`.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: time                        !! 0: none
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: problem
+    if (time == 0) then
+      problem = 'no column of '//source%path//' is named time or t'
+      if (count(source%columns%is_time) > 1) problem = 'several columns of '//source%path//' are named time or t'
+      call refuse(scene, 'time', 'is missing, and '//problem//'; accepted: '//listed(source)//'; or sample_rate', error)
+    else if (.not. source%columns(time)%is_numeric) then
+      call refuse(scene, 'time', shown(source, time)//' of '//source%path//' holds no numbers, but dates, clocks or words; '// &
+                  'accepted: a column of seconds, or sample_rate', error)
+    end if
+  end subroutine check_time
+
   pure function all_sensors(source, time) result(columns)
-    !! All columns of numbers but the time; where the file says of some what they measure, those.
+    !! All columns of numbers but the time, and others that are called as it is, or time; where the file says
+    !! of some what they measure, those.
     class(record_source), intent(in) :: source
     integer, intent(in) :: time
     integer, allocatable :: columns(:)
     logical :: taken(size(source%columns)), says(size(source%columns))
     integer :: i
     do i = 1, size(taken)
-      taken(i) = source%columns(i)%is_numeric .and. i /= time
+      taken(i) = source%columns(i)%is_numeric .and. i /= time .and. .not. source%columns(i)%is_time
       says(i) = source%columns(i)%quantity /= ''
+      if (time > 0) taken(i) = taken(i) .and. (source%columns(i)%name == '' .or. &
+                                               source%columns(i)%name /= source%columns(time)%name)
     end do
     if (any(taken .and. says) .and. source%is_labelled) taken = taken .and. says
     columns = pack([(i, i=1, size(taken))], taken)

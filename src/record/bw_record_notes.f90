@@ -7,6 +7,7 @@ module bw_record_notes
   use bw_record, only: record_type
   use bw_record_flaws, only: find_flaws, flaws_type
   use bw_record_source, only: record_source
+  use bw_sample_times, only: even_interval, first_fall, nearest_even
   use bw_scene, only: scene_type
   use bw_sensor_unit, only: factor_of, is_unit, quantity_of, si_unit
   use bw_text, only: append, shortest, string, text_of
@@ -24,22 +25,61 @@ contains
     type(record_type), intent(inout) :: record
     integer :: s
     allocate (record%notes(0))
-    if (time > 0) call note_time_unit(source%columns(time)%unit, record%notes)
+    if (time > 0) call note_time_unit(source%columns(time)%unit, scene%record%time_scale, record%notes)
+    call note_uneven(record)
     do s = 1, size(columns)
       call note_unit(scene, source%columns(columns(s))%unit, s, record)
       call note_flaws(find_flaws(record%values(:, s)), s, record)
+      call note_counter(record, s)
     end do
     call note_left_out(source, time, columns, record%notes)
   end subroutine add_notes
 
-  subroutine note_time_unit(unit, notes)
-    !! Times are taken for seconds; the file may say something else.
+  subroutine note_time_unit(unit, scale, notes)
+    !! Times are taken in the unit that the scene says, or for seconds; the file may say something else.
     character(*), intent(in) :: unit
+    real(dp), intent(in) :: scale                      !! s over the unit, as the scene says
     type(string), allocatable, intent(inout) :: notes(:)
-    if (unit == '' .or. factor_of(unit, 'time') == 1.0_dp) return
+    real(dp) :: factor
+    if (unit == '') return
     if (index(unit, 'seconds since') == 1 .or. index(unit, 's since') == 1) return
-    call append(notes, "times: the file gives them in '"//unit//"', and they are taken for seconds")
+    factor = factor_of(unit, 'time')
+    if (factor > 0.0_dp .and. abs(scale - factor) <= 1e-6_dp*factor) return
+    if (factor == 0.0_dp .and. scale /= 1.0_dp) return
+    if (scale == 1.0_dp) then
+      call append(notes, "times: the file gives them in '"//unit//"', and they are taken for seconds")
+      if (factor > 0.0_dp) notes(size(notes))%text = notes(size(notes))%text//'; time_scale = '//shortest(factor, 6)// &
+        ' would bring them there'
+    else
+      call append(notes, "times: the file gives them in '"//unit//"', and time_scale is "//shortest(scale, 6)//', not '// &
+                  shortest(factor, 6))
+    end if
   end subroutine note_time_unit
+
+  subroutine note_uneven(record)
+    !! Times that tremble a little about even ones: the clock may be even, and its stamps not.
+    type(record_type), intent(inout) :: record
+    real(dp), parameter :: little = 0.05_dp            !! of an interval
+    real(dp) :: interval, off
+    if (record%interval > 0.0_dp) return
+    call nearest_even(record%times, interval, off)
+    if (off > little*interval) return
+    call append(record%notes, 'times: they are uneven, and off even ones by '//shortest(100*off/interval, 2)// &
+                ' % of the interval at most; if the recorder is even, give sample_rate = '//shortest(1.0_dp/interval, 12)// &
+                ' instead')
+  end subroutine note_uneven
+
+  subroutine note_counter(record, s)
+    !! A sensor whose values rise by one step from sample to sample is a time or a counter.
+    type(record_type), intent(inout) :: record
+    integer, intent(in) :: s                           !! the sensor
+    real(dp), allocatable :: none(:)
+    if (first_fall(record%values(:, s)) > 0) return
+    allocate (none(size(record%times)), source=0.0_dp)
+    if (.not. even_interval(record%values(:, s), none) > 0.0_dp) return
+    call append(record%notes, 'counter: '//record%sensors(s)%name// &
+                ' rises by the same step all the time, as a time or a counter does; columns names those of sensors')
+  end subroutine note_counter
 
   subroutine note_unit(scene, unit, s, record)
     !! A sensor's unit is not that of its quantity, and no scale brings it there; or it is another quantity's.

@@ -24,6 +24,7 @@ module bw_sensor_unit
     unit_type('m/s', 'velocity', 1.0_dp), unit_type('m s-1', 'velocity', 1.0_dp), unit_type('mm/s', 'velocity', 1e-3_dp), &
     unit_type('m/s2', 'acceleration', 1.0_dp), unit_type('m/s^2', 'acceleration', 1.0_dp), &
     unit_type('m/s**2', 'acceleration', 1.0_dp), unit_type('m/s²', 'acceleration', 1.0_dp), &
+    unit_type('m/s'//char(178), 'acceleration', 1.0_dp), &  ! the same in Latin 1
     unit_type('m s-2', 'acceleration', 1.0_dp), unit_type('mm/s2', 'acceleration', 1e-3_dp), &
     unit_type('mm/s^2', 'acceleration', 1e-3_dp), unit_type('g', 'acceleration', gravity), &
     unit_type('m/m', 'strain', 1.0_dp), unit_type('strain', 'strain', 1.0_dp), unit_type('um/m', 'strain', 1e-6_dp), &

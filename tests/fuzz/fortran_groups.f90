@@ -238,10 +238,11 @@ contains
     character(*), intent(in) :: lines(:)
     type(comparison), intent(inout) :: both
     character(longest_text) :: file(most_texts), quantity(most_texts)
-    real(dp) :: sample_rate, scale(most_values), points(most_values), start, end
+    real(dp) :: time_scale, sample_rate, scale(most_values), points(most_values), start, end
     integer :: i
-    namelist /record/ file, sample_rate, quantity, scale, points, start, end
+    namelist /record/ file, time_scale, sample_rate, quantity, scale, points, start, end
     file = unset_text
+    time_scale = unset
     sample_rate = unset
     quantity = unset_text
     scale = unset
@@ -250,6 +251,7 @@ contains
     end = unset
     read (lines, nml=record, iostat=both%stat)
     call both%same_texts('file', file)
+    call both%same_real('time_scale', time_scale)
     call both%same_real('sample_rate', sample_rate)
     call both%same_texts('quantity', [(lower(quantity(i)), i=1, most_texts)])
     call both%same_list('scale', scale)

@@ -27,6 +27,7 @@ class Channel:
     quantity: str = ""  # displacement, velocity, acceleration, strain; empty where the file does not say
     description: str = ""
     position: float | None = None  # x/l
+    record: str = ""  # what it is part of, where a file holds several records
 
 
 @dataclass
@@ -34,10 +35,11 @@ class Wanted:
     """What the caller says that a file may not: names of arrays, and the sampling rate in Hz."""
 
     sample_rate: float | None = None
-    time: str | None = None  # the array of times
+    time: str | None = None  # the array of times, or the number of a column or a cell, from 1
     variables: list[str] = field(
         default_factory=list
     )  # the arrays of histories; none: all that are as long as the time
+    time_scale: float = 1.0  # s over the file's unit of time
 
 
 def even_times(count: int, interval: float, start: float = 0.0) -> np.ndarray:
@@ -49,14 +51,36 @@ def channels_of(arrays: Mapping[str, np.ndarray], wanted: Wanted, source: str) -
     """Histories among the arrays of a file, named after them; of an array of several, `name_1`, `name_2` and so on.
 
     The time is the array that `wanted` names, or the one called time or t; else the sampling rate tells it, which
-    `wanted` or a number called fs, dt and the like gives.
+    `wanted` or a number called fs, dt and the like gives. Structures and rows of cells that have times of their own are
+    records of their own. `wanted` may also give the number of a column, or of a cell in its row.
     """
     numbers = {name: array for name, array in arrays.items() if array.dtype.kind in "fiub" and array.size}
-    time_name, times = _times(numbers, wanted, source)
-    names = wanted.variables or [name for name in numbers if name != time_name]
-    for name in names:
+    for name in wanted.variables:
         if name not in numbers:
             raise NotARecord(f"no array of numbers called {name}; there: {', '.join(numbers) or 'none'}")
+    column = _time_column(numbers, wanted)
+    if column is not None:
+        return _split(numbers, column, wanted)
+    clocks = _clocks(numbers, wanted, source)
+    if len(clocks) < 2:
+        return _one_record(numbers, next(iter(clocks.values()), ""), wanted, "")
+    found = []
+    for scope, clock in clocks.items():
+        mine = {name: array for name, array in numbers.items() if _nearest(name, clocks) == scope}
+        here = Wanted(None, None, [name for name in wanted.variables if name in mine], wanted.time_scale)
+        if here.variables or not wanted.variables:
+            found += _one_record(mine, clock, here, scope)
+    outside = [name for name in wanted.variables if _nearest(name, clocks) is None]
+    if outside:
+        several = ", ".join(clocks.values())
+        raise NotARecord(f"several arrays are times ({several}), and none of them is that of {outside[0]}")
+    return found
+
+
+def _one_record(numbers: Mapping[str, np.ndarray], clock: str, wanted: Wanted, record: str) -> list[Channel]:
+    """The histories that share one time, whose array `clock` names; empty where the sampling rate tells it."""
+    times = None if not clock or wanted.sample_rate else numbers[clock].astype(float).ravel() * wanted.time_scale
+    names = wanted.variables or [name for name in numbers if name != clock]
     long = {name: _columns(numbers[name], None if times is None else times.size) for name in names}
     long = {name: columns for name, columns in long.items() if columns is not None}
     if not wanted.variables and times is None and long:
@@ -64,32 +88,93 @@ def channels_of(arrays: Mapping[str, np.ndarray], wanted: Wanted, source: str) -
         long = {name: columns for name, columns in long.items() if columns.shape[0] == most}
     left_out = [name for name in wanted.variables if name not in long]
     if left_out:
-        raise NotARecord(f"{left_out[0]} is not as long as the time, {time_name}")
+        raise NotARecord(f"{left_out[0]} is not as long as the time, {clock}")
     if not long:
-        raise NotARecord("no array of at least two samples" + (f" as long as {time_name}" if time_name else ""))
+        raise NotARecord("no array of at least two samples" + (f" as long as {clock}" if clock else ""))
     interval = 0.0 if times is not None else 1.0 / _rate(numbers, wanted)
     found = []
     for name, columns in long.items():
         when = even_times(columns.shape[0], interval) if times is None else times
         for number, values in enumerate(columns.T, 1):
-            found.append(Channel(name if columns.shape[1] == 1 else f"{name}_{number}", values, when))
+            found.append(Channel(name if columns.shape[1] == 1 else f"{name}_{number}", values, when, record=record))
     return found
 
 
-def _times(numbers: Mapping[str, np.ndarray], wanted: Wanted, source: str) -> tuple[str, np.ndarray | None]:
-    """Name and values of the time; none where the sampling rate tells it."""
+def _time_column(numbers: Mapping[str, np.ndarray], wanted: Wanted) -> int | None:
+    """The number of the column of times that the caller gives, from 1; none where he means an array."""
+    if wanted.time is None or not wanted.time.isdecimal():
+        return None
+    return None if _called(numbers, wanted.time) else int(wanted.time)
+
+
+def _split(numbers: Mapping[str, np.ndarray], column: int, wanted: Wanted) -> list[Channel]:
+    """Of each array with columns its times and its histories: a record of its own each."""
+    tables = {name: _columns(numbers[name], None) for name in wanted.variables or numbers}
+    found = []
+    for name, table in tables.items():
+        if table is None or table.shape[1] < 2:
+            if wanted.variables:
+                raise NotARecord(f"{name} has no column of times; accepted: --time NAME, or --sample-rate")
+            continue
+        if not 1 <= column <= table.shape[1]:
+            raise NotARecord(f"{name} has {table.shape[1]} columns, and --time is {column}")
+        times = table[:, column - 1].astype(float) * wanted.time_scale
+        others = [number for number in range(1, table.shape[1] + 1) if number != column]
+        for number in others:
+            label = name if len(others) == 1 else f"{name}_{number}"
+            found.append(Channel(label, table[:, number - 1], times, record=name))
+    if not found:
+        raise NotARecord(f"--time is {column}, and no array has columns; accepted: --time NAME, or --sample-rate")
+    return found
+
+
+def _clocks(numbers: Mapping[str, np.ndarray], wanted: Wanted, source: str) -> dict[str, str]:
+    """The arrays of times by the structures or rows of cells that they are in; `` is the file itself."""
+    if wanted.time in numbers:
+        return {"": wanted.time}
     if wanted.time is not None:
-        if wanted.time not in numbers:
+        found = _called(numbers, wanted.time)
+        if not found:
             raise NotARecord(
                 f"no array of numbers called {wanted.time} in {source}; there: {', '.join(numbers) or 'none'}"
             )
-        return wanted.time, numbers[wanted.time].astype(float).ravel()
-    if wanted.sample_rate is not None:
-        return next(_named(numbers, TIME_NAMES), ""), None
-    for name in _named(numbers, TIME_NAMES):
-        if numbers[name].size > 1 and max(numbers[name].shape) == numbers[name].size:
-            return name, numbers[name].astype(float).ravel()
-    return "", None
+    else:
+        found = list(_named(numbers, TIME_NAMES))
+        if wanted.sample_rate is not None:
+            return {"": found[0]} if found else {}
+        found = [name for name in found if _is_row(numbers[name])]
+    clocks: dict[str, str] = {}
+    for name in found:
+        clocks.setdefault(_scope(name), name)
+    return clocks
+
+
+def _called(numbers: Mapping[str, np.ndarray], name: str) -> list[str]:
+    """Arrays of one row or column that have this name in their structure, or in the row of their cells."""
+    return [path for path, array in numbers.items() if _last(path) == name and _is_row(array)]
+
+
+def _is_row(array: np.ndarray) -> bool:
+    """Whether it is a single row or column of more than one number."""
+    return array.size > 1 and max(array.shape) == array.size
+
+
+def _scope(name: str) -> str:
+    """The structure, or the row of cells, that an array is in: `Fe.Out` of `Fe.Out.Time`."""
+    return name.rpartition(".")[0]
+
+
+def _last(name: str) -> str:
+    """An array's name within that: `Time` of `Fe.Out.Time`."""
+    return name.rpartition(".")[2]
+
+
+def _nearest(name: str, clocks: Mapping[str, str]) -> str | None:
+    """The innermost structure around an array that has times."""
+    scope = _scope(name)
+    while scope not in clocks and scope:
+        scope = _scope(scope)
+    return scope if scope in clocks else None
 
 
 def _rate(numbers: Mapping[str, np.ndarray], wanted: Wanted) -> float:
@@ -102,12 +187,15 @@ def _rate(numbers: Mapping[str, np.ndarray], wanted: Wanted) -> float:
     for name in _named(numbers, INTERVAL_NAMES):
         if numbers[name].size == 1 and float(numbers[name].ravel()[0]) > 0:
             return 1.0 / float(numbers[name].ravel()[0])
-    raise NotARecord("nothing tells the times; give --sample-rate, or --time with the name of their array")
+    raise NotARecord(
+        "nothing tells the times; give --sample-rate, or --time with the name of their array, or with the number of "
+        f"their column; there: {', '.join(f'{name} {array.shape}' for name, array in numbers.items())}"
+    )
 
 
 def _named(numbers: Mapping[str, np.ndarray], names: Iterable[str]) -> Iterable[str]:
     """Arrays of some names, in whatever letters, also inside a structure: `run1.time`."""
-    return (name for wanted in names for name in numbers if name.lower().rsplit(".", 1)[-1] == wanted)
+    return (name for wanted in names for name in numbers if _last(name.lower()) == wanted)
 
 
 def _columns(array: np.ndarray, samples: int | None) -> np.ndarray | None:

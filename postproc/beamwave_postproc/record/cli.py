@@ -25,7 +25,12 @@ def parser() -> argparse.ArgumentParser:
     words.add_argument(
         "--sample-rate", metavar="HZ", type=float, help="samples in a second, where the file does not say"
     )
-    words.add_argument("--time", metavar="NAME", help="array of the times in s (default: time or t)")
+    words.add_argument(
+        "--time", metavar="NAME", help="array of the times (default: time or t), or number of a column or cell from 1"
+    )
+    words.add_argument(
+        "--time-scale", metavar="S", type=float, default=1.0, help="seconds in the file's unit of time: 1e-3 for ms"
+    )
     words.add_argument(
         "--variable", metavar="NAME", action="append", default=[], help="array of histories (default: all); repeatable"
     )
@@ -62,6 +67,10 @@ def _problem(given: argparse.Namespace) -> str:
         return f"--sample-rate is {given.sample_rate:g}; accepted: above 0"
     if given.sample_rate is not None and given.time is not None:
         return "--sample-rate excludes --time; accepted: one or the other"
+    if not 0 < given.time_scale < float("inf"):
+        return f"--time-scale is {given.time_scale:g}; accepted: above 0"
+    if given.sample_rate is not None and given.time_scale != 1.0:
+        return "--sample-rate excludes --time-scale; accepted: one or the other"
     if given.points and not all(0 <= point <= 1 for point in given.points):
         return "--points are places x/l; accepted: 0 to 1"
     stems = [file.stem for file in given.files]
@@ -74,9 +83,10 @@ def _problem(given: argparse.Namespace) -> str:
 def _convert(source: Path, given: argparse.Namespace) -> bool:
     """Make the files of one; whether that went well."""
     try:
-        channels = read_channels(source, Wanted(given.sample_rate, given.time, given.variable))
-        _complete(channels, given)
+        channels = read_channels(source, Wanted(given.sample_rate, given.time, given.variable, given.time_scale))
         groups = grouped(channels)
+        for record in {channel.record for channel in channels}:
+            _complete([channel for channel in channels if channel.record == record], given)
         for number, group in enumerate(groups, 1):
             end = ".nc" if len(groups) == 1 else f"_{number}.nc"
             path = (given.output or source.parent) / f"{source.stem}{end}"

@@ -79,7 +79,7 @@ def sound_channels(path: Path, wanted: Wanted) -> list[Channel]:
 
 
 def _matlab_arrays(path: Path) -> dict[str, np.ndarray]:
-    """Arrays of a .mat file up to version 7.2, those in structures as `structure.field`."""
+    """Arrays of a .mat file up to version 7.2, those in structures and cells as `_flat` names them."""
     try:
         found = scipy.io.loadmat(path, simplify_cells=True)
     except OSError:
@@ -89,11 +89,32 @@ def _matlab_arrays(path: Path) -> dict[str, np.ndarray]:
     return _flat({name: value for name, value in found.items() if not name.startswith("__")})
 
 
+class Rows(dict[str, Any]):
+    """Rows of cells, or structures of an array, by number."""
+
+
+def _members(cells: Any) -> Mapping[str, Any]:
+    """Cells by number; of several rows with several cells each, and of structures, rows by number."""
+    if isinstance(cells, np.ndarray) and cells.ndim > 1 and min(cells.shape) > 1:
+        return Rows({str(row): _members(list(members)) for row, members in enumerate(cells, 1)})
+    flat = cells.ravel() if isinstance(cells, np.ndarray) else cells
+    members = {str(number): cell for number, cell in enumerate(flat, 1)}
+    return Rows(members) if any(isinstance(cell, Mapping) for cell in members.values()) else members
+
+
 def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, np.ndarray]:
-    """Arrays and numbers of nested structures, by their paths."""
+    """Arrays and numbers of nested structures and cells, by their paths.
+
+    A field of a structure is `structure.field`; cell 2 of row 3 is `cells{3}.2`, of a single row `cells.2`.
+    """
     arrays = {}
     for name, value in values.items():
-        if isinstance(value, Mapping):
+        if isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
+            value = _members(value)
+        if isinstance(value, Rows):
+            for number, row in value.items():
+                arrays |= _flat({f"{name}{{{number}}}": row}, before)
+        elif isinstance(value, Mapping):
             arrays |= _flat(value, f"{before}{name}.")
         elif isinstance(value, (np.ndarray, int, float, np.generic)):
             arrays[before + name] = np.asarray(value)
@@ -101,15 +122,27 @@ def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, np.ndarray]:
 
 
 def _hdf5_arrays(path: Path) -> dict[str, np.ndarray]:
-    """Arrays of a .mat file of version 7.3, which is HDF5."""
+    """Arrays of a .mat file of version 7.3, which is HDF5, as `_flat` names them."""
     h5py = needed("h5py", "MATLAB 7.3 files")
-    arrays = {}
 
-    def take(name: str, item: Any) -> None:
-        text = item.attrs.get("MATLAB_class", b"") == b"char"
-        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiub" and not text and not name.startswith("#"):
-            arrays[name.replace("/", ".")] = item[()]
+    def value(item: Any) -> Any:
+        """A structure as its fields, cells as an array of what they hold, numbers, or nothing."""
+        if isinstance(item, h5py.Group):
+            fields = {name: value(field) for name, field in item.items()}
+            cells = [field.attrs.get("MATLAB_class", b"") == b"cell" for field in item.values()]
+            several = [isinstance(field, np.ndarray) and field.dtype == object for field in fields.values()]
+            if not all(several) or any(cells) or len({field.size for field in fields.values()}) != 1:
+                return fields
+            rows = zip(*(field.ravel() for field in fields.values()))
+            return [dict(zip(fields, row)) for row in rows]
+        if h5py.check_ref_dtype(item.dtype):
+            held = item[()].T  # MATLAB stores columns one after another
+            cells = np.empty(held.shape, dtype=object)
+            for place, reference in np.ndenumerate(held):
+                cells[place] = value(file[reference])
+            return cells
+        odd = item.attrs.get("MATLAB_class", b"") == b"char" or "MATLAB_empty" in item.attrs
+        return item[()] if item.dtype.kind in "fiub" and not odd else None
 
     with h5py.File(path, "r") as file:
-        file.visititems(take)
-    return arrays
+        return _flat({name: value(item) for name, item in file.items() if not name.startswith("#")})

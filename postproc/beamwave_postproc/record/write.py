@@ -13,11 +13,12 @@ from .channels import Channel
 
 
 def grouped(channels: Iterable[Channel]) -> list[list[Channel]]:
-    """Channels by their times: one file holds one axis of time."""
+    """Channels by their record and their times: one file holds one axis of time."""
     groups: list[list[Channel]] = []
     for channel in channels:
         for group in groups:
-            if group[0].times is channel.times or np.array_equal(group[0].times, channel.times):
+            same = group[0].times is channel.times or np.array_equal(group[0].times, channel.times)
+            if same and group[0].record == channel.record:
                 group.append(channel)
                 break
         else:

@@ -93,8 +93,10 @@ contains
     self%last = at - 1
     self%next = at + 1
     self%line = self%line + 1
-    if (self%last < self%first) return
-    if (self%bytes(self%last) == carriage_return) self%last = self%last - 1
+    do while (self%last >= self%first)
+      if (self%bytes(self%last) /= carriage_return) return
+      self%last = self%last - 1
+    end do
   end subroutine next_line
 
   pure integer function line_end(bytes, first, last) result(at)

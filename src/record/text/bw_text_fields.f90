@@ -78,7 +78,8 @@ contains
   end function without_quotes
 
   function number_marks(field) result(marks)
-    !! How a field is a number: '.' with a point, ',' with a comma for its decimal mark, '0' with neither; '' for no number.
+    !! How a field is a number: '.' with a point, ',' with a comma for its decimal mark, '0' with neither; 'x' for one whose
+    !! thousands are parted, as in 1,234.5, which counts as a number and cannot be read; '' for no number.
     character(*), intent(in) :: field
     character(:), allocatable :: marks
     integer(i1) :: bytes(len(field))
@@ -93,10 +94,23 @@ contains
     end do
     at = 1
     call scan_number(bytes, at, len(field), iachar(mark, i1), value, decade, good)
+    if (parts_thousands(field)) marks = 'x'
     if (.not. good .or. at <= len(field)) return
     marks = '0'
     if (index(field, mark) > 0) marks = mark
   end function number_marks
+
+  pure logical function parts_thousands(field)
+    !! Digits by threes with one mark between them, and another one before the decimals: 1,234.5 or 1.234,5.
+    character(*), intent(in) :: field
+    integer :: first, point
+    parts_thousands = .false.
+    if (verify(field, '+-0123456789.,') > 0) return
+    first = scan(field, '.,')
+    point = scan(field, '.,', back=.true.)
+    if (first < 2 .or. first == point) return
+    parts_thousands = field(first:first) /= field(point:point) .and. mod(point - first, 4) == 0
+  end function parts_thousands
 
   pure logical function is_missing_word(field)
     !! What stands where a number is missing: nothing, or `nan` and the like.

@@ -2,7 +2,7 @@ module bw_text_header
   !! What the lines before the rows of a table say: the names of its columns, and their units.
   use bw_record, only: bare_name, column_type, unit_in
   use bw_sensor_unit, only: is_unit, quantity_of
-  use bw_text, only: string
+  use bw_text, only: lower, string
   use bw_text_fields, only: fields_of, tab
   implicit none (type, external)
   private
@@ -19,24 +19,17 @@ contains
     if (first > 0) is_comment = line(first:first) == '#' .or. line(first:first) == '%'
   end function is_comment
 
-  subroutine name_columns(lines, separator, closed, columns)
+  subroutine name_columns(lines, separator, columns)
     !! Names from the last line of the header with as many fields as there are columns, or from the one before where that holds
     !! units; from a comment where no other line does.
     type(string), intent(in) :: lines(:)                       !! of the header
     character, intent(in) :: separator
-    logical, intent(in) :: closed                              !! a separator stands behind the last field, too
     type(column_type), intent(inout) :: columns(:)
     type(string), allocatable :: names(:), units(:)
-    integer :: n, kind, i
+    integer :: i
     allocate (names(0), units(0))
-    do kind = 1, 2                                             ! header lines, comments
-      do n = size(lines), 1, -1
-        if (is_comment(lines(n)%text) .neqv. kind == 2) cycle
-        call take_names(fields_of(uncommented(lines(n)%text), separator), closed, size(columns), names, units)
-        if (size(names) > 0) exit
-      end do
-      if (size(names) > 0) exit
-    end do
+    call find_names(lines, .false., separator, size(columns), names, units)
+    if (size(names) == 0) call find_names(lines, .true., separator, size(columns), names, units)
     do i = 1, size(columns)
       associate (column => columns(i))
         if (size(names) > 0) column%name = names(i)%text
@@ -48,22 +41,57 @@ contains
     end do
   end subroutine name_columns
 
-  pure subroutine take_names(fields, closed, columns, names, units)
-    !! What a line of the header holds, if it has as many fields as there are columns.
-    type(string), intent(in) :: fields(:)
-    logical, intent(in) :: closed                              !! as above
+  pure subroutine find_names(lines, comments, separator, columns, names, units)
+    !! The last line that can hold names, and the units behind it. Away from the rows, `Rate,1000` holds no names; a line of
+    !! numbers does only where there is no other.
+    type(string), intent(in) :: lines(:)
+    logical, intent(in) :: comments                            !! look at comments, else at other lines
+    character, intent(in) :: separator
     integer, intent(in) :: columns                             !! how many there are
     type(string), allocatable, intent(inout) :: names(:), units(:)
+    type(string), allocatable :: fields(:), above(:)
+    logical :: is_near                                         !! only units stand between the line and the rows
     integer :: n
-    n = size(fields)
-    if (closed .and. n == columns + 1) n = n - 1
-    if (n /= columns) return
-    if (size(units) == 0 .and. are_units(fields(:n))) then
-      units = fields(:n)
-    else
-      names = fields(:n)
-    end if
-  end subroutine take_names
+    is_near = .true.
+    n = size(lines) + 1
+    call next_above(lines, comments, separator, n, fields)
+    do while (size(fields) > 0)
+      call next_above(lines, comments, separator, n, above)
+      if (fits(fields, columns)) then
+        if (size(units) == 0 .and. are_units(fields(:columns), above, columns)) then
+          units = fields(:columns)
+          is_near = .true.
+        else if (are_words(fields(:columns)) .or. (is_near .and. count_words(fields(:columns)) > 0)) then
+          names = fields(:columns)
+          return
+        else
+          if (is_near) names = fields(:columns)
+          is_near = .false.
+        end if
+      else if (size(fields) > 0) then
+        is_near = .false.
+      end if
+      call move_alloc(above, fields)
+    end do
+  end subroutine find_names
+
+  pure subroutine next_above(lines, comments, separator, n, fields)
+    !! Go up to the next line of the kind, and cut it; n = 0 where there is none.
+    type(string), intent(in) :: lines(:)
+    logical, intent(in) :: comments
+    character, intent(in) :: separator
+    integer, intent(inout) :: n
+    type(string), allocatable, intent(out) :: fields(:)
+    allocate (fields(0))
+    do while (n > 1)
+      n = n - 1
+      if (is_comment(lines(n)%text) .neqv. comments) cycle
+      fields = fields_of(uncommented(lines(n)%text), separator)
+      if (any_text(fields)) return
+    end do
+    n = 0
+    fields = fields(:0)
+  end subroutine next_above
 
   pure function uncommented(line) result(text)
     !! A line without the mark of a comment before it.
@@ -74,16 +102,68 @@ contains
     if (verify(text, '#% ') == 0) text = ''
   end function uncommented
 
-  pure logical function are_units(fields)
-    !! A line of units: each field is one, or is empty, and one at least is there.
+  pure logical function fits(fields, columns)
+    !! There is a field for each column, and at most one more, which says nothing or is the word `Comment` of LabVIEW.
+    type(string), intent(in) :: fields(:)
+    integer, intent(in) :: columns
+    fits = size(fields) == columns
+    if (size(fields) == columns + 1) fits = fields(columns + 1)%text == '' .or. lower(fields(columns + 1)%text) == 'comment'
+    if (fits) fits = any_text(fields(:columns))
+  end function fits
+
+  pure logical function any_text(fields)
+    !! A field is not empty.
     type(string), intent(in) :: fields(:)
     integer :: i
-    are_units = .false.
+    any_text = .false.
     do i = 1, size(fields)
-      if (verify(fields(i)%text, '-()[]') == 0) cycle        ! it has none
-      are_units = is_unit(plain_unit(fields(i)%text))
-      if (.not. are_units .and. unit_in(fields(i)%text) /= '') are_units = plain_unit(fields(i)%text) /= fields(i)%text
-      if (.not. are_units) return
+      any_text = any_text .or. fields(i)%text /= ''
+    end do
+  end function any_text
+
+  pure logical function are_words(fields)
+    !! All fields are words, or say nothing.
+    type(string), intent(in) :: fields(:)
+    integer :: i
+    are_words = count_words(fields) == count([(fields(i)%text /= '', i=1, size(fields))])
+  end function are_words
+
+  pure integer function count_words(fields) result(words)
+    !! Fields that do not begin as a number, a date or a clock does.
+    type(string), intent(in) :: fields(:)
+    integer :: i
+    words = 0
+    do i = 1, size(fields)
+      if (fields(i)%text == '') cycle
+      if (verify(fields(i)%text(1:1), '0123456789+-.') > 0) words = words + 1
+    end do
+  end function count_words
+
+  pure logical function are_units(fields, above, columns)
+    !! A line of units: each field is one, or is empty. Where only some are known, words stand above all of them, and they are
+    !! no names themselves.
+    type(string), intent(in) :: fields(:)
+    type(string), intent(in) :: above(:)                       !! of the line before
+    integer, intent(in) :: columns                             !! how many there are
+    integer :: i, known, others
+    known = 0
+    others = 0
+    do i = 1, size(fields)
+      associate (text => fields(i)%text)
+        if (verify(text, '-()[]') == 0) cycle                  ! it has none
+        if (is_unit(plain_unit(text)) .or. plain_unit(text) /= text) then
+          known = known + 1
+        else
+          others = others + 1
+        end if
+      end associate
+    end do
+    are_units = others == 0
+    if (are_units .or. known == 0 .or. .not. fits(above, columns)) return
+    are_units = are_words(above(:columns))
+    do i = 1, columns
+      are_units = are_units .and. bare_name(fields(i)%text) /= 'time' .and. above(i)%text /= '' .and. &
+        .not. is_unit(plain_unit(above(i)%text))
     end do
   end function are_units
 

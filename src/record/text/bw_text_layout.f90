@@ -5,10 +5,11 @@ module bw_text_layout
   !! Each separator is tried; the one by which most fields are numbers is taken. Rows have as many fields as most lines with
   !! numbers have, and begin with the first such line that has numbers wherever most of them have. What stands before is header.
   use bw_error, only: error_type, fail, status_bad_input
+  use bw_probed_lines, only: any_number, is_row, number_columns, numbers_in, probe, probed_line, usual_count
   use bw_record, only: column_type
   use bw_text, only: string, text_of
-  use bw_text_fields, only: blanks, fields_of, is_missing_word, number_marks, tab
-  use bw_text_header, only: is_comment, name_columns
+  use bw_text_fields, only: blanks, number_marks, tab
+  use bw_text_header, only: name_columns
   implicit none (type, external)
   private
   public :: find_layout
@@ -23,12 +24,6 @@ module bw_text_layout
     integer :: header = 0                                      !! lines before the first row
     type(column_type), allocatable :: columns(:)
   end type text_layout
-
-  type :: probed_line
-    !! A line as one separator cuts it.
-    type(string), allocatable :: fields(:)
-    logical, allocatable :: numeric(:)                         !! fields that are numbers
-  end type probed_line
 
 contains
 
@@ -48,7 +43,7 @@ contains
         call probe(lines(n)%text, separators(i), probed(n))
       end do
       columns = usual_count(probed)
-      numbers = numbers_in(probed, columns)
+      numbers = numbers_in(probed, number_columns(probed, columns))
       share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
                                                    n=1, size(lines))]))
       if (numbers < most .or. (numbers == most .and. share <= largest_share)) cycle
@@ -66,54 +61,6 @@ contains
     call settle(path, lines, best, layout, error)
   end subroutine find_layout
 
-  subroutine probe(line, separator, probed)
-    !! The fields of a line, and which are numbers; of a comment there are none.
-    character(*), intent(in) :: line
-    character, intent(in) :: separator
-    type(probed_line), intent(out) :: probed
-    character(:), allocatable :: marks
-    integer :: i
-    if (is_comment(line)) then
-      allocate (probed%fields(0), probed%numeric(0))
-      return
-    end if
-    probed%fields = fields_of(line, separator)
-    allocate (probed%numeric(size(probed%fields)))
-    do i = 1, size(probed%fields)
-      marks = number_marks(probed%fields(i)%text)
-      probed%numeric(i) = marks /= '' .and. .not. (marks == ',' .and. separator == ',')
-    end do
-  end subroutine probe
-
-  pure integer function usual_count(probed) result(columns)
-    !! How many fields most lines with numbers have; of several such counts the one that comes last.
-    type(probed_line), intent(in) :: probed(:)
-    integer :: n, m, lines, most
-    columns = 0
-    most = 0
-    do n = size(probed), 1, -1
-      if (.not. any(probed(n)%numeric) .or. size(probed(n)%fields) == columns) cycle
-      lines = 0
-      do m = 1, size(probed)
-        if (any(probed(m)%numeric) .and. size(probed(m)%fields) == size(probed(n)%fields)) lines = lines + 1
-      end do
-      if (lines <= most) cycle
-      most = lines
-      columns = size(probed(n)%fields)
-    end do
-  end function usual_count
-
-  pure integer function numbers_in(probed, columns) result(numbers)
-    !! How many numbers stand in the lines of so many fields.
-    type(probed_line), intent(in) :: probed(:)
-    integer, intent(in) :: columns
-    integer :: n
-    numbers = 0
-    do n = 1, size(probed)
-      if (size(probed(n)%fields) == columns) numbers = numbers + count(probed(n)%numeric)
-    end do
-  end function numbers_in
-
   subroutine settle(path, lines, probed, layout, error)
     !! The first row, the decimal mark and the columns, once the separator is known.
     character(*), intent(in) :: path
@@ -121,18 +68,17 @@ contains
     type(probed_line), intent(in) :: probed(:)                 !! as that separator cuts them
     type(text_layout), intent(inout) :: layout
     type(error_type), allocatable, intent(inout) :: error
-    logical, allocatable :: numeric(:)                         !! columns that hold numbers in more than half of the lines
-    integer, allocatable :: found(:)
-    integer :: columns, n, i
+    logical, allocatable :: numeric(:)                         !! columns of numbers
+    integer :: columns, i
     columns = usual_count(probed)
-    allocate (found(columns), source=0)
-    do n = 1, size(lines)
-      if (size(probed(n)%fields) == columns .and. any(probed(n)%numeric)) found = found + merge(1, 0, probed(n)%numeric)
-    end do
-    numeric = 2*found > maxval(found)
+    numeric = number_columns(probed, columns)
     layout%header = first_row(probed, numeric) - 1
+    if (layout%header < size(probed) - 1) then
+      if (counts_columns(probed(:layout%header + 2), numeric)) layout%header = layout%header + 1
+    end if
     associate (row => probed(layout%header + 1)%fields)
-      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' .and. found(columns) == 0
+      layout%closed = columns > 1 .and. layout%separator /= blanks .and. row(columns)%text == '' &
+        .and. .not. any_number(probed, columns)
     end associate
     if (layout%closed) columns = columns - 1
     allocate (layout%columns(columns))
@@ -141,7 +87,7 @@ contains
       layout%columns(i)%unit = ''
       layout%columns(i)%is_numeric = numeric(i)
     end do
-    call name_columns(lines(:layout%header), layout%separator, layout%closed, layout%columns)
+    call name_columns(lines(:layout%header), layout%separator, layout%columns)
     call find_mark(path, probed(layout%header + 1:), layout, error)
   end subroutine settle
 
@@ -157,41 +103,62 @@ contains
     end do
   end function first_row
 
-  pure logical function is_row(line, numeric)
-    !! A line with numbers, or what stands for missing ones, in all columns of numbers.
-    type(probed_line), intent(in) :: line
+  logical function counts_columns(probed, numeric) result(counts)
+    !! The last line but one has the numbers of the columns for names, as `0,1,2` or `,0,1`: whole numbers one by one, where
+    !! others are not whole, and no names before.
+    type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers
-    integer :: i
-    is_row = size(line%fields) == size(numeric)
-    if (.not. is_row) return
-    is_row = any(line%numeric .and. numeric)
-    do i = 1, size(numeric)
-      if (numeric(i) .and. .not. line%numeric(i)) is_row = is_row .and. is_missing_word(line%fields(i)%text)
+    character(:), allocatable :: marks
+    integer :: n, i, first
+    counts = .false.
+    n = size(probed)
+    if (.not. is_row(probed(n), numeric)) return
+    do i = 1, n - 2
+      if (size(probed(i)%fields) == size(numeric)) return
     end do
-  end function is_row
+    marks = ''
+    do i = 1, size(numeric)
+      marks = marks//number_marks(probed(n)%fields(i)%text)
+    end do
+    if (scan(marks, '.,') == 0) return
+    associate (fields => probed(n - 1)%fields)
+      first = merge(2, 1, fields(1)%text == '')
+      if (size(numeric) < 3 .or. verify(fields(first)%text, '01') > 0) return
+      do i = first, size(numeric)
+        if (fields(i)%text == '' .and. i == size(numeric)) cycle   ! behind a separator that closes the line
+        if (fields(i)%text /= text_of(i - first + index('1', fields(first)%text))) return
+      end do
+    end associate
+    counts = .true.
+  end function counts_columns
 
   subroutine find_mark(path, rows, layout, error)
     !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_input` where both stand, or where all commas
-    !! could as well part thousands.
+    !! could as well part thousands, or where `0,025` was cut into two columns.
     character(*), intent(in) :: path
     type(probed_line), intent(in) :: rows(:)
     type(text_layout), intent(inout) :: layout
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: marks
-    logical :: points, commas, certain
+    logical :: points, commas, certain, decimals
     integer :: n, i
     points = .false.
     commas = .false.
+    decimals = .false.
     certain = .false.
     do n = 1, size(rows)
       do i = 1, min(size(rows(n)%fields), size(layout%columns))
         marks = number_marks(rows(n)%fields(i)%text)
         points = points .or. marks == '.'
-        if (marks /= ',' .or. layout%separator == ',') cycle
+        if (marks == '0') decimals = decimals .or. begins_with_zeros(rows(n)%fields(i)%text)
+        if (marks /= ',') cycle                    ! between commas it stands in quotes
         commas = .true.
         certain = certain .or. .not. parts_thousands(rows(n)%fields(i)%text)
       end do
     end do
+    if (layout%separator == ',' .and. decimals .and. .not. (points .or. commas)) call fail(error, status_bad_input, path// &
+      ': its commas are decimal marks, or part columns of whole numbers that begin with 0; accepted: decimal points, or '// &
+      'semicolons between columns')
     if (.not. commas) return
     layout%mark = ','
     if (points) then
@@ -202,6 +169,12 @@ contains
                 'accepted: decimal points')
     end if
   end subroutine find_mark
+
+  pure logical function begins_with_zeros(field)
+    !! `025`: digits of which the first is a zero and no number.
+    character(*), intent(in) :: field
+    begins_with_zeros = len(field) > 1 .and. verify(field, '0123456789') == 0 .and. field(1:1) == '0'
+  end function begins_with_zeros
 
   pure logical function parts_thousands(field)
     !! `12,345`: the comma could part thousands.

@@ -10,7 +10,7 @@ module bw_text_rows
   public :: prepared, scan_row, row_problem, says_nothing
 
   integer(i1), parameter :: space = iachar(' ', i1), tabulator = 9_i1, hash = iachar('#', i1), per_cent = iachar('%', i1), &
-                            quote = iachar('"', i1)
+                            quote = iachar('"', i1), apostrophe = iachar("'", i1)
 
   type, public :: row_form
     !! What a row is read by.
@@ -110,13 +110,17 @@ contains
     integer, intent(out) :: decade
     logical, intent(out) :: good
     logical :: quoted
+    integer(i1) :: mine
     quoted = .false.
-    if (at <= last) quoted = bytes(at) == quote
+    if (at <= last) then
+      mine = bytes(at)
+      quoted = mine == quote .or. mine == apostrophe
+    end if
     if (quoted) at = at + 1
     call scan_number(bytes, at, last, mark, number, decade, good)
     if (.not. quoted .or. .not. good) return
     good = at <= last
-    if (good) good = bytes(at) == quote
+    if (good) good = bytes(at) == mine
     at = at + 1
   end subroutine scan_field
 

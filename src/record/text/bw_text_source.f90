@@ -49,6 +49,8 @@ contains
       line = text_between(self%reader%bytes, self%reader%first, self%reader%last)
       call append(lines, line)
       if (.not. is_comment(line)) rows = rows + 1
+      if (index(line, achar(13)) > 0) call fail(error, status_bad_input, path//':'//text_of(size(lines))// &
+        ': a carriage return stands inside the line; accepted: lines that end with LF or CR LF')
     end do
     if (allocated(error)) return
     call find_layout(path, lines, self%layout, error)

@@ -1,7 +1,7 @@
 module bw_record_par
   !! `&record`: histories that are read from files, of a beam that somebody measured or simulated elsewhere.
-  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, real_input, reals_input, &
-                           texts_input, unit_interval
+  use bw_input_name, only: any_number, columns_input, input_group, input_name, number_range, positive, real_input, &
+                           reals_input, texts_input, unit_interval
   use bw_input_values, only: group_values, input_value, position_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -23,12 +23,13 @@ module bw_record_par
     type(string), allocatable :: files(:)        !! as the user wrote them, beside the scene; repeats of one measurement, (n)
     integer :: file = 1                          !! the number of the one that is this case
     type(column_choice), allocatable :: time     !! unallocated: not said
+    real(dp) :: time_scale = 1.0_dp              !! s over the file's unit of time, > 0
     real(dp) :: sample_rate = missing            !! [Hz], > 0; `missing` where times are read
     type(column_choice), allocatable :: columns(:)   !! the sensors; unallocated: all but the time, (n_sensors)
     type(string), allocatable :: quantities(:)   !! of all sensors, or one for each; unallocated: what the file says, (1 or n_sensors)
     real(dp), allocatable :: scales(:)           !! SI over the unit of the column, (1 or n_sensors)
     real(dp), allocatable :: points(:)           !! ξ of each sensor; unallocated: what the file says, if anything, (n_sensors)
-    real(dp) :: first_time = -huge(1.0_dp)       !! first and last time that is used [s], as the file counts them
+    real(dp) :: first_time = -huge(1.0_dp)       !! first and last time that is used [s], from the file's time 0
     real(dp) :: last_time = huge(1.0_dp)
   end type record_par
 
@@ -43,8 +44,10 @@ module bw_record_par
   type(input_name), parameter, public :: record_names(*) = [ &
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
-               meaning='column of the times, in s'), &
-    input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time', &
+               meaning='column of the times'), &
+    input_name('record', 'time_scale', real_input, '1', positive, excludes='sample_rate', &
+               meaning='s over the unit of time, where it is no s: 1e-3 for ms, 1e-6 for us'), &
+    input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', &
                meaning='samples in a second, the first at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
                meaning='columns of the sensors'), &
@@ -159,6 +162,7 @@ contains
     if (values%known('quantity')) record%quantities = values%values(values%at('quantity'))%texts
     if (values%known('points')) record%points = values%values(values%at('points'))%numbers
     record%scales = values%values(values%at('scale'))%numbers
+    if (values%known('time_scale')) record%time_scale = values%number('time_scale')
     if (values%known('sample_rate')) record%sample_rate = values%number('sample_rate')
     if (values%known('start')) record%first_time = values%number('start')
     if (values%known('end')) record%last_time = values%number('end')

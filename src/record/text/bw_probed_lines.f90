@@ -1,0 +1,112 @@
+module bw_probed_lines
+  !! The first lines of a text as one separator cuts them: which fields are numbers, how many there are in a row, and which
+  !! lines are rows.
+  use bw_text, only: string
+  use bw_text_fields, only: fields_of, is_missing_word, number_marks
+  use bw_text_header, only: is_comment
+  implicit none (type, external)
+  private
+  public :: any_number, is_row, number_columns, numbers_in, probe, usual_count
+
+  type, public :: probed_line
+    !! A line as one separator cuts it.
+    type(string), allocatable :: fields(:)
+    logical, allocatable :: numeric(:)                         !! fields that are numbers
+  end type probed_line
+
+contains
+
+  subroutine probe(line, separator, probed)
+    !! The fields of a line, and which are numbers; of a comment there are none.
+    character(*), intent(in) :: line
+    character, intent(in) :: separator
+    type(probed_line), intent(out) :: probed
+    character(:), allocatable :: marks
+    integer :: i
+    if (is_comment(line)) then
+      allocate (probed%fields(0), probed%numeric(0))
+      return
+    end if
+    probed%fields = fields_of(line, separator)
+    allocate (probed%numeric(size(probed%fields)))
+    do i = 1, size(probed%fields)
+      marks = number_marks(probed%fields(i)%text)
+      probed%numeric(i) = marks /= ''
+    end do
+  end subroutine probe
+
+  pure integer function usual_count(probed) result(columns)
+    !! How many fields most lines with numbers have; of several such counts the one that comes last.
+    type(probed_line), intent(in) :: probed(:)
+    integer :: n, m, lines, most
+    columns = 0
+    most = 0
+    do n = size(probed), 1, -1
+      if (.not. any(probed(n)%numeric) .or. size(probed(n)%fields) == columns) cycle
+      lines = 0
+      do m = 1, size(probed)
+        if (any(probed(m)%numeric) .and. size(probed(m)%fields) == size(probed(n)%fields)) lines = lines + 1
+      end do
+      if (lines <= most) cycle
+      most = lines
+      columns = size(probed(n)%fields)
+    end do
+  end function usual_count
+
+  pure function number_columns(probed, columns) result(numeric)
+    !! Columns that hold numbers in more than half of the lines of so many fields.
+    type(probed_line), intent(in) :: probed(:)
+    integer, intent(in) :: columns
+    logical :: numeric(columns)
+    integer :: found(columns), n
+    found = 0
+    do n = 1, size(probed)
+      if (size(probed(n)%fields) == columns .and. any(probed(n)%numeric)) found = found + merge(1, 0, probed(n)%numeric)
+    end do
+    numeric = 2*found > maxval(found)
+  end function number_columns
+
+  pure logical function any_number(probed, columns)
+    !! The last of so many fields is a number somewhere.
+    type(probed_line), intent(in) :: probed(:)
+    integer, intent(in) :: columns
+    integer :: n
+    any_number = .false.
+    do n = 1, size(probed)
+      if (size(probed(n)%fields) == columns) any_number = any_number .or. probed(n)%numeric(columns)
+    end do
+  end function any_number
+
+  pure integer function numbers_in(probed, numeric) result(numbers)
+    !! How many numbers stand in rows; where no line is one, in lines of as many fields.
+    type(probed_line), intent(in) :: probed(:)
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    integer :: n, others
+    numbers = 0
+    others = 0
+    do n = 1, size(probed)
+      if (size(probed(n)%fields) /= size(numeric)) cycle
+      others = others + count(probed(n)%numeric)
+      if (is_row(probed(n), numeric)) numbers = numbers + count(probed(n)%numeric)
+    end do
+    if (numbers == 0) numbers = others
+  end function numbers_in
+
+  pure logical function is_row(line, numeric)
+    !! A line with numbers, or what stands for missing ones, in all columns of numbers.
+    type(probed_line), intent(in) :: line
+    logical, intent(in) :: numeric(:)                          !! columns of numbers
+    integer :: i
+    logical :: says_something                                  !! a number, or a word as `nan`, but no line of dashes
+    is_row = size(line%fields) == size(numeric)
+    if (.not. is_row) return
+    says_something = any(line%numeric .and. numeric)
+    do i = 1, size(numeric)
+      if (line%numeric(i) .or. .not. numeric(i)) cycle
+      is_row = is_row .and. is_missing_word(line%fields(i)%text)
+      says_something = says_something .or. scan(line%fields(i)%text, 'naNAiI') > 0
+    end do
+    is_row = is_row .and. says_something
+  end function is_row
+
+end module bw_probed_lines
