@@ -111,6 +111,7 @@ contains
       call terms_of_set(self, number, xi, longest, beta, drive, shapes)
     else
       call set_of_pieces(self%pieces%beam, number, set=modes, struck=self%pieces%struck, roughly=.true.)
+      if (.not. modes%resolved) call self%note_failure(number)
       modes%struck_at = self%struck_at
       call take_terms(modes, xi, beta, drive, shapes)
     end if
