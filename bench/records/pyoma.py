@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import time
 import warnings
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .cells import Cell, Draw, lines_of
 from .tool import Lines, Tool, only_even
 
 QUANTILE = 1.96
-BLOCK_ROWS, BLOCK_ROWS_OF_MANY = 100, 20  # of one sensor and of many: those that gave the smallest error in a trial
+BLOCK_ROWS, BLOCK_ROWS_OF_MANY = 100, 10  # of one sensor and of many: what can be waited for
 BLOCKS = 10  # of the record, from which the uncertainty is taken
 LIMITS = {"xi_max": 1.0, "mpc_lim": None, "mpd_lim": None, "CoV_max": None}  # nothing of the order asked for is thrown away
 
@@ -32,16 +33,19 @@ def lines(values: np.ndarray, order: int) -> Lines:
     from pyoma2.algorithms import SSI
     from pyoma2.setup import SingleSetup
 
-    rows = BLOCK_ROWS if values.shape[1] == 1 else BLOCK_ROWS_OF_MANY
+    one = values.shape[1] == 1  # the uncertainty of 64 sensors takes minutes a record
+    rows = BLOCK_ROWS if one else BLOCK_ROWS_OF_MANY
     setup = SingleSetup(values, fs=1.0)
-    setup.add_algorithms(SSI(name="ssi", method="cov", br=rows, ordmax=order, calc_unc=True, nb=BLOCKS, hc=LIMITS))
+    setup.add_algorithms(SSI(name="ssi", method="cov", br=rows, ordmax=order, calc_unc=one, nb=BLOCKS, hc=LIMITS))
     setup.run_all()
     answer = setup["ssi"].result
-    poles, deviations = answer.Lambds[:, -1], (answer.Fn_poles_std[:, -1], answer.Xi_poles_std[:, -1])
+    poles = answer.Lambds[:, -1]
     upper = np.isfinite(poles) & (poles.imag > 0)
-    natural, ratio = np.abs(poles[upper]), -poles[upper].real / np.abs(poles[upper])
-    errors = [QUANTILE * np.asarray(deviation)[upper] for deviation in deviations]
-    return Lines(poles[upper].imag / (2 * np.pi), natural * ratio, errors[0], natural * errors[1])
+    found = Lines(poles[upper].imag / (2 * np.pi), -poles[upper].real)
+    if not one:
+        return found
+    errors = [QUANTILE * np.asarray(all_of[:, -1])[upper] for all_of in (answer.Fn_poles_std, answer.Xi_poles_std)]
+    return replace(found, frequency_errors=errors[0], decay_errors=np.abs(poles[upper]) * errors[1])
 
 
 TOOL = Tool("pyOMA-2 (SSI)", "the number of lines", estimate, only_even, ("pyoma2",), slow=True)
