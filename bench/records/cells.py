@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SPACED = (0.0931, 0.2137, 0.3306)  # periods per step; a draw adds less than one bin
+SPACED = (0.0531, 0.1237, 0.2106)  # periods per step; a draw adds less than one bin. harminv finds nothing above 0.25
 GAP = 40  # steps
 JITTER = 0.4  # steps from the earliest to the latest, 20 % either way
 

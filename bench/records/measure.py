@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Any
 
@@ -13,6 +14,7 @@ from .tool import Lines, Tool
 
 TOOLS = (beamwave.TOOL, esprit.TOOL, hlsvd.TOOL, harminv.TOOL, pyoma.TOOL)
 SMALL_DRAWS = 4
+MOST = "BEAMWAVE_BENCH_DRAWS"  # in the environment: no more draws of a cell than that
 FAR = 5.0  # bounds, or one bin if that is more, from a line to what is taken for it
 
 
@@ -21,7 +23,7 @@ def measure(small: bool) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = [{"peer": tool.name, "not_measured": f"no {tool.missing()}"} for tool in TOOLS if tool.missing()]
     able = [tool for tool in TOOLS if not tool.missing()]
     for cell in SMALL_CELLS if small else CELLS:
-        draws = sensible_draws(cell, SMALL_DRAWS if small else cell.draws)
+        draws = sensible_draws(cell, min(cell.draws, SMALL_DRAWS if small else int(os.environ.get(MOST, cell.draws))))
         for tool in able:
             rows.append(row(tool, cell, draws))
     compare(rows)
