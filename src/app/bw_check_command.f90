@@ -16,7 +16,7 @@ module bw_check_command
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
-  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, scene_heading, scene_summary, working_bytes
+  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, record_seconds, scene_heading, scene_summary, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
@@ -52,6 +52,8 @@ contains
       time_line = ''
       if (allocated(scenes(i)%record)) then
         call check_records(scenes(i), layout, count_line, notes, error)
+        if (.not. allocated(error)) time_line = '  time       about '//expected_text(record_seconds(layout))// &
+          ' on one core, more where lines are many or drift'//new_line('a')
       else
         call plan_tolerance(scenes(i), progress, count_line, error)
         began = wall_seconds()
@@ -92,7 +94,7 @@ contains
       if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
     else
       text = scene_heading(scene)//scene_summary(scene, layout)//count_line
-      if (.not. allocated(scene%record)) text = text//cost_summary(scene, layout)//time_line
+      text = text//cost_summary(scene, layout)//time_line
       if (notes /= '') text = text//new_line('a')//notes_report(notes(:len(notes) - 1))
     end if
   end function checked_text
@@ -162,6 +164,7 @@ contains
     if (allocated(error)) return
     do f = 1, size(extents)
       text = text//record_summary(extents(f))
+      if (f == 1) notes = room_notes(scene, layout)
       do n = 1, size(extents(f)%notes)
         notes = notes//extents(f)%notes(n)%text
         if (size(extents) > 1) notes = notes//' ('//extents(f)%path//')'

@@ -9,6 +9,7 @@ module bw_case_result
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
+  use bw_missing, only: missing
   use bw_mode_set, only: mode_set, mode_sources
   use bw_record, only: record_extent
   use bw_record_lines, only: record_lines
@@ -94,6 +95,8 @@ module bw_case_result
     type(record_lines) :: lines
     real(dp), allocatable :: recorded(:, :), fitted(:, :)   !! at the times that are drawn, (times, sensors)
     real(dp), allocatable :: noise(:, :)                    !! what noise makes of the amplitude spectrum, (frequencies, sensors)
+    real(dp) :: stiffness_root(2) = missing                 !! √(EI/ρA) from the dispersion, and half its interval, m²/s
+    real(dp) :: angular_velocity(2) = missing               !! |ω| from it, rad/s
   end type record_result
 
   type, public :: case_result

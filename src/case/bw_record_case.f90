@@ -1,19 +1,18 @@
 module bw_record_case
-  !! A case whose histories are read from a file: record ► lines ► result. The main line of records, beside that of simulated
+  !! A case whose histories are read from a file: record ► lines ► waves ► result. The main line of records, beside that of simulated
   !! cases.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_belief, only: believed_line, believed_lines
-  use bw_case_result, only: add_notes, case_result, record_result
+  use bw_case_result, only: add_notes, case_result
   use bw_damped_search, only: find_damped_lines, found_lines
   use bw_kinds, only: dp, i8
-  use bw_measured, only: measured_type
-  use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_read_record, only: read_record
   use bw_record, only: extent_of, record_type
   use bw_record_lines, only: lines_in_si
   use bw_record_view, only: samples_of, view_fit, view_histories, view_noise, view_spectra
+  use bw_record_waves, only: find_record_waves
   use bw_result_layout, only: result_layout
   use bw_samples, only: samples_type
   use bw_scene, only: scene_type
@@ -23,7 +22,7 @@ module bw_record_case
   private
   public :: keep_record, run_record_case
 
-  integer(i8), parameter :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
+  integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
 
   type, public :: record_cache
     !! The record of the last case, and the part of it.
@@ -66,14 +65,14 @@ contains
 
     samples = samples_of(record)
     call move_alloc(record%values, samples%value)
-    call find_damped_lines(samples, scene%spectrum%false_alarm, found)
+    call find_damped_lines(samples, scene%spectrum%false_alarm, found, monitor)
     if (monitor%stop_requested()) return
     believed = believed_lines(samples, found, scene%spectrum%confidence, scene%spectrum%false_alarm)
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
     call view_noise(record, layout, scene%spectrum%window, found, result%record%noise)
-    call view_fit(record, layout, found, believed, result%record)
+    call view_fit(record, layout, found, result%record)
     if (monitor%stop_requested()) return
-    call set_measured(result%record, result%measured)
+    call find_record_waves(scene, layout, result)
     call note_lines(scene, result)
     call watch%lap(stage_spectrum)
     whole = .true.
@@ -131,23 +130,5 @@ contains
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
     end associate
   end subroutine note_lines
-
-  subroutine set_measured(record, measured)
-    !! Frequencies with their errors where results have those of simulated histories; no waves yet.
-    type(record_result), intent(in) :: record
-    type(measured_type), allocatable, intent(out) :: measured
-    real(dp) :: none(size(record%lines%angular_frequency))
-    allocate (measured)
-    none = missing
-    measured%peak_count = size(none)
-    measured%angular_frequency = record%lines%angular_frequency
-    measured%angular_frequency_error = record%lines%angular_frequency_error
-    measured%wavenumber = none
-    measured%wavenumber_error = none
-    measured%phase_velocity = none
-    measured%phase_velocity_error = none
-    measured%group_velocity = none
-    measured%group_velocity_error = none
-  end subroutine set_measured
 
 end module bw_record_case

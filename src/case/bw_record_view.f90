@@ -2,7 +2,6 @@ module bw_record_view
   !! What is drawn of a record, on the axes of its result: histories and their fit over time, amplitudes and noise over
   !! frequency.
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan, window_at
-  use bw_belief, only: believed_line
   use bw_case_result, only: record_result
   use bw_damped_search, only: found_lines
   use bw_fourier, only: real_fourier
@@ -142,12 +141,11 @@ contains
     end do
   end subroutine view_histories
 
-  subroutine view_fit(record, layout, found, believed, result)
+  subroutine view_fit(record, layout, found, result)
     !! What the lines make of the record, at the same times.
     type(record_type), intent(in) :: record          !! its values do not count
     type(result_layout), intent(in) :: layout
     type(found_lines), intent(in) :: found
-    type(believed_line), intent(in) :: believed(:)
     type(record_result), intent(inout) :: result     !! gets `fitted`
     type(samples_type) :: samples
     integer :: s
@@ -155,7 +153,7 @@ contains
     samples = samples_of(record)
     allocate (result%fitted(layout%samples, layout%points))
     do s = 1, layout%points
-      result%fitted(:, s) = at_times(record%times, fitted_history(samples, found, believed, s), layout%record)
+      result%fitted(:, s) = at_times(record%times, fitted_history(samples, found, s), layout%record)
     end do
   end subroutine view_fit
 

@@ -1,9 +1,10 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
   use bw_belief, only: window_start
+  use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_record, only: sensor_type
-  use bw_scene, only: scene_type
+  use bw_scene, only: changes_shapes, scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
@@ -26,6 +27,7 @@ module bw_result_layout
     logical :: placed = .false.                          !! all of them have places
     character(:), allocatable :: unit                    !! of all of them; `1` where they measure different quantities
     character(:), allocatable :: checksums               !! of the files
+    integer :: longest = 0                               !! samples of a case, at most
     real(dp), allocatable :: times(:)                    !! since the first sample [s]
     logical :: stretched = .false.                       !! two values in a stretch of time: the least and the largest
     real(dp), allocatable :: frequencies(:)              !! Hz
@@ -53,6 +55,7 @@ module bw_result_layout
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
     logical :: of_record = .false.    !! histories are read, not simulated
     type(record_layout), allocatable :: record   !! unallocated until its files are read (bw_record_plan)
+    logical :: of_uniform_beam = .false.         !! of a record: the beam is known, and uniform
     integer :: windows = 0            !! parts of a record
     integer :: candidates = 0
   end type result_layout
@@ -67,6 +70,7 @@ contains
     if (layout%of_record) then
       layout%peaks = scene%spectrum%max_peaks
       layout%windows = size(window_start)
+      layout%of_uniform_beam = position_of(scene%groups, 'beam') > 0 .and. .not. changes_shapes(scene)
       layout%candidates = most_candidates
       return
     end if
@@ -169,7 +173,7 @@ contains
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
     !! that go through them), `estimates` (of the errors of histories), `mode_shapes` (there are not too many), `record`
-    !! or `simulated`, `places` (of all points along the beam).
+    !! or `simulated`, `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -189,6 +193,7 @@ contains
     case ('places')                           ! the points have places along the beam
       there = .not. layout%of_record
       if (allocated(layout%record)) there = layout%record%placed
+    case ('waves'); there = has(layout, 'places') .and. (layout%of_uniform_beam .or. .not. layout%of_record)
     case ('contacts'); there = layout%contacts
     case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0

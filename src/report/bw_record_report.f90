@@ -3,14 +3,16 @@ module bw_record_report
   use bw_case_result, only: record_result
   use bw_columns, only: fixed, right
   use bw_kinds, only: dp
-  use bw_record, only: without_unit
+  use bw_measured, only: measured_type
+  use bw_missing, only: is_missing, scaled
+  use bw_record, only: unit_in, without_unit
   use bw_record_lines, only: reason_texts, status_words
   use bw_record_summary, only: record_summary
-  use bw_sensor_unit, only: si_unit
+  use bw_sensor_unit, only: is_unit, si_unit
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: report_record, to_its_error
+  public :: pair_text, report_record, to_its_error
 
   integer, parameter :: shown_lines = 40, shown_candidates = 10, shown_sensors = 16
   integer, parameter :: widths(9) = [14, 11, 11, 13, 11, 11, 11, 12, 11]
@@ -18,13 +20,15 @@ module bw_record_report
 
 contains
 
-  subroutine report_record(record, confidence, lines)
+  subroutine report_record(record, measured, confidence, lines)
     !! All of it.
     type(record_result), intent(in) :: record
+    type(measured_type), intent(in) :: measured      !! waves
     real(dp), intent(in) :: confidence               !! of the intervals
     type(text_builder), intent(inout) :: lines
     call lines%append(record_summary(record%extent))
     if (size(record%lines%angular_frequency) > 0) call report_lines(record, confidence, lines)
+    if (allocated(measured%wavenumber)) call report_waves(record, measured, lines)
     if (size(record%lines%rejected) > 0) call report_rejected(record, lines)
     call report_noise(record, lines)
   end subroutine report_record
@@ -70,18 +74,34 @@ contains
     integer :: s
     associate (found => record%lines)
       s = maxloc(abs(found%amplitude(:, k))/max(found%noise_deviation, tiny(1.0_dp)), dim=1)
-      words(1) = to_its_error(found%angular_frequency(k)/two_pi, found%angular_frequency_error(k)/two_pi)
-      words(2) = shortest(found%angular_frequency_error(k)/two_pi, 2)
-      words(3) = shortest(found%angular_frequency_bound(k)/two_pi, 2)
+      words(1) = to_its_error(found%angular_frequency(k)/two_pi, scaled(found%angular_frequency_error(k), 1/two_pi))
+      words(2) = short(scaled(found%angular_frequency_error(k), 1/two_pi))
+      words(3) = short(scaled(found%angular_frequency_bound(k), 1/two_pi))
       words(4) = to_its_error(found%decay_rate(k), found%decay_rate_error(k))
-      words(5) = shortest(found%decay_rate_error(k), 2)
-      words(6) = shortest(found%decay_rate_bound(k), 2)
+      words(5) = short(found%decay_rate_error(k))
+      words(6) = short(found%decay_rate_bound(k))
       words(7) = shortest(100*found%decay_rate(k)/hypot(found%decay_rate(k), found%angular_frequency(k)), 3)
       words(8) = shortest(abs(found%amplitude(s, k)), 4)
-      words(9) = shortest(found%amplitude_error(s, k), 2)
+      words(9) = short(found%amplitude_error(s, k))
       call put_row(lines, right(text_of(k), 6), words, '   '//place_text(record, s)//kinds_text(found%status(k)))
     end associate
   end subroutine report_line
+
+  pure function short_name(name) result(text)
+    !! A sensor's name without its unit.
+    character(*), intent(in) :: name
+    character(:), allocatable :: text
+    text = name
+    if (is_unit(unit_in(name))) text = without_unit(name)
+  end function short_name
+
+  pure function short(value) result(text)
+    !! Two digits of an error; a dash where the record does not tell it.
+    real(dp), intent(in) :: value
+    character(:), allocatable :: text
+    text = '-'
+    if (.not. is_missing(value)) text = shortest(value, 2)
+  end function short
 
   function place_text(record, s) result(text)
     !! The sensor and its unit.
@@ -91,7 +111,7 @@ contains
     associate (sensor => record%extent%sensors(s))
       text = si_unit(sensor%quantity)
       if (text == '1') text = sensor%quantity
-      if (size(record%extent%sensors) > 1) text = text//' at '//without_unit(sensor%name)
+      if (size(record%extent%sensors) > 1) text = text//' at '//short_name(sensor%name)
     end associate
   end function place_text
 
@@ -126,6 +146,47 @@ contains
     end associate
   end subroutine report_drifts
 
+  subroutine report_waves(record, measured, lines)
+    !! Wave numbers and velocities with half their intervals, and what their dispersion tells of the beam.
+    type(record_result), intent(in) :: record
+    type(measured_type), intent(in) :: measured
+    type(text_builder), intent(inout) :: lines
+    integer :: k
+    if (all(is_missing(measured%wavenumber))) return           ! a note says why
+    call lines%append_line('')
+    call lines%append_line('  line   wave number         +/-  phase velocity         +/-  group velocity         +/-')
+    call lines%append_line('                 1/m         1/m             m/s         m/s             m/s         m/s')
+    do k = 1, min(shown_lines, size(measured%wavenumber))
+      call lines%append_line(right(text_of(k), 6)//pair_text([measured%wavenumber(k), measured%wavenumber_error(k)], 14)// &
+        pair_text([measured%phase_velocity(k), measured%phase_velocity_error(k)], 16)// &
+        pair_text([measured%group_velocity(k), measured%group_velocity_error(k)], 16))
+    end do
+    if (.not. is_missing(record%stiffness_root(1))) call lines%append_line('  Their dispersion: sqrt(EI/(rho A)) '// &
+      to_its_error(record%stiffness_root(1), record%stiffness_root(2))//' +/- '//shortest(record%stiffness_root(2), 2)//' m2/s'// &
+      rotation_text(record%angular_velocity))
+  end subroutine report_waves
+
+  pure function rotation_text(pair) result(text)
+    !! The angular velocity that the dispersion tells, behind a comma.
+    real(dp), intent(in) :: pair(2)
+    character(:), allocatable :: text
+    text = ''
+    if (is_missing(pair(1))) return
+    text = ', angular velocity '//to_its_error(pair(1), pair(2))//' +/- '//shortest(pair(2), 2)//' rad/s'
+  end function rotation_text
+
+  pure function pair_text(pair, width) result(text)
+    !! A number and half its interval, the latter in 12 letters; dashes where there is none.
+    real(dp), intent(in) :: pair(2)
+    integer, intent(in) :: width
+    character(:), allocatable :: text
+    if (is_missing(pair(1))) then
+      text = right('-', width)//right('-', 12)
+    else
+      text = right(to_its_error(pair(1), pair(2)), width)//right(short(pair(2)), 12)
+    end if
+  end function pair_text
+
   subroutine report_rejected(record, lines)
     !! What was looked at and is no line, and why.
     type(record_result), intent(in) :: record
@@ -154,7 +215,7 @@ contains
     text = ''
     do s = 1, min(shown_sensors, size(record%extent%sensors))
       associate (sensor => record%extent%sensors(s))
-        text = text//', '//without_unit(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
+        text = text//', '//short_name(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
           si_unit(sensor%quantity)
       end associate
     end do
@@ -169,6 +230,10 @@ contains
     character(40) :: buffer
     integer :: digits
     digits = 15
+    if (is_missing(error)) then
+      text = shortest(value, 4)
+      return
+    end if
     if (error > 0) digits = 1 - floor(log10(error))
     if (digits > 12 .or. abs(value) >= 1.0e9_dp) then
       text = shortest(value, 15)

@@ -22,6 +22,8 @@ contains
     integer :: s
     call lines%append_line('  record     '//record%path//': '//samples_text(record))
     call lines%append_line('  times      '//times_text(record))
+    call lines%append_line('  spectrum   0 to '//shortest(0.5_dp*(record%samples - 1)/record%duration, digits)// &
+                           ' Hz, resolution 1/duration = '//shortest(1.0_dp/record%duration, 3)//' Hz')
     do s = 1, min(size(record%sensors), most_sensors)
       call lines%append_line('  sensor     '//sensor_text(record%sensors(s))//': '// &
                              shortest(record%ranges(1, s), digits)//' to '// &

@@ -5,7 +5,7 @@ module bw_record_table
   use bw_columns, only: right
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
-  use bw_record_report, only: to_its_error
+  use bw_record_report, only: pair_text
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_swept_text, only: swept_text
@@ -111,17 +111,5 @@ contains
     text = right(text_of(case), 8)//right(text_of(row%lines), 8)//pair_text(row%frequency, 16)//pair_text(row%decay, 12)// &
       right(shortest(row%noise, 3), 12)
   end function row_text
-
-  pure function pair_text(pair, width) result(text)
-    !! A number and half its interval; dashes where there is none.
-    real(dp), intent(in) :: pair(2)
-    integer, intent(in) :: width
-    character(:), allocatable :: text
-    if (is_missing(pair(1))) then
-      text = right('-', width)//right('-', 12)
-    else
-      text = right(to_its_error(pair(1), pair(2)), width)//right(shortest(pair(2), 2), 12)
-    end if
-  end function pair_text
 
 end module bw_record_table

@@ -28,7 +28,8 @@ contains
     character(:), allocatable :: text
     type(text_builder) :: lines
     text = ''
-    if (allocated(result%record)) call report_record(result%record, scene%spectrum%confidence, lines)
+    if (allocated(result%record)) call report_record(result%record, result%measured, &
+                                                           scene%spectrum%confidence, lines)
     if (allocated(result%record)) text = lines%text()
     if (result%mode_count == 0) return             ! a note says why
     call report_modes(scene, result, lines)

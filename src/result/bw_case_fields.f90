@@ -8,9 +8,9 @@ module bw_case_fields
   use bw_history_variables, only: count_variables, error_variables, history_variables, measured_variables
   use bw_missing, only: missing
   use bw_modal_variables, only: modal_variables
-  use bw_record_variables, only: record_variables, unit_of_sensors
+  use bw_record_variables, only: record_variables
   use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
-  use bw_result_variable, only: result_variable
+  use bw_result_variable, only: result_variable, unit_of_sensors
   implicit none (type, external)
   private
   public :: all_variables, blocks_for, case_length, field_of, fields_of, named_value, put_field, put_fields, variables_of
@@ -65,7 +65,11 @@ contains
     integer :: i
     rows = all_variables()
     rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)) .and. has(layout, trim(rows(i)%needs)), i=1, size(rows))])
-    if (allocated(layout%record)) where (rows%units == unit_of_sensors) rows%units = layout%record%unit
+    do i = 1, size(rows)
+      if (rows(i)%units /= unit_of_sensors) cycle
+      rows(i)%units = 'm'
+      if (allocated(layout%record)) rows(i)%units = layout%record%unit
+    end do
   end function variables_of
 
   pure function fields_of(layout) result(fields)

@@ -5,7 +5,7 @@ module bw_history_variables
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_netcdf, only: variable_text
-  use bw_result_variable, only: case_variable, result_variable, values_of_case
+  use bw_result_variable, only: case_variable, result_variable, unit_of_sensors, values_of_case
   use bw_text, only: joined
   implicit none (type, external)
   private
@@ -40,7 +40,7 @@ contains
       bound('wavenumber', 'm-1', wavenumber_error), &
       bound('phase_velocity', 'm s-1', phase_velocity_error), &
       bound('group_velocity', 'm s-1', group_velocity_error)]
-    where (.not. index(rows%name, 'frequency') > 0) rows%needs = 'places'
+    where (.not. index(rows%name, 'frequency') > 0) rows%needs = 'waves'
   end function measured_variables
 
   pure type(result_variable) function measured(name, units, references, values) result(row)
@@ -81,8 +81,8 @@ contains
                     needs='velocity'), &
       case_variable(variable_text('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi'''), &
                     bending_moment, needs='bending_moment'), &
-      case_variable(variable_text('amplitude', 'point frequency', 'm', 'one-sided amplitude spectrum of the displacement'), &
-                    amplitude, needs='simulated')]
+      case_variable(variable_text('amplitude', 'point frequency', unit_of_sensors, &
+                                  'one-sided amplitude spectrum of the histories'), amplitude)]
   end function history_variables
 
   pure function count_variables() result(rows)

@@ -6,20 +6,18 @@ module bw_record_variables
   use bw_missing, only: missing
   use bw_netcdf, only: variable_text
   use bw_record_lines, only: reason_words, status_words
-  use bw_result_variable, only: case_variable, result_variable, values_of_case
+  use bw_result_variable, only: case_variable, result_variable, unit_of_sensors, values_of_case
   use bw_text, only: joined
   implicit none (type, external)
   private
   public :: record_variables
-
-  character(*), parameter, public :: unit_of_sensors = 'of the sensors'    !! stands for a unit until the sensors are known
 
 contains
 
   pure function record_variables() result(rows)
     !! All of them.
     type(result_variable), allocatable :: rows(:)
-    rows = [line_variables(), window_variables(), candidate_variables(), sensor_variables()]
+    rows = [line_variables(), dispersion_variables(), window_variables(), candidate_variables(), sensor_variables()]
   end function record_variables
 
   pure function line_variables() result(rows)
@@ -45,6 +43,18 @@ contains
     rows(13)%has_masks = .true.
     rows(13)%flags = joined(status_words)
   end function line_variables
+
+  pure function dispersion_variables() result(rows)
+    !! Of all lines together.
+    type(result_variable) :: rows(4)
+    rows = [ &
+      of_record('measured_stiffness_root', '', 'm2 s-1', 'sqrt(EI/(rho A)) from the dispersion of the lines', stiffness_root), &
+      of_record('measured_stiffness_root_error', '', 'm2 s-1', 'half its interval', stiffness_root_error), &
+      of_record('measured_angular_velocity', '', 'rad s-1', 'angular velocity from the dispersion of the lines', &
+                angular_velocity), &
+      of_record('measured_angular_velocity_error', '', 'rad s-1', 'half its interval', angular_velocity_error)]
+    rows%needs = 'record waves'
+  end function dispersion_variables
 
   pure function window_variables() result(rows)
     !! Of each line in each part of the record by itself.
@@ -72,11 +82,9 @@ contains
 
   pure function sensor_variables() result(rows)
     !! Of each sensor: noise, and what is drawn.
-    type(result_variable) :: rows(5)
+    type(result_variable) :: rows(4)
     rows = [ &
       of_record('noise_deviation', 'point', unit_of_sensors, 'standard deviation of what the lines leave', noise_deviation), &
-      of_record('amplitude', 'point frequency', unit_of_sensors, &
-                'one-sided amplitude spectrum: the largest around each frequency', spectrum), &
       of_record('noise_level', 'point frequency', unit_of_sensors, &
                 'root mean square of what noise adds to the amplitude spectrum', noise), &
       of_record('recorded', 'point time', unit_of_sensors, 'samples, or in turn the least and the largest of a stretch of time', &
@@ -181,6 +189,30 @@ contains
     end do
   end subroutine put_lines
 
+  pure subroutine stiffness_root(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = result%record%stiffness_root(1)
+  end subroutine stiffness_root
+
+  pure subroutine stiffness_root_error(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = result%record%stiffness_root(2)
+  end subroutine stiffness_root_error
+
+  pure subroutine angular_velocity(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = result%record%angular_velocity(1)
+  end subroutine angular_velocity
+
+  pure subroutine angular_velocity_error(result, values)
+    type(case_result), intent(in) :: result
+    real(dp), intent(out), contiguous :: values(:)
+    values = result%record%angular_velocity(2)
+  end subroutine angular_velocity_error
+
   pure subroutine window_1(result, values)
     type(case_result), intent(in) :: result
     real(dp), intent(out), contiguous :: values(:)
@@ -252,12 +284,6 @@ contains
     real(dp), intent(out), contiguous :: values(:)
     values = result%record%lines%noise_deviation
   end subroutine noise_deviation
-
-  pure subroutine spectrum(result, values)
-    type(case_result), intent(in) :: result
-    real(dp), intent(out), contiguous :: values(:)
-    values = reshape(result%amplitude, [size(values)])
-  end subroutine spectrum
 
   pure subroutine noise(result, values)
     type(case_result), intent(in) :: result

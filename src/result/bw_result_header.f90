@@ -178,7 +178,7 @@ contains
     call file%define_names(variable_text('sensor_name', 'point letter', long_name='name of the sensor'), names, error)
     text = variable_text('sensor_quantity', 'point', '1', 'what the sensor measures', is_integer=.true., &
                          flags=joined(quantities), first_flag=1)
-    call file%define_known(text, error, [(real(findloc(quantities, layout%record%sensors(s)%quantity, dim=1), dp), &
+    call file%define_known(text, error, [(real(findloc(quantities == layout%record%sensors(s)%quantity, .true., dim=1), dp), &
                                           s=1, layout%points)])
     if (dimension_length(layout, 'window') > 0) then
       text = variable_text('window_start', 'window', '1', 'where the part begins, part of the record', is_complete=.true.)

@@ -6,11 +6,16 @@ module bw_band
   !! the variance of the samples' noise near the middle: real and imaginary parts of each sum, over the root of half its
   !! samples. Near 0 and half the sampling rate, where a line meets its mirror image, and where blocks are single samples,
   !! the rows are the real samples themselves or their sums.
+  !!
+  !! Where a record holds no noise but other lines, a few bins of the tapered transform serve instead: they tell less of a line,
+  !! and nothing of lines in other bins.
+  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
+  use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, cut_band, line_columns, still_columns
+  public :: band_around, cut_band, line_columns, still_columns, tapered_band
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: sums_per_bin = 128   !! loses (π/128)²/3 of the information at the edge of the band
@@ -23,6 +28,8 @@ module bw_band
     type(blocks_type) :: blocks
     real(dp), allocatable :: root(:)         !! what the rows of a block are divided by, (B)
     real(dp), allocatable :: rows(:, :)      !! the record, (rows, S)
+    logical :: tapered = .false.             !! the rows are bins of the tapered transform, and there are no blocks
+    integer :: bins(2) = 0                   !! the first and the last of these
   end type band_type
 
 contains
@@ -59,6 +66,20 @@ contains
       band%rows(:, s) = rows_of(band, summed(samples, s, band))
     end do
   end function band_around
+
+  pure function tapered_band(image, first) result(band)
+    !! The band of these bins of a tapered transform.
+    integer, intent(in) :: first
+    complex(dp), intent(in) :: image(first:, :)  !! (bins, S)
+    type(band_type) :: band
+    integer :: s
+    band%tapered = .true.
+    band%bins = [first, ubound(image, 1)]
+    allocate (band%rows(2*size(image, 1), size(image, 2)))
+    do s = 1, size(image, 2)
+      band%rows(:, s) = parts(image(:, s))
+    end do
+  end function tapered_band
 
   pure real(dp) function nyquist_of(samples)
     !! Half the sampling rate, in periods per step; uneven times have none.
@@ -114,27 +135,42 @@ contains
     end associate
   end function summed
 
-  function line_columns(samples, band, decay, frequency, order) result(columns)
+  function line_columns(samples, band, line, order) result(columns)
     !! The rows of u^m e^(−dτ) cos 2πfτ and of −u^m e^(−dτ) sin 2πfτ, which are a line of amplitude 1 and one of amplitude
-    !! i, for m = 0 … order, (rows, 2, 0:order).
+    !! i, for m = 0 … order, (rows, 2, 0:order); bent as the line is.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: order             !! at most 1 in a tapered band
+    real(dp) :: columns(size(band%rows, 1), 2, 0:order)
+    if (band%tapered) then
+      columns = tapered_columns(line, samples%count, band%bins(1), band%bins(2), order)
+    else
+      columns = summed_columns(samples, band, line%decay, line%frequency, order, line%bend(:line%powers))
+    end if
+  end function line_columns
+
+  function summed_columns(samples, band, decay, frequency, order, bend) result(columns)
+    !! The same of a band of sums.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: decay, frequency
     integer, intent(in) :: order
+    complex(dp), intent(in) :: bend(:)
     real(dp) :: columns(size(band%rows, 1), 2, 0:order)
     complex(dp) :: line(size(band%root), 0:order), mirror(size(band%root), 0:order)
     integer :: m
-    line = block_sums(samples, band%blocks, decay, frequency - band%centre, order)
+    line = block_sums(samples, band%blocks, decay, frequency - band%centre, order, bend)
     if (band%is_real .and. .not. band%centre > 0) then
       mirror = conjg(line)
     else
-      mirror = block_sums(samples, band%blocks, decay, -frequency - band%centre, order)
+      mirror = block_sums(samples, band%blocks, decay, -frequency - band%centre, order, conjg(bend))
     end if
     do m = 0, order
       columns(:, 1, m) = rows_of(band, (line(:, m) + mirror(:, m))/2)
       columns(:, 2, m) = rows_of(band, (0, 1)*(line(:, m) - mirror(:, m))/2)
     end do
-  end function line_columns
+  end function summed_columns
 
   function still_columns(samples, band) result(columns)
     !! The rows of an offset and of a slope, 1 and u, (rows, 2).
@@ -142,7 +178,7 @@ contains
     type(band_type), intent(in) :: band
     real(dp) :: columns(size(band%rows, 1), 2)
     complex(dp) :: sums(size(band%root), 0:1)
-    sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1)
+    sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1, [complex(dp) ::])
     columns(:, 1) = rows_of(band, sums(:, 0))
     columns(:, 2) = rows_of(band, sums(:, 1))
   end function still_columns

@@ -3,15 +3,16 @@ module bw_band_fit
   !!
   !! Given decays and frequencies, everything else is linear. One triangle R of [columns of amplitudes, columns of slopes] and
   !! the rotated record hold the whole fit: what is left, the Gauss–Newton step, and the covariance, since all sensors share the
-  !! columns. The covariance of decays and frequencies is the inverse of Re(JᴴΣ⁻¹J) with the amplitudes eliminated: the
-  !! Cramér–Rao bound for noise of each sensor's level.
+  !! columns. The triangle of its slopes is that of Re(JᴴΣ⁻¹J) with the amplitudes eliminated, from which the Cramér–Rao bounds
+  !! follow for noise of each sensor's level.
   use bw_kinds, only: dp
   use bw_band, only: band_type, line_columns, still_columns
+  use bw_damped_line, only: damped_line, move_line
   use bw_lapack, only: dgelsy, dgeqrf, dormqr
-  use bw_samples, only: centre_of, samples_type
+  use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: fit_band, image_of, position_covariance, reduce, slopes, still_image
+  public :: damped_line, eliminate, fit_band, image_of, reduce, slopes, still_image, triangle_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 40, most_halvings = 5
@@ -19,16 +20,13 @@ module bw_band_fit
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
-  type, public :: damped_line
-    !! The motion Re A_s e^(−dτ + 2πifτ) at sensor s.
-    real(dp) :: decay = 0                       !! d, per step; negative grows
-    real(dp) :: frequency = 0                   !! f, periods per step
-    complex(dp), allocatable :: amplitude(:)    !! A_s at the record's first sample, or at its last for a line that grows, (S)
-  end type damped_line
-
   type, public :: reduced_type
-    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each line.
+    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each power of each
+    !! line, real and imaginary part of its coefficient in the exponent: −decay and 2π·frequency over half the record, then bends.
+    !! Where they are more than the rows, the triangle has as many rows as there are.
     integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
+    integer, allocatable :: first(:)            !! slope of each line, counted among slopes from 1, and one after all, (lines + 1)
+    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by decays that are held, (slopes)
     real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
     real(dp), allocatable :: length(:)          !! of the columns
     real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
@@ -41,6 +39,7 @@ module bw_band_fit
     type(damped_line), allocatable :: lines(:)
     real(dp), allocatable :: still(:, :)        !! offset and slope, (2, S), where they have been fitted
     real(dp) :: left = huge(1.0_dp)             !! squares of what is left over the noise's variance, all sensors
+    real(dp) :: slowest = 1                     !! part of that: a step that leaves more of what there was is the last
   end type fit_type
 
 contains
@@ -55,8 +54,9 @@ contains
     type(fit_type), intent(inout) :: fit
     type(reduced_type) :: now, trial
     type(damped_line), allocatable :: moved(:)
-    real(dp) :: step(2, size(fit%lines)), gain, factor, left, left_now
+    real(dp) :: step(2*sum(fit%lines%powers)), gain, factor, left, left_now
     integer :: i, j
+    logical :: slow
     now = reduce(samples, band, rows, fit%lines, with_still)
     left_now = sum(weight*now%left)
     do i = 1, most_steps
@@ -74,7 +74,9 @@ contains
       if (left >= left_now) exit
       fit%lines = moved
       now = trial
+      slow = left > fit%slowest*left_now
       left_now = left
+      if (slow) exit
     end do
     fit%left = left_now
     do i = 1, size(fit%lines)
@@ -83,34 +85,37 @@ contains
     if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
 
-  function reduce(samples, band, rows, lines, with_still, order, bent) result(reduced)
-    !! The triangle of the lines' columns, and the record turned by it. There must be more rows than columns.
+  function reduce(samples, band, rows, lines, with_still, powers) result(reduced)
+    !! The triangle of the lines' columns, and the record turned by it. There must be more rows than amplitudes.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp), intent(in) :: rows(:, :)
     type(damped_line), intent(in) :: lines(:)
     logical, intent(in) :: with_still
-    integer, intent(in), optional :: order      !! highest power of time whose columns are there, 1
-    integer, intent(in), optional :: bent       !! the line that has columns of powers above 1, if any
+    integer, intent(in), optional :: powers(:)  !! of time by which each line has slopes: its own if absent, 0 for none
     type(reduced_type) :: reduced
     real(dp), allocatable :: matrix(:, :), turned(:, :), tau(:), work(:), columns(:, :, :)
-    integer :: k, m, n, highest, info
-    highest = 1
-    if (present(order)) highest = order
+    integer :: highest(size(lines)), k, m, n, c, last, info
+    highest = lines%powers
+    if (present(powers)) highest = powers
     reduced%lines = size(lines)
     reduced%linear = 2*size(lines) + merge(2, 0, with_still)
-    n = reduced%linear + 2*min(highest, 1)*size(lines) + 2*max(highest - 1, 0)
+    reduced%first = [(1 + 2*sum(highest(:k - 1)), k=1, size(lines) + 1)]
+    n = reduced%linear + 2*sum(highest)
+    allocate (reduced%free(2*sum(highest)), source=.true.)
+    do k = 1, size(lines)
+      if (highest(k) > 0) reduced%free(reduced%first(k)) = .not. lines(k)%steady
+    end do
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
     do k = 1, size(lines)
-      m = min(highest, 1)
-      if (present(bent)) m = merge(highest, m, k == bent)
-      columns = line_columns(samples, band, lines(k)%decay, lines(k)%frequency, m)
-      matrix(:, 2*k - 1:2*k) = columns(:, :, lbound(columns, 3))
-      if (highest > 0) matrix(:, reduced%linear + 2*k - 1:reduced%linear + 2*k) = columns(:, :, lbound(columns, 3) + 1)
-      do m = 2, ubound(columns, 3) - lbound(columns, 3)
-        matrix(:, reduced%linear + 2*(size(lines) + m) - 3:reduced%linear + 2*(size(lines) + m) - 2) = &
-          & columns(:, :, lbound(columns, 3) + m)
+      allocate (columns(size(rows, 1), 2, 0:highest(k)))
+      columns(:, :, :) = line_columns(samples, band, lines(k), highest(k))
+      matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
+      do m = 1, highest(k)
+        c = reduced%linear + reduced%first(k) + 2*(m - 1)
+        matrix(:, c:c + 1) = columns(:, :, m)
       end do
+      deallocate (columns)
     end do
     if (with_still) matrix(:, reduced%linear - 1:reduced%linear) = still_columns(samples, band)
     reduced%length = norm2(matrix, dim=1)
@@ -119,15 +124,22 @@ contains
       matrix(:, k) = matrix(:, k)/reduced%length(k)
     end do
     turned = rows
+    last = min(n, size(rows, 1))
     if (n > 0) then
       call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
-      call dormqr('L', 'T', size(rows, 1), size(rows, 2), n, matrix, size(matrix, 1), tau, turned, size(rows, 1), &
+      call dormqr('L', 'T', size(rows, 1), size(rows, 2), last, matrix, size(matrix, 1), tau, turned, size(rows, 1), &
         & work, size(work), info)
     end if
-    reduced%triangle = matrix(:n, :)
-    reduced%rotated = turned(:n, :)
-    reduced%left = sum(turned(reduced%linear + 1:, :)**2, dim=1)
-    reduced%linear_part = solved(reduced%triangle(:reduced%linear, :reduced%linear), reduced%rotated(:reduced%linear, :))
+    reduced%triangle = matrix(:last, :)
+    reduced%rotated = turned(:last, :)
+    associate (triangle => reduced%triangle(:reduced%linear, :reduced%linear))
+      reduced%linear_part = solved(triangle, reduced%rotated(:reduced%linear, :))
+      reduced%left = sum(turned(reduced%linear + 1:, :)**2, dim=1)
+      do k = 1, reduced%linear                  ! where the triangle does not determine a number, something stays
+        if (abs(triangle(k, k)) > dependent) cycle
+        reduced%left = reduced%left + (turned(k, :) - matmul(triangle(k, k:), reduced%linear_part(k:, :)))**2
+      end do
+    end associate
     do k = 1, reduced%linear
       reduced%linear_part(k, :) = reduced%linear_part(k, :)/reduced%length(k)
     end do
@@ -150,35 +162,32 @@ contains
     end do
   end function solved
 
-  function slopes(reduced, weight, bent) result(matrix)
-    !! The slopes of all sensors by decay and frequency of each line, or by the drifts of one line's, in units of one over half the
-    !! record and its square, amplitudes, offset and slope eliminated. (sensors × columns, unknowns)
+  function slopes(reduced, weight) result(matrix)
+    !! The slopes of all sensors by the coefficients in the exponents, those by decays that are held left out, amplitudes, offset
+    !! and slope eliminated, (sensors × rows, unknowns).
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    integer, intent(in), optional :: bent       !! the line whose drifts are asked for
     real(dp), allocatable :: matrix(:, :)
     real(dp) :: a, b
-    integer :: s, k, n, row, c, first, last, unknowns
-    n = size(reduced%length)
-    first = 1
-    last = reduced%lines
-    if (present(bent)) first = bent
-    if (present(bent)) last = bent
-    allocate (matrix(size(weight)*(n - reduced%linear), 2*(last - first + 1)))
+    integer :: s, k, n, row, i, c
+    n = size(reduced%triangle, 1) - reduced%linear
+    allocate (matrix(size(weight)*n, size(reduced%free)))
     do s = 1, size(weight)
-      row = (s - 1)*(n - reduced%linear)
-      do k = first, last
+      row = (s - 1)*n
+      do k = 1, reduced%lines
         a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
         b = reduced%linear_part(2*k, s)*sqrt(weight(s))
-        c = reduced%linear + merge(2*reduced%lines + 1, 2*k - 1, present(bent))
-        unknowns = 2*(k - first)
-        associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
-            & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-          matrix(row + 1:row + n - reduced%linear, unknowns + 1) = a*upper(one, c) + b*upper(other, c + 1)
-          matrix(row + 1:row + n - reduced%linear, unknowns + 2) = -b*upper(one, c) + a*upper(other, c + 1)
-        end associate
+        do i = reduced%first(k), reduced%first(k + 1) - 1, 2
+          c = reduced%linear + i
+          associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
+              & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
+            matrix(row + 1:row + n, i) = a*upper(one, c) + b*upper(other, c + 1)
+            matrix(row + 1:row + n, i + 1) = -b*upper(one, c) + a*upper(other, c + 1)
+          end associate
+        end do
       end do
     end do
+    if (.not. all(reduced%free)) matrix = matrix(:, pack([(c, c=1, size(matrix, 2))], reduced%free))
 
   contains
 
@@ -194,66 +203,102 @@ contains
   end function slopes
 
   subroutine step_of(reduced, weight, step, gain)
-    !! The Gauss–Newton step of −decay and 2π·frequency over half the record, and what it promises to take off the weighted squares.
+    !! The Gauss–Newton step of the coefficients in the exponents, and what it promises to take off the weighted squares.
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
-    real(dp), intent(out) :: step(2, reduced%lines), gain
-    real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), work(:)
-    integer :: pivot(2*reduced%lines), rank, info, s, n
-    n = size(reduced%length) - reduced%linear
+    real(dp), intent(out) :: step(:), gain
+    real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
+    integer, allocatable :: pivot(:)
+    integer :: rank, info, s, n
+    n = size(reduced%triangle, 1) - reduced%linear
     matrix = slopes(reduced, weight)
-    allocate (right(size(matrix, 1), 1), work(64*(sum(shape(matrix)) + 1)))
+    length = scaled(matrix)
+    allocate (right(max(size(matrix, 1), size(matrix, 2)), 1), work(64*(sum(shape(matrix)) + 1)))
+    right = 0
     do s = 1, size(weight)
       right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
     end do
-    pivot = 0
+    allocate (pivot(size(matrix, 2)), source=0)
     factors = matrix
     call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
       & work, size(work), info)
-    step = reshape(right(:size(matrix, 2), 1), shape(step))
     gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
+    step = unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp)
   end subroutine step_of
+
+  function scaled(matrix) result(length)
+    !! The lengths of a matrix's columns, which are brought to length 1; 1 for a column of zeros.
+    real(dp), intent(inout) :: matrix(:, :)
+    real(dp) :: length(size(matrix, 2))
+    integer :: k
+    length = norm2(matrix, dim=1)
+    where (.not. length > 0) length = 1
+    do k = 1, size(matrix, 2)
+      matrix(:, k) = matrix(:, k)/length(k)
+    end do
+  end function scaled
 
   function moved_lines(samples, lines, step) result(moved)
     !! The lines after a step; a frequency that passes 0 or half the sampling rate comes back as its mirror image.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
-    real(dp), intent(in) :: step(:, :)
+    real(dp), intent(in) :: step(:)
     type(damped_line), allocatable :: moved(:)
     real(dp) :: half
+    integer :: k, m, i
     half = centre_of(samples)
     moved = lines
-    moved%decay = lines%decay - step(1, :)/half
-    moved%frequency = abs(lines%frequency + step(2, :)/(2*pi*half))
-    if (.not. allocated(samples%place)) where (moved%frequency > 0.5_dp) moved%frequency = 1 - moved%frequency
+    i = 1
+    do k = 1, size(lines)
+      do m = 2, lines(k)%powers
+        moved(k)%bend(m) = lines(k)%bend(m) + cmplx(step(i + 2*m - 2), step(i + 2*m - 1), dp)
+      end do
+      call move_line(moved(k), -step(i)/half, step(i + 1)/(2*pi*half))
+      i = i + 2*lines(k)%powers
+      if (allocated(samples%place) .or. moved(k)%frequency <= 0.5_dp) cycle
+      moved(k)%frequency = 1 - moved(k)%frequency
+      moved(k)%rest = -moved(k)%rest
+      moved(k)%bend = conjg(moved(k)%bend)
+    end do
   end function moved_lines
 
-  function position_covariance(reduced, weight) result(covariance)
-    !! The covariance of −decay and 2π·frequency over half the record, in noise of the variances 1/weight, (2 lines, 2 lines).
-    type(reduced_type), intent(in) :: reduced
-    real(dp), intent(in) :: weight(:)
-    real(dp) :: covariance(2*reduced%lines, 2*reduced%lines)
-    real(dp), allocatable :: matrix(:, :), tau(:), work(:)
-    real(dp) :: length(2*reduced%lines), inverse(2*reduced%lines, 2*reduced%lines)
-    integer :: info, i, n
-    n = 2*reduced%lines
-    matrix = slopes(reduced, weight)
+  subroutine triangle_of(matrix, triangle, length)
+    !! The triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit; zeros where there are fewer rows than
+    !! columns.
+    real(dp), intent(in) :: matrix(:, :)
+    real(dp), allocatable, intent(out) :: triangle(:, :)
+    real(dp), allocatable, intent(out) :: length(:)  !! of the columns
+    real(dp), allocatable :: factors(:, :), tau(:), work(:)
+    integer :: info, n
+    n = size(matrix, 2)
+    factors = matrix
+    length = scaled(factors)
+    allocate (triangle(n, n), source=0.0_dp)
+    if (size(matrix, 1) < n .or. n == 0) return
     allocate (tau(n), work(64*n))
-    length = max(norm2(matrix, dim=1), tiny(1.0_dp))
-    do i = 1, n
-      matrix(:, i) = matrix(:, i)/length(i)
+    call dgeqrf(size(matrix, 1), n, factors, size(matrix, 1), tau, work, size(work), info)
+    triangle = factors(:n, :)
+  end subroutine triangle_of
+
+  pure subroutine eliminate(triangle, length, gradient, y, determined)
+    !! Find y = R⁻ᵀ (gradient/length), whose length is the standard deviation of gradient·x in noise of variance 1, or that the fit
+    !! does not determine that number.
+    real(dp), intent(in) :: triangle(:, :), length(:)  !! R and the lengths of the columns that it is of
+    real(dp), intent(in) :: gradient(:)
+    real(dp), intent(out) :: y(:)
+    logical, intent(out) :: determined
+    integer :: i
+    determined = .true.
+    do i = 1, size(y)
+      y(i) = gradient(i)/length(i) - dot_product(triangle(:i - 1, i), y(:i - 1))
+      if (abs(triangle(i, i)) > dependent) then
+        y(i) = y(i)/triangle(i, i)
+      else
+        determined = determined .and. abs(y(i)) <= dependent
+        y(i) = 0
+      end if
     end do
-    call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
-    inverse = 0
-    do i = 1, n
-      inverse(i, i) = 1
-    end do
-    inverse = solved(matrix(:n, :n), inverse)
-    do i = 1, n
-      inverse(i, :) = inverse(i, :)/length(i)
-    end do
-    covariance = matmul(inverse, transpose(inverse))
-  end function position_covariance
+  end subroutine eliminate
 
   function image_of(samples, band, line) result(image)
     !! The rows of one line at all sensors, (rows, S).
@@ -262,7 +307,7 @@ contains
     type(damped_line), intent(in) :: line
     real(dp) :: image(size(band%rows, 1), size(band%rows, 2)), columns(size(band%rows, 1), 2, 0:0)
     integer :: s
-    columns = line_columns(samples, band, line%decay, line%frequency, 0)
+    columns = line_columns(samples, band, line, 0)
     do s = 1, size(image, 2)
       image(:, s) = line%amplitude(s)%re*columns(:, 1, 0) + line%amplitude(s)%im*columns(:, 2, 0)
     end do

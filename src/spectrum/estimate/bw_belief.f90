@@ -5,20 +5,25 @@ module bw_belief
   !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; where the line drifts, it also reaches
   !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
   use bw_band, only: band_type, cut_band
-  use bw_band_fit, only: damped_line, fit_band, fit_type, position_covariance, reduce, reduced_type, slopes
+  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce
   use bw_damped_search, only: found_lines
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
+  use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
-  use bw_samples, only: centre_of, phase_factor, samples_type, span_of
+  use bw_order, only: ascending
+  use bw_pure_record, only: rounding
+  use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
   private
   public :: believed_lines, normal_quantile
 
   real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
+  integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
   real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
   integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
@@ -28,19 +33,14 @@ module bw_belief
   real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
     !! halves and quarters of the record
 
-  type :: band_errors
-    !! The fit of a band as its errors follow from it.
-    type(reduced_type) :: reduced
-    real(dp), allocatable :: weight(:)         !! one over the noise's variance, (S)
-    real(dp), allocatable :: covariance(:, :)  !! of −decay and 2π·frequency over half the record, (2 lines, 2 lines)
-  end type band_errors
-
   type, public :: believed_line
     !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
     real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
     real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
     complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
     real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
+    real(dp), allocatable :: amplitude_noise(:)
+      !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
     integer :: status = 0
     real(dp) :: drift = 0, drift_bound = 0     !! change of frequency from the first sample to the last, and its bound
     real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
@@ -71,56 +71,60 @@ contains
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: confidence, false_alarm
     type(believed_line), intent(inout) :: believed(:)
-    type(band_errors) :: errors
+    type(line_errors) :: errors
     real(dp), allocatable :: rows(:, :)
     type(damped_line), allocatable :: own(:)
     real(dp) :: half, quantile
     integer :: j
     own = found%lines(band%member)
     rows = own_rows(samples, found%lines, found%still, band)
-    errors%weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-    errors%reduced = reduce(samples, band%band, rows, own, band%with_still)
-    errors%covariance = position_covariance(errors%reduced, errors%weight)
+    errors = line_errors_of(reduce(samples, band%band, rows, own, band%with_still), &
+      & 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
     half = centre_of(samples)
     quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
     do j = 1, size(own)
       associate (line => believed(band%member(j)))
         line%frequency = own(j)%frequency
         line%decay = own(j)%decay
-        line%decay_bound = sqrt(errors%covariance(2*j - 1, 2*j - 1))/half
-        line%frequency_bound = sqrt(errors%covariance(2*j, 2*j))/(2*pi*half)
-        line%decay_error = quantile*line%decay_bound
-        line%frequency_error = quantile*line%frequency_bound
+        line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
+        line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
+        line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
+        line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
-        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j), quantile, false_alarm, line)
+        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
+          & own(j)%powers > 1, quantile, false_alarm, line)
       end associate
     end do
     call judge_windows(samples, band, rows, errors%weight, own, believed)
   end subroutine judge_band
 
-  subroutine judge_drift(samples, drift, quantile, false_alarm, line)
-    !! Say whether a line drifts; if so its intervals reach to where it is at both ends.
+  subroutine judge_drift(samples, drift, fitted, quantile, false_alarm, line)
+    !! Say whether a line drifts; if so its intervals reach to where it is anywhere in the record, or in its life if that is shorter.
     type(samples_type), intent(in) :: samples
     type(drift_type), intent(in) :: drift
+    logical, intent(in) :: fitted              !! the drift is among the line's unknowns
     real(dp), intent(in) :: quantile, false_alarm
     type(believed_line), intent(inout) :: line
-    real(dp) :: half, u(2), slope(4), reach(2)
-    integer :: i, k
+    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at
+    integer :: i, k, m
     half = centre_of(samples)
-    line%drift = 4*drift%step(4)/(2*pi*half)
-    line%drift_bound = 4*sqrt(drift%covariance(4, 4))/(2*pi*half)
-    if (.not. drift%gain > -2*log(false_alarm)) return
+    line%drift = sum([(2*m*drift%value(2*m), m=2, size(slope)/2, 2)])/(2*pi*half)
+    slope = 0
+    slope(4::4) = [(2*m, m=2, size(slope)/2, 2)]
+    line%drift_bound = sqrt(dot_product(slope, matmul(drift%covariance, slope)))/(2*pi*half)
+    if (.not. (fitted .or. drift%gain > -2*log(false_alarm))) return
+    if (norm2(drift%value) <= rounding*2*pi*line%frequency*half) return
     line%status = ior(line%status, drifting)
     u = [-1.0_dp, 1.0_dp]
     if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
     if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
     reach = 0
-    do i = 1, 2
+    do i = 0, looks
+      at = u(1) + (u(2) - u(1))*i/looks
       do k = 1, 2
         slope = 0
-        slope(k) = 1
-        slope(k + 2) = 2*u(i)
-        reach(k) = max(reach(k), abs(dot_product(slope, drift%step)) &
+        slope(k::2) = [(m*at**(m - 1), m=1, size(slope)/2)]
+        reach(k) = max(reach(k), abs(dot_product(slope, drift%value)) &
           & + quantile*sqrt(dot_product(slope, matmul(drift%covariance, slope))))
       end do
     end do
@@ -131,56 +135,31 @@ contains
   subroutine judge_amplitude(samples, errors, own, j, gain, line)
     !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
     type(samples_type), intent(in) :: samples
-    type(band_errors), intent(in) :: errors
+    type(line_errors), intent(in) :: errors
     type(damped_line), intent(in) :: own
     integer, intent(in) :: j                   !! its place among the band's lines
     complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
     type(believed_line), intent(inout) :: line
-    real(dp) :: along(2), across(2), growth
+    real(dp), dimension(2, size(gain)) :: along, across
+    real(dp) :: growth
+    complex(dp) :: start
     integer :: s
-    growth = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))
-    line%amplitude = own%amplitude/gain*growth
-    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
+    start = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))*bent_factor(own%bend(:own%powers), -1.0_dp)
+    growth = abs(start)
+    line%amplitude = own%amplitude/gain*start
+    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))
     do s = 1, size(gain)
       associate (a => own%amplitude(s))
-        along = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
-        across = [-along(2), along(1)]
-        line%amplitude_bound(s) = amplitude_deviation(errors, s, j, along)*growth/abs(gain(s))
-        line%phase_bound(s) = amplitude_deviation(errors, s, j, across)/max(abs(a), tiny(1.0_dp))
+        along = 0
+        along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
+        across = 0
+        across(:, s) = [-along(2, s), along(1, s)]
+        line%amplitude_bound(s) = min(amplitude_deviation(errors, j, along), undetermined)*growth/abs(gain(s))
+        line%amplitude_noise(s) = min(amplitude_noise(errors, j, s), undetermined)*growth/abs(gain(s))
+        line%phase_bound(s) = min(amplitude_deviation(errors, j, across)/max(abs(a), tiny(1.0_dp)), pi)
       end associate
     end do
   end subroutine judge_amplitude
-
-  real(dp) function amplitude_deviation(errors, s, j, direction) result(deviation)
-    !! The standard deviation of one sensor's amplitude of line j at the first sample in a direction of its plane: what noise
-    !! does to it at known decays and frequencies, and what their errors add.
-    type(band_errors), intent(in) :: errors
-    integer, intent(in) :: s, j
-    real(dp), intent(in) :: direction(2)
-    real(dp) :: y(errors%reduced%linear), slope(2*errors%reduced%lines), a, b
-    integer :: i, k, c
-    y = 0
-    do i = 1, errors%reduced%linear
-      if (i == 2*j - 1) y(i) = direction(1)/errors%reduced%length(i)
-      if (i == 2*j) y(i) = direction(2)/errors%reduced%length(i)
-      y(i) = (y(i) - dot_product(errors%reduced%triangle(:i - 1, i), y(:i - 1)))/errors%reduced%triangle(i, i)
-    end do
-    do k = 1, errors%reduced%lines
-      a = errors%reduced%linear_part(2*k - 1, s)
-      b = errors%reduced%linear_part(2*k, s)
-      c = errors%reduced%linear + 2*k - 1
-      associate (one => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c))*errors%reduced%length(c), &
-          & other => dot_product(y, errors%reduced%triangle(:errors%reduced%linear, c + 1))*errors%reduced%length(c + 1))
-        slope(2*k - 1) = -(a*one + b*other)
-        slope(2*k) = -(-b*one + a*other)
-      end associate
-    end do
-    a = errors%reduced%linear_part(2*j - 1, s)        ! slopes are about the record's middle, and the first sample is at u = −1
-    b = errors%reduced%linear_part(2*j, s)
-    slope(2*j - 1) = slope(2*j - 1) - dot_product(direction, [a, b])
-    slope(2*j) = slope(2*j) - dot_product(direction, [-b, a])
-    deviation = sqrt(sum(y**2)/errors%weight(s) + dot_product(slope, matmul(errors%covariance, slope)))
-  end function amplitude_deviation
 
   subroutine judge_windows(samples, band, rows, weight, own, believed)
     !! Fit the band's lines to each half and quarter of the record by itself. Where a window does not tell, its bound is huge.
@@ -191,7 +170,8 @@ contains
     type(believed_line), intent(inout) :: believed(:)
     type(band_type) :: part
     type(fit_type) :: fit
-    real(dp), allocatable :: part_rows(:, :), covariance(:, :)
+    type(line_errors) :: errors
+    real(dp), allocatable :: part_rows(:, :)
     integer :: i, j
     do i = 1, size(window_start)
       call cut_band(band%band, rows, window_start(i), window_end(i), part, part_rows)
@@ -199,16 +179,34 @@ contains
       believed(band%member)%windows(4, i) = huge(1.0_dp)
       if (size(part_rows, 1) < 6*size(own) + 2) cycle
       if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
-      fit%lines = own
+      fit%lines = [(steady(own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
       call fit_band(samples, part, part_rows, weight, band%with_still, fit)
-      covariance = position_covariance(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
+      errors = line_errors_of(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
       do j = 1, size(own)
         associate (line => believed(band%member(j)))
           line%windows(:, i) = [fit%lines(j)%frequency, fit%lines(j)%decay, &
-            & sqrt(covariance(2*j, 2*j))/(2*pi*centre_of(samples)), sqrt(covariance(2*j - 1, 2*j - 1))/centre_of(samples)]
+            & min(frequency_deviation(errors, j)/(2*pi*centre_of(samples)), undetermined), &
+            & min(decay_deviation(errors, j)/centre_of(samples), undetermined)]
         end associate
       end do
     end do
+
+  contains
+
+    type(damped_line) function steady(line, u)
+      !! The line without its drift, at the place that it has at the time u.
+      type(damped_line), intent(in) :: line
+      real(dp), intent(in) :: u
+      complex(dp) :: rate
+      integer :: m
+      steady = line
+      rate = sum([(m*line%bend(m)*u**(m - 1), m=2, line%powers)])
+      steady%decay = line%decay - rate%re/centre_of(samples)
+      steady%frequency = line%frequency + rate%im/(2*pi*centre_of(samples))
+      steady%powers = 1
+      steady%bend = 0
+    end function steady
+
   end subroutine judge_windows
 
   pure real(dp) function closest(frequency)
@@ -288,16 +286,5 @@ contains
       x = x - max(-1.0_dp, min(1.0_dp, (below - probability)*sqrt(2*pi)*exp(x*x/2)))
     end do
   end function normal_quantile
-
-  pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
-    real(dp), intent(in) :: value(:)
-    integer :: order(size(value)), i, j
-    do i = 1, size(value)
-      j = count(value(:i - 1) <= value(i)) + 1
-      order(j + 1:i) = order(j:i - 1)
-      order(j) = i
-    end do
-  end function ascending
 
 end module bw_belief

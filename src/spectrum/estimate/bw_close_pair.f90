@@ -1,11 +1,12 @@
 module bw_close_pair
-  !! Lines that turn out to be two: a second line in a peak is taken where the likelihood pays for it, and where a drift of
-  !! the single line would not do as well.
+  !! Lines that are no single steady mode: where a line leaves more than noise of its peak, a drift of the line and a second line
+  !! beside it are both fitted, and the likelier is taken if it pays for its unknowns.
   !!
-  !! What a second line within a bin could take is nearly what amplitudes that change with powers of time take, which is
-  !! linear: only where that pays are pairs of several distances fitted.
-  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce, reduced_type
-  use bw_drift, only: drift_gain
+  !! What either could take is nearly what amplitudes that change with powers of time take, which is linear: only where that
+  !! pays are drifts of rising powers, and pairs of several distances, fitted.
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type
+  use bw_damped_line, only: damped_line, most_powers
+  use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
   use bw_noise_level, only: level_at, level_knots
@@ -22,11 +23,13 @@ module bw_close_pair
   real(dp), parameter :: below(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.0_dp, 0.7_dp]
   real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
     !! bins from a line to two lines on either side of it, to start from
+  real(dp), parameter :: credit = 12            !! of the weighted squares, for what a line looks like at first sight; from trials
+  real(dp), parameter :: turns(3) = [0.0_dp, 2.0_dp, -2.0_dp]  !! radians at both ends, of drifts to start from
 
 contains
 
   subroutine split_lines(samples, false_alarm, noise, bands, lines, still, changed)
-    !! Try every line as two; the best of each band is kept.
+    !! Try every line as one that drifts and as two; the best of each band is kept.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(level_knots), intent(in) :: noise
@@ -34,63 +37,129 @@ contains
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
-    type(damped_line), allocatable :: after(:)
-    integer :: i
+    type(damped_line), allocatable :: after(:), own(:)
+    logical :: reshaped
+    integer :: i, n
     changed = .false.
     after = lines
     do i = 1, size(bands)
-      if (size(bands(i)%member) > 0) call split_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
+      associate (member => bands(i)%member)
+        n = size(member)
+        if (n == 0) cycle
+        own = lines(member)
+        call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
+          & 1/level_at(noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), own, reshaped)
+        if (.not. reshaped) cycle
+        changed = .true.
+        after(member) = own(:n)
+        after = [after, own(n + 1:)]
+      end associate
     end do
     if (changed) call move_alloc(after, lines)
+  end subroutine split_lines
+
+  subroutine shape_band(samples, band, rows, weight, chance, own, changed)
+    !! Keep what pays best for one of the band's lines.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    real(dp), intent(in) :: chance              !! of a drift or a second line where there is none
+    type(damped_line), allocatable, intent(inout) :: own(:)  !! the lines of the band; a further one is the last
+    logical, intent(out) :: changed
+    type(fit_type) :: fit, best
+    real(dp) :: left, pays, pays_best
+    logical :: bulges                           !! the line drifts as a pair of equal lines does, cos δu ≈ e^(−δ²u²/2)
+    integer :: j
+    fit%lines = own
+    call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+    left = fit%left
+    pays_best = 0
+    do j = 1, size(own)
+      call try_drifts()
+      call try_pairs()
+    end do
+    changed = pays_best > 0
+    if (changed) own = best%lines
 
   contains
 
-    subroutine split_band(band, least)
-      !! Keep the best split of one of the band's lines.
-      type(line_band), intent(in) :: band
-      real(dp), intent(in) :: least
-      type(fit_type) :: fit, best
-      real(dp), allocatable :: rows(:, :), weight(:)
-      real(dp) :: left
-      type(damped_line), allocatable :: own(:)
-      integer :: j, k, chosen
-      rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
-      own = lines(band%member)
-      fit%lines = own
-      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-      left = fit%left
-      best = fit
-      chosen = 0
-      do j = 1, size(own)
-        if (bent_gain(samples, band, rows, weight, own, j) < least) cycle
-        do k = 1, size(below)
-          fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
-          call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-          if (fit%left >= best%left) cycle
-          if (left - fit%left < least) cycle
-          if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
-          if (left - fit%left < least + drift_gain(samples, band, rows, weight, own, j)) cycle
-          best = fit
-          chosen = j
+    subroutine try_drifts()
+      !! One power of time after the other in the exponent of line j.
+      type(fit_type) :: start
+      type(drift_type) :: drift
+      integer :: powers, k
+      bulges = .false.
+      powers = min(own(j)%powers + 2, most_powers)
+      if (powers == own(j)%powers) return
+      drift = drift_of(samples, band, rows, weight, own, j, powers)
+      if (drift%gain < price_of_drift(powers, chance) - price_of_drift(own(j)%powers, chance)) return
+      start%lines = [own(:j - 1), own(j + 1:), own(j)]
+      do powers = own(j)%powers + 1, most_powers
+        start%lines(size(own))%powers = powers
+        fit%left = huge(1.0_dp)
+        do k = 1, size(turns)
+          if (k > 1 .and. powers > 2) exit
+          call try(start, turns(k))
         end do
+        start%lines = fit%lines
+        if (powers == 2) bulges = fit%lines(size(own))%bend(2)%re < -abs(fit%lines(size(own))%bend(2)%im)
+        pays = left - fit%left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)
+        if (bulges) then
+          call keep(0.0_dp)
+        else
+          call keep(credit)
+        end if
       end do
-      if (chosen == 0) return
-      changed = .true.
-      after(band%member(:chosen - 1)) = best%lines(:chosen - 1)
-      after(band%member(chosen + 1:)) = best%lines(chosen:size(own) - 1)
-      after(band%member(chosen)) = best%lines(size(own))
-      after = [after, best%lines(size(own) + 1)]
-    end subroutine split_band
+    end subroutine try_drifts
 
-  end subroutine split_lines
+    subroutine try(start, turn)
+      !! A fit that starts from another drift.
+      type(fit_type), intent(in) :: start
+      real(dp), intent(in) :: turn
+      type(fit_type) :: other
+      other = start
+      associate (line => other%lines(size(own)))
+        line%bend(2) = line%bend(2) + cmplx(0, turn, dp)
+      end associate
+      call fit_band(samples, band%band, rows, weight, band%with_still, other)
+      if (other%left < fit%left) fit = other
+    end subroutine try
+
+    subroutine try_pairs()
+      !! Two steady lines for line j.
+      integer :: k
+      if (bent_gain(samples, band, rows, weight, own, j) < least_gain(size(weight), chance)) return
+      do k = 1, size(below)
+        fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
+        call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+        if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
+        pays = left - fit%left + price_of_drift(own(j)%powers, chance) - least_gain(size(weight), chance)
+        if (bulges) then
+          call keep(credit)
+        else
+          call keep(0.0_dp)
+        end if
+      end do
+    end subroutine try_pairs
+
+    subroutine keep(credit)
+      !! Take the fit if it pays, and better than the best for now.
+      real(dp), intent(in) :: credit
+      if (pays <= 0 .or. pays + credit <= pays_best) return
+      pays_best = pays + credit
+      best = fit
+    end subroutine keep
+
+  end subroutine shape_band
 
   logical function beside_in_bins(line, pair, span) result(near)
-    !! Whether both lines are within the peak of the one, neither much broader: what is further away has a peak of its own.
+    !! Whether both lines are within the peak of the one, neither much broader: what is further away has a peak of its own. Two that
+    !! are less apart in frequency than in decay are one whose decay changes.
     type(damped_line), intent(in) :: line, pair(:)
     real(dp), intent(in) :: span
     near = all(abs(pair%frequency - line%frequency)*span < widest_apart + abs(line%decay)*span/pi) .and. &
-      & all(abs(pair%decay - line%decay)*span < broadest + 2*abs(line%decay)*span)
+      & all(abs(pair%decay - line%decay)*span < broadest + 2*abs(line%decay)*span) .and. &
+      & abs(pair(1)%decay - pair(2)%decay) < 2*pi*abs(pair(1)%frequency - pair(2)%frequency)
   end function beside_in_bins
 
   subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed)
@@ -148,12 +217,15 @@ contains
   end subroutine join_lines
 
   pure function pair_at(line, away) result(pair)
-    !! Two lines beside one.
+    !! Two steady lines beside one.
     type(damped_line), intent(in) :: line
     real(dp), intent(in) :: away(2)             !! periods per step
     type(damped_line) :: pair(2)
     pair = line
     pair%frequency = abs(line%frequency + away)
+    pair%powers = 1
+    pair(1)%bend = 0
+    pair(2)%bend = 0
   end function pair_at
 
   real(dp) function bent_gain(samples, band, rows, weight, lines, j) result(gain)
@@ -165,11 +237,22 @@ contains
     type(damped_line), intent(in) :: lines(:)
     integer, intent(in) :: j
     type(reduced_type) :: reduced
-    integer :: n
-    n = size(lines)
-    reduced = reduce(samples, band%band, rows, lines, band%with_still, highest_power, j)
-    gain = sum(weight*sum(reduced%rotated(reduced%linear + 2*n + 1:, :)**2, dim=1))
+    reduced = reduce(samples, band%band, rows, [lines(:j - 1), lines(j + 1:), lines(j)], band%with_still, &
+      & [lines(:j - 1)%powers, lines(j + 1:)%powers, max(lines(j)%powers, highest_power)])
+    associate (first => reduced%linear + reduced%first(size(lines)) + 2)
+      gain = sum(weight*sum(reduced%rotated(first:, :)**2, dim=1))
+    end associate
   end function bent_gain
+
+  pure real(dp) function price_of_drift(powers, false_alarm) result(price)
+    !! What a drift must take off the weighted squares: as much as noise gives to two unknowns with that probability for each power
+    !! above the first, and for the first of them as much more as a pair pays for its places, since a drift that is fitted without
+    !! need makes decays uncertain.
+    integer, intent(in) :: powers
+    real(dp), intent(in) :: false_alarm
+    price = 0
+    if (powers > 1) price = -2*log(false_alarm)*(powers - 1) + 2*log(places)
+  end function price_of_drift
 
   pure real(dp) function least_gain(sensors, false_alarm) result(gain)
     !! What a second line must take off the weighted squares: noise gives more with that probability. Decay, frequency and an

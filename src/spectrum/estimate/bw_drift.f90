@@ -1,78 +1,98 @@
 module bw_drift
-  !! Lines whose frequency and decay change over the record: e^(pu + gu²) instead of e^(pu), u = −1 … 1 over the record.
+  !! Lines whose frequency and decay change over the record: e^(pu + b₂u² + …) instead of e^(pu), u = −1 … 1 over the record.
   !!
-  !! At a fitted line the slope by g is the line's image times u², so that g, its covariance and what it gains are one linear
-  !! step. At the time u decay and frequency differ from the fitted ones by the step of p and by 2gu.
-  use bw_band_fit, only: damped_line, reduce, reduced_type, slopes
+  !! At a fitted line the slope by b₂ is the line's image times u², so that b₂, its covariance and what it gains are one linear
+  !! step. At the time u decay and frequency differ from those in the middle by 2b₂u + 3b₃u² + ….
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type, slopes
+  use bw_damped_line, only: damped_line, most_powers
   use bw_kinds, only: dp
   use bw_lapack, only: dgeqrf, dormqr
   use bw_line_bands, only: line_band
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: drift_gain, drift_of
+  public :: drift_gain, drift_of, drift_taken
 
   real(dp), parameter :: dependent = 1.0e-12_dp
 
   type, public :: drift_type
-    !! −decay and 2π·frequency over half the record, and their drifts g: the step that brings them in, and its covariance.
-    real(dp) :: step(4) = 0
-    real(dp) :: covariance(4, 4) = 0
-    real(dp) :: gain = 0                       !! of the drifts alone: without any, the sum of two squares of normal numbers
+    !! The exponent of a line by powers of u, without the constant, two real numbers each: −decay and 2π·frequency over half the
+    !! record, less those fitted, then the bend. (2 powers)
+    real(dp), allocatable :: value(:)
+    real(dp), allocatable :: covariance(:, :)
+    real(dp) :: gain = 0                       !! of powers that are not fitted yet: of noise, the sum of two squares of normal
+                                               !! numbers for each
   end type drift_type
 
 contains
 
   real(dp) function drift_gain(samples, band, rows, weight, lines, j) result(gain)
-    !! What a drift of line j's frequency alone takes off the weighted squares. (One of its decay is what a close pair looks like.)
+    !! What one more power in the exponent of line j takes off the weighted squares, to first order.
     type(samples_type), intent(in) :: samples
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: rows(:, :), weight(:)
     type(damped_line), intent(in) :: lines(:)
     integer, intent(in) :: j
     type(drift_type) :: drift
-    drift = drift_of(samples, band, rows, weight, lines, j)
-    gain = max(0.0_dp, drift%gain - drift%step(3)**2/drift%covariance(3, 3))
+    gain = 0
+    if (lines(j)%powers == most_powers) return
+    drift = drift_of(samples, band, rows, weight, lines, j, lines(j)%powers + 1)
+    gain = drift%gain
   end function drift_gain
 
-  function drift_of(samples, band, rows, weight, lines, j) result(drift)
-    !! The drift of line j, all lines of the band being free.
+  real(dp) function drift_taken(samples, band, rows, weight, lines, j) result(taken)
+    !! What the drift of line j has taken off the weighted squares.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: j
+    type(fit_type) :: fit, steady
+    fit%lines = lines
+    steady%lines = lines
+    steady%lines(j)%powers = 1
+    call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+    call fit_band(samples, band%band, rows, weight, band%with_still, steady)
+    taken = steady%left - fit%left
+  end function drift_taken
+
+  function drift_of(samples, band, rows, weight, lines, j, powers) result(drift)
+    !! The drift of line j up to a power of time, all lines of the band being free.
     type(samples_type), intent(in) :: samples
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: rows(:, :)         !! without the lines that are not the band's
     real(dp), intent(in) :: weight(:)
     type(damped_line), intent(in) :: lines(:)
-    integer, intent(in) :: j
+    integer, intent(in) :: j, powers
     type(drift_type) :: drift
     type(reduced_type) :: reduced
-    real(dp), allocatable :: matrix(:, :), right(:, :), tau(:), work(:), length(:), part(:, :)
-    real(dp) :: inverse(4, 4)
-    integer :: info, s, n, k, last
-    reduced = reduce(samples, band%band, rows, lines, band%with_still, 2, j)
+    real(dp), allocatable :: matrix(:, :), right(:, :), tau(:), work(:), length(:), inverse(:, :)
+    integer :: info, s, n, k, first
+    reduced = reduce(samples, band%band, rows, [lines(:j - 1), lines(j + 1:), lines(j)], band%with_still, &
+      & [lines(:j - 1)%powers, lines(j + 1:)%powers, powers])
     n = size(reduced%length) - reduced%linear
-    last = 2*size(lines) + 2
-    allocate (matrix(n*size(weight), last), right(n*size(weight), 1), tau(last), work(64*last))
-    part = slopes(reduced, weight)
-    matrix(:, :2*j - 2) = part(:, :2*j - 2)
-    matrix(:, 2*j - 1:last - 4) = part(:, 2*j + 1:)
-    matrix(:, last - 3:last - 2) = part(:, 2*j - 1:2*j)
-    matrix(:, last - 1:) = slopes(reduced, weight, j)
+    first = reduced%first(size(lines))
+    matrix = slopes(reduced, weight)
+    allocate (right(size(matrix, 1), 1), tau(n), work(64*n))
     do s = 1, size(weight)
       right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
     end do
     length = max(norm2(matrix, dim=1), tiny(1.0_dp))
-    do k = 1, last
+    do k = 1, n
       matrix(:, k) = matrix(:, k)/length(k)
     end do
-    call dgeqrf(size(matrix, 1), last, matrix, size(matrix, 1), tau, work, size(work), info)
-    call dormqr('L', 'T', size(matrix, 1), 1, last, matrix, size(matrix, 1), tau, right, size(matrix, 1), work, size(work), info)
-    inverse = inverted(matrix(last - 3:last, last - 3:last))
-    do k = 1, 4
-      inverse(k, :) = inverse(k, :)/length(last - 4 + k)
+    call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
+    call dormqr('L', 'T', size(matrix, 1), 1, n, matrix, size(matrix, 1), tau, right, size(matrix, 1), work, size(work), info)
+    inverse = inverted(matrix(first:n, first:n))
+    do k = first, n
+      inverse(k - first + 1, :) = inverse(k - first + 1, :)/length(k)
     end do
-    drift%step = matmul(inverse, right(last - 3:last, 1))
+    drift%value = matmul(inverse, right(first:n, 1))
+    do k = 2, lines(j)%powers
+      drift%value(2*k - 1:2*k) = drift%value(2*k - 1:2*k) + [lines(j)%bend(k)%re, lines(j)%bend(k)%im]
+    end do
     drift%covariance = matmul(inverse, transpose(inverse))
-    drift%gain = sum(right(last - 1:last, 1)**2)
+    drift%gain = sum(right(first + 2*lines(j)%powers:n, 1)**2)
   end function drift_of
 
   pure function inverted(triangle) result(inverse)

@@ -5,7 +5,8 @@ module bw_line_bands
   use bw_band_fit, only: damped_line, fit_band, fit_type, image_of, still_image
   use bw_kinds, only: dp
   use bw_noise_level, only: level_at, level_knots
-  use bw_samples, only: samples_type, span_of
+  use bw_order, only: ascending
+  use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
   public :: own_rows, prepare_bands, refine
@@ -58,20 +59,28 @@ contains
       !! Whether the line is within a few bins, and widths, of any of the others.
       type(damped_line), intent(in) :: group(:), line
       close_by = any(abs(group%frequency - line%frequency)*span_of(samples) < &
-        & together + (abs(group%decay) + abs(line%decay))*span_of(samples)/pi)
+        & together + (width_of(samples, group) + width_of(samples, line))*span_of(samples)/pi)
     end function close_by
 
     function band_of(member) result(new)
       integer, intent(in) :: member(:)
       type(line_band) :: new
       associate (own => lines(member))
-        call make(samples, minval(own%frequency), maxval(own%frequency), maxval(abs(own%decay)), bands, new)
-        new%with_still = minval(own%frequency)*span_of(samples) - maxval(abs(own%decay))*span_of(samples)/pi < near_still
+        call make(samples, minval(own%frequency), maxval(own%frequency), maxval(width_of(samples, own)), bands, new)
+        new%with_still = minval(own%frequency)*span_of(samples) - maxval(width_of(samples, own))*span_of(samples)/pi < near_still
       end associate
       new%member = member
     end function band_of
 
   end subroutine prepare_bands
+
+  elemental real(dp) function width_of(samples, line)
+    !! The largest decay, and change of 2π·frequency, of a line anywhere in the record.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: line
+    integer :: m
+    width_of = abs(line%decay) + sum([(m*abs(line%bend(m)), m=2, line%powers)])/centre_of(samples)
+  end function width_of
 
   subroutine make(samples, lowest, highest, widest, bands, new)
     !! Find the band among those that are there, or make it.
@@ -147,16 +156,5 @@ contains
       if (moved < settled .or. size(bands) == 1) exit
     end do
   end subroutine refine
-
-  pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
-    real(dp), intent(in) :: value(:)
-    integer :: order(size(value)), i, j
-    do i = 1, size(value)
-      j = count(value(:i - 1) <= value(i)) + 1
-      order(j + 1:i) = order(j:i - 1)
-      order(j) = i
-    end do
-  end function ascending
 
 end module bw_line_bands

@@ -1,19 +1,18 @@
 module bw_ordinates
   !! What lines leave of a record, seen by frequency: the ordinates of all sensors together over the level of their noise.
-  use bw_band_fit, only: damped_line
+  use bw_damped_line, only: damped_line, subtract_lines
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_knots, quantile_of
-  use bw_samples, only: centre_of, phase_factor, place_of, samples_type, span_of
+  use bw_samples, only: bent_factor, centre_of, place_of, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: chance_of, find_ordinates, least_ordinate, padded_length, remainder
+  public :: find_ordinates, least_ordinate, padded_length, remainder
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
   integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
-  integer, parameter :: table = 256            !! samples between two turns of a line's coefficient
   real(dp), parameter :: quartile = 0.67449_dp !! of a normal number, in standard deviations
   real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
 
@@ -27,49 +26,76 @@ module bw_ordinates
 
 contains
 
-  subroutine find_ordinates(samples, lines, still, tapered, plan, ordinates)
-    !! Take the lines, offset and slope out of every sensor's samples, transform what is left and judge its noise. A taper keeps
-    !! the leakage of strong lines from hiding others and sees less of weak ones; its noise is taken for white in each window.
+  subroutine find_ordinates(samples, lines, still, plan, plain, tapered)
+    !! Take the lines, offset and slope out of every sensor's samples, transform what is left and judge its noise, without and with
+    !! Hann's window. A taper keeps the leakage of strong lines from hiding others and sees less of weak ones; its noise is taken
+    !! for white in each window of frequencies.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: still(:, :)        !! (2, S)
-    logical, intent(in) :: tapered             !! by Hann's window
     type(real_fourier), intent(inout) :: plan
-    type(ordinates_type), intent(inout) :: ordinates
-    real(dp), allocatable :: left(:), taper(:), power(:), level(:)
-    real(dp) :: floor
-    integer, allocatable :: sampled(:), at_knot(:)
-    integer :: s, half, knots, ranked, k, bins
-    ordinates%length = padded_length(samples)
-    half = ordinates%length/2
-    bins = max(1, nint(span_of(samples)/2))
-    knots = min(half, most_knots)
-    if (allocated(ordinates%total)) then
-      if (size(ordinates%total) /= half + 1) deallocate (ordinates%total, ordinates%deviation, ordinates%noise%level)
-    end if
-    if (.not. allocated(ordinates%total)) then
-      allocate (ordinates%total(0:half), ordinates%deviation(size(samples%value, 2)))
-      allocate (ordinates%noise%level(0:knots, size(samples%value, 2)))
-    end if
-    ranked = min(half, most_ranked)
-    allocate (taper(samples%count), source=1.0_dp)
-    if (tapered) taper(:) = hann(samples)
-    sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
-    at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
-    allocate (level(0:ranked), power(0:half))
-    ordinates%total = 0
+    type(ordinates_type), intent(inout) :: plain, tapered
+    real(dp), allocatable :: left(:), power(:)
+    complex(dp), allocatable :: spectrum(:)
+    real(dp), allocatable :: fitted(:)
+    real(dp) :: taper_square, floor
+    integer :: s, length
+    length = padded_length(samples)
+    call prepare(length, size(samples%value, 2), plain)
+    call prepare(length, size(samples%value, 2), tapered)
+    allocate (spectrum(0:length/2), power(0:length/2))
+    taper_square = mean_square(samples, length)
+    fitted = numbers_of(lines, size(samples%value, 2))
     do s = 1, size(samples%value, 2)
       left = remainder(samples, lines, still, s)
-      ordinates%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
-      call find_power(samples, left*taper, plan, power)
+      plain%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
       floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
-      call find_level(power(sampled), min(bins, size(sampled)/2), .not. tapered, numbers_of(lines, size(samples%value, 2)), &
-        & floor, level)
-      ordinates%noise%level(:, s) = level(at_knot)
-      call add_ratio(power, ordinates%noise%level(:, s), ordinates%total)
+      call transform(samples, left, plan, spectrum)
+      power = (spectrum%re**2 + spectrum%im**2)/size(left)
+      call add_sensor(span_of(samples), power, .true., fitted, floor, s, plain)
+      call taper(spectrum, 4*pi*centre_of(samples)/length)
+      power = (spectrum%re**2 + spectrum%im**2)/(size(left)*taper_square)
+      call add_sensor(span_of(samples), power, .false., fitted, floor, s, tapered)
     end do
-    call allow_for_common_noise(ordinates, bins, size(samples%value, 2))
+    tapered%deviation = plain%deviation
+    call allow_for_common_noise(plain, nint(span_of(samples)/2), size(samples%value, 2))
+    call allow_for_common_noise(tapered, nint(span_of(samples)/2), size(samples%value, 2))
   end subroutine find_ordinates
+
+  subroutine prepare(length, sensors, ordinates)
+    !! Make room, and begin the sum over sensors.
+    integer, intent(in) :: length, sensors
+    type(ordinates_type), intent(inout) :: ordinates
+    if (ordinates%length /= length) then
+      ordinates = ordinates_type(length)
+      allocate (ordinates%total(0:length/2), ordinates%deviation(sensors))
+      allocate (ordinates%noise%level(0:min(length/2, most_knots), sensors))
+    end if
+    ordinates%total = 0
+  end subroutine prepare
+
+  subroutine add_sensor(span, power, coloured, fitted, floor, s, ordinates)
+    !! Find the level of one sensor's noise, and add its ordinates over it.
+    real(dp), intent(in) :: span               !! of the samples
+    real(dp), intent(in) :: power(0:)
+    logical, intent(in) :: coloured
+    real(dp), intent(in) :: fitted(:)          !! frequencies of numbers that have been fitted
+    real(dp), intent(in) :: floor
+    integer, intent(in) :: s
+    type(ordinates_type), intent(inout) :: ordinates
+    real(dp), allocatable :: level(:)
+    integer, allocatable :: sampled(:), at_knot(:)
+    integer :: half, ranked, knots, k
+    half = size(power) - 1
+    ranked = min(half, most_ranked)
+    knots = ubound(ordinates%noise%level, 1)
+    sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
+    at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
+    allocate (level(0:ranked))
+    call find_level(power(sampled), min(max(1, nint(span/2)), size(sampled)/2), coloured, fitted, floor, level)
+    ordinates%noise%level(:, s) = level(at_knot)
+    call add_ratio(power, ordinates%noise%level(:, s), ordinates%total)
+  end subroutine add_sensor
 
   subroutine allow_for_common_noise(ordinates, bins, sensors)
     !! Noise that sensors share makes their sum scatter more: like that of fewer sensors, each with a higher level. Their number
@@ -144,34 +170,59 @@ contains
     end do
   end function padded_length
 
-  pure function hann(samples) result(taper)
-    !! Hann's window at the samples' times, of mean square 1.
+  pure real(dp) function mean_square(samples, length)
+    !! Of Hann's window at the samples.
     type(samples_type), intent(in) :: samples
-    real(dp) :: taper(samples%count)
+    integer, intent(in) :: length              !! M
+    real(dp) :: centre
     integer :: n
-    taper = [(sin(pi*(place_of(samples, n) + 0.5_dp)/span_of(samples))**2, n=1, samples%count)]
-    taper = taper*sqrt(samples%count/sum(taper**2))
-  end function hann
+    centre = centre_of(samples)
+    mean_square = sum([(cos(2*pi*(place_of(samples, n) - centre)/length)**4, n=1, samples%count)])/samples%count
+  end function mean_square
 
-  subroutine find_power(samples, left, plan, power)
-    !! Find the ordinates |X|²/N of one sensor.
+  pure subroutine taper(spectrum, turn)
+    !! Turn the transform of samples into that of samples times Hann's window, ½(1 + cos(4π(τ − τ_c)/M)), which is as long as the
+    !! record or a little longer: half of each ordinate and a quarter of those of one more and one fewer period in the window.
+    complex(dp), intent(inout) :: spectrum(0:)
+    real(dp), intent(in) :: turn               !! 4πτ_c/M
+    complex(dp) :: before(-2:-1), after, factor
+    integer :: m, half
+    half = ubound(spectrum, 1)
+    factor = exp(cmplx(0, turn, dp))/4
+    before = conjg(spectrum(2:1:-1))
+    do m = 0, half
+      if (m + 2 <= half) then
+        after = spectrum(m + 2)
+      else if (m < half) then
+        after = conjg(spectrum(m))
+      else
+        after = conjg(before(-2))
+      end if
+      associate (now => spectrum(m))
+        after = now/2 + conjg(factor)*before(-2) + factor*after
+        before(-2) = before(-1)
+        before(-1) = now
+        now = after
+      end associate
+    end do
+  end subroutine taper
+
+  subroutine transform(samples, left, plan, spectrum)
+    !! The padded transform of one sensor.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: left(:)            !! (N)
     type(real_fourier), intent(inout) :: plan
-    real(dp), intent(out) :: power(0:)         !! (0:M/2)
-    complex(dp), allocatable :: spectrum(:)
+    complex(dp), intent(out) :: spectrum(0:)   !! (0:M/2)
     if (allocated(samples%place)) then
-      allocate (spectrum(0:size(power) - 1))
-      call uneven_transform(samples%place, left, 2*(size(power) - 1), plan, spectrum)
-      power = (spectrum%re**2 + spectrum%im**2)/size(left)
+      call uneven_transform(samples%place, left, 2*(size(spectrum) - 1), plan, spectrum)
     else
-      call plan%prepare(2*(size(power) - 1))
+      call plan%prepare(2*(size(spectrum) - 1))
       plan%samples(:size(left)) = left
       plan%samples(size(left) + 1:) = 0
       call plan%transform()
-      power = (plan%spectrum%re**2 + plan%spectrum%im**2)/size(left)
+      spectrum = plan%spectrum
     end if
-  end subroutine find_power
+  end subroutine transform
 
   pure function remainder(samples, lines, still, s) result(left)
     !! What lines, offset and slope leave of one sensor's samples, (N).
@@ -180,9 +231,9 @@ contains
     real(dp), intent(in) :: still(:, :)
     integer, intent(in) :: s
     real(dp), allocatable :: left(:)
-    complex(dp) :: tone(0:table - 1), factor
+    complex(dp) :: factor
     real(dp) :: centre, start, periods
-    integer :: k, n, l, length
+    integer :: k, n
     left = samples%value(:samples%count, s)
     centre = centre_of(samples)
     if (allocated(samples%place)) then
@@ -191,22 +242,15 @@ contains
         start = 2*min(lines(k)%decay, 0.0_dp)*centre
         do n = 1, size(left)
           periods = lines(k)%frequency*samples%place(n)
-          left(n) = left(n) - exp(start - lines(k)%decay*samples%place(n))* &
-            & real(lines(k)%amplitude(s)*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp)), dp)
+          factor = exp(start - lines(k)%decay*samples%place(n))*lines(k)%amplitude(s)
+          if (lines(k)%powers > 1) factor = factor*bent_factor(lines(k)%bend(:lines(k)%powers), samples%place(n)/centre - 1)
+          left(n) = left(n) - real(factor*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp)), dp)
         end do
       end do
       return
     end if
     left = left - still(1, s) - still(2, s)*([(n, n=0, size(left) - 1)]/centre - 1)
-    do k = 1, size(lines)
-      tone = [(exp(-lines(k)%decay*l)*phase_factor(lines(k)%frequency, l), l=0, table - 1)]
-      start = 2*min(lines(k)%decay, 0.0_dp)*centre
-      do n = 0, size(left) - 1, table
-        length = min(table, size(left) - n)
-        factor = lines(k)%amplitude(s)*exp(start - lines(k)%decay*n)*phase_factor(lines(k)%frequency, n)
-        left(n + 1:n + length) = left(n + 1:n + length) - (factor%re*tone(:length - 1)%re - factor%im*tone(:length - 1)%im)
-      end do
-    end do
+    call subtract_lines(lines, s, left)
   end function remainder
 
   pure real(dp) function chance_of(ordinate, shape, bins)

@@ -2,10 +2,10 @@ module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
   use bw_band_fit, only: damped_line
-  use bw_belief, only: believed_line, normal_quantile, window_start
+  use bw_belief, only: believed_line, normal_quantile, undetermined, window_start
   use bw_damped_search, only: found_lines, rejected_line
   use bw_kinds, only: dp
-  use bw_missing, only: missing
+  use bw_missing, only: missing, scaled
   use bw_noise_level, only: level_at
   use bw_ordinates, only: remainder
   use bw_samples, only: centre_of, samples_type
@@ -40,6 +40,8 @@ module bw_record_lines
     real(dp), allocatable :: decay_rate(:), decay_rate_error(:), decay_rate_bound(:)      !! δ, 1/s; negative grows, (lines)
     complex(dp), allocatable :: amplitude(:, :)   !! A at the record's first sample, in the sensor's SI unit, (sensors, lines)
     real(dp), allocatable :: amplitude_error(:, :), amplitude_bound(:, :)                 !! of |A|, (sensors, lines)
+    real(dp), allocatable :: amplitude_noise(:, :)
+      !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
     real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
     real(dp), allocatable :: drift(:), drift_bound(:)
       !! change of β from the first sample to the last, as far as it is a straight line, rad/s, (lines)
@@ -49,6 +51,7 @@ module bw_record_lines
     integer, allocatable :: status(:)             !! sum of bits of `status_words`, (lines)
     type(rejected_candidate), allocatable :: rejected(:)
     real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
+    real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
     integer :: left_out = 0                       !! weaker lines that are not among these
   end type record_lines
 
@@ -63,39 +66,48 @@ contains
     integer, intent(in) :: most                   !! lines
     type(record_lines) :: lines
     integer, allocatable :: chosen(:)
-    real(dp) :: quantile, turn, rate
+    real(dp) :: turn, rate
     integer :: i
     chosen = strongest(believed, most)
-    quantile = normal_quantile((1 + confidence)/2)
+    lines%quantile = normal_quantile((1 + confidence)/2)
     rate = 1/samples%step
     turn = two_pi/samples%step
     lines%left_out = size(believed) - size(chosen)
     lines%angular_frequency = turn*believed(chosen)%frequency
-    lines%angular_frequency_error = turn*believed(chosen)%frequency_error
-    lines%angular_frequency_bound = turn*believed(chosen)%frequency_bound
+    lines%angular_frequency_error = told(believed(chosen)%frequency_error, turn)
+    lines%angular_frequency_bound = told(believed(chosen)%frequency_bound, turn)
     lines%decay_rate = rate*believed(chosen)%decay
-    lines%decay_rate_error = rate*believed(chosen)%decay_error
-    lines%decay_rate_bound = rate*believed(chosen)%decay_bound
+    lines%decay_rate_error = told(believed(chosen)%decay_error, rate)
+    lines%decay_rate_bound = told(believed(chosen)%decay_bound, rate)
     lines%drift = turn*believed(chosen)%drift
-    lines%drift_bound = turn*believed(chosen)%drift_bound
+    lines%drift_bound = told(believed(chosen)%drift_bound, turn)
     lines%status = merge(2*believed(chosen)%status, 1, believed(chosen)%status > 0)
     associate (sensors => size(found%deviation), n => size(chosen))
-      allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n))
+      allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n), &
+                lines%amplitude_noise(sensors, n))
       allocate (lines%windows(4, size(window_start), n))
     end associate
     do i = 1, size(chosen)
       associate (line => believed(chosen(i)))
         lines%amplitude(:, i) = line%amplitude
-        lines%amplitude_bound(:, i) = line%amplitude_bound
+        lines%amplitude_bound(:, i) = told(line%amplitude_bound, 1.0_dp)
+        lines%amplitude_noise(:, i) = line%amplitude_noise
         lines%phase_bound(:, i) = line%phase_bound
         lines%windows(:, :, i) = windows_in_si(line%windows, turn, rate)
       end associate
     end do
-    lines%amplitude_error = quantile*lines%amplitude_bound
-    lines%phase_error = quantile*lines%phase_bound
+    lines%amplitude_error = scaled(lines%amplitude_bound, lines%quantile)
+    lines%phase_error = scaled(lines%phase_bound, lines%quantile)
     lines%rejected = candidates_in_si(found%rejected, turn)
     lines%noise_deviation = [(deviation_of(samples, found, i), i=1, size(found%deviation))]
   end function lines_in_si
+
+  elemental real(dp) function told(deviation, unit)
+    !! A deviation in another unit; `missing` where the record does not tell.
+    real(dp), intent(in) :: deviation, unit
+    told = missing
+    if (deviation < undetermined/100) told = unit*deviation
+  end function told
 
   pure function candidates_in_si(rejected, turn) result(candidates)
     !! Those that stand out most come first; what was rejected twice stands there once, with the last reason.
@@ -121,8 +133,8 @@ contains
     integer :: w
     converted = missing
     do w = 1, size(windows, 2)
-      if (windows(3, w) < 1) converted([1, 3], w) = turn*windows([1, 3], w)
-      if (windows(3, w) < 1) converted([2, 4], w) = rate*windows([2, 4], w)
+      if (windows(3, w) < 1 .and. windows(4, w) < 1) converted([1, 3], w) = turn*windows([1, 3], w)
+      if (windows(3, w) < 1 .and. windows(4, w) < 1) converted([2, 4], w) = rate*windows([2, 4], w)
     end do
   end function windows_in_si
 
@@ -137,24 +149,22 @@ contains
     chosen = pack([(i, i=1, size(believed))], [(count(strength > strength(i)) < most, i=1, size(believed))])
   end function strongest
 
-  function fitted_history(samples, found, believed, s) result(history)
+  function fitted_history(samples, found, s) result(history)
     !! What the lines, an offset and a slope make of one sensor, at all samples of the record.
     type(samples_type), intent(in) :: samples     !! of the record as it was; their values do not count
     type(found_lines), intent(in) :: found
-    type(believed_line), intent(in) :: believed(:)
     integer, intent(in) :: s
     real(dp), allocatable :: history(:)
     type(samples_type) :: nothing
-    type(damped_line) :: lines(size(believed))
+    type(damped_line), allocatable :: lines(:)
     integer :: k
     nothing%count = samples%count
     nothing%step = samples%step
     if (allocated(samples%place)) nothing%place = samples%place
     allocate (nothing%value(samples%count, 1), source=0.0_dp)
-    do k = 1, size(believed)
-      lines(k)%decay = believed(k)%decay
-      lines(k)%frequency = believed(k)%frequency
-      lines(k)%amplitude = [believed(k)%amplitude(s)*exp(-2*min(believed(k)%decay, 0.0_dp)*centre_of(samples))]
+    lines = found%lines
+    do k = 1, size(lines)
+      lines(k)%amplitude = [lines(k)%amplitude(s)/gain_at(found, found%lines(k), s)]
     end do
     history = -remainder(nothing, lines, reshape(straight_part(samples, found, s), [2, 1]), 1)
   end function fitted_history

@@ -3,21 +3,25 @@ module bw_samples
   !!
   !! Time is counted in steps from the first sample: τ = (t − t₁)/step. An exponential of decay d and frequency f is
   !! e^(−dτ + 2πifτ), d per step and f in periods per step. Its slopes by decay and frequency are powers of the centred time
-  !! u = (τ − τ_c)/τ_c, −1 … 1, τ_c being the middle of the record.
+  !! u = (τ − τ_c)/τ_c, −1 … 1, τ_c being the middle of the record. A line that drifts is multiplied by e^(b₂u² + b₃u³ + …),
+  !! the complex numbers b being its bend.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: block_sums, centre_of, even_blocks, phase_factor, place_of, span_of
+  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, phase_factor, place_of, span_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
-  real(dp), parameter :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
+  real(dp), parameter, public :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
+  integer, parameter :: series = 4           !! powers of a block's length over half the record, in which a bend is expanded there;
+                                             !! where the bend turns a block by 0.05 this leaves 3e-9
 
   type, public :: samples_type
     integer :: count = 0                     !! N
     real(dp) :: step = 1                     !! s; of uneven times the median
     real(dp), allocatable :: place(:)        !! times τ of the samples, rising from 0, (N); not allocated: 0, 1, 2, …
     real(dp), allocatable :: value(:, :)     !! (N or more, S)
+    logical :: pure = .false.                !! known to hold lines and their rounding and no noise, as a simulation's
   end type samples_type
 
   type, public :: blocks_type
@@ -72,44 +76,105 @@ contains
     end if
   end function even_blocks
 
-  function block_sums(samples, blocks, decay, frequency, order) result(sums)
-    !! The sums Σ u^m e^(−dτ + 2πifτ) over the samples of each block, m = 0 … order, (B, 0:order). A line that grows is
-    !! divided by its last value, so that nothing overflows.
+  function block_sums(samples, blocks, decay, frequency, order, bend) result(sums)
+    !! The sums Σ u^m e^(−dτ + 2πifτ) over the samples of each block, m = 0 … order, (B, 0:order), times the factor of a bend.
+    !! A line that grows is divided by its last value, so that nothing overflows.
     type(samples_type), intent(in) :: samples
     type(blocks_type), intent(in) :: blocks
     real(dp), intent(in) :: decay, frequency
     integer, intent(in) :: order
+    complex(dp), intent(in) :: bend(2:)      !! of size 0 where the line does not drift
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
     if (allocated(samples%place)) then
-      sums = uneven_sums(samples, blocks, decay, frequency, order)
+      sums = uneven_sums(samples, blocks, decay, frequency, order, bend)
     else
-      sums = even_sums(samples%count, blocks, decay, frequency, order)
+      sums = even_sums(samples%count, blocks, decay, frequency, order, bend)
     end if
   end function block_sums
 
-  pure function even_sums(count, blocks, decay, frequency, order) result(sums)
+  pure complex(dp) function bent_factor(bend, u)
+    !! The factor e^(b₂u² + b₃u³ + …).
+    complex(dp), intent(in) :: bend(2:)
+    real(dp), intent(in) :: u
+    integer :: m
+    bent_factor = 0
+    do m = ubound(bend, 1), 2, -1
+      bent_factor = (bent_factor + bend(m))*u
+    end do
+    bent_factor = exp(bent_factor*u)
+  end function bent_factor
+
+  pure function even_sums(count, blocks, decay, frequency, order, bend) result(sums)
     !! All blocks but the last have one length, so that their sums differ by a factor and by where u starts.
     integer, intent(in) :: count, order
     type(blocks_type), intent(in) :: blocks
     real(dp), intent(in) :: decay, frequency
+    complex(dp), intent(in) :: bend(2:)
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
-    complex(dp) :: factor(size(blocks%first) - 1), moment(0:order)
-    real(dp) :: centre
+    complex(dp) :: factor(size(blocks%first) - 1), moment(0:order + merge(series, 0, size(bend) > 0))
+    real(dp) :: centre, u
     integer :: b, length, start
     centre = max(count - 1, 1)/2.0_dp
     start = blocks%first(1) - 1
     length = blocks%first(2) - blocks%first(1)
     factor = powers(decay, frequency, length, size(factor))* &
       & exp(min(decay, 0.0_dp)*(count - 1) - decay*start)*phase_factor(frequency, start)
-    moment = moments(decay, frequency, length, centre, order)
+    moment = moments(decay, frequency, length, centre, ubound(moment, 1))
     do b = 1, size(sums, 1)
       if (length /= blocks%first(b + 1) - blocks%first(b)) then
         length = blocks%first(b + 1) - blocks%first(b)
-        moment = moments(decay, frequency, length, centre, order)
+        moment = moments(decay, frequency, length, centre, ubound(moment, 1))
       end if
-      sums(b, :) = factor(b)*shifted(moment, (blocks%first(b) - 1 - centre)/centre)
+      u = (blocks%first(b) - 1 - centre)/centre
+      if (size(bend) > 0) then
+        sums(b, :) = factor(b)*bent_factor(bend, u)*shifted(bent(moment, bend, u, order), u)
+      else
+        sums(b, :) = factor(b)*shifted(moment, u)
+      end if
     end do
   end function even_sums
+
+  pure function bent(moment, bend, u, order) result(about)
+    !! A block's moments with the factor of a bend, over its value where the block starts.
+    complex(dp), intent(in) :: moment(0:), bend(2:)
+    real(dp), intent(in) :: u
+    integer, intent(in) :: order
+    complex(dp) :: about(0:order), a(0:series)
+    integer :: m
+    a = bent_series(bend, u)
+    do m = 0, order
+      about(m) = sum(a*moment(m:m + series))
+    end do
+  end function bent
+
+  pure function bent_series(bend, u) result(a)
+    !! The factor of a bend at u + x over that at u, as a₀ + a₁x + a₂x² + …: the exponent is r₁x + r₂x² + …, and its exponential has
+    !! n·a_n = Σ j·r_j·a_(n−j).
+    complex(dp), intent(in) :: bend(2:)
+    real(dp), intent(in) :: u
+    complex(dp) :: a(0:series), r(series)
+    integer :: j, m, n
+    do j = 1, series
+      r(j) = 0
+      do m = max(2, j), ubound(bend, 1)
+        r(j) = r(j) + binomial(m, j)*bend(m)*u**(m - j)
+      end do
+    end do
+    a(0) = 1
+    do n = 1, series
+      a(n) = sum([(j*r(j)*a(n - j), j=1, n)])/n
+    end do
+  end function bent_series
+
+  pure real(dp) function binomial(n, k)
+    !! n!/(k!(n − k)!).
+    integer, intent(in) :: n, k
+    integer :: i
+    binomial = 1
+    do i = 1, k
+      binomial = binomial*(n - k + i)/i
+    end do
+  end function binomial
 
   pure function moments(decay, frequency, length, centre, order) result(moment)
     !! The sums Σ (l/centre)^m e^(−dl + 2πifl) of a block, l = 0 … length − 1, (0:order).
@@ -152,12 +217,13 @@ contains
     end do
   end function powers
 
-  pure function uneven_sums(samples, blocks, decay, frequency, order) result(sums)
+  pure function uneven_sums(samples, blocks, decay, frequency, order, bend) result(sums)
     !! Sample by sample.
     type(samples_type), intent(in) :: samples
     type(blocks_type), intent(in) :: blocks
     real(dp), intent(in) :: decay, frequency
     integer, intent(in) :: order
+    complex(dp), intent(in) :: bend(2:)
     complex(dp) :: sums(size(blocks%first) - 1, 0:order), term
     real(dp) :: centre, u, periods
     integer :: b, n, m
@@ -168,6 +234,7 @@ contains
         periods = frequency*samples%place(n)
         u = samples%place(n)/centre - 1
         term = exp(-decay*samples%place(n) + 2*min(decay, 0.0_dp)*centre)*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp))
+        if (size(bend) > 0) term = term*bent_factor(bend, u)
         do m = 0, order
           sums(b, m) = sums(b, m) + term
           term = term*u
@@ -176,14 +243,16 @@ contains
     end do
   end function uneven_sums
 
-  elemental complex(dp) function phase_factor(frequency, n)
+  elemental complex(dp) function phase_factor(frequency, n, rest)
     !! The factor e^(2πi·frequency·n); whole periods are taken off before anything is rounded.
     real(dp), intent(in) :: frequency        !! periods per step, below 1
     integer, intent(in) :: n                 !! below 2²⁶
+    real(dp), intent(in), optional :: rest   !! of the frequency, below its rounding
     real(dp) :: coarse, periods
     coarse = anint(frequency*grain)/grain
     periods = coarse*n
     periods = periods - anint(periods) + (frequency - coarse)*n
+    if (present(rest)) periods = periods + rest*n
     phase_factor = exp(cmplx(0, 2*pi*periods, dp))
   end function phase_factor
 

@@ -1,16 +1,15 @@
 module bw_measured
   !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam.
+  use bw_damped_search, only: find_damped_lines, found_lines
   use bw_kinds, only: dp
-  use bw_line, only: line_type
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
-  use bw_line_residual, only: residual_type
-  use bw_line_search, only: find_lines
   use bw_measured_notes, only: measured_notes
   use bw_missing, only: is_missing, missing
   use bw_mode_check, only: check_peaks, is_mode, not_known, record_facts, verdict_type
   use bw_mode_curve, only: mode_type, slope_of
   use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops
+  use bw_samples, only: samples_type
   use bw_text, only: string
   implicit none (type, external)
   private
@@ -19,6 +18,7 @@ module bw_measured
   integer, parameter :: fewest_samples = 16
   real(dp), parameter :: chance = 1.0e-4_dp, chance_if_checked = 1.0e-2_dp  !! that peaks are numbered as they are by chance
   integer, parameter :: fewest_lines = 3       !! two lie on a curve whatever they are folded from
+  real(dp), parameter :: no_noise = 0          !! chance that noise is taken for a line
   real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
 
   type, public :: measured_type
@@ -74,17 +74,19 @@ contains
     real(dp), intent(in) :: tip(:), midpoint(:)
     type(peak_type), allocatable, intent(out) :: peaks(:)
     class(monitor_type), intent(inout), optional :: monitor
-    type(line_type), allocatable :: lines(:)
-    type(residual_type) :: residual
-    real(dp) :: record(size(tip), 2)
+    type(samples_type) :: samples
+    type(found_lines) :: found
     integer :: power
     allocate (peaks(0))
     if (.not. is_usable(tip, midpoint)) return
     power = exponent(max(maxval(abs(tip)), maxval(abs(midpoint))))
-    record(:, 1) = scale(tip, -power)
-    record(:, 2) = scale(midpoint, -power)
-    call find_lines(record, lines, residual, monitor)
-    if (.not. stops(monitor)) peaks = peaks_of(lines, residual)
+    samples%count = size(tip)
+    samples%pure = .true.
+    allocate (samples%value(size(tip), 2))
+    samples%value(:, 1) = scale(tip, -power)
+    samples%value(:, 2) = scale(midpoint, -power)
+    call find_damped_lines(samples, no_noise, found, monitor)
+    if (.not. stops(monitor)) peaks = peaks_of(found%lines, found%left)
   end subroutine find_peaks
 
   pure logical function is_usable(tip, midpoint)

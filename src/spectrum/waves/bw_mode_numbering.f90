@@ -7,7 +7,7 @@ module bw_mode_numbering
   !! Each agreement is worth the logarithm of how unlikely it is by chance. Peaks are numbered where the best numbering is
   !! worth much, and every other that contradicts it is worth much less.
   use bw_kinds, only: dp
-  use bw_line, only: resolution
+  use bw_line_group, only: resolution
   use bw_line_peaks, only: peak_type
   use bw_mode_curve, only: as_mode, chance_on_curve, chance_of_mass, curve_through, curve_type, mode_type, on_curve, same_mass
   use bw_mode_ratio, only: mode_near

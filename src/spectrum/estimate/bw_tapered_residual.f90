@@ -1,10 +1,12 @@
-module bw_line_residual
-  !! What is left of two histories when lines are taken out, and which peaks still stand out of it.
+module bw_tapered_residual
+  !! What is left of a record when lines are taken out, and which peaks still stand out of it.
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+  use bw_damped_line, only: damped_line, line_in_record, subtract_lines
   use bw_fourier, only: transform_in_place
   use bw_kinds, only: dp
-  use bw_line, only: line_type, main_lobe, points, sidelobe, subtract_line
   use bw_monitor, only: monitor_type, stops
+  use bw_order, only: local_maxima, vertex
+  use bw_tapered_line, only: main_lobe, sidelobe
   implicit none (type, external)
   private
   public :: find_residual, peak_lines, plain_bins, strength, visible_peaks
@@ -18,10 +20,11 @@ module bw_line_residual
 
   type, public :: residual_type
     integer :: count = 0                       !! samples in the record
-    complex(dp), allocatable :: windowed(:, :) !! transform with the window sin⁶(πj/N), (0:N/2, points)
-    complex(dp), allocatable :: plain(:, :)    !! transform without, (0:N/2, points)
-    real(dp) :: noise = 0                      !! standard deviation of a real number of `windowed`
-    real(dp) :: threshold = 0                  !! smaller values of |windowed| are no line
+    complex(dp), allocatable :: tapered(:, :)  !! transform with the taper sin⁶(πj/N), (0:N/2, S)
+    complex(dp), allocatable :: plain(:, :)    !! transform without, (0:N/2, S)
+    real(dp) :: noise = 0                      !! standard deviation of a real number of `tapered`
+    real(dp) :: highest = 0                    !! of the record's samples
+    real(dp) :: threshold = 0                  !! smaller values of |tapered| are no line
   end type residual_type
 
 contains
@@ -29,33 +32,37 @@ contains
   subroutine find_residual(record, lines, residual, monitor)
     !! Transform what the lines leave of the record, and judge its noise. The lines are subtracted in the memory of the
     !! transforms, so that a long record is not stored more often than it must be.
-    real(dp), intent(in) :: record(0:, :)      !! (N, points)
-    type(line_type), intent(in) :: lines(:)
+    real(dp), intent(in) :: record(0:, :)      !! (N, S)
+    type(damped_line), intent(in) :: lines(:)
     type(residual_type), intent(inout), target :: residual   !! empty, or of the same record; of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
-    real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without window and with it
+    real(dp), pointer, contiguous :: left(:, :), seen(:, :)  ! without taper and with it
     real(dp) :: rounding, largest
-    integer :: i, n, p
+    integer :: i, n, s, sensors
     n = size(record, 1)
+    sensors = size(record, 2)
     residual%count = n
-    if (.not. allocated(residual%plain)) allocate (residual%windowed(0:n/2, points), residual%plain(0:n/2, points))
-    call c_f_pointer(c_loc(residual%plain), left, [2*(n/2 + 1), points])
-    call c_f_pointer(c_loc(residual%windowed), seen, [2*(n/2 + 1), points])
+    if (.not. allocated(residual%plain)) allocate (residual%tapered(0:n/2, sensors), residual%plain(0:n/2, sensors))
+    call c_f_pointer(c_loc(residual%plain), left, [2*(n/2 + 1), sensors])
+    call c_f_pointer(c_loc(residual%tapered), seen, [2*(n/2 + 1), sensors])
     seen(:n, :) = record
-    call apply_window(seen(:n, :))
-    rounding = epsilon(1.0_dp)*maxval([(norm2(seen(:n, p)), p=1, points)])
+    residual%highest = maxval(abs(record))
+    call apply_taper(seen(:n, :))
+    rounding = epsilon(1.0_dp)*maxval([(norm2(seen(:n, s)), s=1, sensors)])
     largest = maxval(abs(seen(:n, :)))
     left(:n, :) = record
     do i = 1, size(lines)
       if (stops(monitor)) return
-      call subtract_line(lines(i), left(:n, :))
+      do s = 1, sensors
+        call subtract_lines(lines(i:i), s, left(:n, s))
+      end do
     end do
     call copy(left(:n, :), seen(:n, :))        ! an assignment of pointers would go through a third array
-    call apply_window(seen(:n, :))
-    do p = 1, points
+    call apply_taper(seen(:n, :))
+    do s = 1, sensors
       if (stops(monitor)) return
-      call transform_in_place(n, residual%windowed(:, p))
-      call transform_in_place(n, residual%plain(:, p))
+      call transform_in_place(n, residual%tapered(:, s))
+      call transform_in_place(n, residual%plain(:, s))
     end do
     residual%noise = max(rounding, quiet_level(strength(residual)))
     residual%threshold = max(chance*residual%noise, faintest*largest*n*main_lobe/2)
@@ -68,25 +75,25 @@ contains
     to = from
   end subroutine copy
 
-  pure subroutine apply_window(samples)
-    !! Multiply both histories by the window sin⁶(πj/N), which is the same from both ends to the bit.
-    real(dp), intent(inout) :: samples(0:, :)  !! (N, points)
-    real(dp) :: window
+  pure subroutine apply_taper(samples)
+    !! Multiply all sensors by the taper sin⁶(πj/N), which is the same from both ends to the bit.
+    real(dp), intent(inout) :: samples(0:, :)  !! (N, S)
+    real(dp) :: taper
     integer :: j, n
     n = size(samples, 1)
     samples(0, :) = 0
     do j = 1, n/2
-      window = sin(pi*j/n)**6
-      samples(j, :) = window*samples(j, :)
-      if (2*j < n) samples(n - j, :) = window*samples(n - j, :)
+      taper = sin(pi*j/n)**6
+      samples(j, :) = taper*samples(j, :)
+      if (2*j < n) samples(n - j, :) = taper*samples(n - j, :)
     end do
-  end subroutine apply_window
+  end subroutine apply_taper
 
   pure function strength(residual) result(value)
-    !! The length of both histories' windowed transforms together in each bin, (0:N/2).
+    !! The length of all sensors' tapered transforms together in each bin, (0:N/2).
     type(residual_type), intent(in) :: residual
-    real(dp) :: value(0:ubound(residual%windowed, 1))
-    value = sqrt(abs(residual%windowed(:, 1))**2 + abs(residual%windowed(:, 2))**2)
+    real(dp) :: value(0:ubound(residual%tapered, 1))
+    value = norm2(abs(residual%tapered), dim=2)
   end function strength
 
   pure real(dp) function quiet_level(value)
@@ -116,7 +123,7 @@ contains
     !! The bins of the peaks that are neither noise nor a sidelobe of a stronger peak, the strongest first.
     type(residual_type), intent(in) :: residual
     integer, allocatable :: peak(:)
-    real(dp) :: value(0:ubound(residual%windowed, 1))
+    real(dp) :: value(0:ubound(residual%tapered, 1))
     integer, allocatable :: candidate(:)
     integer :: i, best
     value = strength(residual)
@@ -142,24 +149,11 @@ contains
 
   end function visible_peaks
 
-  pure function local_maxima(value, threshold) result(bins)
-    !! The bins above the threshold that are not lower than their neighbours.
-    real(dp), intent(in) :: value(0:), threshold
-    integer, allocatable :: bins(:)
-    logical :: high(0:size(value) - 1)
-    integer :: last, i
-    last = size(value) - 1
-    high = value > threshold
-    high(1:) = high(1:) .and. value(1:) >= value(:last - 1)
-    high(:last - 1) = high(:last - 1) .and. value(:last - 1) > value(1:)
-    allocate (bins, source=pack([(i, i=0, last)], high))
-  end function local_maxima
-
   pure function plain_bins(residual, first, last) result(image)
-    !! The transform without window at bins first … last, which may lie beyond 0 and the Nyquist frequency.
+    !! The transform without taper at bins first … last, which may lie beyond 0 and the Nyquist frequency.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: first, last
-    complex(dp) :: image(first:last, points)
+    complex(dp) :: image(first:last, size(residual%plain, 2))
     integer :: m, k
     do m = first, last
       k = modulo(m, residual%count)
@@ -175,18 +169,17 @@ contains
     !! A line without amplitude at each peak; its offset comes from a parabola through the logarithms of three bins.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peaks(:)
-    type(line_type) :: lines(size(peaks))
-    real(dp) :: value(-1:1)
+    type(damped_line) :: lines(size(peaks))
+    real(dp) :: value(-1:1), offset
     integer :: i, m
-    lines%bin = peaks
     do i = 1, size(peaks)
-      if (peaks(i) == 0 .or. peaks(i) == ubound(residual%windowed, 1)) cycle
-      value = [(norm2(abs(residual%windowed(peaks(i) + m, :))), m=-1, 1)]
-      if (any(value <= 0)) cycle
-      value = log(value)
-      lines(i)%offset = (value(1) - value(-1))/max(2*(2*value(0) - value(1) - value(-1)), 1.0_dp)
-      lines(i)%offset = max(-0.5_dp, min(0.5_dp, lines(i)%offset))
+      offset = 0
+      if (peaks(i) > 0 .and. peaks(i) < ubound(residual%tapered, 1)) then
+        value = [(norm2(abs(residual%tapered(peaks(i) + m, :))), m=-1, 1)]
+        offset = vertex(value)
+      end if
+      lines(i) = line_in_record(peaks(i), offset, 0.0_dp, residual%count)
     end do
   end function peak_lines
 
-end module bw_line_residual
+end module bw_tapered_residual

@@ -1,11 +1,11 @@
 module bw_line_peaks
   !! This module makes peaks that can be told apart of fitted lines, each with bounds on its errors.
+  use bw_damped_line, only: damped_line, position_of, strength_of
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_type, resolution
-  use bw_line_bounds, only: bound_errors, line_strength
-  use bw_line_group, only: band_of, group_image_of, group_type
-  use bw_line_residual, only: residual_type
-  use bw_line_search, only: line_groups
+  use bw_line_bounds, only: bound_errors, bounded_line
+  use bw_line_group, only: band_of, group_image_of, group_type, resolution
+  use bw_tapered_residual, only: residual_type
+  use bw_tapered_search, only: line_groups
   implicit none (type, external)
   private
   public :: as_single, peaks_of, with_hidden
@@ -32,7 +32,7 @@ module bw_line_peaks
     real(dp) :: ratio_error = 0
     real(dp) :: hidden = 0                     !! part of it that a line hidden beside it may be
     logical :: doubtful = .false.              !! there may well be such a line
-    real(dp) :: strength = 0                   !! largest amplitude, both histories together
+    real(dp) :: strength = 0                   !! largest amplitude, all sensors together
     integer :: members = 1                     !! lines that are one within the resolution; e^(gt) and e^(−gt) are one
     logical :: at_edge = .false.               !! one with its own mirror image at 0 or the Nyquist frequency
     logical :: located = .true.                !! .false.: something is there, but the fit does not say where
@@ -44,13 +44,13 @@ contains
 
   function peaks_of(lines, residual) result(peaks)
     !! The peaks that the lines make, with bounds on their errors; lines that cannot be told apart are one peak.
-    type(line_type), intent(in) :: lines(:)
+    type(damped_line), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual  !! what these lines leave
     type(peak_type), allocatable :: peaks(:)
     type(group_type), allocatable :: group(:)
     integer :: i
     allocate (peaks(0))
-    allocate (group, source=line_groups(lines, [integer ::]))
+    allocate (group, source=line_groups(lines, [integer ::], residual%count))
     do i = 1, size(group)
       peaks = [peaks, peaks_of_group(group(i), 2*size(lines)/real(residual%count, dp), residual)]
     end do
@@ -62,36 +62,40 @@ contains
     real(dp), intent(in) :: density              !! lines per bin of the whole record
     type(residual_type), intent(in) :: residual
     type(peak_type), allocatable :: peaks(:)
-    type(group_type) :: group
-    type(line_type), allocatable :: strong(:)
-    logical :: faint(size(lines_together%lines)), explained
-    integer :: j
-    group = lines_together
-    faint = [(is_faint(j, group%lines), j=1, size(faint))]
-    allocate (strong, source=pack(group%lines, .not. faint))
-    if (any(faint)) call bound_errors(strong, pack(group%lines, faint), density, residual, explained)
-    call bound_errors(group%lines, [line_type ::], density, residual, explained)
-    allocate (peaks, source=merged(group, strong, residual, explained))
+    type(bounded_line), allocatable :: lines(:), strong(:)
+    logical, allocatable :: faint(:)
+    logical :: explained
+    associate (group => lines_together)
+      faint = are_faint(position_of(group%lines, residual%count), strength_of(group%lines))
+      allocate (strong(0))
+      if (any(faint)) call bound_errors(pack(group%lines, .not. faint), pack(group%lines, faint), density, residual, strong, &
+        & explained)
+      call bound_errors(group%lines, [damped_line ::], density, residual, lines, explained)
+      allocate (peaks, source=merged(group, lines, strong, residual, explained))
+    end associate
   end function peaks_of_group
 
-  pure logical function is_faint(j, lines)
-    !! Whether a line lies beside a much stronger one.
-    integer, intent(in) :: j
-    type(line_type), intent(in) :: lines(:)
-    is_faint = any(abs(line_position(lines) - line_position(lines(j))) < resolution &
-      & .and. line_strength(lines(j)) < faint_part*line_strength(lines))
-  end function is_faint
+  pure function are_faint(position, strength) result(faint)
+    !! Which lines lie beside a much stronger one.
+    real(dp), intent(in) :: position(:), strength(:)
+    logical :: faint(size(position))
+    integer :: j
+    do j = 1, size(position)
+      faint(j) = any(abs(position - position(j)) < resolution .and. strength(j) < faint_part*strength)
+    end do
+  end function are_faint
 
   elemental logical function is_real(line)
     !! Whether the line is a real exponential, one of the two that a mode above its critical speed moves as.
-    type(line_type), intent(in) :: line
-    is_real = .not. line%steady .and. .not. line_position(line) > 0
+    type(bounded_line), intent(in) :: line
+    is_real = .not. line%steady .and. .not. line%position > 0
   end function is_real
 
-  function merged(group, strong, residual, explained) result(peaks)
+  function merged(group, lines, strong, residual, explained) result(peaks)
     !! Lines that lie within the resolution of the one before become one peak, their mirror images included.
     type(group_type), intent(in) :: group
-    type(line_type), intent(in) :: strong(:)   !! its lines without faint ones, with errors as if there were none
+    type(bounded_line), intent(in) :: lines(:)   !! the group's, ascending
+    type(bounded_line), intent(in) :: strong(:)  !! without faint ones, with errors as if there were none
     type(residual_type), intent(in) :: residual
     logical, intent(in) :: explained
     type(peak_type), allocatable :: peaks(:)
@@ -99,53 +103,51 @@ contains
     integer :: i, first
     allocate (peaks(0))
     first = 1
-    associate (lines => group%lines)
-      do i = 1, size(lines)
-        if (i < size(lines)) then
-          if (line_position(lines(i + 1)) - line_position(lines(i)) < resolution) cycle
-        end if
-        peak = one_peak(lines(first:i), residual%count, explained)
-        if (peak%members > 1) then
-          peak%stands_out = exceed(lines(first:i), residual, band_of(group, residual%count))
-          call find_strongest(strong, lines(first:i), peak)
-        end if
-        peaks = [peaks, peak]
-        first = i + 1
-      end do
-    end associate
+    do i = 1, size(lines)
+      if (i < size(lines)) then
+        if (lines(i + 1)%position - lines(i)%position < resolution) cycle
+      end if
+      peak = one_peak(lines(first:i), residual%count, explained)
+      if (peak%members > 1) then
+        peak%stands_out = exceed(group%lines(first:i), residual, band_of(group, residual%count))
+        call find_strongest(strong, lines(first:i), peak)
+      end if
+      peaks = [peaks, peak]
+      first = i + 1
+    end do
   end function merged
 
   pure subroutine find_strongest(strong, lines, peak)
     !! Find what one line of the peak would be without the others, if all others are faint.
-    type(line_type), intent(in) :: strong(:)
-    type(line_type), intent(in) :: lines(:)    !! of the peak, ascending
+    type(bounded_line), intent(in) :: strong(:)
+    type(bounded_line), intent(in) :: lines(:)   !! of the peak, ascending
     type(peak_type), intent(inout) :: peak
     logical :: here(size(strong))
-    here = line_position(strong) >= line_position(lines(1)) .and. line_position(strong) <= line_position(lines(size(lines)))
+    here = strong%position >= lines(1)%position .and. strong%position <= lines(size(lines))%position
     if (count(here) /= 1) return
     associate (line => strong(findloc(here, .true., dim=1)))
-      peak%single = place_type(line_position(line), line%position_error, line%ratio, line%ratio_error, line%hidden)
+      peak%single = place_type(line%position, line%position_error, line%ratio, line%ratio_error, line%hidden)
     end associate
   end subroutine find_strongest
 
   logical function exceed(lines, residual, bins)
     !! Whether the lines together, which may all but cancel, put clearly more into a bin than is left in any.
-    type(line_type), intent(in) :: lines(:)
+    type(damped_line), intent(in) :: lines(:)
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
-    exceed = maxval(abs(group_image_of(lines, residual%count, bins))) > &
-      & clear*maxval(abs(residual%windowed(bins(1):bins(2), :)))
+    exceed = maxval(abs(group_image_of(residual, lines, bins))) > &
+      & clear*maxval(abs(residual%tapered(bins(1):bins(2), :)))
   end function exceed
 
   function one_peak(lines, count, explained) result(peak)
     !! The peak of lines that cannot be told apart.
-    type(line_type), intent(in) :: lines(:)
+    type(bounded_line), intent(in) :: lines(:)
     integer, intent(in) :: count
     logical, intent(in) :: explained
     type(peak_type) :: peak
     real(dp) :: position(size(lines)), weight(size(lines)), error(size(lines))
-    position = line_position(lines)
-    weight = line_strength(lines)**2
+    position = lines%position
+    weight = lines%strength**2
     peak%at_edge = minval(position) < resolution/2 .or. maxval(position) > (count - resolution)/2
     error = lines%position_error
     if (explained .and. (size(lines) > 1 .or. peak%at_edge)) error = min(error, resolution)  ! one may roam, all may not
@@ -163,7 +165,7 @@ contains
     peak%located = peak%position_error - maxval(abs(position - peak%position)) &
       & + merge(peak%hidden, 0.0_dp, peak%doubtful .and. size(lines) == 1) <= unlocated
     if (peak%at_edge) peak%located = explained
-    if (size(lines) == 1) peak%located = peak%located .and. line_strength(lines(1)) > lines(1)%strength_error
+    if (size(lines) == 1) peak%located = peak%located .and. lines(1)%strength > lines(1)%strength_error
     if (peak%members > 1 .or. peak%at_edge) peak = close_pair(peak)
   end function one_peak
 

@@ -1,13 +1,16 @@
 module bw_line_group
   !! One group of lines that share bins: how many there are, steady or growing, where, and which the others do without.
+  use bw_band, only: band_type, tapered_band
+  use bw_band_fit, only: fit_band, fit_type
+  use bw_damped_line, only: damped_line, position_of, strength_of
   use bw_kinds, only: dp
-  use bw_line, only: add_lines, line_position, line_type, main_lobe, points, resolution, unknowns
-  use bw_line_fit, only: fit_lines
   use bw_line_poles, only: ample_pencil, pencil_type, pole_lines
-  use bw_line_residual, only: peak_lines, residual_type
+  use bw_samples, only: samples_type
+  use bw_tapered_line, only: line_image, main_lobe
+  use bw_tapered_residual, only: peak_lines, residual_type
   implicit none (type, external)
   private
-  public :: band_of, drop_needless, group_image, group_image_of, group_noise, numbers_in, refit_group
+  public :: band_of, drop_needless, group_image, group_image_of, group_noise, numbers_in, refit_group, unknowns
 
   integer, parameter :: half_band = 5          !! bins beside the outermost lines; the main lobe has 4
   integer, parameter :: extra_lines = 2        !! tried beyond one more
@@ -18,13 +21,15 @@ module bw_line_group
   real(dp), parameter :: least_freedom = 1.0e-4_dp  !! noise that as many unknowns have been fitted to keeps 1 %
   real(dp), parameter :: enough = 3            !! times the expected residual
   real(dp), parameter :: no_worse = 1.01_dp    !! times what is left with a line that is left out
-  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's largest value
+  real(dp), parameter :: most_cancelled = 1.0e5_dp  !! amplitude, of the record's highest sample
   integer, parameter :: steady_all = 1, growing_at_zero = 2, growing_all = 3  !! passes of a fit
 
-  real(dp), parameter, public :: correlated = 2.3_dp  !! neighbouring bins of the window share their noise
+  real(dp), parameter :: slowest = 0.64_dp     !! part of the squares: a step that leaves more is the last
+  real(dp), parameter, public :: resolution = 1  !! periods in the record; closer lines are one
+  real(dp), parameter, public :: correlated = 2.3_dp  !! neighbouring bins of the taper share their noise
 
   type, public :: group_type
-    type(line_type), allocatable :: lines(:)
+    type(damped_line), allocatable :: lines(:)
     integer, allocatable :: peaks(:)           !! bins of peaks that are not lines yet
   end type group_type
 
@@ -36,41 +41,76 @@ contains
     integer, intent(in) :: count
     integer :: bins(2), half
     half = half_band
-    if (size(group%lines) > 0) half = half + min(40, int(maxval(abs(group%lines%growth))/2))
-    bins(1) = minval([floor(line_position(group%lines)), group%peaks]) - half
-    bins(2) = maxval([ceiling(line_position(group%lines)), group%peaks]) + half
+    if (size(group%lines) > 0) half = half + min(40, int(maxval(abs(group%lines%decay))*count/2))
+    bins(1) = minval([floor(position_of(group%lines, count)), group%peaks]) - half
+    bins(2) = maxval([ceiling(position_of(group%lines, count)), group%peaks]) + half
     bins = max(0, min(count/2, bins))
   end function band_of
 
   pure function group_image(residual, lines, bins) result(image)
-    !! The windowed transform of these lines and of what all lines leave, in these bins: the record without all other lines.
+    !! The tapered transform of these lines and of what all lines leave, in these bins: the record without all other lines.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: lines(:)
+    type(damped_line), intent(in) :: lines(:)
     integer, intent(in) :: bins(2)
-    complex(dp) :: image(bins(1):bins(2), points)
-    image = residual%windowed(bins(1):bins(2), :)
-    call add_lines(lines, residual%count, bins(1), image, 1.0_dp, .true.)
+    complex(dp) :: image(bins(1):bins(2), size(residual%tapered, 2))
+    image = residual%tapered(bins(1):bins(2), :) + group_image_of(residual, lines, bins)
   end function group_image
 
-  pure function group_image_of(lines, count, bins) result(image)
-    !! The windowed transform of these lines and nothing else in these bins.
-    type(line_type), intent(in) :: lines(:)
-    integer, intent(in) :: count, bins(2)
-    complex(dp) :: image(bins(1):bins(2), points)
+  pure function group_image_of(residual, lines, bins) result(image)
+    !! The tapered transform of these lines and nothing else in these bins.
+    type(residual_type), intent(in) :: residual
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: bins(2)
+    complex(dp) :: image(bins(1):bins(2), size(residual%tapered, 2))
+    integer :: i
     image = 0
-    call add_lines(lines, count, bins(1), image, 1.0_dp, .true.)
+    do i = 1, size(lines)
+      image = image + line_image(lines(i), residual%count, bins(1), bins(2), .true.)
+    end do
   end function group_image_of
+
+  elemental integer function unknowns(line, sensors)
+    !! How many real numbers describe a line: its amplitudes, its position, and its growth unless it is steady.
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: sensors
+    unknowns = 2*sensors + merge(1, 2, line%steady)
+  end function unknowns
 
   pure real(dp) function group_noise(residual, lines, leakage)
     !! The residual to be expected of each real number of the image: noise, leakage, and rounding of the strongest line.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: lines(:)
+    type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
     real(dp) :: strongest
+    integer :: i
     strongest = 0
-    if (size(lines) > 0) strongest = maxval(abs([lines%amplitude(1), lines%amplitude(2)]))
+    do i = 1, size(lines)
+      if (allocated(lines(i)%amplitude)) strongest = max(strongest, maxval(abs(lines(i)%amplitude)))
+    end do
     group_noise = residual%noise + leakage + epsilon(1.0_dp)*strongest*residual%count*main_lobe/2
   end function group_noise
+
+  subroutine fit_group(residual, image, bins, goal, lines, left)
+    !! Improve lines in the bins of an image until the length of what they leave stops falling, or is far below the goal.
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: bins(2)
+    complex(dp), intent(in) :: image(:, :)     !! of these lines alone, (bins, S)
+    real(dp), intent(in) :: goal
+    type(damped_line), intent(inout) :: lines(:)
+    real(dp), intent(out) :: left
+    type(samples_type) :: samples
+    type(band_type) :: band
+    type(fit_type) :: fit
+    real(dp) :: weight(size(image, 2))
+    samples%count = residual%count
+    weight = 1/max(goal, tiny(1.0_dp)**0.4_dp)**2
+    fit%lines = lines
+    fit%slowest = slowest
+    band = tapered_band(image, bins(1))
+    call fit_band(samples, band, band%rows, weight, .false., fit)
+    lines = fit%lines
+    left = sqrt(fit%left/weight(1))
+  end subroutine fit_group
 
   subroutine refit_group(residual, group, leakage)
     !! Improve the group's lines; where that leaves more than noise beside new peaks, look for further lines.
@@ -84,7 +124,7 @@ contains
     bins = band_of(group, residual%count)
     if (size(group%lines) > 0) then
       goal = goal_of(residual, group%lines, leakage, bins)
-      call fit_lines(group%lines, residual%count, bins(1), group_image(residual, start%lines, bins), goal, left)
+      call fit_group(residual, group_image(residual, start%lines, bins), bins, goal, group%lines, left)
       if (left <= goal .or. size(group%peaks) == 0) return
     end if
     call grow(residual, start, leakage, group%lines)
@@ -93,16 +133,17 @@ contains
   pure real(dp) function goal_of(residual, lines, leakage, bins)
     !! The length of the image's residual below which nothing is left to explain.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: lines(:)
+    type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: leakage
     integer, intent(in) :: bins(2)
-    goal_of = max(enough*group_noise(residual, lines, leakage), unseen*residual%threshold)*sqrt(numbers_in(bins))
+    goal_of = max(enough*group_noise(residual, lines, leakage), unseen*residual%threshold)*sqrt(numbers_in(residual, bins))
   end function goal_of
 
-  pure real(dp) function numbers_in(bins)
-    !! How many real numbers both histories have in these bins.
+  pure real(dp) function numbers_in(residual, bins)
+    !! How many real numbers all sensors have in these bins.
+    type(residual_type), intent(in) :: residual
     integer, intent(in) :: bins(2)
-    numbers_in = 2*points*(bins(2) - bins(1) + 1)
+    numbers_in = 2*size(residual%tapered, 2)*(bins(2) - bins(1) + 1)
   end function numbers_in
 
   subroutine grow(residual, start, leakage, lines)
@@ -111,9 +152,9 @@ contains
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     real(dp), intent(in) :: leakage
-    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
     type(pencil_type) :: pencil
-    type(line_type), allocatable :: trial(:)
+    type(damped_line), allocatable :: trial(:)
     integer :: rank, fewest, images, i, bins(2)
     integer, allocatable :: ranks(:)
     logical :: done
@@ -140,39 +181,43 @@ contains
     type(residual_type), intent(in) :: residual
     type(group_type), intent(in) :: start
     real(dp), intent(in) :: leakage
-    type(line_type), intent(in) :: trial(:)
-    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(damped_line), intent(in) :: trial(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
     logical, intent(out) :: done
-    type(line_type), allocatable :: fitted(:)
+    type(damped_line), allocatable :: fitted(:)
+    complex(dp), allocatable :: image(:, :)
     real(dp) :: left, trial_left, goal, freedom
-    integer :: bins(2), pass
+    integer :: bins(2), pass, sensors
+    sensors = size(residual%tapered, 2)
     done = .false.
     allocate (fitted, source=trial)
     do pass = steady_all, growing_all
       fitted = trial
-      fitted%steady = pass == steady_all .or. (pass == growing_at_zero .and. line_position(trial) > 0)
+      fitted%steady = pass == steady_all .or. (pass == growing_at_zero .and. trial%frequency > 0)
       if (pass == growing_at_zero .and. count(.not. fitted%steady) == 0) cycle
-      where (fitted%steady) fitted%growth = 0
+      where (fitted%steady) fitted%decay = 0
       bins = band_of(group_type(fitted, start%peaks), residual%count)
-      if (sum(unknowns(fitted)) > fullest*numbers_in(bins)) return
+      if (sum(unknowns(fitted, sensors)) > fullest*numbers_in(residual, bins)) return
       goal = goal_of(residual, fitted, leakage, bins)
-      call fit_lines(fitted, residual%count, bins(1), group_image(residual, start%lines, bins), goal, trial_left)
-      if (cancel(fitted)) cycle
+      image = group_image(residual, start%lines, bins)
+      call fit_group(residual, image, bins, goal, fitted, trial_left)
+      if (cancel(fitted, residual%highest)) cycle
       goal = goal_of(residual, fitted, leakage, bins)
-      left = norm2(abs(group_image(residual, start%lines, bins) - group_image_of(lines, residual%count, bins)))
+      left = norm2(abs(image - group_image_of(residual, lines, bins)))
       done = trial_left <= min(goal, worth*left)
-      freedom = 1 - correlated*(sum(unknowns(fitted)) - sum(unknowns(lines)))/numbers_in(bins)
+      freedom = 1 - correlated*(sum(unknowns(fitted, sensors)) - sum(unknowns(lines, sensors)))/numbers_in(residual, bins)
       if (.not. done .and. trial_left > worth*left*sqrt(max(freedom, least_freedom))) cycle
       lines = fitted
       if (done) return
     end do
   end subroutine try
 
-  pure logical function cancel(lines)
-    !! Whether lines are so much larger than the record, which is below 1, that only their difference is in it: a
-    !! polynomial that fits anything slow, and leaves its rounding everywhere.
-    type(line_type), intent(in) :: lines(:)
-    cancel = any(abs([lines%amplitude(1), lines%amplitude(2)]) > most_cancelled)
+  pure logical function cancel(lines, highest)
+    !! Whether lines are so much larger than the record that only their difference is in it: a polynomial that fits anything slow,
+    !! and leaves its rounding everywhere.
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: highest            !! of the record's samples
+    cancel = any(strength_of(lines) > most_cancelled*highest)
   end function cancel
 
   subroutine drop_needless(residual, group)
@@ -182,57 +227,58 @@ contains
     !! to tell the noise from. What is needed stays as it is, to the bit.
     type(residual_type), intent(in) :: residual  !! what all lines leave
     type(group_type), intent(inout) :: group
-    type(line_type), allocatable :: whole(:), trial(:)
+    type(damped_line), allocatable :: whole(:), trial(:)
     real(dp) :: goal, left, left_now
     integer :: weakest, bins(2)
     allocate (whole, source=group%lines)
     bins = band_of(group, residual%count)
-    left_now = norm2(abs(residual%windowed(bins(1):bins(2), :)))
+    left_now = norm2(abs(residual%tapered(bins(1):bins(2), :)))
     do
-      weakest = weakest_of_close(group%lines)
+      weakest = weakest_of_close(group%lines, residual%count)
       if (weakest == 0) exit
       trial = [group%lines(:weakest - 1), group%lines(weakest + 1:)]
       goal = goal_of(residual, trial, 0.0_dp, bins)
-      call fit_lines(trial, residual%count, bins(1), group_image(residual, whole, bins), goal, left)
+      call fit_group(residual, group_image(residual, whole, bins), bins, goal, trial, left)
       if (left > max(goal, no_worse*left_now)) exit
       left_now = left
       call move_alloc(trial, group%lines)
     end do
     goal = goal_of(residual, group%lines, 0.0_dp, bins)
-    if (left_now > goal) call drop_crowded(residual, whole, bins, group%lines)
+    if (left_now > goal) call drop_crowded(residual, whole, bins, goal, group%lines)
   end subroutine drop_needless
 
-  subroutine drop_crowded(residual, whole, bins, lines)
+  subroutine drop_crowded(residual, whole, bins, goal, lines)
     !! Leave out the weakest lines of a fit that leaves more than it may and has taken up nearly all independent numbers of its
     !! bins: such lines stand for no mode, and nothing would be left to tell the noise from. The others are fitted again.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: whole(:)    !! lines that `residual` is without
+    type(damped_line), intent(in) :: whole(:)    !! lines that `residual` is without
     integer, intent(in) :: bins(2)             !! first and last bin of the fit
-    type(line_type), allocatable, intent(inout) :: lines(:)
-    type(line_type), allocatable :: strongest(:)
+    real(dp), intent(in) :: goal
+    type(damped_line), allocatable, intent(inout) :: lines(:)
+    type(damped_line), allocatable :: strongest(:)
     logical :: stays(size(lines))
     real(dp) :: strength(size(lines)), left
-    integer :: i
-    strength = [(norm2(abs(lines(i)%amplitude)), i=1, size(lines))]
+    strength = strength_of(lines)
     stays = .true.
-    do while (sum(unknowns(lines), mask=stays) > most_fitted*numbers_in(bins)/correlated)
+    do while (sum(unknowns(lines, size(residual%tapered, 2)), mask=stays) > most_fitted*numbers_in(residual, bins)/correlated)
       stays(minloc(strength, dim=1, mask=stays)) = .false.
     end do
     if (all(stays)) return
     allocate (strongest, source=pack(lines, stays))
-    call fit_lines(strongest, residual%count, bins(1), group_image(residual, whole, bins), 0.0_dp, left)
+    call fit_group(residual, group_image(residual, whole, bins), bins, goal, strongest, left)
     call move_alloc(strongest, lines)
   end subroutine drop_crowded
 
-  pure integer function weakest_of_close(lines) result(weakest)
+  pure integer function weakest_of_close(lines, count) result(weakest)
     !! The index of the weakest line that has another one within the resolution, or 0 where none has.
-    type(line_type), intent(in) :: lines(:)
-    real(dp) :: strength(size(lines))
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: count               !! samples
+    real(dp) :: strength(size(lines)), position(size(lines))
     integer :: i
-    strength = huge(1.0_dp)
+    strength = strength_of(lines)
+    position = position_of(lines, count)
     do i = 1, size(lines)
-      if (count(abs(line_position(lines) - line_position(lines(i))) < resolution) < 2) cycle
-      strength(i) = norm2(abs(lines(i)%amplitude))
+      if (all(abs(position(i) - [position(:i - 1), position(i + 1:)]) >= resolution)) strength(i) = huge(1.0_dp)
     end do
     weakest = 0
     if (any(strength < huge(1.0_dp))) weakest = minloc(strength, dim=1)

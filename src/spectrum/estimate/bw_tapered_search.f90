@@ -1,21 +1,24 @@
-module bw_line_search
-  !! All lines of two histories: peaks are taken up the strongest first, lines that share bins are fitted together, and
-  !! what is left of the record is searched again until nothing stands out.
+module bw_tapered_search
+  !! All lines of a record that holds lines and their rounding, and no noise, as that of a simulation: peaks are taken up the
+  !! strongest first, lines that share bins of the tapered transform are fitted together, and what is left of the record is
+  !! searched again until nothing stands out.
+  use bw_damped_line, only: damped_line, position_of
   use bw_kinds, only: dp
-  use bw_line, only: line_position, line_row, line_type, sidelobe
   use bw_line_group, only: band_of, drop_needless, group_type, refit_group
-  use bw_line_residual, only: find_residual, residual_type, strength, visible_peaks
   use bw_monitor, only: monitor_type, stops
+  use bw_order, only: ascending
+  use bw_tapered_line, only: line_image, sidelobe
+  use bw_tapered_residual, only: find_residual, residual_type, strength, visible_peaks
   implicit none (type, external)
   private
-  public :: find_lines, line_groups
+  public :: find_pure_lines, line_groups
 
   integer, parameter :: max_rounds = 16
   integer, parameter :: most_lines = 200
   real(dp), parameter :: apart = 10            !! bins; the sidelobes are below 1e-6 there
   real(dp), parameter :: faintest = 1.0e-12_dp !! of the strongest line; less is made of rounding
   integer, parameter :: beside = 3             !! bins; within the main lobe
-  real(dp), parameter :: line_work = 0.045_dp  !! of a line taken from the record, over that of two windowed transforms; measured
+  real(dp), parameter :: line_work = 0.045_dp  !! of a line taken from the record, over that of two tapered transforms; measured
 
   type :: closed_type
     !! A peak where a further line has failed to help.
@@ -26,10 +29,10 @@ module bw_line_search
 
 contains
 
-  subroutine find_lines(record, lines, residual, monitor)
+  subroutine find_pure_lines(record, lines, residual, monitor)
     !! Find the lines of a record, by ascending position, and what they leave of it; both are of no use where the monitor stops.
-    real(dp), intent(in) :: record(0:, :)      !! tip and midpoint, (N, points), not zero everywhere
-    type(line_type), allocatable, intent(out) :: lines(:)
+    real(dp), intent(in) :: record(0:, :)      !! (N, S), not zero everywhere
+    type(damped_line), allocatable, intent(out) :: lines(:)
     type(residual_type), intent(out) :: residual
     class(monitor_type), intent(inout), optional :: monitor
     integer, allocatable :: peak(:)
@@ -42,9 +45,9 @@ contains
     work = residual_work(0)
     do round = 1, max_rounds
       if (stops(monitor)) return
-      peak = open_peaks(visible_peaks(residual), lines, closed)
+      peak = open_peaks(visible_peaks(residual), position_of(lines, residual%count), closed)
       if (round == 1 .and. size(peak) == 0) peak = [maxloc(strength(residual), dim=1) - 1]  ! lines in every bin
-      size_now = maxval(abs(residual%windowed))
+      size_now = maxval(abs(residual%tapered))
       if (size(peak) == 0 .and. size_now > 0.5_dp*size_before) exit
       if (size(lines) + size(peak) > most_lines) exit
       size_before = size_now
@@ -57,7 +60,7 @@ contains
     call thin_out(record, lines, residual, monitor)
     if (stops(monitor)) return
     call drop_rounding(record, lines, residual, monitor)
-  end subroutine find_lines
+  end subroutine find_pure_lines
 
   pure real(dp) function residual_work(lines) result(work)
     !! The work of finding a residual, in units of that without lines.
@@ -67,14 +70,14 @@ contains
 
   subroutine thin_out(record, lines, residual, monitor)
     !! Leave out lines that those beside them do without.
-    real(dp), intent(in) :: record(0:, :)      !! (N, points)
-    type(line_type), allocatable, intent(inout) :: lines(:)
+    real(dp), intent(in) :: record(0:, :)      !! (N, S)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
     type(residual_type), intent(inout) :: residual
     class(monitor_type), intent(inout), optional :: monitor
     type(group_type), allocatable :: group(:)
-    type(line_type), allocatable :: needed(:)
+    type(damped_line), allocatable :: needed(:)
     integer :: i
-    allocate (group, source=line_groups(lines, [integer ::]))
+    allocate (group, source=line_groups(lines, [integer ::], residual%count))
     allocate (needed(0))
     do i = 1, size(group)
       call drop_needless(residual, group(i))
@@ -88,13 +91,14 @@ contains
   subroutine drop_rounding(record, lines, residual, monitor)
     !! Leave out the lines that are rounding of the strongest one, and let those beside them take their places back.
     real(dp), intent(in) :: record(0:, :)
-    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
     type(residual_type), intent(inout) :: residual
     class(monitor_type), intent(inout), optional :: monitor
     type(closed_type), allocatable :: closed(:)
     real(dp) :: seen(size(lines))
+    integer :: i
     allocate (closed(0))
-    seen = line_image(lines, residual%count)
+    seen = [(highest_bin(lines(i), residual%count), i=1, size(lines))]
     if (all(seen > faintest*maxval(seen))) return
     lines = pack(lines, seen > faintest*maxval(seen))
     call find_residual(record, lines, residual, monitor)
@@ -103,23 +107,24 @@ contains
     if (.not. stops(monitor)) call find_residual(record, lines, residual, monitor)
   end subroutine drop_rounding
 
-  elemental real(dp) function line_image(line, count)
-    !! The largest bin that one line makes: less than its amplitude where it is reached at an end of the record.
-    type(line_type), intent(in) :: line
+  pure real(dp) function highest_bin(line, count) result(highest)
+    !! The bin of a line that is nearest to it: less than its amplitude where that is reached at an end of the record.
+    type(damped_line), intent(in) :: line
     integer, intent(in) :: count               !! samples
-    line_image = sqrt(abs(line%amplitude(1))**2 + abs(line%amplitude(2))**2) &
-      & *abs(sum(line_row(line, count, line%bin, line%bin, 0.0_dp, .true.)))
-  end function line_image
+    integer :: bin
+    bin = nint(position_of(line, count))
+    highest = norm2(abs(line_image(line, count, bin, bin, .true.)))
+  end function highest_bin
 
-  pure function open_peaks(peak, lines, closed) result(open)
+  pure function open_peaks(peak, position, closed) result(open)
     !! The peaks that are not where a further line has already failed to help, among the same neighbours.
     integer, intent(in) :: peak(:)
-    type(line_type), intent(in) :: lines(:)
+    real(dp), intent(in) :: position(:)        !! of the lines
     type(closed_type), intent(in) :: closed(:)
     integer, allocatable :: open(:)
     logical :: holds(size(closed))
     integer :: i
-    holds = [(closed(i)%neighbours == near(closed(i)%bin, line_position(lines)) .and. &
+    holds = [(closed(i)%neighbours == near(closed(i)%bin, position) .and. &
       & closed(i)%others < near(closed(i)%bin, real(peak, dp)), i=1, size(closed))]  ! the peak itself is one of them
     allocate (open, source=pack(peak, [(all(abs(closed%bin - peak(i)) > beside .or. .not. holds), i=1, size(peak))]))
   end function open_peaks
@@ -135,13 +140,13 @@ contains
     !! Fit each group of lines and new peaks; peaks that made no line are closed.
     type(residual_type), intent(in) :: residual
     integer, intent(in) :: peak(:)
-    type(line_type), allocatable, intent(inout) :: lines(:)
+    type(damped_line), allocatable, intent(inout) :: lines(:)
     type(closed_type), allocatable, intent(inout) :: closed(:)
     class(monitor_type), intent(inout), optional :: monitor
-    type(line_type), allocatable :: fitted(:)
+    type(damped_line), allocatable :: fitted(:)
     type(group_type), allocatable :: group(:)
     integer :: i, j, lines_before
-    allocate (group, source=line_groups(lines, peak))
+    allocate (group, source=line_groups(lines, peak, residual%count))
     allocate (fitted(0))
     do i = 1, size(group)
       if (stops(monitor)) return
@@ -150,7 +155,7 @@ contains
       fitted = [fitted, group(i)%lines]
       if (size(group(i)%lines) > lines_before) cycle
       do j = 1, size(group(i)%peaks)
-        closed = [closed, closed_type(group(i)%peaks(j), near(group(i)%peaks(j), line_position(lines)), &
+        closed = [closed, closed_type(group(i)%peaks(j), near(group(i)%peaks(j), position_of(lines, residual%count)), &
           & near(group(i)%peaks(j), real(peak, dp)) - 1)]
       end do
     end do
@@ -168,18 +173,19 @@ contains
     do i = 1, size(peak)
       if (any(group%peaks == peak(i))) cycle
       gap = max(bins(1) - peak(i), peak(i) - bins(2), 4)
-      leakage = leakage + norm2(abs(residual%windowed(peak(i), :)))*sidelobe(real(gap, dp))
+      leakage = leakage + norm2(abs(residual%tapered(peak(i), :)))*sidelobe(real(gap, dp))
     end do
   end function leakage
 
-  pure function line_groups(lines, peak) result(group)
+  pure function line_groups(lines, peak, count) result(group)
     !! The groups of lines and peaks by ascending position, parted where more than `apart` bins are free.
-    type(line_type), intent(in) :: lines(:)
+    type(damped_line), intent(in) :: lines(:)
     integer, intent(in) :: peak(:)
+    integer, intent(in) :: count               !! samples
     type(group_type), allocatable :: group(:)
     real(dp) :: position(size(lines) + size(peak)), before
     integer :: order(size(position)), i, j
-    position = [line_position(lines), real(peak, dp)]
+    position = [position_of(lines, count), real(peak, dp)]
     order = ascending(position)
     allocate (group(0))
     before = -2*apart
@@ -198,15 +204,4 @@ contains
     end do
   end function line_groups
 
-  pure function ascending(value) result(order)
-    !! The permutation that sorts a short array.
-    real(dp), intent(in) :: value(:)
-    integer :: order(size(value)), i, j
-    do i = 1, size(value)
-      j = count(value(:i - 1) <= value(i)) + 1
-      order(j + 1:i) = order(j:i - 1)
-      order(j) = i
-    end do
-  end function ascending
-
-end module bw_line_search
+end module bw_tapered_search

@@ -1,11 +1,12 @@
 module bw_line_poles
   !! Where lines lie that overlap: the transform of a sum of exponentials is a rational function of the bin, and its
-  !! poles are the lines. They come from a Loewner pencil of both histories' bins.
+  !! poles are the lines. They come from a Loewner pencil of all sensors' bins.
   !! Source: Derevianko, Plonka, Petz, IMA J. Numer. Anal. 43 (2023) 789 (ESPIRA); Mayo, Antoulas (2007).
+  use bw_damped_line, only: damped_line, line_in_record
   use bw_kinds, only: dp
   use bw_lapack, only: zgeev, zgesvd
-  use bw_line, only: add_lines, line_type, points
-  use bw_line_residual, only: plain_bins, residual_type
+  use bw_tapered_line, only: line_image
+  use bw_tapered_residual, only: plain_bins, residual_type
   implicit none (type, external)
   private
   public :: ample_pencil, pole_lines
@@ -32,7 +33,7 @@ contains
   subroutine ample_pencil(residual, own, bins, noise, pencil, rank)
     !! Make a pencil over so many bins that its rank, which counts the lines, is well below its size.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: own(:)
+    type(damped_line), intent(in) :: own(:)
     integer, intent(in) :: bins(2)
     real(dp), intent(in) :: noise
     type(pencil_type), intent(out) :: pencil
@@ -50,11 +51,11 @@ contains
   function group_pencil(residual, own, bins, beside) result(pencil)
     !! The pencil of the group's bins and of `beside` more at either end, on both sides of 0 where the group is near it.
     type(residual_type), intent(in) :: residual
-    type(line_type), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
+    type(damped_line), intent(in) :: own(:)      !! lines of the group so far, which `residual` is without
     integer, intent(in) :: bins(2), beside
     type(pencil_type) :: pencil
     complex(dp), allocatable :: image(:, :)
-    integer :: first, last
+    integer :: first, last, i
     first = bins(1) - beside
     last = bins(2) + beside
     if (bins(1) == 0) first = -last
@@ -63,8 +64,10 @@ contains
       first = -((residual%count - 1)/2)
       last = residual%count/2
     end if
-    allocate (image(first:last, points), source=plain_bins(residual, first, last))
-    call add_lines(own, residual%count, first, image, 1.0_dp, .false.)
+    allocate (image(first:last, size(residual%plain, 2)), source=plain_bins(residual, first, last))
+    do i = 1, size(own)
+      image = image + line_image(own(i), residual%count, first, last, .false.)
+    end do
     pencil = pencil_of(image, first, residual%count)
   end function group_pencil
 
@@ -73,7 +76,7 @@ contains
     !! 0 that grows is a real exponential: put there exactly, it stays, having no phase and no slope by its offset.
     type(pencil_type), intent(in) :: pencil
     integer, intent(in) :: rank, bins(2)
-    type(line_type), allocatable :: lines(:)
+    type(damped_line), allocatable :: lines(:)
     real(dp), allocatable :: position(:), growth(:)
     integer :: i
     allocate (lines(0))
@@ -82,14 +85,14 @@ contains
     do i = 1, size(position)
       if (position(i) < max(bins(1) - 1.0_dp, -at_edge) .or. position(i) > bins(2) + 1) cycle
       if (2*position(i) > pencil%count + at_edge .or. abs(growth(i)) > most_growth) cycle
-      lines = [lines, line_type(bin=nint(position(i)), offset=position(i) - nint(position(i)), growth=growth(i))]
+      lines = [lines, line_in_record(nint(position(i)), position(i) - nint(position(i)), growth(i), pencil%count)]
     end do
   end function pole_lines
 
   function pencil_of(image, first, count) result(pencil)
     !! The Loewner pencil of an image, reduced to its principal vectors.
     integer, intent(in) :: first                  !! first bin, may be negative
-    complex(dp), intent(in) :: image(first:, :)   !! transform without window, (bins, points)
+    complex(dp), intent(in) :: image(first:, :)   !! transform without taper, (bins, S)
     integer, intent(in) :: count                  !! samples in the record
     type(pencil_type) :: pencil
     complex(dp), allocatable :: difference(:, :), shifted(:, :), left(:, :), right(:, :)
@@ -130,7 +133,7 @@ contains
   end subroutine find_poles
 
   pure subroutine loewner(image, first, count, middle, pencil, shifted)
-    !! Make the divided differences of F = Y/ω and of ωF between even and odd bins, both histories below each other, in the
+    !! Make the divided differences of F = Y/ω and of ωF between even and odd bins, all sensors below each other, in the
     !! variable (ω − ω_middle)/(2πi ω_middle/N), which is near the bin's distance from the middle.
     integer, intent(in) :: first, count, middle
     complex(dp), intent(in) :: image(first:, :)
@@ -139,9 +142,9 @@ contains
     integer :: rows, columns, i, j, m, n, p
     columns = size(image, 1)/2
     rows = size(image, 1) - columns
-    allocate (pencil(points*rows, columns), shifted(points*rows, columns))
+    allocate (pencil(size(image, 2)*rows, columns), shifted(size(image, 2)*rows, columns))
     node = [(local_node(m - middle, count), m=first, ubound(image, 1))]
-    do p = 1, points
+    do p = 1, size(image, 2)
       f = image(:, p)*[(exp(cmplx(0, -2*pi*(m - middle)/count, dp)), m=first, ubound(image, 1))]
       do j = 1, columns
         n = first + 2*j - 1

@@ -1,0 +1,166 @@
+module bw_line_bounds
+  !! This module tells how far fitted lines may be from the true ones.
+  !!
+  !! A bound is `safety` standard deviations of the fit. The noise is what the fit leaves in the group's bins, never less than
+  !! rounding; where that is more than noise, it is what is left in the bins that the line itself reaches, since what is not
+  !! explained elsewhere does not move it. The bound holds for a line that is alone. A line that lies d bins beside this one
+  !! and is taken for a part of it moves it by up to d bins and leaves about d² of it in the residual, or d where its ratio is
+  !! another: a residual that is the part ρ of the line may hide one that moves it by √ρ bins, and its ratio by the part √ρ.
+  !! That is told apart.
+  use bw_band, only: band_type, tapered_band
+  use bw_band_fit, only: reduce
+  use bw_damped_line, only: damped_line, line_in_record, place_in_bins, position_of, strength_of
+  use bw_kinds, only: dp
+  use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
+  use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in, unknowns
+  use bw_pure_record, only: rounding, safety
+  use bw_samples, only: centre_of, samples_type
+  use bw_tapered_line, only: main_lobe
+  use bw_tapered_residual, only: residual_type
+  implicit none (type, external)
+  private
+  public :: bound_errors
+
+  real(dp), parameter :: unexplained = 10      !! times the noise: the residual hides a line
+  real(dp), parameter :: unlikely = 1.0e-4_dp  !! that a line lies beside another by chance
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter :: at_edge = 1.0e-3_dp   !! bins
+  real(dp), parameter :: still = 1.0e-100_dp   !! of the midpoint's amplitude: a tip that moves less has no ratio; 1/c₁² overflows
+
+  type, public :: bounded_line
+    !! A line and how far it may be from the true one. Positions are periods in the record.
+    real(dp) :: position = 0
+    real(dp) :: position_error = 0
+    real(dp) :: growth = 0                     !! logarithm of the growth over the record
+    logical :: steady = .true.                 !! it has been held at 0
+    real(dp) :: strength = 0                   !! the amplitudes of all sensors together
+    real(dp) :: strength_error = 0
+    real(dp) :: ratio = 0                      !! signed, of the second sensor to the first
+    real(dp) :: ratio_error = 0                !! huge if there is no ratio
+    real(dp) :: hidden = 0                     !! part of it that a line hidden beside it may be
+    logical :: doubtful = .true.               !! there may well be such a line
+  end type bounded_line
+
+contains
+
+  subroutine bound_errors(fitted, others, density, residual, lines, explained)
+    !! Find the errors of a group's lines, and what hidden lines may add to them.
+    type(damped_line), intent(in) :: fitted(:)
+    type(damped_line), intent(in) :: others(:)   !! of the group, which count as a part of what is left
+    real(dp), intent(in) :: density              !! lines per bin of the whole record
+    type(residual_type), intent(in) :: residual
+    type(bounded_line), allocatable, intent(out) :: lines(:)  !! one for each
+    logical, intent(out) :: explained            !! the lines leave no more than noise
+    complex(dp), allocatable :: image(:, :)
+    real(dp) :: left(size(fitted)), noise(size(fitted)), expected, free
+    integer :: bins(2), i
+    bins = band_of(group_type([fitted, others], [integer ::]), residual%count)
+    allocate (image(bins(1):bins(2), size(residual%tapered, 2)), source=group_image(residual, others, bins))
+    expected = group_noise(residual, fitted, 0.0_dp)
+    free = max(1.0_dp, numbers_in(residual, bins)/correlated - sum(unknowns(fitted, size(image, 2))))
+    left = norm2(abs(image))
+    noise = max(left/sqrt(free), expected)
+    explained = all(noise <= unexplained*expected)
+    if (.not. explained) then
+      do i = 1, size(fitted)
+        associate (own => own_bins(fitted(i), residual%count, bins))
+          left(i) = norm2(abs(image(own(1):own(2), :)))
+          noise(i) = max(left(i)/sqrt(free*numbers_in(residual, own)/numbers_in(residual, bins)), expected)
+        end associate
+      end do
+    end if
+    allocate (lines, source=lines_in_noise(settled(fitted, residual%count), residual, bins, safety*noise))
+    lines%hidden = sqrt(left/(lines%strength*residual%count*main_lobe/2))
+    lines%doubtful = .not. explained .or. 2*density*lines%hidden > unlikely
+    lines%position_error = min(lines%position_error, real(residual%count, dp)) + rounding*lines%position
+    lines%ratio_error = min(lines%ratio_error, sqrt(huge(1.0_dp))) + 4*epsilon(1.0_dp)*abs(lines%ratio)
+    do i = 1, size(fitted)
+      associate (c => fitted(i)%amplitude)
+        lines(i)%ratio_error = lines(i)%ratio_error + abs(aimag(c(2)*conjg(c(1))))/max(abs(c(1))**2, tiny(1.0_dp))
+      end associate
+    end do
+  end subroutine bound_errors
+
+  pure function own_bins(line, count, bins) result(own)
+    !! The first and last of the group's bins that are in the band of this line by itself too.
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: count, bins(2)      !! samples; of the group
+    integer :: own(2)
+    own = band_of(group_type([line], [integer ::]), count)
+    own = max(bins(1), min(bins(2), own))
+  end function own_bins
+
+  pure function settled(fitted, count) result(lines)
+    !! The lines; a steady one that is at 0 or the Nyquist frequency but for rounding is put there: it has no phase, and its errors
+    !! must not be asked for one.
+    type(damped_line), intent(in) :: fitted(:)
+    integer, intent(in) :: count
+    type(damped_line) :: lines(size(fitted))
+    complex(dp) :: amplitude(size(fitted(1)%amplitude))
+    real(dp) :: offset
+    integer :: i, bin
+    lines = fitted
+    do i = 1, size(lines)
+      call place_in_bins(lines(i), count, bin, offset)
+      if (.not. lines(i)%steady .or. abs(offset) > at_edge) cycle
+      if (bin /= 0 .and. 2*bin /= count) cycle
+      amplitude = lines(i)%amplitude%re
+      lines(i) = line_in_record(bin, 0.0_dp, 0.0_dp, count)
+      lines(i)%amplitude = amplitude
+      lines(i)%steady = .true.
+    end do
+  end function settled
+
+  function lines_in_noise(fitted, residual, bins, noise) result(lines)
+    !! Find the ratio of each line, and the errors of position, strength and ratio that noise makes. A ratio whose first sensor does
+    !! not move but for rounding does not exist: it is 0 with a huge error.
+    type(damped_line), intent(in) :: fitted(:)
+    type(residual_type), intent(in) :: residual
+    integer, intent(in) :: bins(2)
+    real(dp), intent(in) :: noise(:)           !! standard deviation of a real number of the image beside each line, (line)
+    type(bounded_line) :: lines(size(fitted))
+    type(line_errors) :: errors
+    type(samples_type) :: samples
+    type(band_type) :: band
+    real(dp) :: direction(2, 2)
+    integer :: i
+    samples%count = residual%count
+    band = tapered_band(group_image(residual, fitted, bins), bins(1))
+    errors = line_errors_of(reduce(samples, band, band%rows, fitted, .false.), [1.0_dp, 1.0_dp])
+    do i = 1, size(fitted)
+      associate (line => lines(i), c => fitted(i)%amplitude)
+        line%position = position_of(fitted(i), residual%count)
+        line%growth = -fitted(i)%decay*residual%count
+        line%steady = fitted(i)%steady
+        line%strength = strength_of(fitted(i))
+        line%position_error = noise_times(frequency_deviation(errors, i), noise(i)*residual%count/(2*pi*centre_of(samples)))
+        direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/line%strength
+        line%strength_error = noise_times(amplitude_deviation(errors, i, direction), noise(i))
+        line%ratio_error = huge(1.0_dp)
+        if (abs(c(1)) > still*abs(c(2))) then
+          call ratio_of(c, line%ratio, direction)
+          line%ratio_error = noise_times(amplitude_deviation(errors, i, direction), noise(i))
+        end if
+      end associate
+    end do
+  end function lines_in_noise
+
+  elemental real(dp) function noise_times(factor, noise)
+    !! The product, or huge if the factor is.
+    real(dp), intent(in) :: factor, noise
+    noise_times = huge(1.0_dp)
+    if (factor < sqrt(huge(1.0_dp))) noise_times = factor*noise
+  end function noise_times
+
+  pure subroutine ratio_of(amplitude, ratio, gradient)
+    !! The ratio R = Re(c₂/c₁) of two amplitudes, and its slopes with respect to Re c₁, Im c₁, Re c₂, Im c₂.
+    complex(dp), intent(in) :: amplitude(:)
+    real(dp), intent(out) :: ratio, gradient(:, :)  !! gradient: (2, sensor)
+    complex(dp) :: inverse, slope
+    inverse = 1/amplitude(1)
+    ratio = real(amplitude(2)*inverse, dp)
+    slope = -amplitude(2)*inverse*inverse
+    gradient = reshape([slope%re, -slope%im, inverse%re, -inverse%im], [2, 2])
+  end subroutine ratio_of
+
+end module bw_line_bounds

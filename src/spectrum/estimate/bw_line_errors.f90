@@ -1,0 +1,121 @@
+module bw_line_errors
+  !! What noise does to the lines of a fit: standard deviations of decays, frequencies and amplitudes, all unknowns being free.
+  use bw_band_fit, only: eliminate, reduced_type, slopes, triangle_of
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors_of
+
+  type, public :: line_errors
+    !! A fit as its errors follow from it.
+    type(reduced_type) :: reduced
+    real(dp), allocatable :: weight(:)         !! one over the noise's variance, (S)
+    real(dp), allocatable :: triangle(:, :), length(:)  !! of the slopes by decays and frequencies
+  end type line_errors
+
+contains
+
+  function line_errors_of(reduced, weight) result(errors)
+    !! The errors of a fit in noise of these variances.
+    type(reduced_type), intent(in) :: reduced
+    real(dp), intent(in) :: weight(:)
+    type(line_errors) :: errors
+    errors%reduced = reduced
+    errors%weight = weight
+    call triangle_of(slopes(reduced, weight), errors%triangle, errors%length)
+  end function line_errors_of
+
+  pure real(dp) function decay_deviation(errors, j)
+    !! Of line j, over half the record; 0 where the decay is held.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: slope(size(errors%reduced%free))
+    slope = 0
+    slope(errors%reduced%first(j)) = 1
+    decay_deviation = position_deviation(errors, slope)
+  end function decay_deviation
+
+  pure real(dp) function frequency_deviation(errors, j)
+    !! Of 2π·frequency of line j, over half the record.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: slope(size(errors%reduced%free))
+    slope = 0
+    slope(errors%reduced%first(j) + 1) = 1
+    frequency_deviation = position_deviation(errors, slope)
+  end function frequency_deviation
+
+  pure real(dp) function position_deviation(errors, slope)
+    !! Of a sum of the coefficients in the lines' exponents with these factors.
+    type(line_errors), intent(in) :: errors
+    real(dp), intent(in) :: slope(:)           !! (slopes of the fit)
+    real(dp) :: y(size(errors%length))
+    logical :: determined
+    call eliminate(errors%triangle, errors%length, pack(slope, errors%reduced%free), y, determined)
+    position_deviation = merge(norm2(y), huge(1.0_dp), determined)
+  end function position_deviation
+
+  pure real(dp) function amplitude_deviation(errors, j, direction) result(total)
+    !! The standard deviation of the sum over sensors of line j's amplitudes, each times a direction in its plane: what noise does
+    !! to them at known decays and frequencies, and what their errors add. The amplitudes are those at the first sample; those of a
+    !! line that grows are given as at the last one, and so is their deviation.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp), intent(in) :: direction(:, :)    !! (2, S)
+    real(dp) :: slope(size(errors%reduced%free)), own(size(direction, 2)), one, other
+    real(dp), dimension(errors%reduced%linear) :: gradient, y
+    integer :: s, k, i, c
+    logical :: determined
+    total = huge(1.0_dp)
+    slope = 0
+    own = 0
+    associate (fit => errors%reduced)
+      do s = 1, size(direction, 2)
+        if (all(abs(direction(:, s)) <= 0)) cycle
+        gradient = 0
+        gradient(2*j - 1:2*j) = direction(:, s)
+        call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
+        if (.not. determined) return
+        own(s) = norm2(y)/sqrt(errors%weight(s))
+        do k = 1, fit%lines
+          do i = fit%first(k), fit%first(k + 1) - 1, 2
+            c = fit%linear + i
+            one = dot_product(y, fit%triangle(:fit%linear, c))*fit%length(c)
+            other = dot_product(y, fit%triangle(:fit%linear, c + 1))*fit%length(c + 1)
+            if (k == j) then                   ! slopes are about the record's middle, and the first sample is at u = −1
+              one = one + direction(1, s)*(-1)**((i - fit%first(k))/2)
+              other = other + direction(2, s)*(-1)**((i - fit%first(k))/2)
+            end if
+            slope(i:i + 1) = slope(i:i + 1) - turned(one, other, fit%linear_part(2*k - 1:2*k, s))
+          end do
+        end do
+      end do
+    end associate
+    total = position_deviation(errors, slope)
+    if (total < huge(1.0_dp)) total = norm2([own, total])
+  end function amplitude_deviation
+
+  pure real(dp) function amplitude_noise(errors, j, s) result(deviation)
+    !! The standard deviation of the real part of line j's amplitude at sensor s at known decays and frequencies; that of the
+    !! imaginary part is the same but for what is within a period of the record's ends.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j, s
+    real(dp), dimension(errors%reduced%linear) :: gradient, y
+    logical :: determined
+    gradient = 0
+    gradient(2*j - 1) = 1
+    associate (fit => errors%reduced)
+      call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
+    end associate
+    deviation = huge(1.0_dp)
+    if (determined) deviation = norm2(y)/sqrt(errors%weight(s))
+  end function amplitude_noise
+
+  pure function turned(one, other, amplitude) result(slope)
+    !! The slopes by −decay and by 2π·frequency of a line of an amplitude, where those of amplitudes 1 and i are known.
+    real(dp), intent(in) :: one, other, amplitude(2)
+    real(dp) :: slope(2)
+    slope = [amplitude(1)*one + amplitude(2)*other, -amplitude(2)*one + amplitude(1)*other]
+  end function turned
+
+end module bw_line_errors
