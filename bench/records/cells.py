@@ -25,7 +25,7 @@ class Cell:
     bits: int = 0  # the record is rounded to so many over ±2; 0: not rounded
     uneven: bool = False
     draws: int = 10_000
-    few: int = 500  # draws of tools that take long
+    few: int = 200  # draws of tools that take long
 
 
 @dataclass(frozen=True)

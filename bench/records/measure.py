@@ -14,7 +14,7 @@ from .tool import Lines, Tool
 
 TOOLS = (beamwave.TOOL, esprit.TOOL, hlsvd.TOOL, harminv.TOOL, pyoma.TOOL)
 SMALL_DRAWS = 4
-MOST = "BEAMWAVE_BENCH_DRAWS"  # in the environment: no more draws of a cell than that
+PART = "BEAMWAVE_BENCH_PART"  # in the environment: which part of the draws is tried
 FAR = 5.0  # bounds, or one bin if that is more, from a line to what is taken for it
 
 
@@ -23,7 +23,7 @@ def measure(small: bool) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = [{"peer": tool.name, "not_measured": f"no {tool.missing()}"} for tool in TOOLS if tool.missing()]
     able = [tool for tool in TOOLS if not tool.missing()]
     for cell in SMALL_CELLS if small else CELLS:
-        draws = sensible_draws(cell, min(cell.draws, SMALL_DRAWS if small else int(os.environ.get(MOST, cell.draws))))
+        draws = sensible_draws(cell, SMALL_DRAWS if small else round(cell.draws * float(os.environ.get(PART, "1"))))
         for tool in able:
             rows.append(row(tool, cell, draws))
     compare(rows)
@@ -81,16 +81,24 @@ def match(drawn: Draw, lines: Lines, cell: Cell) -> tuple[np.ndarray, np.ndarray
 
 
 def compare(rows: list[dict[str, Any]]) -> None:
-    """Say by how many standard deviations a tool's mean square error is smaller than the program's on the same lines."""
+    """Say by how many standard deviations a tool is better than the program on the same lines: error of frequency, error of decay
+    where both have found the line, and lines that are missed."""
     ours = {row["cell"]: row["squares"] for row in rows if row["peer"] == beamwave.TOOL.name and "squares" in row}
     for row in rows:
         if "squares" not in row or row["cell"] not in ours or row["peer"] == beamwave.TOOL.name:
             continue
-        theirs = row["squares"]
-        difference = ours[row["cell"]][: len(theirs)] - theirs
-        both = difference[np.isfinite(difference[:, 0])]
-        spread = both.std(axis=0) / np.sqrt(max(len(both), 1))
-        row["better_by"] = [round(float(mean / max(size, 1e-300)), 1) for mean, size in zip(both.mean(axis=0), spread)] if len(both) else None
+        theirs, own = row["squares"], ours[row["cell"]][: len(row["squares"])]
+        both = np.isfinite(own[:, 0]) & np.isfinite(theirs[:, 0])
+        missed = np.isnan(own[:, 0]).astype(float) - np.isnan(theirs[:, 0])
+        row["better_by"] = [*(deviations(part) for part in (own - theirs)[both].T), deviations(missed)]
+
+
+def deviations(differences: np.ndarray) -> float:
+    """The mean over its own standard deviation, at most 99 of them."""
+    if not differences.any():
+        return 0.0
+    spread = differences.std() / np.sqrt(len(differences))
+    return round(float(np.clip(differences.mean() / max(spread, 1e-300), -99, 99)), 1)
 
 
 def rounded(value: float) -> float:
