@@ -76,6 +76,7 @@ contains
     type(damped_line), allocatable :: own(:)
     real(dp) :: half, quantile
     integer :: j
+    logical :: oscillates
     own = found%lines(band%member)
     rows = own_rows(samples, found%lines, found%still, band)
     errors = line_errors_of(reduce(samples, band%band, rows, own, band%with_still), &
@@ -88,10 +89,12 @@ contains
         line%decay = own(j)%decay
         line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
         line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
+        oscillates = line%frequency_bound < undetermined
+        if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
         line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
         line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
         call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
-        call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
+        if (oscillates) call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
           & own(j)%powers > 1, quantile, false_alarm, line)
       end associate
     end do
@@ -156,7 +159,7 @@ contains
         across(:, s) = [-along(2, s), along(1, s)]
         line%amplitude_bound(s) = min(amplitude_deviation(errors, j, along), undetermined)*growth/abs(gain(s))
         line%amplitude_noise(s) = min(amplitude_noise(errors, j, s), undetermined)*growth/abs(gain(s))
-        line%phase_bound(s) = min(amplitude_deviation(errors, j, across)/max(abs(a), tiny(1.0_dp)), pi)
+        line%phase_bound(s) = min(amplitude_deviation(errors, j, across), pi*abs(a))/max(abs(a), tiny(1.0_dp))
       end associate
     end do
   end subroutine judge_amplitude

@@ -10,6 +10,7 @@ module bw_close_pair
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
   use bw_noise_level, only: level_at, level_knots
+  use bw_ordinates, only: ordinates_type
   use bw_samples, only: samples_type, span_of
   implicit none (type, external)
   private
@@ -23,51 +24,64 @@ module bw_close_pair
   real(dp), parameter :: below(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.0_dp, 0.7_dp]
   real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
     !! bins from a line to two lines on either side of it, to start from
+  real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
+  real(dp), parameter :: promise = 0.3_dp       !! of what a fit gains, that it shows to first order
   real(dp), parameter :: credit = 12            !! of the weighted squares, for what a line looks like at first sight; from trials
+  real(dp), parameter :: widest_drift = 15      !! of −decay and 2π·frequency over half the record; one bin is π
   real(dp), parameter :: turns(3) = [0.0_dp, 2.0_dp, -2.0_dp]  !! radians at both ends, of drifts to start from
 
 contains
 
-  subroutine split_lines(samples, false_alarm, noise, bands, lines, still, changed)
-    !! Try every line as one that drifts and as two; the best of each band is kept.
+  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed)
+    !! Try every line as one that drifts and as two; the best of each band is kept, but where it gains so much less than is
+    !! left elsewhere that it may be fitted to what leaks from there.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
-    type(level_knots), intent(in) :: noise
+    type(ordinates_type), intent(in) :: ordinates  !! what the lines leave
     type(line_band), intent(in) :: bands(:)
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
-    type(damped_line), allocatable :: after(:), own(:)
-    logical :: reshaped
+    type :: shape_type
+      type(damped_line), allocatable :: lines(:)  !! of a band; a further one is the last
+    end type shape_type
+    type(shape_type) :: best(size(bands))
+    type(damped_line), allocatable :: after(:)
+    real(dp) :: pays(size(bands)), least
     integer :: i, n
-    changed = .false.
+    pays = 0
+    least = leaking*2*maxval(ordinates%total)
+    do i = 1, size(bands)
+      if (size(bands(i)%member) == 0) cycle
+      best(i)%lines = lines(bands(i)%member)
+      call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
+        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), best(i)%lines, &
+        & pays(i), least)
+    end do
+    least = max(least, leaking*maxval(pays))
+    changed = any(pays > least)
+    if (.not. changed) return
     after = lines
     do i = 1, size(bands)
-      associate (member => bands(i)%member)
-        n = size(member)
-        if (n == 0) cycle
-        own = lines(member)
-        call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
-          & 1/level_at(noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), own, reshaped)
-        if (.not. reshaped) cycle
-        changed = .true.
-        after(member) = own(:n)
-        after = [after, own(n + 1:)]
-      end associate
+      if (pays(i) <= least) cycle
+      n = size(bands(i)%member)
+      after(bands(i)%member) = best(i)%lines(:n)
+      after = [after, best(i)%lines(n + 1:)]
     end do
-    if (changed) call move_alloc(after, lines)
+    call move_alloc(after, lines)
   end subroutine split_lines
 
-  subroutine shape_band(samples, band, rows, weight, chance, own, changed)
+  subroutine shape_band(samples, band, rows, weight, chance, own, pays_best, least)
     !! Keep what pays best for one of the band's lines.
     type(samples_type), intent(in) :: samples
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: rows(:, :), weight(:)
     real(dp), intent(in) :: chance              !! of a drift or a second line where there is none
     type(damped_line), allocatable, intent(inout) :: own(:)  !! the lines of the band; a further one is the last
-    logical, intent(out) :: changed
+    real(dp), intent(out) :: pays_best          !! what it takes off the weighted squares beyond its price; 0: nothing pays
+    real(dp), intent(in) :: least               !! what it must take off them to be looked at
     type(fit_type) :: fit, best
-    real(dp) :: left, pays, pays_best
+    real(dp) :: left, pays
     logical :: bulges                           !! the line drifts as a pair of equal lines does, cos δu ≈ e^(−δ²u²/2)
     integer :: j
     fit%lines = own
@@ -78,8 +92,7 @@ contains
       call try_drifts()
       call try_pairs()
     end do
-    changed = pays_best > 0
-    if (changed) own = best%lines
+    if (pays_best > 0) own = best%lines
 
   contains
 
@@ -92,7 +105,7 @@ contains
       powers = min(own(j)%powers + 2, most_powers)
       if (powers == own(j)%powers) return
       drift = drift_of(samples, band, rows, weight, own, j, powers)
-      if (drift%gain < price_of_drift(powers, chance) - price_of_drift(own(j)%powers, chance)) return
+      if (drift%gain < max(least*promise, price_of_drift(powers, chance) - price_of_drift(own(j)%powers, chance))) return
       start%lines = [own(:j - 1), own(j + 1:), own(j)]
       do powers = own(j)%powers + 1, most_powers
         start%lines(size(own))%powers = powers
@@ -102,6 +115,7 @@ contains
           call try(start, turns(k))
         end do
         start%lines = fit%lines
+        if (wild(fit%lines(size(own)))) return
         if (powers == 2) bulges = fit%lines(size(own))%bend(2)%re < -abs(fit%lines(size(own))%bend(2)%im)
         pays = left - fit%left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)
         if (bulges) then
@@ -128,7 +142,7 @@ contains
     subroutine try_pairs()
       !! Two steady lines for line j.
       integer :: k
-      if (bent_gain(samples, band, rows, weight, own, j) < least_gain(size(weight), chance)) return
+      if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
       do k = 1, size(below)
         fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
         call fit_band(samples, band%band, rows, weight, band%with_still, fit)
@@ -152,6 +166,13 @@ contains
 
   end subroutine shape_band
 
+  pure logical function wild(line)
+    !! Whether a fit has taken a line for so large a drift that it may describe anything.
+    type(damped_line), intent(in) :: line
+    integer :: m
+    wild = sum([(m*abs(line%bend(m)), m=2, line%powers)]) > widest_drift
+  end function wild
+
   logical function beside_in_bins(line, pair, span) result(near)
     !! Whether both lines are within the peak of the one, neither much broader: what is further away has a peak of its own. Two that
     !! are less apart in frequency than in decay are one whose decay changes.
@@ -171,16 +192,48 @@ contains
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
-    logical :: stays(size(lines))
+    logical :: stays(size(lines)), straightened
     integer :: i
     stays = .true.
+    straightened = .false.
     do i = 1, size(bands)
+      if (size(bands(i)%member) > 0) call straighten(bands(i))
       if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
     end do
-    changed = .not. all(stays)
-    if (changed) lines = pack(lines, stays)
+    changed = straightened .or. .not. all(stays)
+    if (.not. all(stays)) lines = pack(lines, stays)
 
   contains
+
+    subroutine straighten(band)
+      !! Take powers of time out of the exponents of lines that do not need them.
+      type(line_band), intent(in) :: band
+      type(fit_type) :: fit
+      real(dp), allocatable :: rows(:, :), weight(:)
+      type(damped_line), allocatable :: own(:)
+      real(dp) :: left, chance
+      integer :: j, powers
+      own = lines(band%member)
+      if (all(own%powers == 1)) return
+      rows = own_rows(samples, lines, still, band)
+      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
+      chance = false_alarm/size(lines)
+      fit%lines = own
+      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+      left = fit%left
+      do j = 1, size(own)
+        do powers = 1, own(j)%powers - 1
+          fit%lines = own
+          fit%lines(j)%powers = powers
+          fit%lines(j)%bend(powers + 1:) = 0
+          call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+          if (fit%left > left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)) cycle
+          lines(band%member) = fit%lines
+          straightened = .true.
+          return
+        end do
+      end do
+    end subroutine straighten
 
     subroutine join_band(band, least)
       !! Leave out the line that is missed least.

@@ -12,6 +12,7 @@ module bw_damped_search
   use bw_order, only: local_maxima, vertex
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: samples_type, span_of
+  use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
   use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
   implicit none (type, external)
@@ -73,11 +74,13 @@ contains
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
     call take_if_pure(samples, plan, found, pure, monitor)
-    if (pure .or. stops(monitor)) return
+    if (pure) return
+    if (stops(monitor)) return
     call settle(samples, found)
     call search(samples, false_alarm, plan, found, monitor)
     found%deviation = found%ordinates%deviation
-    if (allocated(samples%place) .or. stops(monitor)) return
+    if (allocated(samples%place)) return
+    if (stops(monitor)) return
     call find_whitening(samples, found%lines, found%still, found%whitening)
     if (all(found%whitening%order == 0)) return
     call whiten(samples, found%whitening, found%lines)
@@ -109,7 +112,7 @@ contains
     found%lines%steady = .false.
     call prepare_bands(samples, found%lines, found%bands)
     call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
-    found%ordinates%noise%level = safety**2*found%ordinates%noise%level
+    found%ordinates%noise%level = (safety*taper_costs)**2*found%ordinates%noise%level
     found%deviation = found%ordinates%deviation
   end subroutine take_if_pure
 
@@ -132,7 +135,8 @@ contains
       better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
       if (present(monitor)) call monitor%advance(1 - 1.0_dp/(1 + round))
-      if (.not. (changed .or. better) .or. stops(monitor)) exit
+      if (.not. (changed .or. better)) exit
+      if (stops(monitor)) exit
       call settle(samples, found)
     end do
   end subroutine search
@@ -153,7 +157,7 @@ contains
     call add(candidates(samples, found, found%ordinates, threshold, same_peak))
     if (changed) return
     associate (noise => found%ordinates%noise)
-      call split_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+      call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, changed)
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
       if (changed) return
@@ -246,8 +250,10 @@ contains
           if (abs(own(j)%frequency - frequency)*span_of(samples) > drift_reach + broadened(own(j))) cycle
           rows = own_rows(samples, found%lines, found%still, band)
           weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-          is_drift = is_drift .or. 2*ordinate < drift_gain(samples, band, rows, weight, own, j)
-          if (own(j)%powers > 1) is_drift = is_drift .or. 2*ordinate < undescribed*drift_taken(samples, band, rows, weight, own, j)
+          is_drift = 2*ordinate < drift_gain(samples, band, rows, weight, own, j)
+          if (is_drift) return
+          if (own(j)%powers > 1) is_drift = 2*ordinate < undescribed*drift_taken(samples, band, rows, weight, own, j)
+          if (is_drift) return
         end do
       end associate
     end do

@@ -8,6 +8,8 @@ module bw_tapered_line
   public :: line_image, parts, sidelobe, tapered_columns
 
   real(dp), parameter, public :: main_lobe = 10/32.0_dp  !! mean of the taper
+  real(dp), parameter, public :: taper_costs = 4.2_dp
+    !! deviations of frequencies fitted to tapered bins, of those fitted to samples: √(Σw⁴u² Σu²)/Σw²u², w = sin⁶(πj/N), |u| ≤ 1
   real(dp), parameter :: difference = 1.0e-4_dp  !! bins; slopes need a few digits only, images are exact
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: taper(-3:3) = [-1, 6, -15, 20, -15, 6, -1]/64.0_dp  !! sin⁶(πj/N) as a row of bins
