@@ -13,6 +13,7 @@ module bw_belief
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
   use bw_order, only: ascending
+  use bw_ordinates, only: ordinates_type
   use bw_pure_record, only: rounding
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
@@ -23,6 +24,8 @@ module bw_belief
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
+  real(dp), parameter :: told = 0.1_dp         !! bins of a window, of the bound of a frequency that the window tells
+  real(dp), parameter :: near = 4              !! bins on either side of a line in which its shape leaves something
   integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
   real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
@@ -99,7 +102,35 @@ contains
       end associate
     end do
     call judge_windows(samples, band, rows, errors%weight, own, believed)
+    do j = 1, size(own)
+      call widen(samples, found%ordinates, false_alarm, believed(band%member(j)))
+    end do
   end subroutine judge_band
+
+  subroutine widen(samples, ordinates, false_alarm, line)
+    !! Let the intervals also hold what halves and quarters of the record say, and scale them where the line's shape leaves more
+    !! beside it than the noise has; both only where noise would do so once in 1/false_alarm times.
+    type(samples_type), intent(in) :: samples
+    type(ordinates_type), intent(in) :: ordinates
+    real(dp), intent(in) :: false_alarm
+    type(believed_line), intent(inout) :: line
+    real(dp) :: sigmas, away(2), mean, freedom
+    integer :: i, first, last
+    sigmas = normal_quantile(1 - false_alarm/(4*size(window_start)))
+    do i = 1, size(window_start)
+      if (line%windows(3, i) > told/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
+      away = abs(line%windows(1:2, i) - [line%frequency, line%decay])
+      if (away(1) > sigmas*line%windows(3, i)) line%frequency_error = max(line%frequency_error, away(1))
+      if (away(2) > sigmas*line%windows(4, i)) line%decay_error = max(line%decay_error, away(2))
+    end do
+    first = max(0, nint((line%frequency - near/span_of(samples))*ordinates%length))
+    last = min(ubound(ordinates%total, 1), nint((line%frequency + near/span_of(samples))*ordinates%length))
+    mean = sum(ordinates%total(first:last))/((last - first + 1)*ordinates%shape)
+    freedom = 2*ordinates%shape*(last - first)*span_of(samples)/ordinates%length
+    if (mean <= (1 - 2/(9*freedom) + normal_quantile(1 - false_alarm)*sqrt(2/(9*freedom)))**3) return
+    line%frequency_error = line%frequency_error*sqrt(mean)
+    line%decay_error = line%decay_error*sqrt(mean)
+  end subroutine widen
 
   subroutine judge_drift(samples, drift, fitted, quantile, false_alarm, line)
     !! Say whether a line drifts; if so its intervals reach to where it is anywhere in the record, or in its life if that is shorter.

@@ -26,6 +26,8 @@ module bw_close_pair
     !! bins from a line to two lines on either side of it, to start from
   real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
   real(dp), parameter :: promise = 0.3_dp       !! of what a fit gains, that it shows to first order
+  real(dp), parameter :: from_still = 2         !! bins; a drift nearer to 0 is not told from an offset and a slope
+  integer, parameter :: most_together = 8       !! lines of a band among which drifts and pairs are looked for
   real(dp), parameter :: credit = 12            !! of the weighted squares, for what a line looks like at first sight; from trials
   real(dp), parameter :: widest_drift = 15      !! of −decay and 2π·frequency over half the record; one bin is π
   real(dp), parameter :: turns(3) = [0.0_dp, 2.0_dp, -2.0_dp]  !! radians at both ends, of drifts to start from
@@ -55,8 +57,8 @@ contains
       if (size(bands(i)%member) == 0) cycle
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
-        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), best(i)%lines, &
-        & pays(i), least)
+        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
+        & best(i)%lines, pays(i), least)
     end do
     least = max(least, leaking*maxval(pays))
     changed = any(pays > least)
@@ -103,7 +105,7 @@ contains
       integer :: powers, k
       bulges = .false.
       powers = min(own(j)%powers + 2, most_powers)
-      if (powers == own(j)%powers) return
+      if (powers == own(j)%powers .or. own(j)%frequency*span_of(samples) < from_still .or. size(own) > most_together) return
       drift = drift_of(samples, band, rows, weight, own, j, powers)
       if (drift%gain < max(least*promise, price_of_drift(powers, chance) - price_of_drift(own(j)%powers, chance))) return
       start%lines = [own(:j - 1), own(j + 1:), own(j)]
@@ -142,6 +144,7 @@ contains
     subroutine try_pairs()
       !! Two steady lines for line j.
       integer :: k
+      if (size(own) > most_together) return
       if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
       do k = 1, size(below)
         fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
