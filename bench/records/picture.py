@@ -27,7 +27,7 @@ def draw(measured: dict[str, Any]) -> Figure:
             right.plot([row["milliseconds"] for row in own], [cells.index(row["cell"]) for row in own], **style)
         left.axvline(1.0, color="0.6", linewidth=0.8)
         left.set_yticks(range(len(cells)), cells)
-        for axes, words in ((left, "Mean square error of the frequency over the bound"), (right, "CPU time of a record (ms)")):
+        for axes, words in ((left, "Square error of the frequency / bound"), (right, "CPU time of a record (ms)")):
             axes.set_xscale("log")
             axes.set_xlabel(words)
         figure.legend(loc="outside upper center", ncols=5, frameon=False)

@@ -17,8 +17,7 @@ WORDS = """\
 Made by `bench/records.sh` ([bench/](../bench/README.md#records) says how). Each tool is given the same seeded records of lines
 in noise, 512 samples each. The error is the mean square error of the frequencies, and of the decays, over the Cramér–Rao bound
 of the record; no unbiased estimate has less than 1. Lines further away than a bin, or than five bounds, are missed, and are not
-in the error.
-What each is told beyond the record: {told}.
+in the error. What each is told beyond the record: {told}.
 
 ![Errors over the bound, and time]({picture})
 """
@@ -27,7 +26,7 @@ What each is told beyond the record: {told}.
 def section(measured: dict[str, Any], picture: str) -> str:
     """Text and tables."""
     rows = measured["rows"]
-    told = "; ".join(f"{tool.name}: {tool.told}" for tool in TOOLS)
+    told = "; ".join(f"{tool.name}, {tool.told}" for tool in TOOLS)
     words = WORDS.format(told=told, picture=picture)
     return "\n\n".join([words.strip(), measured_with(measured["machine"]), errors(rows), verdict(rows), "All numbers:", details(rows)])
 
@@ -60,7 +59,7 @@ def short(row: dict[str, Any]) -> str:
 
 def percent(part: float) -> str:
     """Of the whole."""
-    return f"{100 * part:.2g} %"
+    return f"{float(f'{100 * part:.2g}'):g} %"
 
 
 def verdict(rows: list[dict[str, Any]]) -> str:
@@ -82,7 +81,7 @@ def details(rows: list[dict[str, Any]]) -> str:
         if "draws" not in row:
             continue
         over = [f"{value:.3g}" for value in row["over_bound"] or ()] or ["–", "–"]
-        inside = " and ".join(percent3(value) for value in row["inside"]) if row["inside"] else "no intervals"
+        inside = " and ".join(percent3(value) for value in row["inside"]) if row["inside"] else "–"
         counts = [percent(row["missed"]), f"{row['extra']:.2g}", inside, f"{row['milliseconds']:.3g}"]
         body.append([row["cell"], row["peer"], str(row["draws"]), *over, *counts])
     return table(body)
