@@ -5,7 +5,7 @@ module bw_pooled_table
   use bw_missing, only: is_missing, scaled
   use bw_random_effects, only: pooled_value
   use bw_record_report, only: pair_text
-  use bw_repeats, only: pooled_lines, pooled_words
+  use bw_repeats, only: pooled_lines
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
@@ -36,7 +36,7 @@ contains
     do k = 1, min(shown, size(pooled%count))
       call lines%append_line(right(text_of(k), 6)//right(text_of(pooled%count(k))//' of '//text_of(cases), 9)// &
         value_text(pooled%frequency(k), 1/two_pi, 14)//value_text(pooled%decay(k), 1.0_dp, 12)// &
-        '   '//status_text(pooled%status(k)))
+        status_text(pooled%status(k)))
     end do
     if (size(pooled%count) > shown) call lines%append_line('   ...  '//text_of(size(pooled%count))//' in the file')
     text = lines%text()
@@ -57,16 +57,17 @@ contains
   end function value_text
 
   pure function status_text(status) result(text)
-    !! Which numbers scatter more than the repeats' own intervals allow.
+    !! Which numbers scatter more than the repeats' own errors allow, and whether they drift: the bits of `pooled_words` behind the
+    !! first; behind blanks.
     integer, intent(in) :: status
     character(:), allocatable :: text
-    logical :: frequency, decay
-    frequency = btest(status, findloc(pooled_words == 'frequency_scatters', .true., dim=1) - 1)
-    decay = btest(status, findloc(pooled_words == 'decay_scatters', .true., dim=1) - 1)
+    character(*), parameter :: told(*) = [character(20) :: ', frequency scatters', ', decay scatters', ', drifting']
+    integer :: i
     text = ''
-    if (frequency) text = 'frequency scatters'
-    if (decay) text = 'decay scatters'
-    if (frequency .and. decay) text = 'both scatter'
+    do i = 1, size(told)
+      if (btest(status, i)) text = text//trim(told(i))
+    end do
+    if (text /= '') text = '   '//text(3:)
   end function status_text
 
 end module bw_pooled_table

@@ -55,7 +55,7 @@ contains
     real(dp) :: numbers(size(pooled%member, 1), 8)            ! as many lines as a case may have
     integer(i4) :: counts(size(pooled%member, 1), 2)
     type(variable_text), allocatable :: rows(:)
-    integer :: i, n
+    integer :: variable, i, n
     rows = pooled_variables()
     numbers = missing
     counts = 0
@@ -66,23 +66,26 @@ contains
     end associate
     counts(:n, 1) = pooled%count
     counts(:n, 2) = pooled%status
-    do i = 1, 8
-      call file%check(nf90_put_var(file%id, number_of(rows(i)), numbers(:, i)), error)
+    do i = 1, size(numbers, 2)
+      call find(file, rows(i), variable, error)
+      if (.not. allocated(error)) call file%check(nf90_put_var(file%id, variable, numbers(:, i)), error)
     end do
-    do i = 1, 2
-      call file%check(nf90_put_var(file%id, number_of(rows(8 + i)), counts(:, i)), error)
+    do i = 1, size(counts, 2)
+      call find(file, rows(size(numbers, 2) + i), variable, error)
+      if (.not. allocated(error)) call file%check(nf90_put_var(file%id, variable, counts(:, i)), error)
     end do
-    call file%check(nf90_put_var(file%id, number_of(rows(11)), int(pooled%member, i4)), error)
-
-  contains
-
-    integer function number_of(row)
-      !! NetCDF's number of a variable.
-      type(variable_text), intent(in) :: row
-      number_of = -1
-      if (.not. allocated(error)) call file%check(nf90_inq_varid(file%id, trim(row%name), number_of), error)
-    end function number_of
-
+    call find(file, rows(size(rows)), variable, error)
+    if (.not. allocated(error)) call file%check(nf90_put_var(file%id, variable, int(pooled%member, i4)), error)
   end subroutine put_pooled
+
+  subroutine find(file, row, variable, error)
+    !! NetCDF's number of a variable.
+    class(netcdf_file), intent(in) :: file
+    type(variable_text), intent(in) :: row
+    integer, intent(out) :: variable
+    type(error_type), allocatable, intent(inout) :: error
+    variable = 0
+    if (.not. allocated(error)) call file%check(nf90_inq_varid(file%id, trim(row%name), variable), error)
+  end subroutine find
 
 end module bw_pooled_variables

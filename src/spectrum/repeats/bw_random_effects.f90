@@ -19,6 +19,7 @@ module bw_random_effects
     real(dp) :: error = missing        !! half the interval that holds μ
     real(dp) :: next = missing         !! half the interval about μ that holds what one more repeat measures
     real(dp) :: scatter = missing      !! τ, the standard deviation between repeats beyond their own
+    real(dp) :: drift = 0              !! what a change along each repeat has added to `error`
     integer :: count = 0               !! repeats that tell it
     logical :: scatters = .false.      !! they scatter more than their own deviations allow
   end type pooled_value

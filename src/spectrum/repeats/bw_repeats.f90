@@ -8,8 +8,10 @@ module bw_repeats
   private
   public :: matched_lines, pool_repeats
 
-  character(*), parameter, public :: pooled_words(*) = [character(18) :: 'repeats', 'frequency_scatters', 'decay_scatters']
-    !! bit by bit, 1, 2, 4: `repeats` is a line of which neither scatters more than the cases' own intervals allow
+  character(*), parameter, public :: pooled_words(*) = [character(18) :: 'repeats', 'frequency_scatters', 'decay_scatters', &
+    'drifting']
+    !! bit by bit, 1, 2, 4, 8: a number scatters where the cases differ by more than their own deviations allow; `repeats` is a
+    !! line that is none of the others
   real(dp), parameter :: wander = 0.002_dp  !! part of a frequency by which repeats may well differ; real beams put together anew do
   real(dp), parameter :: gate = 9           !! squared deviations, and the logarithm of their variance, at which lines are two
 
@@ -58,8 +60,7 @@ contains
         pooled%decay(k) = with_drift(pooled_number(pack(lines%decay, own), pack(lines%decay_deviation, own), &
                                                    confidence, false_alarm), pack(lines%decay_drift, own))
       end associate
-      pooled%status(k) = merge(2, 0, pooled%frequency(k)%scatters) + merge(4, 0, pooled%decay(k)%scatters)
-      if (pooled%status(k) == 0) pooled%status(k) = 1
+      pooled%status(k) = status_of(pooled%frequency(k), pooled%decay(k))
     end do
   end function pool_repeats
 
@@ -68,8 +69,20 @@ contains
     type(pooled_value), intent(in) :: pooled
     real(dp), intent(in) :: drift(:)
     wider = pooled
-    if (.not. is_missing(pooled%error)) wider%error = pooled%error + middle_of(drift)
+    if (is_missing(pooled%error)) return
+    wider%drift = middle_of(drift)
+    wider%error = pooled%error + wider%drift
   end function with_drift
+
+  pure integer function status_of(frequency, decay) result(status)
+    !! The bits of `pooled_words`.
+    type(pooled_value), intent(in) :: frequency, decay
+    status = 0
+    if (frequency%scatters) status = ibset(status, 1)
+    if (decay%scatters) status = ibset(status, 2)
+    if (frequency%drift > 0 .or. decay%drift > 0) status = ibset(status, 3)
+    if (status == 0) status = 1
+  end function status_of
 
   pure function matched_lines(frequency, deviation, resolution) result(member)
     !! Number the lines of all cases so that those of one number are the same; 0 where there is none, or nothing is known of its
