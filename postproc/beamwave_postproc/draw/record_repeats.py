@@ -21,8 +21,8 @@ NUMBERS = ["angular_frequency", "decay_rate"]
 def record_repeats(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw frequency and decay rate by repeat for the lines that most repeats share, two axes a line.
 
-    Bars are each repeat's own interval. The dark band is the interval from all repeats, the light one holds what one
-    more repeat measures.
+    Bars are each repeat's own interval. The band is the interval from all repeats; between the dashed lines lies what
+    one more repeat measures.
     """
     names = [f"{kind}_{name}" for name in NUMBERS for kind in ("measured", "pooled")]
     names += [f"pooled_{name}{part}" for name in NUMBERS for part in ("_error", "_next")]
@@ -41,8 +41,8 @@ def record_repeats(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         axes.set_xlabel("Repeat")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     count = int((ds["pooled_count"].values > 0).sum())
-    bands = "dark band: from all repeats; light band: holds what one more measures"
-    return sheet.finish(ds, [left_out(lines.size, count, "lines"), bands])
+    words = "band: interval from all repeats; between the dashed lines lies what one more measures"
+    return sheet.finish(ds, [left_out(lines.size, count, "lines"), words])
 
 
 def _shared(ds: xr.Dataset) -> np.ndarray:
@@ -55,13 +55,13 @@ def _shared(ds: xr.Dataset) -> np.ndarray:
 
 
 def _draw(axes: Axes, ds: xr.Dataset, name: str, line: int, unit: float, zero: float) -> None:
-    """One number of one line: each repeat's with its interval, and the bands; in another unit, from `zero`."""
+    """One number of one line: each repeat's with its interval, and those of all; in another unit, from `zero`."""
     pooled, error, following = (unit * float(ds[f"pooled_{name}{part}"][line]) for part in ("", "_error", "_next"))
-    for half, alpha in ((following, 0.2), (error, 0.4)):
-        if np.isfinite(half):
-            axes.axhspan(pooled - zero - half, pooled - zero + half, color=GREY, alpha=alpha, linewidth=0.0)
     if np.isfinite(pooled):
+        axes.axhspan(pooled - zero - error, pooled - zero + error, color=GREY, alpha=0.25, linewidth=0.0)
         axes.axhline(pooled - zero, color=GREY, linewidth=0.8)
+        for side in (-following, following):
+            axes.axhline(pooled - zero + side, color=GREY, linewidth=0.8, linestyle="--")
     case, peak = np.nonzero(ds["pooled_line"].values == line + 1)
     values = unit * ds[f"measured_{name}"].values[case, peak] - zero
     own = f"measured_{name}_error"
