@@ -176,6 +176,24 @@ def test_what_repeats_share_is_pooled(here):
     assert "Repeats pooled" in report and "2 of 3" in report and "frequency scatters" in report
 
 
+def test_what_repeats_drift_does_not_average_out(here):
+    """All lines rise by 0.1 Hz along each of four records: the interval of all still reaches to both ends of that."""
+    rise = 0.1  # Hz: twenty bounds of the strongest line, a tenth of what the record resolves
+    for k in range(4):
+        time, values = ring_down(50 + k)
+        noise = values - ring_down(50 + k, noise=0.0)[1]
+        turns = np.outer(FREQUENCY, time) + rise * time**2 / (2 * time[-1])
+        motion = np.exp(-np.outer([0.5, 0.5, 0.5], time)) * np.cos(2 * np.pi * turns)
+        here.write(f"{k}.csv", as_text(time, AMPLITUDE @ motion + noise))
+    here.scene("four", {"record": {"file": [f"{k}.csv" for k in range(4)]}, "spectrum": {}})
+    result = here.run("four")
+    assert result["pooled_count"][:4].tolist() == [4, 4, 4, 0]
+    assert (result["pooled_status"][:3] & 8 > 0).all() and "   drifting\n" in result.attributes["report"]
+    frequency, error, following = (result[f"pooled_angular_frequency{part}"][:3] / (2 * np.pi) for part in ("", "_error", "_next"))
+    assert (frequency - error < FREQUENCY).all() and (frequency + error > FREQUENCY + rise).all()
+    assert (error < 1.5 * rise).all() and (following < 0.2 * rise).all()
+
+
 def test_repeats_that_are_swept_too_are_not_pooled(here):
     for name, seed in [("a", 41), ("b", 42)]:
         here.write(f"{name}.csv", text_of(seed))
