@@ -13,6 +13,7 @@ from .draw.prices import work_precision
 from .draw.record_dispersion import record_dispersion
 from .draw.record_fit import record_fit
 from .draw.record_model import identified, record_model
+from .draw.record_repeats import record_repeats
 from .draw.record_shapes import record_shapes
 from .draw.record_spectrum import record_spectrum
 from .draw.record_windows import record_windows
@@ -57,6 +58,7 @@ __all__ = [
     "record_dispersion",
     "record_fit",
     "record_model",
+    "record_repeats",
     "record_shapes",
     "record_spectrum",
     "record_windows",

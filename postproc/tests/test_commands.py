@@ -19,6 +19,7 @@ ELSEWHERE = {
     "record_fit",
     "record_spectrum",
     "record_windows",
+    "record_repeats",
     "record_shapes",
     "record_dispersion",
     "bending_moment",

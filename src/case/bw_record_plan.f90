@@ -121,6 +121,7 @@ contains
       record%placed = .not. any(is_missing(extents(1)%sensors%position))
       record%unit = common_unit(extents(1))
       record%longest = maxval(extents%samples)
+      record%duration = maxval(extents%duration)
       layout%points = size(record%sensors)
       if (room_of(layout) < fewest_shown) return
       call set_times(extents, times, many_starts, room_of(layout), record)

@@ -13,7 +13,7 @@ module bw_result_layout
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'piece', 'body', 'unknown', 'letter', 'stage']
+    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'body', 'unknown', 'letter', 'stage']
 
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
@@ -28,6 +28,7 @@ module bw_result_layout
     character(:), allocatable :: unit                    !! of all of them; `1` where they measure different quantities
     character(:), allocatable :: checksums               !! of the files
     integer :: longest = 0                               !! samples of a case, at most
+    real(dp) :: duration = 0                             !! of a case, at most [s]
     real(dp), allocatable :: times(:)                    !! since the first sample [s]
     logical :: stretched = .false.                       !! two values in a stretch of time: the least and the largest
     real(dp), allocatable :: frequencies(:)              !! Hz
@@ -59,6 +60,7 @@ module bw_result_layout
     logical :: of_uniform_beam = .false.         !! of a record: the beam is known, and uniform
     integer :: windows = 0            !! parts of a record
     integer :: candidates = 0
+    integer :: pooled = 0             !! lines that repeats share, at most; 0: there are none, or something else is swept, too
   end type result_layout
 
 contains
@@ -76,6 +78,7 @@ contains
       layout%windows = size(window_start)
       layout%of_uniform_beam = position_of(scene%groups, 'beam') > 0 .and. .not. changes_shapes(scene)
       layout%candidates = most_candidates
+      if (size(scene%sweeps) == 1 .and. all(scene%sweeps%implied)) layout%pooled = layout%peaks
       return
     end if
     call count_modes(scene, layout)
@@ -153,6 +156,7 @@ contains
     case ('peak'); length = layout%peaks
     case ('window'); length = layout%windows
     case ('candidate'); length = layout%candidates
+    case ('pooled'); length = layout%pooled
     case ('letter'); length = letters_of(layout)
     case ('piece'); length = layout%pieces
     case ('body'); length = layout%bodies

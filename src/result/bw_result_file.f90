@@ -7,6 +7,7 @@ module bw_result_file
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_netcdf, only: netcdf_file, variable_text
+  use bw_pooled_variables, only: define_pooled, pooled_variables
   use bw_result_header, only: coordinates_of, put_coordinates, put_global_attributes, put_inputs, swept_names
   use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
   use bw_result_variable, only: result_variable
@@ -49,6 +50,7 @@ contains
       end associate
     end do
     call define_variables(file, layout, swept_names(scene), error)
+    if (has(layout, 'pooled')) call define_pooled(file, error)
     call file%define(variable_text('stage_seconds', 'stage', 's', 'wall time of the stage over all cases'), seconds, error)
     file%seconds = seconds
     call put_coordinates(file, scene, layout, error)
@@ -116,6 +118,7 @@ contains
     cases = max(1, layout%cases)
     bytes = cases*sum(number_bytes(fields%is_integer)*fields%length) &
       + text_bytes*(size(fields) + size(coordinates) + size(inputs)) + head_bytes
+    if (has(layout, 'pooled')) bytes = bytes + text_bytes*size(pooled_variables()) + 4*cases*layout%peaks
     do i = 1, size(coordinates)
       bytes = bytes + number_bytes(coordinates(i)%is_integer)*dimension_length(layout, trim(coordinates(i)%dimensions))
     end do

@@ -116,6 +116,7 @@ contains
       number_of('peak', 'number of the measured peak, by frequency'), &
       number_of('window', 'part of the record'), &
       number_of('candidate', 'number of what was looked at and is no line'), &
+      number_of('pooled', 'number of the line that repeats share, by frequency'), &
       number_of('piece', 'number of the piece of the beam, from the root'), &
       number_of('body', 'number of the body, in the order of the scene'), &
       number_of('unknown', 'number of the unknown, in the order of the scene'), &

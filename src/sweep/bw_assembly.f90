@@ -6,8 +6,12 @@ module bw_assembly
   use bw_journal_reader, only: journal_reader
   use bw_kinds, only: dp, i1, i8
   use bw_notes, only: notes_type
+  use bw_pooled_table, only: pooled_table
+  use bw_pooled_variables, only: put_pooled
+  use bw_repeat_cases, only: repeat_cases
+  use bw_repeats, only: pooled_lines
   use bw_result_file, only: create_result, result_file
-  use bw_result_layout, only: result_layout
+  use bw_result_layout, only: has, result_layout
   use bw_scene, only: scene_type
   use bw_sweep_table, only: sweep_table
   use bw_text, only: string, text_of
@@ -16,9 +20,12 @@ module bw_assembly
 
   type, public :: assembly_type
     !! A sweep's result, and what there is to say of it.
-    type(sweep_table) :: table
     type(notes_type) :: notes
     integer(i8) :: not_trusted = 0                       !! cases
+    character(:), allocatable :: report                  !! the table of cases; once it is finished
+    type(scene_type), private :: scene
+    type(sweep_table), private :: table
+    type(repeat_cases), allocatable, private :: repeats  !! unallocated: cases are no repeats of one measurement
     type(result_file), private :: file
     integer(i8), private :: at_status = 0                !! where a case's status stands among its numbers
     integer(i1), allocatable, private :: done(:)         !! (cases) 1: it is in the file
@@ -44,7 +51,9 @@ contains
     associate (status => field_of(fields_of(layout), 'case_status'))
       self%at_status = status%first
     end associate
+    self%scene = scene
     self%table = sweep_table(layout)
+    if (has(layout, 'pooled')) self%repeats = repeat_cases(scene, layout)
     allocate (self%done(layout%cases), source=0_i1)
   end subroutine begin
 
@@ -84,25 +93,33 @@ contains
     self%done(index) = 1_i1
     call self%notes%add(index, notes)
     call self%table%add(index, numbers)
+    if (allocated(self%repeats)) call self%repeats%add(index, numbers)
   end subroutine take_case
 
-  subroutine finish(self, notes, report, seconds, error)
-    !! Put the notes, the table of cases and the times of the stages, and close the file.
+  subroutine finish(self, notes, seconds, error)
+    !! Put what repeats share, the notes, the report and the times of the stages, and close the file.
     !! **Errors**: cases are missing, or the file cannot be written.
     class(assembly_type), intent(inout) :: self
-    character(*), intent(in) :: notes, report
+    character(*), intent(in) :: notes
     real(dp), intent(in) :: seconds(:)                   !! (stages)
     type(error_type), allocatable, intent(inout) :: error
+    type(pooled_lines) :: pooled
     integer :: i
     do i = 1, size(self%blocks)
       call self%file%put_cases(self%blocks(i), error)
     end do
+    self%report = self%table%text(self%scene)
+    if (allocated(self%repeats)) then
+      pooled = self%repeats%pooled(self%scene)
+      self%report = self%report//pooled_table(pooled, size(self%done), self%scene%spectrum%confidence)
+      call put_pooled(self%file, pooled, error)
+    end if
     if (allocated(error)) return
     if (any(self%done == 0)) then
       call fail(error, status_bad_file, text_of(count(self%done == 0))//' finished cases cannot be found in their journals '// &
                 'any more; the same command does them again')
     else
-      call self%file%finish(notes, report, seconds, error)
+      call self%file%finish(notes, self%report, seconds, error)
     end if
   end subroutine finish
 

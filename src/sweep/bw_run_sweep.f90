@@ -177,9 +177,9 @@ contains
     end do
     call outcome%set_notes(assembly%notes%lines(work%layout%cases), work%layout, assembly%not_trusted)
     call watch%lap(stage_write)
-    call assembly%finish(outcome%notes_text(), assembly%table%text(work%scene), watch%seconds, error)
+    call assembly%finish(outcome%notes_text(), watch%seconds, error)
     call append(texts, assembly%notes%lines(work%layout%cases))
-    call append(texts, assembly%table%text(work%scene))
+    call append(texts, assembly%report)
     call append(texts, text_of(assembly%not_trusted))
   end subroutine write_result
 

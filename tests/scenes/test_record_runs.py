@@ -145,6 +145,65 @@ def test_repeats_and_sweeps_are_cases_with_the_bits_of_single_runs(here):
         assert results.is_fill(swept["recorded"][case][:, held:]).all()
 
 
+def test_what_repeats_share_is_pooled(here):
+    """Three repeats whose frequencies differ, each time by more than noise does; the last lacks the second line."""
+    away = np.array([-0.1, 0.3, -0.2])  # Hz
+    for k, shift in enumerate(away):
+        time, noise = ring_down(30 + k)
+        noise -= ring_down(30 + k, noise=0.0)[1]
+        motion = np.exp(-np.outer(DECAY, time)) * np.cos(2 * np.pi * np.outer(FREQUENCY + shift, time))
+        if k == 2:
+            motion[1] = 0.0
+        here.write(f"{k}.csv", as_text(time, AMPLITUDE @ motion + noise))
+    here.scene("three", {"record": {"file": [f"{k}.csv" for k in range(3)]}, "spectrum": {}})
+    result = here.run("three")
+    assert result["pooled_count"][:4].tolist() == [3, 2, 3, 0]
+    assert result["pooled_line"][:, :4].tolist() == [[1, 2, 3, 0], [1, 2, 3, 0], [1, 3, 0, 0]]
+    frequency, error, following, scatter = (
+        result[f"pooled_angular_frequency{part}"][:3] / (2 * np.pi) for part in ("", "_error", "_next", "_scatter")
+    )
+    assert results.is_fill(result["pooled_angular_frequency"][3:]).all()
+    # Student's interval of the shifts, as noise moves frequencies by less than a twentieth of them
+    spread = away.std(ddof=1)
+    np.testing.assert_allclose(frequency - FREQUENCY, [0.0, 0.1, 0.0], atol=0.02)
+    np.testing.assert_allclose(error[[0, 2]], 4.303 * spread / np.sqrt(3), rtol=0.1)
+    np.testing.assert_allclose(following[[0, 2]], 4.303 * spread * np.sqrt(4 / 3), rtol=0.1)
+    np.testing.assert_allclose(scatter[[0, 2]], spread, rtol=0.1)
+    status = result["pooled_status"]
+    assert (status[:3] & 2 > 0).all() and (status[:3] & 8 == 0).all() and (status[3:] == 0).all()
+    assert (abs(result["pooled_decay_rate"][:3] - DECAY) < WIDE * result["pooled_decay_rate_error"][:3]).all()
+    report = result.attributes["report"]
+    assert "Repeats pooled" in report and "2 of 3" in report and "frequency scatters" in report
+
+
+def test_what_repeats_drift_does_not_average_out(here):
+    """All lines rise by 0.1 Hz along each of four records: the interval of all still reaches to both ends of that."""
+    rise = 0.1  # Hz: twenty bounds of the strongest line, a tenth of what the record resolves
+    for k in range(4):
+        time, values = ring_down(50 + k)
+        noise = values - ring_down(50 + k, noise=0.0)[1]
+        turns = np.outer(FREQUENCY, time) + rise * time**2 / (2 * time[-1])
+        motion = np.exp(-np.outer([0.5, 0.5, 0.5], time)) * np.cos(2 * np.pi * turns)
+        here.write(f"{k}.csv", as_text(time, AMPLITUDE @ motion + noise))
+    here.scene("four", {"record": {"file": [f"{k}.csv" for k in range(4)]}, "spectrum": {}})
+    result = here.run("four")
+    assert result["pooled_count"][:4].tolist() == [4, 4, 4, 0]
+    assert (result["pooled_status"][:3] & 8 > 0).all() and "   drifting\n" in result.attributes["report"]
+    frequency, error, following = (result[f"pooled_angular_frequency{part}"][:3] / (2 * np.pi) for part in ("", "_error", "_next"))
+    assert (frequency - error < FREQUENCY).all() and (frequency + error > FREQUENCY + rise).all()
+    assert (error < 1.5 * rise).all() and (following < 0.2 * rise).all()
+
+
+def test_repeats_that_are_swept_too_are_not_pooled(here):
+    for name, seed in [("a", 41), ("b", 42)]:
+        here.write(f"{name}.csv", text_of(seed))
+    sweep = {"parameter": "record%end", "values": [0.5, 1.0]}
+    here.scene("swept", {"record": {"file": ["a.csv", "b.csv"]}, "spectrum": {}}, sweep)
+    result = here.run("swept")
+    assert "pooled" not in result.sizes and "pooled_count" not in result.variables
+    assert "Repeats pooled" not in result.attributes["report"]
+
+
 def test_a_changed_record_is_another_scene(here):
     here.write("ring.csv", text_of(1))
     here.scene("ring", ASKED)

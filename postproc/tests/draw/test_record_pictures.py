@@ -8,6 +8,7 @@ from beamwave_postproc import (
     NothingToDraw,
     record_dispersion,
     record_fit,
+    record_repeats,
     record_shapes,
     record_spectrum,
     record_windows,
@@ -149,7 +150,33 @@ def test_of_a_sweep_the_first_case_with_lines_is_drawn(record):
     assert "case 2 of 2" in words_of(record_spectrum(swept))
 
 
-@pytest.mark.parametrize("draw", [record_fit, record_spectrum, record_windows, record_shapes, record_dispersion])
+def test_repeats_stand_side_by_side_with_the_bands_of_all_of_them(record):
+    """Two repeats, of which the second lacks the first line: one line is shared, as the second pooled one of a longer list."""
+    lost = record.copy(deep=True)
+    lost["measured_angular_frequency"].values[:] = [record.measured_angular_frequency[1] + 0.4, np.nan, np.nan]
+    both = xr.concat([record, lost], dim="case", data_vars="all", coords="minimal")
+    hertz = 2 * np.pi
+    for name, numbers in [("pooled_angular_frequency", [60.03, 0.05, 0.09]), ("pooled_decay_rate", [0.5, 0.1, 0.2])]:
+        for part, number in zip(["", "_error", "_next"], numbers):
+            unit = hertz if "angular" in name else 1.0
+            both[name + part] = ("pooled", unit * np.array([number, np.nan, np.nan]))
+    both["pooled_count"] = ("pooled", [2, 0, 0])
+    both["pooled_line"] = (("case", "peak"), [[0, 1, 0], [1, 0, 0]])
+    fig = record_repeats(both)
+    frequency, decay = fig.axes
+    points = frequency.containers[0].lines[0]
+    np.testing.assert_allclose(points.get_xdata(), [1, 2])
+    np.testing.assert_allclose(points.get_ydata(), [-30.0, 1e3 * 0.4 / hertz - 30.0], rtol=1e-6)
+    assert frequency.get_ylabel() == "$f$ − 60.03 Hz (mHz)"
+    np.testing.assert_allclose(decay.containers[0].lines[0].get_ydata(), [0.5, 1.0])
+    with pytest.raises(NothingToDraw, match="share no line"):
+        record_repeats(both.assign(pooled_count=("pooled", [0, 0, 0])))
+
+
+RECORD_PICTURES = [record_fit, record_repeats, record_spectrum, record_windows, record_shapes, record_dispersion]
+
+
+@pytest.mark.parametrize("draw", RECORD_PICTURES)
 def test_what_is_no_record_is_refused(draw):
     with pytest.raises(NothingToDraw):
         draw(xr.Dataset(attrs={"method": "closed form"}))
