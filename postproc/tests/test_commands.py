@@ -22,6 +22,8 @@ ELSEWHERE = {
     "record_repeats",
     "record_shapes",
     "record_dispersion",
+    "record_model",
+    "identified",
     "bending_moment",
     "space_time",
     "wavenumber_spectrum",

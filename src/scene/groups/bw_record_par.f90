@@ -46,7 +46,7 @@ module bw_record_par
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('record', 'time_scale', real_input, '1', positive, excludes='sample_rate', &
-               meaning='s over the unit of time, where it is no s: 1e-3 for ms, 1e-6 for us'), &
+               meaning='seconds over the unit of the times: 1e-3 for ms'), &
     input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', &
                meaning='samples in a second, the first at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
