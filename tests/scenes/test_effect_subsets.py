@@ -9,7 +9,7 @@ import pytest
 from refused_effects import reason
 from workplace import PAPER_BEAM, namelist
 
-NOT_EFFECTS = {"scene", "beam", "impact", "modes", "response", "record", "spectrum", "sweep"}
+NOT_EFFECTS = {"scene", "beam", "impact", "modes", "response", "record", "spectrum", "identify", "sweep"}
 SAMPLES = {  # each effect group's variants
     "rotation": [{"angular_velocity": 50.0, "plane": "in"}, {"angular_velocity": 50.0, "plane": "out"}],
     "stiffening": [{"hub_radius": 0.1}],
