@@ -10,6 +10,11 @@ from .draw.lines import lines
 from .draw.measured import measured
 from .draw.mode_shapes import mode_shapes
 from .draw.prices import work_precision
+from .draw.record_dispersion import record_dispersion
+from .draw.record_fit import record_fit
+from .draw.record_shapes import record_shapes
+from .draw.record_spectrum import record_spectrum
+from .draw.record_windows import record_windows
 from .draw.space_time import space_time
 from .draw.spectrogram import spectrogram
 from .draw.spectrum import spectrum
@@ -47,6 +52,11 @@ __all__ = [
     "page_of",
     "phase_velocity",
     "pictures",
+    "record_dispersion",
+    "record_fit",
+    "record_shapes",
+    "record_spectrum",
+    "record_windows",
     "run",
     "save_film",
     "space_time",

@@ -17,13 +17,17 @@ from .draw.measured import QUANTITIES
 from .files import EXIT_DONE, EXIT_FILE, read_file, save
 from .result import require
 
-MEASURED = [f"measured_{name}{part}" for name in QUANTITIES for part in ("", "_error")]
+NAMES = ("angular_frequency", "decay_rate", *QUANTITIES[1:])
+MEASURED = [f"measured_{name}{part}" for name in NAMES for part in ("", "_error", "_bound")] + ["peak_status"]
 
 
 def peaks(ds: xr.Dataset) -> pd.DataFrame:
-    """Return one row for each spectral peak, by `peak` and in a sweep by `case`; swept inputs are columns."""
-    require(ds, *MEASURED)
-    return ds[MEASURED].to_dataframe().dropna(subset=["measured_angular_frequency"])
+    """Return one row for each spectral peak, by `peak` and in a sweep by `case`; swept inputs are columns.
+
+    Of a record also decay, bounds and status where the file has them; waves where it has those.
+    """
+    require(ds, "measured_angular_frequency", "measured_angular_frequency_error")
+    return ds[[name for name in MEASURED if name in ds]].to_dataframe().dropna(subset=["measured_angular_frequency"])
 
 
 def main(argv: Sequence[str] | None = None) -> int:

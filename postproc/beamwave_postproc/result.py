@@ -11,6 +11,7 @@ FORMAT_VERSION = 1
 DIMENSIONS = {
     *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
     *("body", "rung", "effect", "unknown", "unknown_too"),
+    *("window", "candidate", "letter"),
 }
 
 

@@ -19,7 +19,7 @@ def test_a_line_holds_what_the_file_holds_of_its_peak(full_result, capsys):
     with path.open(newline="") as file:
         lines = list(csv.DictReader(file))
     with open_result(full_result) as ds:
-        for name in ["peak", *MEASURED]:
+        for name in ["peak", *(name for name in MEASURED if name in ds)]:
             np.testing.assert_array_equal([float(line[name]) for line in lines], ds[name])
 
 

@@ -2,21 +2,21 @@ module bw_check_command
   !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
-  use bw_error, only: error_type, fail, status_bad_input, status_done, status_not_trusted, status_stopped
+  use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_forecast, only: few_modes, few_samples, forecast_type
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type
   use bw_one_case, only: plan_case
   use bw_process, only: free_disk, free_memory
-  use bw_read_record, only: read_record, record_path
-  use bw_record, only: measure_the_same, quantities_of, record_type, sensor_type
+  use bw_record, only: record_extent, record_type
+  use bw_record_plan, only: plan_record
   use bw_record_summary, only: record_summary
   use bw_report, only: notes_report
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
-  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, scene_heading, scene_summary, working_bytes
+  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, record_seconds, scene_heading, scene_summary, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
@@ -51,7 +51,9 @@ contains
       notes = ''
       time_line = ''
       if (allocated(scenes(i)%record)) then
-        call check_records(scenes(i), count_line, notes, error)
+        call check_records(scenes(i), layout, count_line, notes, error)
+        if (.not. allocated(error)) time_line = '  time       about '//expected_text(record_seconds(layout))// &
+          ' on one core, more where lines are many or drift'//new_line('a')
       else
         call plan_tolerance(scenes(i), progress, count_line, error)
         began = wall_seconds()
@@ -92,7 +94,7 @@ contains
       if (warning_kinds(notes) /= '') text = text//'; warnings: '//warning_kinds(notes)
     else
       text = scene_heading(scene)//scene_summary(scene, layout)//count_line
-      if (.not. allocated(scene%record)) text = text//cost_summary(scene, layout)//time_line
+      text = text//cost_summary(scene, layout)//time_line
       if (notes /= '') text = text//new_line('a')//notes_report(notes(:len(notes) - 1))
     end if
   end function checked_text
@@ -147,29 +149,25 @@ contains
     end if
   end function expected_text
 
-  subroutine check_records(scene, text, notes, error)
-    !! Read every file of a record: what there is. They are repeats, and so have the same sensors.
+  subroutine check_records(scene, layout, text, notes, error)
+    !! Read every file of a record: what there is.
     type(scene_type), intent(in) :: scene
+    type(result_layout), intent(inout) :: layout   !! gets what the files tell
     character(:), allocatable, intent(out) :: text, notes
     type(error_type), allocatable, intent(out) :: error
+    type(record_extent), allocatable :: extents(:)
     type(record_type) :: record
-    type(sensor_type), allocatable :: sensors(:)   ! of the first file
     integer :: f, n
     text = ''
     notes = ''
-    do f = 1, size(scene%record%files)
-      call read_record(scene, f, record, error)
-      if (allocated(error)) return
-      if (f == 1) sensors = record%sensors
-      if (.not. measure_the_same(record%sensors, sensors)) then
-        call fail(error, status_bad_input, record%path//': its sensors, '//quantities_of(record%sensors)//', are not those of '// &
-                  record_path(scene, 1)//', '//quantities_of(sensors)//'; accepted: repeats of one measurement')
-        return
-      end if
-      text = text//record_summary(record)
-      do n = 1, size(record%notes)
-        notes = notes//record%notes(n)%text
-        if (size(scene%record%files) > 1) notes = notes//' ('//record%path//')'
+    call plan_record(scene, layout, extents, record, error)
+    if (allocated(error)) return
+    do f = 1, size(extents)
+      text = text//record_summary(extents(f))
+      if (f == 1) notes = room_notes(scene, layout)
+      do n = 1, size(extents(f)%notes)
+        notes = notes//extents(f)%notes(n)%text
+        if (size(extents) > 1) notes = notes//' ('//extents(f)%path//')'
         notes = notes//new_line('a')
       end do
     end do

@@ -84,11 +84,7 @@ contains
     type(outcome_type) :: outcome
     type(error_type), allocatable :: error
     outcome%notes = ''
-    if (allocated(scene%record)) then            ! until the lines of records are found
-      call fail(error, status_bad_input, scene%file//': &record: can be read, as beamwave check shows, and not yet analysed')
-    else
-      call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
-    end if
+    call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
     status = outcome%status
     if (.not. command%group%leads()) return
     status = print_outcome(command, scene, outcome, tally%is_brief(), error)

@@ -3,12 +3,16 @@ module bw_case_result
   !! and returns its own.
   use bw_beam_units, only: beam_units
   use bw_double_double, only: dd
+  use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_impact, only: impact_type
   use bw_initial_state, only: initial_state
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
+  use bw_missing, only: missing
   use bw_mode_set, only: mode_set, mode_sources
+  use bw_record, only: record_extent
+  use bw_record_lines, only: record_lines
   use bw_release, only: tip_remainder
   use bw_response, only: response_type
   use bw_segment, only: segment_type
@@ -85,6 +89,16 @@ module bw_case_result
     type(string), allocatable :: notes(:)
   end type case_spectrum
 
+  type, public :: record_result
+    !! What a record yields beside frequencies and waves, SI.
+    type(record_extent) :: extent
+    type(record_lines) :: lines
+    real(dp), allocatable :: recorded(:, :), fitted(:, :)   !! at the times that are drawn, (times, sensors)
+    real(dp), allocatable :: noise(:, :)                    !! what noise makes of the amplitude spectrum, (frequencies, sensors)
+    real(dp) :: stiffness_root(2) = missing                 !! √(EI/ρA) from the dispersion, and half its interval, m²/s
+    real(dp) :: angular_velocity(2) = missing               !! |ω| from it, rad/s
+  end type record_result
+
   type, public :: case_result
     !! An unallocated component was not asked for.
     type(beam_units) :: units
@@ -102,8 +116,10 @@ module bw_case_result
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI
+    type(record_result), allocatable :: record        !! of a record
     integer :: status = case_done
     type(string), allocatable :: notes(:)             !! warnings and remarks (bw_note)
+    type(error_type), allocatable :: error            !! why there is no result: a record cannot be read
   end type case_result
 
 contains

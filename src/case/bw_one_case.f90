@@ -1,6 +1,7 @@
 module bw_one_case
-  !! One case from scene to result, in one line: modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each
-  !! stage takes the values of those before it and returns its own.
+  !! One case from scene to result, in one line: that of records (bw_record_case), or
+  !! modes ► plan ► initial state ► events ► histories ► errors ► spectrum. Each stage takes the values of those before it
+  !! and returns its own.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
   use bw_case_errors, only: estimate_errors
@@ -20,6 +21,7 @@ module bw_one_case
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
+  use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
@@ -35,11 +37,28 @@ module bw_one_case
     type(initial_state_cache) :: initial
     type(nonuniform_sum) :: sum          !! kernel, plan and grids of the last transform
     type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
+    type(record_cache) :: record         !! the last record
   end type case_cache
 
 contains
 
   subroutine run_case(scene, layout, watch, monitor, cache, result, whole)
+    !! Run a case whose histories are read, or one that is simulated.
+    type(scene_type), intent(in) :: scene            !! without sweeps
+    type(result_layout), intent(in) :: layout
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_cache), intent(inout), target :: cache !! what other cases have found
+    type(case_result), intent(out) :: result
+    logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    if (allocated(scene%record)) then
+      call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
+    else
+      call simulate_case(scene, layout, watch, monitor, cache, result, whole)
+    end if
+  end subroutine run_case
+
+  subroutine simulate_case(scene, layout, watch, monitor, cache, result, whole)
     !! The way the data goes.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
@@ -103,7 +122,7 @@ contains
     whole = .true.
     result%profile_points = layout%profile
     call compose(scene, motion, histories, errors, spectrum, result)
-  end subroutine run_case
+  end subroutine simulate_case
 
   subroutine compose(scene, motion, histories, errors, spectrum, result)
     !! The values of all stages in one; what is large is moved, not copied.

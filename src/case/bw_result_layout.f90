@@ -1,7 +1,10 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
+  use bw_belief, only: window_start
+  use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
-  use bw_scene, only: scene_type
+  use bw_record, only: sensor_type
+  use bw_scene, only: changes_shapes, scene_type
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
@@ -10,11 +13,25 @@ module bw_result_layout
   public :: layout_of, has, dimension_length
 
   character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'peak', 'piece', 'body', 'stage']
+    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'piece', 'body', 'letter', 'stage']
 
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
     !! of mode shapes, all cases together, that a result holds unasked: 1.6 MB, 49 cases of 20 modes
+
+  integer, parameter, public :: most_candidates = 32    !! of a record that are no lines: the most likely ones
+
+  type, public :: record_layout
+    !! What the result of a record holds that only its files tell.
+    type(sensor_type), allocatable :: sensors(:)         !! of the first file
+    logical :: placed = .false.                          !! all of them have places
+    character(:), allocatable :: unit                    !! of all of them; `1` where they measure different quantities
+    character(:), allocatable :: checksums               !! of the files
+    integer :: longest = 0                               !! samples of a case, at most
+    real(dp), allocatable :: times(:)                    !! since the first sample [s]
+    logical :: stretched = .false.                       !! two values in a stretch of time: the least and the largest
+    real(dp), allocatable :: frequencies(:)              !! Hz
+  end type record_layout
 
   type, public :: result_layout
     !! A length of 0 means that nothing has this dimension.
@@ -36,6 +53,11 @@ module bw_result_layout
     logical :: mode_shapes = .false.  !! the shapes of all modes are few enough numbers to be kept
     integer :: middle = 0             !! which point is ξ = 0.5, 0 if none
     integer :: tip = 0                !! which point is ξ = 1, 0 if none
+    logical :: of_record = .false.    !! histories are read, not simulated
+    type(record_layout), allocatable :: record   !! unallocated until its files are read (bw_record_plan)
+    logical :: of_uniform_beam = .false.         !! of a record: the beam is known, and uniform
+    integer :: windows = 0            !! parts of a record
+    integer :: candidates = 0
   end type result_layout
 
 contains
@@ -44,6 +66,14 @@ contains
     !! What the result of a scene holds, and how much of it.
     type(scene_type), intent(in) :: scene
     if (size(scene%sweeps) > 0) layout%cases = int(case_count(scene))
+    layout%of_record = allocated(scene%record)
+    if (layout%of_record) then
+      layout%peaks = scene%spectrum%max_peaks
+      layout%windows = size(window_start)
+      layout%of_uniform_beam = position_of(scene%groups, 'beam') > 0 .and. .not. changes_shapes(scene)
+      layout%candidates = most_candidates
+      return
+    end if
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
     if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
@@ -119,6 +149,9 @@ contains
     case ('time'); length = layout%samples
     case ('frequency'); length = layout%frequencies
     case ('peak'); length = layout%peaks
+    case ('window'); length = layout%windows
+    case ('candidate'); length = layout%candidates
+    case ('letter'); length = letters_of(layout)
     case ('piece'); length = layout%pieces
     case ('body'); length = layout%bodies
     case ('stage'); length = stage_count
@@ -126,9 +159,21 @@ contains
     end select
   end function dimension_length
 
+  pure integer function letters_of(layout) result(letters)
+    !! Of the longest name of a sensor; 0 where nothing is a sensor.
+    type(result_layout), intent(in) :: layout
+    integer :: s
+    letters = 0
+    if (.not. allocated(layout%record)) return
+    do s = 1, size(layout%record%sensors)
+      letters = max(letters, len(layout%record%sensors(s)%name))
+    end do
+  end function letters_of
+
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
-    !! that go through them), `estimates` (of the errors of histories), `mode_shapes` (there are not too many).
+    !! that go through them), `estimates` (of the errors of histories), `mode_shapes` (there are not too many), `record`
+    !! or `simulated`, `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -143,6 +188,12 @@ contains
     case ('velocity'); there = layout%velocity
     case ('bending_moment'); there = layout%bending_moment
     case ('mode_shapes'); there = layout%mode_shapes
+    case ('record'); there = layout%of_record
+    case ('simulated'); there = .not. layout%of_record
+    case ('places')                           ! the points have places along the beam
+      there = .not. layout%of_record
+      if (allocated(layout%record)) there = layout%record%placed
+    case ('waves'); there = has(layout, 'places') .and. (layout%of_uniform_beam .or. .not. layout%of_record)
     case ('contacts'); there = layout%contacts
     case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0

@@ -6,7 +6,7 @@ module bw_record
   use bw_text, only: lower, string, text_of
   implicit none (type, external)
   private
-  public :: bare_name, is_even, measure_the_same, quantities_of, unit_in
+  public :: bare_name, extent_of, is_even, measure_the_same, quantities_of, unit_in, without_unit
 
   type, public :: column_type
     !! A column of a table, or a variable of a file.
@@ -35,12 +35,44 @@ module bw_record
     type(string), allocatable :: notes(:)        !! what there is to say of it, one line each
   end type record_type
 
+  type, public :: record_extent
+    !! What there is to say of a record without its samples.
+    character(:), allocatable :: path            !! of the file
+    integer(i8) :: samples_there = 0             !! in the file
+    integer :: samples = 0                       !! that are used
+    real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
+    real(dp) :: duration = 0.0_dp                !! from the first sample to the last [s]
+    real(dp) :: steps(2) = 0.0_dp                !! the smallest and the largest interval [s]; the same where samples are even
+    type(sensor_type), allocatable :: sensors(:) !! (sensors)
+    real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in SI, (2, sensors)
+    type(string), allocatable :: notes(:)        !! as those of the record
+  end type record_extent
+
 contains
 
-  pure logical function is_even(record)
-    !! Its samples are evenly spaced.
+  pure type(record_extent) function extent_of(record) result(extent)
+    !! What there is to say of a record without its samples.
     type(record_type), intent(in) :: record
-    is_even = record%interval > 0.0_dp
+    integer :: n
+    n = size(record%times)
+    extent%path = record%path
+    extent%samples_there = record%samples_there
+    extent%samples = n
+    extent%origin = record%origin
+    extent%duration = record%times(n)
+    extent%steps = record%interval
+    if (.not. record%interval > 0.0_dp) then
+      extent%steps = [minval(record%times(2:) - record%times(:n - 1)), maxval(record%times(2:) - record%times(:n - 1))]
+    end if
+    extent%sensors = record%sensors
+    extent%ranges = reshape([minval(record%values, dim=1), maxval(record%values, dim=1)], [2, size(record%sensors)], order=[2, 1])
+    extent%notes = record%notes
+  end function extent_of
+
+  pure logical function is_even(extent)
+    !! Its samples are evenly spaced.
+    type(record_extent), intent(in) :: extent
+    is_even = extent%steps(1) >= extent%steps(2)
   end function is_even
 
   pure logical function measure_the_same(sensors, others)
@@ -73,10 +105,7 @@ contains
     !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.
     character(*), intent(in) :: name
     character(:), allocatable :: bare
-    integer :: open
-    bare = lower(trim(adjustl(name)))
-    open = opening(bare)
-    if (open > 1) bare = trim(bare(:open - 1))
+    bare = without_unit(lower(name))
   end function bare_name
 
   pure function unit_in(name) result(unit)
@@ -90,6 +119,16 @@ contains
     open = opening(text)
     if (open > 0) unit = trim(adjustl(text(open + 1:len(text) - 1)))
   end function unit_in
+
+  pure function without_unit(name) result(short)
+    !! A name without the unit in brackets behind it: `Time [s]` → `Time`; as it is where nothing would be left.
+    character(*), intent(in) :: name
+    character(:), allocatable :: short
+    integer :: open
+    short = trim(adjustl(name))
+    open = opening(short)
+    if (open > 1) short = trim(short(:open - 1))
+  end function without_unit
 
   pure integer function opening(text) result(open)
     !! Place of the bracket that opens the last part of a text; 0 where it does not end in a bracket.

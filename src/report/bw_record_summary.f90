@@ -2,7 +2,7 @@ module bw_record_summary
   !! What `beamwave check` says of a record: its samples and its sensors.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_record, only: is_even, record_type, sensor_type
+  use bw_record, only: is_even, record_extent, sensor_type
   use bw_sensor_unit, only: si_unit
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -16,16 +16,18 @@ contains
 
   function record_summary(record) result(text)
     !! Line by line, indented by two.
-    type(record_type), intent(in) :: record
+    type(record_extent), intent(in) :: record
     character(:), allocatable :: text
     type(text_builder) :: lines
     integer :: s
     call lines%append_line('  record     '//record%path//': '//samples_text(record))
     call lines%append_line('  times      '//times_text(record))
+    call lines%append_line('  spectrum   0 to '//shortest(0.5_dp*(record%samples - 1)/record%duration, digits)// &
+                           ' Hz, resolution 1/duration = '//shortest(1.0_dp/record%duration, 3)//' Hz')
     do s = 1, min(size(record%sensors), most_sensors)
       call lines%append_line('  sensor     '//sensor_text(record%sensors(s))//': '// &
-                             shortest(minval(record%values(:, s)), digits)//' to '// &
-                             shortest(maxval(record%values(:, s)), digits)//' '//si_unit(record%sensors(s)%quantity))
+                             shortest(record%ranges(1, s), digits)//' to '// &
+                             shortest(record%ranges(2, s), digits)//' '//si_unit(record%sensors(s)%quantity))
     end do
     if (size(record%sensors) > most_sensors) call lines%append_line('  sensor     ... and '// &
       text_of(size(record%sensors) - most_sensors)//' more')
@@ -34,29 +36,24 @@ contains
 
   pure function samples_text(record) result(text)
     !! How many samples there are, of how many, and how many sensors.
-    type(record_type), intent(in) :: record
+    type(record_extent), intent(in) :: record
     character(:), allocatable :: text
-    text = text_of(size(record%times))//' samples'
-    if (size(record%times) < record%samples_there) text = text//' of '//text_of(record%samples_there)
+    text = text_of(record%samples)//' samples'
+    if (record%samples < record%samples_there) text = text//' of '//text_of(record%samples_there)
     text = text//', '//text_of(size(record%sensors))//' sensor'
     if (size(record%sensors) > 1) text = text//'s'
   end function samples_text
 
   pure function times_text(record) result(text)
     !! From when to when, and how often.
-    type(record_type), intent(in) :: record
+    type(record_extent), intent(in) :: record
     character(:), allocatable :: text
-    real(dp) :: duration
-    integer :: n
-    n = size(record%times)
-    duration = record%times(n)
-    text = shortest(record%origin, digits)//' to '//shortest(record%origin + duration, digits)//' s, '
+    text = shortest(record%origin, digits)//' to '//shortest(record%origin + record%duration, digits)//' s, '
     if (is_even(record)) then
-      text = text//'even, '//shortest(1.0_dp/record%interval, digits)//' Hz'
+      text = text//'even, '//shortest(1.0_dp/record%steps(1), digits)//' Hz'
     else
-      text = text//'uneven, '//shortest((n - 1)/duration, digits)//' Hz on average, intervals of '// &
-        shortest(minval(record%times(2:) - record%times(:n - 1)), digits)//' to '// &
-        shortest(maxval(record%times(2:) - record%times(:n - 1)), digits)//' s'
+      text = text//'uneven, '//shortest((record%samples - 1)/record%duration, digits)//' Hz on average, intervals of '// &
+        shortest(record%steps(1), digits)//' to '//shortest(record%steps(2), digits)//' s'
     end if
   end function times_text
 

@@ -9,6 +9,7 @@ module bw_report
   use bw_history_report, only: report_histories, report_measured
   use bw_missing, only: is_missing, scaled
   use bw_note, only: is_remark, unmarked
+  use bw_record_report, only: report_record
   use bw_scene, only: scene_type
   use bw_text, only: lines_of, shortest, string, text_builder, text_of
   implicit none (type, external)
@@ -27,6 +28,9 @@ contains
     character(:), allocatable :: text
     type(text_builder) :: lines
     text = ''
+    if (allocated(result%record)) call report_record(result%record, result%measured, &
+                                                           scene%spectrum%confidence, lines)
+    if (allocated(result%record)) text = lines%text()
     if (result%mode_count == 0) return             ! a note says why
     call report_modes(scene, result, lines)
     if (allocated(result%impact)) call report_impact(scene, result, lines)

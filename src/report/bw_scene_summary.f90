@@ -7,6 +7,7 @@ module bw_scene_summary
   use bw_case_fields, only: blocks_for, case_block, case_length, fields_of
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
+  use bw_record_case, only: few_numbers
   use bw_result_file, only: result_bytes
   use bw_result_layout, only: result_layout
   use bw_scene, only: by_pieces, count_methods, effects_text, scene_type
@@ -14,7 +15,7 @@ module bw_scene_summary
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, disk_bytes, working_bytes
+  public :: scene_heading, scene_summary, bytes_text, cost_summary, disk_bytes, record_seconds, working_bytes
 
 contains
 
@@ -39,12 +40,14 @@ contains
       units = units_of(scene%beam)
       call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
                              shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+    end if
+    if (.not. allocated(scene%record)) then
       call lines%append_line('  effects    '//effects_text(scene))
       call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
-    if (position_of(scene%groups, 'beam') > 0) call lines%append(hint_line(scene))
+    if (.not. allocated(scene%record)) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 
@@ -176,9 +179,31 @@ contains
     shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
     associate (fields => fields_of(layout))
       bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+      if (allocated(layout%record)) bytes = bytes + record_bytes(layout%record%longest, layout%points)
       if (layout%cases > 0) bytes = bytes + sum(block_bytes(blocks_for(fields, layout%cases))) + 6_i8*layout%cases
     end associate
   end function working_bytes
+
+  pure integer(i8) function record_bytes(samples, sensors) result(bytes)
+    !! Memory of a record while its lines are searched for: itself, once more where it stays for the next case, transforms of one
+    !! sensor, bands of all; measured.
+    integer, intent(in) :: samples, sensors
+    integer, parameter :: of_sample = 180, of_sensor = 700000
+    integer(i8) :: numbers
+    numbers = int(samples, i8)*sensors
+    bytes = 8*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors
+    if (numbers <= few_numbers) bytes = bytes + 8*numbers
+  end function record_bytes
+
+  pure function record_seconds(layout) result(seconds)
+    !! About how long the lines of all cases of a record take on one core; more where there are many, or they drift. Measured of
+    !! 4 to 20 lines.
+    type(result_layout), intent(in) :: layout
+    real(dp) :: seconds
+    associate (samples => real(layout%record%longest, dp))
+      seconds = max(1, layout%cases)*layout%points*(0.1_dp*min(1.0_dp, samples/16384) + 3.0e-7_dp*samples)
+    end associate
+  end function record_seconds
 
   elemental integer(i8) function block_bytes(block) result(bytes)
     !! Memory of a block of cases, and of a field of it on its way into the file, which may be all of it.

@@ -7,10 +7,11 @@ module bw_sweep_table
   use bw_kinds, only: dp, i8
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: is_missing, missing, scaled
+  use bw_record_table, only: record_table
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_scene_cases, only: case_positions
-  use bw_text, only: shortest, text_builder, text_of
+  use bw_swept_text, only: swept_text
+  use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
 
@@ -36,6 +37,7 @@ module bw_sweep_table
     type(case_row) :: rows(max(most_rows, size(reasons)))     !! by case, or by reason
     type(case_field) :: mode_count, status, frequency, phase_velocity, group_velocity, displacement
       !! where they stand in a case
+    type(record_table), allocatable :: of_records      !! instead of all that, of repeats of a record
   contains
     procedure :: add
     procedure :: text
@@ -51,6 +53,10 @@ contains
     !! A table without rows.
     type(result_layout), intent(in) :: layout
     type(sweep_table) :: table
+    if (layout%of_record) then
+      table%of_records = record_table(layout)
+      return
+    end if
     associate (fields => fields_of(layout))
       table%mode_count = field_of(fields, 'mode_count')
       table%status = field_of(fields, 'case_status')
@@ -69,6 +75,10 @@ contains
     real(dp), intent(in), contiguous :: numbers(:)    !! (case_length)
     type(case_row) :: row
     integer :: r
+    if (allocated(self%of_records)) then
+      call self%of_records%add(index, numbers)
+      return
+    end if
     row = case_row(index, nint(numbers(self%mode_count%first)), nint(numbers(self%status%first)), &
                    numbers(self%frequency%first), numbers(self%phase_velocity%first), numbers(self%group_velocity%first))
     if (self%displacement%name /= '') then
@@ -129,6 +139,10 @@ contains
     integer(i8) :: printed                    ! the last case
     logical :: without
     integer :: r
+    if (allocated(self%of_records)) then
+      lines = self%of_records%text(scene)
+      return
+    end if
     without = .false.
     printed = 0
     call built%append_line('')
@@ -175,20 +189,6 @@ contains
     end do
     words = ' ('//words(3:)//')'
   end function why
-
-  function swept_text(scene, i) result(text)
-    !! The swept values of a case: 'name = value, …'.
-    type(scene_type), intent(in) :: scene
-    integer(i8), intent(in) :: i
-    character(:), allocatable :: text
-    integer :: positions(size(scene%sweeps)), s
-    positions = case_positions(scene, i)
-    text = ''
-    do s = 1, size(scene%sweeps)
-      if (s > 1) text = text//', '
-      text = text//scene%sweeps(s)%parameter//' = '//shortest(scene%sweeps(s)%values(positions(s)), 6)
-    end do
-  end function swept_text
 
   pure function row_text(row) result(text)
     !! The numbers of a case.

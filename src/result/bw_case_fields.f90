@@ -8,8 +8,9 @@ module bw_case_fields
   use bw_history_variables, only: count_variables, error_variables, history_variables, measured_variables
   use bw_missing, only: missing
   use bw_modal_variables, only: modal_variables
+  use bw_record_variables, only: record_variables
   use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
-  use bw_result_variable, only: result_variable
+  use bw_result_variable, only: result_variable, unit_of_sensors
   implicit none (type, external)
   private
   public :: all_variables, blocks_for, case_length, field_of, fields_of, named_value, put_field, put_fields, variables_of
@@ -54,7 +55,7 @@ contains
     !! Every variable that a result may hold of a case, in the order of the file.
     type(result_variable), allocatable :: rows(:)
     rows = [modal_variables(), impact_variables(), event_variables(), error_variables(), measured_variables(), &
-            history_variables(), count_variables(), event_kinds()]
+            history_variables(), record_variables(), count_variables(), event_kinds()]
   end function all_variables
 
   pure function variables_of(layout) result(rows)
@@ -64,6 +65,11 @@ contains
     integer :: i
     rows = all_variables()
     rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)) .and. has(layout, trim(rows(i)%needs)), i=1, size(rows))])
+    do i = 1, size(rows)
+      if (rows(i)%units /= unit_of_sensors) cycle
+      rows(i)%units = 'm'
+      if (allocated(layout%record)) rows(i)%units = layout%record%unit
+    end do
   end function variables_of
 
   pure function fields_of(layout) result(fields)
@@ -144,7 +150,8 @@ contains
     real(dp), intent(out), contiguous :: numbers(:)       !! (field%length)
     integer :: n
     n = 0
-    if (result%mode_count > 0 .or. field%is_integer) n = min(value_count(result, field%along), size(numbers))
+    if (result%mode_count > 0 .or. allocated(result%record) .or. field%is_integer) &
+      n = min(value_count(result, field%along), size(numbers))
     if (n > 0) then
       if (associated(field%from_case)) then
         call field%from_case(result, numbers(:n))

@@ -34,7 +34,7 @@ contains
                                   'velocity of the beam where the mass strikes, just after the impact', &
                                   'Eq. 12, reference [8]'), tip_velocity, needs='event'), &
       case_variable(variable_text('critical_angular_velocity', '', 'rad s-1', &
-                                  'lowest angular velocity at which a mode is unstable', 'Eq. 31'), critical), &
+                                  'lowest angular velocity at which a mode is unstable', 'Eq. 31'), critical, needs='mode'), &
       case_variable(variable_text('critical_angular_velocity_before', '', 'rad s-1', &
                                   'lowest angular velocity at which a mode is unstable, before the capture', 'Eq. 31'), &
                     critical_before, needs='mode_before')]

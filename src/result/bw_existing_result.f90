@@ -33,7 +33,7 @@ module bw_existing_result
 
 contains
 
-  subroutine look_at_existing(path, scene, overwrite, existing, error, study)
+  subroutine look_at_existing(path, scene, overwrite, existing, error, study, record)
     !! A finished result of the same scene and version is left alone; another is an error unless it may be replaced.
     !! **Errors**: also where it cannot be read, or is locked.
     character(*), intent(in) :: path
@@ -42,6 +42,7 @@ contains
     type(existing_result), intent(out) :: existing
     type(error_type), allocatable, intent(out) :: error
     character(*), intent(in), optional :: study    !! the study whose result it is; absent: a run's
+    character(*), intent(in), optional :: record   !! checksums of the scene's record; absent: it has none
     type(path_state) :: state
     character(:), allocatable :: found
     integer :: problem
@@ -53,7 +54,7 @@ contains
     if (state%kind == is_directory) call fail(error, status_bad_file, path//': is a directory')
     if (state%kind > is_directory) call fail(error, status_bad_file, path//': is neither a file nor a directory')
     if (state%kind /= is_file .or. allocated(error)) return
-    call find_out(path, scene, found, existing, error, study)
+    call find_out(path, scene, found, existing, error, study, record)
     if (allocated(error)) return
     existing%is_there = found == same
     if (existing%is_there .or. overwrite) return
@@ -63,14 +64,14 @@ contains
                                     '--overwrite replaces it')
   end subroutine look_at_existing
 
-  subroutine find_out(path, scene, found, existing, error, study)
+  subroutine find_out(path, scene, found, existing, error, study, record)
     !! What a file is. NetCDF has one word for all that it cannot read: what the system refuses is found by reading it.
     character(*), intent(in) :: path
     type(scene_type), intent(in) :: scene
     character(:), allocatable, intent(out) :: found
     type(existing_result), intent(inout) :: existing
     type(error_type), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: study
+    character(*), intent(in), optional :: study, record
     type(child_process) :: child
     type(string), allocatable :: texts(:)
     logical :: whole
@@ -83,7 +84,7 @@ contains
     else
       call child%begin()
       if (child%is_here()) then
-        call compare(path, scene, texts, error, study)
+        call compare(path, scene, texts, error, study, record)
         call child%tell(texts, error)
       end if
       call child%hear(texts, whole, error)
@@ -116,7 +117,7 @@ contains
     end do
   end subroutine read_through
 
-  subroutine compare(path, scene, texts, error, study)
+  subroutine compare(path, scene, texts, error, study, record)
     !! Whether a file is the result of the same resolved scene by the same version, how many of its cases hold numbers that
     !! cannot be trusted, its report and its notes. The file is not closed: the process ends.
     !! **Errors**: memory is refused.
@@ -124,7 +125,7 @@ contains
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(out) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
-    character(*), intent(in), optional :: study
+    character(*), intent(in), optional :: study, record
     character(:), allocatable :: found, wanted, report, notes
     integer(i8) :: cases
     integer :: file, status
@@ -136,6 +137,9 @@ contains
     call compare_text(file, 'scene', resolved_text(scene), found, status)
     call compare_text(file, 'source', source_text(), found, status)
     call compare_text(file, 'study', wanted, found, status)
+    wanted = ''
+    if (present(record)) wanted = record
+    call compare_text(file, 'record_checksum', wanted, found, status)
     if (found == same) call count_not_trusted(file, cases, status)
     call read_text(file, 'report', report, status)
     call read_text(file, 'notes', notes, status)

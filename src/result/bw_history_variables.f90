@@ -5,7 +5,7 @@ module bw_history_variables
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_netcdf, only: variable_text
-  use bw_result_variable, only: case_variable, result_variable, values_of_case
+  use bw_result_variable, only: case_variable, result_variable, unit_of_sensors, values_of_case
   use bw_text, only: joined
   implicit none (type, external)
   private
@@ -40,6 +40,7 @@ contains
       bound('wavenumber', 'm-1', wavenumber_error), &
       bound('phase_velocity', 'm s-1', phase_velocity_error), &
       bound('group_velocity', 'm s-1', group_velocity_error)]
+    where (.not. index(rows%name, 'frequency') > 0) rows%needs = 'waves'
   end function measured_variables
 
   pure type(result_variable) function measured(name, units, references, values) result(row)
@@ -55,7 +56,8 @@ contains
     character(*), intent(in) :: name, units
     procedure(values_of_case) :: values
     row = case_variable(variable_text('measured_'//name//'_error', 'peak', units, &
-                                      'bound of the error of the '//in_words(name)//' measured in the histories'), values)
+                                      'bound of the error of the measured '//in_words(name)// &
+                                      ', of a record half its interval'), values)
   end function bound
 
   pure function in_words(name) result(words)
@@ -74,20 +76,21 @@ contains
     type(result_variable) :: rows(4)
     rows = [ &
       case_variable(variable_text('displacement', 'point time', 'm', 'transverse displacement in the rotating frame', &
-                                  'Eqs 4, 13 and 29'), displacement), &
+                                  'Eqs 4, 13 and 29'), displacement, needs='simulated'), &
       case_variable(variable_text('velocity', 'point time', 'm s-1', 'transverse velocity in the rotating frame'), velocity, &
                     needs='velocity'), &
       case_variable(variable_text('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi'''), &
                     bending_moment, needs='bending_moment'), &
-      case_variable(variable_text('amplitude', 'point frequency', 'm', 'one-sided amplitude spectrum of the displacement'), &
-                    amplitude)]
+      case_variable(variable_text('amplitude', 'point frequency', unit_of_sensors, &
+                                  'one-sided amplitude spectrum of the histories'), amplitude)]
   end function history_variables
 
   pure function count_variables() result(rows)
     !! Counts, and how the case ended.
     type(result_variable) :: rows(3)
     rows = [ &
-      case_variable(variable_text('mode_count', '', '1', 'number of modes', is_integer=.true.), mode_count), &
+      case_variable(variable_text('mode_count', '', '1', 'number of modes', is_integer=.true.), mode_count, &
+                    needs='mode'), &
       case_variable(variable_text('peak_count', '', '1', 'number of measured peaks', is_integer=.true.), peak_count, &
                     needs='peak'), &
       case_variable(variable_text('case_status', '', '1', 'how the case ended', is_integer=.true., &

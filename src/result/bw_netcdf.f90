@@ -6,8 +6,8 @@ module bw_netcdf
   use bw_error, only: error_type, fail, status_bad_file, why_not_written
   use bw_missing, only: missing
   use bw_netcdf_path, only: plain_path
-  use netcdf, only: nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, nf90_global, nf90_inq_dimid, nf90_int, &
-    nf90_netcdf4, nf90_noclobber, nf90_noerr, nf90_put_att, nf90_put_var, nf90_strerror
+  use netcdf, only: nf90_char, nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, nf90_global, nf90_inq_dimid, &
+    nf90_int, nf90_netcdf4, nf90_noclobber, nf90_noerr, nf90_put_att, nf90_put_var, nf90_strerror
   implicit none (type, external)
   private
 
@@ -24,6 +24,7 @@ module bw_netcdf
     logical :: is_complete = .false.     !! every value exists, as of coordinates and of integers: there is no fill
     character(240) :: flags = ''         !! CF's flags, by spaces: what the numbers first_flag, first_flag + 1, … stand for
     integer :: first_flag = 0
+    logical :: has_masks = .false.       !! flags are bits 1, 2, 4, …, of which several may be set
   end type variable_text
 
   type, public :: known_series
@@ -38,6 +39,7 @@ module bw_netcdf
     integer :: rank = 0
     integer :: count = 0                 !! how many numbers it holds, or rows of them
     type(known_series), allocatable :: columns(:)   !! of a variable with rows; one of any other
+    character(:), allocatable :: names(:)           !! of a variable of texts; unallocated: of numbers
   end type known_values
 
   type, public :: netcdf_file
@@ -52,6 +54,7 @@ module bw_netcdf
     procedure :: define
     procedure :: define_known
     procedure :: define_rows
+    procedure :: define_names
     procedure :: put_text
     procedure :: put_known
     procedure :: close => close_file
@@ -110,7 +113,8 @@ contains
     call self%put_text('long_name', trim(text%long_name), error, variable)
     if (text%references /= '') call self%put_text('references', trim(text%references), error, variable)
     if (text%flags == '' .or. allocated(error)) return
-    call self%check(nf90_put_att(self%id, variable, 'flag_values', flag_values(text)), error)
+    call self%check(nf90_put_att(self%id, variable, trim(merge('flag_masks ', 'flag_values', text%has_masks)), &
+                                 flag_values(text)), error)
     call self%put_text('flag_meanings', trim(text%flags), error, variable)
   end subroutine define
 
@@ -124,6 +128,7 @@ contains
       if (text%flags(i:i) == ' ') n = n + 1
     end do
     values = [(int(text%first_flag + i, i4), i=0, n - 1)]
+    if (text%has_masks) values = 2_i4**[(i, i=0, n - 1)]
   end function flag_values
 
   subroutine define_known(self, text, error, values, count)
@@ -159,6 +164,22 @@ contains
     call self%put_aside(known)
   end subroutine define_rows
 
+  subroutine define_names(self, text, names, error)
+    !! A variable of texts, of two dimensions: names and their letters, with blanks behind them.
+    class(netcdf_file), intent(inout) :: self
+    type(variable_text), intent(in) :: text
+    character(*), intent(in) :: names(:)
+    type(error_type), allocatable, intent(inout) :: error
+    type(known_values) :: known
+    if (allocated(error)) return
+    call self%check(nf90_def_var(self%id, trim(text%name), nf90_char, self%dimension_ids(trim(text%dimensions)), &
+                                 known%variable), error)
+    call self%put_text('long_name', trim(text%long_name), error, known%variable)
+    call self%put_text('_Encoding', 'utf-8', error, known%variable)
+    known%names = names
+    call self%put_aside(known)
+  end subroutine define_names
+
   subroutine put_aside(self, known)
     !! Remember the values of a variable.
     class(netcdf_file), intent(inout) :: self
@@ -181,6 +202,10 @@ contains
     integer :: first, i, n, rows, start(2), counts(2)      ! NetCDF reads as many as the variable has dimensions
     do i = 1, self%known
       associate (known => self%list(i))
+        if (allocated(known%names)) then
+          if (.not. allocated(error)) call self%check(nf90_put_var(self%id, known%variable, known%names), error)
+          cycle
+        end if
         rows = max(1, at_once/size(known%columns))
         do first = 1, known%count, rows
           if (allocated(error)) return

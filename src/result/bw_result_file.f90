@@ -8,7 +8,7 @@ module bw_result_file
   use bw_error, only: error_type
   use bw_netcdf, only: netcdf_file, variable_text
   use bw_result_header, only: coordinates_of, put_coordinates, put_global_attributes, put_inputs, swept_names
-  use bw_result_layout, only: dimension_length, dimension_names, result_layout
+  use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
   use bw_result_variable, only: result_variable
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: numeric_input, numeric_inputs
@@ -42,6 +42,7 @@ contains
     if (allocated(error)) return
     call file%check(nf90_set_fill(file%id, nf90_nofill, former), error)    ! no array is written twice
     call put_global_attributes(file, scene, error)
+    if (allocated(layout%record)) call file%put_text('record_checksum', layout%record%checksums, error)
     do i = 1, size(dimension_names)
       associate (length => dimension_length(layout, trim(dimension_names(i))))
         if (length > 0) call file%add_dimension(trim(dimension_names(i)), length, error)
@@ -69,19 +70,20 @@ contains
     rows = variables_of(layout)
     do i = 1, size(rows)
       text = rows(i)%variable_text
-      coordinates = trim(adjustl(swept//position_of(text%dimensions)))
+      coordinates = trim(adjustl(swept//position_of(text%dimensions, has(layout, 'places'))))
       if (layout%cases > 0) text%dimensions = 'case '//trim(text%dimensions)
       call file%define(text, variable, error)
       if (coordinates /= '') call file%put_text('coordinates', coordinates, error, variable)
     end do
   end subroutine define_variables
 
-  pure function position_of(dimensions) result(name)
+  pure function position_of(dimensions, placed) result(name)
     !! The places along the beam that belong to a variable's dimensions, behind a space.
     character(*), intent(in) :: dimensions
+    logical, intent(in) :: placed                         !! points have places
     character(:), allocatable :: name
     name = ''
-    if (index(dimensions, 'point') == 1) name = ' point_position'
+    if (index(dimensions, 'point') == 1 .and. placed) name = ' point_position'
     if (index(' '//dimensions, ' profile') > 0) name = ' profile_position'
   end function position_of
 

@@ -1,5 +1,6 @@
 module bw_result_header
   !! What a result file says before its first case: global attributes, coordinates, and the inputs.
+  use bw_belief, only: window_end, window_start
   use bw_kinds, only: dp, i4
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type
@@ -16,6 +17,9 @@ module bw_result_header
   use netcdf, only: nf90_global, nf90_put_att
   implicit none (type, external)
   private
+  character(*), parameter :: number_of_file = 'record_file'   !! a variable of repeats
+  character(*), parameter :: quantities(*) = [character(12) :: 'displacement', 'velocity', 'acceleration', 'strain']
+
   public :: coordinates_of, put_global_attributes, put_coordinates, put_inputs, swept_names, source_text
 
 contains
@@ -110,15 +114,28 @@ contains
       number_of('mode_before', 'mode number k before the capture'), &
       number_of('event', 'number of the event'), &
       number_of('peak', 'number of the measured peak, by frequency'), &
+      number_of('window', 'part of the record'), &
+      number_of('candidate', 'number of what was looked at and is no line'), &
       number_of('piece', 'number of the piece of the beam, from the root'), &
       number_of('body', 'number of the body, in the order of the scene'), &
       number_of('stage', 'stage of the work', joined(stage_words)), &
       variable_text('profile_position', 'profile', '1', 'place along the beam, x/l', is_complete=.true.), &
-      variable_text('point_position', 'point', '1', 'place along the beam, x/l', is_complete=.true.), &
-      variable_text('time', 'time', 's', 'time since the impact', is_complete=.true.), &
+      point_row(layout), &
+      variable_text('time', 'time', 's', 'time since the '//trim(merge('first sample', 'impact      ', layout%of_record)), &
+                    is_complete=.true.), &
       variable_text('frequency', 'frequency', 'Hz', 'frequency', is_complete=.true.)]
     rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)), i=1, size(rows))])
   end function coordinates_of
+
+  pure type(variable_text) function point_row(layout) result(row)
+    !! The coordinate of points: their places, or the numbers of sensors whose places nobody says.
+    type(result_layout), intent(in) :: layout
+    if (has(layout, 'places')) then
+      row = variable_text('point_position', 'point', '1', 'place along the beam, x/l', is_complete=.true.)
+    else
+      row = number_of('point', 'number of the sensor')
+    end if
+  end function point_row
 
   pure type(variable_text) function number_of(name, long_name, flags) result(row)
     !! A coordinate that counts from 1.
@@ -144,7 +161,32 @@ contains
         call file%define_known(rows(i), error, axis(scene, layout, trim(rows(i)%name)))
       end if
     end do
+    if (allocated(layout%record)) call put_sensors(file, layout, error)
   end subroutine put_coordinates
+
+  subroutine put_sensors(file, layout, error)
+    !! What is known of the sensors of a record. **Errors**: `status_bad_file`.
+    class(netcdf_file), intent(inout) :: file
+    type(result_layout), intent(in) :: layout
+    type(error_type), allocatable, intent(inout) :: error
+    character(dimension_length(layout, 'letter')) :: names(layout%points)
+    type(variable_text) :: text
+    integer :: s
+    do s = 1, layout%points
+      names(s) = layout%record%sensors(s)%name
+    end do
+    call file%define_names(variable_text('sensor_name', 'point letter', long_name='name of the sensor'), names, error)
+    text = variable_text('sensor_quantity', 'point', '1', 'what the sensor measures', is_integer=.true., &
+                         flags=joined(quantities), first_flag=1)
+    call file%define_known(text, error, [(real(findloc(quantities == layout%record%sensors(s)%quantity, .true., dim=1), dp), &
+                                          s=1, layout%points)])
+    if (dimension_length(layout, 'window') > 0) then
+      text = variable_text('window_start', 'window', '1', 'where the part begins, part of the record', is_complete=.true.)
+      call file%define_known(text, error, window_start)
+      text = variable_text('window_end', 'window', '1', 'where the part ends, part of the record', is_complete=.true.)
+      call file%define_known(text, error, window_end)
+    end if
+  end subroutine put_sensors
 
   pure function axis(scene, layout, name) result(values)
     !! Places along the beam, times in s, or frequencies in Hz.
@@ -156,9 +198,15 @@ contains
     select case (name)
     case ('profile_position')
       values = [(real(j, dp)/(layout%profile - 1), j=0, layout%profile - 1)]
-    case ('point_position'); values = scene%response%points
-    case ('time'); values = sample_times(scene%response%duration, scene%response%samples)
-    case ('frequency'); values = frequency_axis(scene%response%samples, scene%response%duration)
+    case ('point_position')
+      if (layout%of_record) values = layout%record%sensors%position
+      if (.not. layout%of_record) values = scene%response%points
+    case ('time')
+      if (layout%of_record) values = layout%record%times
+      if (.not. layout%of_record) values = sample_times(scene%response%duration, scene%response%samples)
+    case ('frequency')
+      if (layout%of_record) values = layout%record%frequencies
+      if (.not. layout%of_record) values = frequency_axis(scene%response%samples, scene%response%duration)
     end select
   end function axis
 
@@ -174,6 +222,9 @@ contains
       do j = 1, size(inputs(i)%sweeps)
         if (inputs(i)%sweeps(j) > 0) names = names//' '//swept_variable(inputs(i), j)
       end do
+    end do
+    do i = 1, size(scene%sweeps)
+      if (scene%sweeps(i)%implied) names = names//' '//number_of_file
     end do
     names = trim(adjustl(names))
   end function swept_names
@@ -222,6 +273,11 @@ contains
           call file%define_known(text, error, input%values)
         end if
       end associate
+    end do
+    do i = 1, size(scene%sweeps)
+      if (.not. scene%sweeps(i)%implied) cycle
+      text = variable_text(number_of_file, 'case', '1', 'number of the file among those of the record', is_integer=.true.)
+      call file%define_rows(text, [known_series(scene%sweeps(i)%values, times_in_a_row(scene, i))], int(case_count(scene)), error)
     end do
   end subroutine put_inputs
 

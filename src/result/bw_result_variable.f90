@@ -11,6 +11,9 @@ module bw_result_variable
   private
   public :: case_variable, modal_variable, values_of_case, values_of_modes
 
+  character(*), parameter, public :: unit_of_sensors = 'of the sensors'
+    !! stands for the unit of what is measured, which a record's sensors tell; of simulated histories m
+
   type, extends(variable_text), public :: result_variable
     character(32) :: needs = ''
       !! what a result must have, beside the variable's dimensions, for the variable to be in it: words that `has` of

@@ -238,10 +238,12 @@ contains
   end function is_plain
 
   pure function method_name(scene) result(name)
-    !! How the modes of a scene are found, those of all its cases.
+    !! How the modes of a scene are found, those of all its cases; `record` where there are none.
     type(scene_type), intent(in) :: scene
     character(:), allocatable :: name
     integer(i8) :: closed, cases
+    name = 'record'
+    if (allocated(scene%record)) return
     call count_methods(scene, closed, cases)
     name = 'closed form'
     if (closed == cases) return

@@ -6,13 +6,16 @@ module bw_run_scene
   use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file
   use bw_existing_result, only: existing_result, look_at_existing
-  use bw_kinds, only: i1, i4, i8
+  use bw_kinds, only: dp, i1, i4, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, progress_type
   use bw_notes, only: notes_type
   use bw_one_case, only: case_cache, plan_case, run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
+  use bw_record, only: record_extent, record_type
+  use bw_record_case, only: keep_record
+  use bw_record_plan, only: plan_record
   use bw_report, only: case_report
   use bw_result_file, only: create_result, result_file
   use bw_result_header, only: source_text
@@ -43,6 +46,9 @@ contains
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(unfinished_work) :: work
+    type(record_extent), allocatable :: extents(:)
+    type(record_type) :: record                 ! the last that was read
+    real(dp) :: nothing(0)
     logical :: is_sweep
     integer(i4), allocatable :: go(:)           ! its size: 1 where there is work to do
     work%scene = scene
@@ -51,8 +57,14 @@ contains
     if (.not. (is_sweep .or. group%leads())) return
     outcome%file = directory//'/'//scene%name//'.nc'
     outcome%notes = ''
+    if (allocated(scene%record)) then
+      call plan_record(scene, work%layout, extents, record, error)
+      if (is_sweep) call group%collect(nothing, error)
+      if (allocated(error)) return
+    end if
     call work%plan(outcome%file, overwrite)
     work%identity = source_text()//new_line('a')//resolved_text(scene)//new_line('a')//fields_text(fields_of(work%layout))
+    if (allocated(work%layout%record)) work%identity = work%identity//work%layout%record%checksums//new_line('a')
     allocate (go(0))
     if (group%leads()) call look_first(work, progress, outcome, go, error)
     if (is_sweep) call group%share(go)
@@ -60,7 +72,7 @@ contains
     if (is_sweep) then
       call run_sweep(work, group, progress, outcome, error)
     else
-      call run_single(work, progress, outcome, error)
+      call run_single(work, record, progress, outcome, error)
     end if
   end subroutine run_scene
 
@@ -83,7 +95,7 @@ contains
     integer(i4), allocatable, intent(inout) :: go(:)
     type(error_type), allocatable, intent(out) :: error
     type(existing_result) :: existing
-    call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error)
+    call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error, record=checksums_of(work))
     if (existing%is_there) call work%clear()
     if (existing%is_there) call outcome%set_found(work%scene, work%layout, existing)
     if (existing%is_there .or. allocated(error)) return
@@ -92,7 +104,7 @@ contains
     if (.not. allocated(error)) call work%begin(error)
     if (allocated(error)) return
     ! a run may have ended just now
-    call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error)
+    call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error, record=checksums_of(work))
     if (existing%is_there) call outcome%set_found(work%scene, work%layout, existing)
     if (existing%is_there .or. allocated(error)) then
       call work%leave()
@@ -100,6 +112,14 @@ contains
       go = [1_i4]
     end if
   end subroutine look_first
+
+  pure function checksums_of(work) result(text)
+    !! The checksums of the files of a scene's record; empty where it has none.
+    type(unfinished_work), intent(in) :: work
+    character(:), allocatable :: text
+    text = ''
+    if (allocated(work%layout%record)) text = work%layout%record%checksums
+  end function checksums_of
 
   subroutine refuse_out_of_reach(scene, monitor, error)
     !! A single case whose tolerance is out of reach is refused before anything is written; in a sweep such a case is
@@ -123,9 +143,10 @@ contains
                              bytes_text(working_bytes(work%layout)))
   end subroutine ask_for_memory
 
-  subroutine run_single(work, progress, outcome, error)
+  subroutine run_single(work, record, progress, outcome, error)
     !! Run the only case. After an error, or when it is stopped, nothing is left of it.
     type(unfinished_work), intent(inout) :: work          !! locked
+    type(record_type), intent(inout) :: record            !! the scene's, used up; without samples where it has none
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
@@ -140,8 +161,10 @@ contains
     whole = .true.
     if (.not. allocated(error)) then
       call progress%begin(work%scene%name, 1_i8, 0_i8)
+      if (allocated(work%scene%record)) call keep_record(work%scene, record, cache%record)
       call run_case(work%scene, work%layout, watch, progress, cache, result, whole)
-      if (whole) call write_result(work, result, watch, progress, outcome, whole, error)
+      if (allocated(result%error)) call move_alloc(result%error, error)
+      if (whole .and. .not. allocated(error)) call write_result(work, result, watch, progress, outcome, whole, error)
       call progress%end()
     end if
     if (.not. whole) call outcome%set_stopped(0_i8, 1_i8)

@@ -107,7 +107,8 @@ contains
     whole = .false.
     call case_scene(self%scene, index, self%one, error)
     if (.not. allocated(error)) call run_case(self%one, self%layout, self%watch, self%monitor, self%cache, result, whole)
-    if (.not. whole) return
+    if (allocated(result%error)) call move_alloc(result%error, error)
+    if (.not. whole .or. allocated(error)) return
     call self%journal%prepare(case_length(self%fields), numbers, error)
     if (allocated(error)) return
     call put_fields(result, self%fields, numbers)

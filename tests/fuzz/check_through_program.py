@@ -21,6 +21,7 @@ SECONDS = 60  # far above any check: what takes longer hangs
 LOCATED = re.compile(r"\d{5}\.nml(:\d+)?: (text|&\w*|\w+%\S*): \S")
 GLUED_COMMENT = re.compile(r"[^\s!]!")  # f90nml 1.4 takes it for a part of the word before it
 PLACE = re.compile(r"\(\d+\)")  # of one of several, in a swept name
+EXIT_FILE = 3
 REPLACED = "replaced by a sweep"
 
 
@@ -51,8 +52,8 @@ def fault_of_program(program, text):
         return "hangs"
     accepted = text.with_suffix(".resolved").exists()
     messages = ended.stderr.decode("utf-8").splitlines()
-    if "can be read, and not yet run" in ended.stderr.decode("utf-8"):
-        return "" if accepted else "refused for two reasons"
+    if accepted and ended.returncode == EXIT_FILE and all(": cannot be read: " in line for line in messages):
+        return ""  # a record whose file is not here
     if ended.returncode != (0 if accepted else 2):
         return f"status {ended.returncode}: {messages}"
     if accepted:

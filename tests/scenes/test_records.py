@@ -108,14 +108,3 @@ def test_a_sweep_is_no_record(here):
     ended = here.beamwave("check", "again.nml")
     assert ended.returncode == 2
     assert "dimensions, as in a sweep" in ended.stderr
-
-
-def test_a_record_is_not_run_yet(here):
-    """To go when its lines are found."""
-    here.write("ring.csv", table())
-    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
-    for command in ["run", "accuracy", "effects"]:
-        ended = here.beamwave(command, "ring.nml")
-        assert (ended.returncode, len(ended.stderr.splitlines())) == (2, 1)
-        assert ended.stderr.startswith("ring.nml: &record: ")
-    assert here.left(".") == ["ring.csv", "ring.nml"]

@@ -6,8 +6,8 @@ import pytest
 from workplace import PAPER_BEAM, captured_beam, namelist
 
 SETS_AXES = {"response", "spectrum", "sweep"}  # groups, and one name beside them
-SETS_AXES |= {"record"}  # and some that are swept
-OF_RECORDS = {"record%start", "record%end", "spectrum%confidence", "spectrum%false_alarm"}  # swept, but not yet run
+SETS_AXES |= {"record"}
+OF_RECORDS = {"record%start", "record%end", "spectrum%confidence", "spectrum%false_alarm"}  # swept all the same: test_record_runs
 RESPONSE = {"duration": 0.02, "samples": 16, "points": [1.0]}
 SQUARE = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "area": 1e-3, "second_moment": 1e-7}
 BAR = {**{name: value for name, value in PAPER_BEAM.items() if name != "diameter"}, "width": 0.03, "height": 0.02}

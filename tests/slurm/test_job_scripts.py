@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 import results
+from ring_downs import FREQUENCY, text_of
 from slurm import PROJECT, TESTS, needs_mpi
 from workplace import SECONDS, captured_beam
 
@@ -18,8 +19,8 @@ RESPONSE = {"duration": 1.0, "samples": 4096}
 SOME = {"parameter": SPEED, "first": 0.0, "last": 100.0, "count": 8}
 PROBE, LONG = 50, 5.0  # cases that are timed, start-up being a small part, and the seconds that a long run is to take
 PART = 58  # s that a run of continue.sh has to spare: of the minute that Slurm gives at least, it uses two seconds
-SINGLE, ARRAY, MPI, CONTINUE, POSTPROCESS = (
-    PROJECT / f"jobs/{name}.sh" for name in ["single", "array", "mpi", "continue", "postprocess"]
+SINGLE, ARRAY, MPI, RECORDS, CONTINUE, POSTPROCESS = (
+    PROJECT / f"jobs/{name}.sh" for name in ["single", "array", "mpi", "records", "continue", "postprocess"]
 )
 
 
@@ -132,6 +133,16 @@ def test_a_sweep_over_ranks_has_the_bits_of_one_process(jobs, here):
     here.scene("a", captured_beam(response=RESPONSE), SOME)
     assert jobs.ended(here, "--ntasks=2", MPI, "a.nml", "--output", "by ranks")[1] == ("COMPLETED", 0)
     assert results.differences(here.result("a", "by ranks"), here.run("a")) == []
+
+
+def test_a_directory_of_records_is_one_result(jobs, here):
+    needs_mpi(jobs)
+    for seed in [1, 2, 3]:
+        here.write(f"the rings/it's {seed}.csv", text_of(seed))
+    here.write("ask.nml", "&record\n  quantity = 'acceleration'\n/\n&spectrum /\n")
+    assert jobs.ended(here, "--ntasks=2", RECORDS, "ask.nml", "the rings")[1] == ("COMPLETED", 0)
+    assert here.result("ask")["record_file"].tolist() == [1, 2, 3]
+    assert (here.result("ask")["peak_count"] == FREQUENCY.size).all()
 
 
 def test_a_sweep_over_ranks_that_is_asked_to_stop_goes_on_from_there(jobs, sweep, uninterrupted):

@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..parts.curves import Curve, panels_of
-from ..parts.labels import axis_label, flag_words
 from ..parts.select import Chosen, chosen
+from ..parts.sensors import common_label, sensor_name, status_words
 from ..parts.sheet import Given, sheet_for
 from ..result import require
 from ..style import MARKERS, curve_style, logarithmic, styled
@@ -34,7 +34,7 @@ def lines(ds: xr.Dataset, *, points: Chosen = None, cases: Chosen = None, ax: Gi
         _draw_decay(below, curve, len(drawn.curves))
     if sizes:
         logarithmic(above, "y", 0.4 * min(sizes), 2.5 * max(sizes))
-        above.set_ylabel(axis_label(ds[AMPLITUDE].rename("amplitude")))
+        above.set_ylabel(common_label(ds, AMPLITUDE, "Amplitude"))
     elif sheet.own:
         above.set_visible(False)
     below.axhline(0.0, color="0.5", linewidth=0.8, zorder=0)
@@ -51,12 +51,7 @@ def _draw_amplitudes(axes: Axes, curve: Curve, cases: int) -> list[float]:
         frequency, size, bar = (_values(case, name, point) for name in (FREQUENCY, AMPLITUDE, f"{AMPLITUDE}_error"))
         known = np.isfinite(frequency) & (size > 0.0)
         style = curve_style(point) if cases == 1 else curve.style
-        place = (
-            rf"$\xi$ = {float(case['point_position'][point]):.4g}"
-            if "point_position" in case
-            else f"sensor {point + 1}"
-        )
-        label = place if cases == 1 else curve.label
+        label = sensor_name(case, point) if cases == 1 else curve.label
         axes.vlines(
             frequency[known] / (2 * np.pi),
             np.finfo(float).tiny,
@@ -81,13 +76,14 @@ def _draw_decay(axes: Axes, curve: Curve, cases: int) -> None:
     """Decay rates with the intervals of both numbers; the marker is the line's status."""
     case = curve.data
     frequency, decay = _values(case, FREQUENCY), _values(case, DECAY)
-    words = flag_words(case["peak_status"]) if "peak_status" in case else {}
-    status = case["peak_status"].values if words else np.ones(frequency.size)
+    there = "peak_status" in case
+    status = case["peak_status"].values if there else np.ones(frequency.size)
     for number, value in enumerate(np.unique(status[np.isfinite(frequency)])):
         mine = np.isfinite(frequency) & np.isfinite(decay) & (status == value)
         across, along = (_bars(_values(case, f"{name}_error"), mine) for name in (FREQUENCY, DECAY))
         style = {**curve.style, "linestyle": "", "marker": MARKERS[int(number) % len(MARKERS)]}
-        label = words.get(int(value), "lines").replace("_", " ") if cases == 1 else None
+        words = status_words(case["peak_status"], int(value)) if there else "lines"
+        label = words if cases == 1 else None
         axes.errorbar(
             frequency[mine] / (2 * np.pi),
             decay[mine],

@@ -32,6 +32,8 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
     """
     ds = chosen(ds, points=points, cases=cases)
     require(ds, "amplitude", "frequency", "point_position")
+    if "noise_level" in ds:
+        raise NothingToDraw("the spectrum of a record is drawn by record_spectrum")
     if np.count_nonzero(ds["frequency"].values > 0.0) < 2:
         raise NothingToDraw("the spectrum has fewer than two frequencies above 0")
     drawn = panels_of(ds, "amplitude", panels=COLUMNS)

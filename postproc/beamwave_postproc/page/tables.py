@@ -10,7 +10,7 @@ import xarray as xr
 
 from ..parts.describe import effects_of
 from ..parts.events import events_of
-from ..parts.labels import flag_words
+from ..parts.sensors import status_words
 from ..parts.units import number_text, unit_text, units_of
 
 MAX_ROWS, MAX_MODES = 20, 10
@@ -121,7 +121,7 @@ def _peaks(case: xr.Dataset) -> Table | None:
     if "measured_angular_frequency" not in names:
         return None
     beta = case["measured_angular_frequency"].values
-    words = flag_words(case["peak_status"]) if "peak_status" in case else {}
+    told = "peak_status" in case
     columns = [
         "peak",
         "frequency (Hz)",
@@ -130,9 +130,9 @@ def _peaks(case: xr.Dataset) -> Table | None:
     rows = []
     for i in np.flatnonzero(np.isfinite(beta))[:MAX_ROWS]:
         values = [_with_error(case, name, i) for name in names]
-        status = [words.get(int(case["peak_status"][i]), "").replace("_", " ")] if words else []
+        status = [status_words(case["peak_status"], int(case["peak_status"][i]))] if told else []
         rows.append([str(int(case["peak"][i])), number(beta[i] / (2.0 * np.pi)), *values, *status])
-    return Table("Measured in the histories", columns + (["status"] if words else []), rows)
+    return Table("Measured in the histories", columns + (["status"] if told else []), rows)
 
 
 def _with_error(case: xr.Dataset, name: str, i: int) -> str:

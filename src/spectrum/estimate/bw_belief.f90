@@ -10,7 +10,7 @@ module bw_belief
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
-  use bw_line_errors, only: amplitude_deviation, decay_deviation, frequency_deviation, line_errors, line_errors_of
+  use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_noise_level, only: level_at
   use bw_order, only: ascending
   use bw_ordinates, only: ordinates_type
@@ -22,7 +22,7 @@ module bw_belief
   public :: believed_lines, normal_quantile
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
+  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
   real(dp), parameter :: told = 0.1_dp         !! bins of a window, of the bound of a frequency that the window tells
   real(dp), parameter :: near = 4              !! bins on either side of a line in which its shape leaves something
@@ -42,6 +42,8 @@ module bw_belief
     real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
     complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
     real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
+    real(dp), allocatable :: amplitude_noise(:)
+      !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
     integer :: status = 0
     real(dp) :: drift = 0, drift_bound = 0     !! change of frequency from the first sample to the last, and its bound
     real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
@@ -179,7 +181,7 @@ contains
     start = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))*bent_factor(own%bend(:own%powers), -1.0_dp)
     growth = abs(start)
     line%amplitude = own%amplitude/gain*start
-    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)))
+    allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))
     do s = 1, size(gain)
       associate (a => own%amplitude(s))
         along = 0
@@ -187,6 +189,7 @@ contains
         across = 0
         across(:, s) = [-along(2, s), along(1, s)]
         line%amplitude_bound(s) = min(amplitude_deviation(errors, j, along), undetermined)*growth/abs(gain(s))
+        line%amplitude_noise(s) = min(amplitude_noise(errors, j, s), undetermined)*growth/abs(gain(s))
         line%phase_bound(s) = min(amplitude_deviation(errors, j, across), pi*abs(a))/max(abs(a), tiny(1.0_dp))
       end associate
     end do

@@ -4,7 +4,7 @@ module bw_line_errors
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: amplitude_deviation, decay_deviation, frequency_deviation, line_errors_of
+  public :: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors_of
 
   type, public :: line_errors
     !! A fit as its errors follow from it.
@@ -94,6 +94,22 @@ contains
     total = position_deviation(errors, slope)
     if (total < huge(1.0_dp)) total = norm2([own, total])
   end function amplitude_deviation
+
+  pure real(dp) function amplitude_noise(errors, j, s) result(deviation)
+    !! The standard deviation of the real part of line j's amplitude at sensor s at known decays and frequencies; that of the
+    !! imaginary part is the same but for what is within a period of the record's ends.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j, s
+    real(dp), dimension(errors%reduced%linear) :: gradient, y
+    logical :: determined
+    gradient = 0
+    gradient(2*j - 1) = 1
+    associate (fit => errors%reduced)
+      call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
+    end associate
+    deviation = huge(1.0_dp)
+    if (determined) deviation = norm2(y)/sqrt(errors%weight(s))
+  end function amplitude_noise
 
   pure function turned(one, other, amplitude) result(slope)
     !! The slopes by −decay and by 2π·frequency of a line of an amplitude, where those of amplitudes 1 and i are known.

@@ -6,7 +6,7 @@ module bw_amplitude_spectrum
   use bw_magnitude, only: largest_magnitude
   implicit none (type, external)
   private
-  public :: amplitude_spectrum, frequency_axis, window_samples
+  public :: amplitude_spectrum, frequency_axis, window_at, window_samples
 
   real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -89,15 +89,24 @@ contains
     character(*), intent(in) :: word
     integer, intent(in) :: count
     real(dp) :: weight(count)
+    integer :: j
+    weight = window_at(word, [(real(j, dp), j=0, count - 1)], real(count, dp))
+  end function window_samples
+
+  pure function window_at(word, place, length) result(weight)
+    !! The same window at any places of a record.
+    character(*), intent(in) :: word
+    real(dp), intent(in) :: place(:), length      !! from the record's start, and the record's length, in the same unit
+    real(dp) :: weight(size(place))
     real(dp), allocatable :: a(:)
-    integer :: j, q
+    integer :: q
     allocate (a, source=window_coefficients(word))
-    if (count < 2*size(a) .or. size(a) == 0) a = [1.0_dp]
+    if (size(place) < 2*size(a) .or. size(a) == 0) a = [1.0_dp]
     weight = a(1)
     do q = 1, size(a) - 1
-      weight = weight + (-1)**q*a(q + 1)*[(cos(2*pi*q*real(j, dp)/count), j=0, count - 1)]
+      weight = weight + (-1)**q*a(q + 1)*cos(2*pi*q*place/length)
     end do
-  end function window_samples
+  end function window_at
 
   pure function window_coefficients(word) result(a)
     !! The coefficients a_0, a_1, … of the window; there are none if the word is not known.

@@ -2,6 +2,7 @@ module bw_mode_ratio
   !! The wave number α = P l that the ratio R of a mode's shape at midpoint and tip fixes through Φ(½) − R Φ(1) = 0 (Eqs 18, 20),
   !! and the mass at the tip that the wave number implies (Eq. 19). All modes of one beam imply the same mass.
   use bw_kinds, only: dp
+  use bw_wave_shapes, only: tip_shape
   implicit none (type, external)
   private
   public :: alpha_of_ratio, alpha_range, mass_angle, mode_near
@@ -28,9 +29,9 @@ contains
     logical, intent(out) :: found                 !! some α in the mode's range gives a ratio within the error
     real(dp) :: low, high, range(2)
     range = alpha_range(mode)
-    alpha = root(ratio, mode, range)
-    low = root(ratio - ratio_error, mode, range)
-    high = root(ratio + ratio_error, mode, range)
+    alpha = root(ratio, range)
+    low = root(ratio - ratio_error, range)
+    high = root(ratio + ratio_error, range)
     alpha_error = max(abs(alpha - low), abs(high - alpha)) + 8*epsilon(1.0_dp)*alpha
     found = any([low, alpha, high] > range(1) .and. [low, alpha, high] < range(2)) .or. abs(high - low) > 0
   end subroutine alpha_of_ratio
@@ -43,21 +44,20 @@ contains
     if (mode > 1) range = [(mode - 0.75_dp)*pi - margin, (mode - 0.5_dp)*pi + margin]
   end function alpha_range
 
-  pure real(dp) function root(ratio, mode, range)
+  pure real(dp) function root(ratio, range)
     !! The zero of Φ(½) − R Φ(1) in the range by regula falsi (Illinois), or the nearer end of the range if there is none.
     real(dp), intent(in) :: ratio, range(2)
-    integer, intent(in) :: mode
     real(dp) :: a, b, fa, fb, f
     integer :: i
     a = range(1)
     b = range(2)
-    fa = mismatch(a, ratio, mode)
-    fb = mismatch(b, ratio, mode)
+    fa = mismatch(a, ratio)
+    fb = mismatch(b, ratio)
     root = merge(a, b, abs(fa) < abs(fb))
     if ((fa < 0) .eqv. (fb < 0)) return
     do i = 1, max_steps
       root = b - fb*(b - a)/(fb - fa)
-      f = mismatch(root, ratio, mode)
+      f = mismatch(root, ratio)
       if (f == 0 .or. abs(root - b) <= spacing(b)) return
       if ((f < 0) .neqv. (fb < 0)) then
         a = b
@@ -70,52 +70,13 @@ contains
     end do
   end function root
 
-  pure real(dp) function mismatch(alpha, ratio, mode)
-    !! The number (Φ(½) − R Φ(1))/(1 + |R|), which is 0 where the ratio is met.
+  pure real(dp) function mismatch(alpha, ratio)
+    !! The number (Φ(½) − R Φ(1))/(1 + |R|), over α² if that is less than 1, which is 0 where the ratio is met.
     real(dp), intent(in) :: alpha, ratio
-    integer, intent(in) :: mode
-    if (mode == 1) then
-      mismatch = low_shape(alpha, 0.5_dp) - ratio*low_shape(alpha, 1.0_dp)
-    else
-      mismatch = shape_at(alpha, 0.5_dp) - ratio*shape_at(alpha, 1.0_dp)
-    end if
-    mismatch = mismatch/(1 + abs(ratio))
+    complex(dp) :: shape(2)
+    shape = tip_shape(cmplx(alpha, kind=dp), [0.5_dp, 1.0_dp], 1.0_dp)
+    mismatch = (shape(1)%re - ratio*shape(2)%re)/(1 + abs(ratio))/min(alpha, 1.0_dp)**2
   end function mismatch
-
-  pure real(dp) function shape_at(alpha, xi)
-    !! The shape Φ(ξ) of a beam clamped at its root whose tip is free of moment, with decaying exponentials only; α > 1.
-    real(dp), intent(in) :: alpha, xi
-    real(dp) :: decay, remainder
-    decay = exp(-alpha)
-    remainder = 2*(sin(alpha) - cos(alpha) - decay)/(1 + (2*sin(alpha) - decay)*decay)  ! (1 − σ) e^α
-    shape_at = cos(alpha*xi) - (1 - remainder*decay)*sin(alpha*xi) - (1 - remainder*decay/2)*exp(-alpha*xi) &
-      & - remainder*exp(-alpha*(1 - xi))/2
-  end function shape_at
-
-  pure real(dp) function low_shape(alpha, xi)
-    !! The same shape over α², by a series, since the closed form cancels for α → 0.
-    real(dp), intent(in) :: alpha, xi
-    real(dp) :: z, sigma
-    z = alpha*xi
-    sigma = (cos(alpha) + cosh(alpha))/(sin(alpha) + sinh(alpha))
-    low_shape = 2*xi*xi*(sigma*z*odd_series(z**4, 2) - odd_series(z**4, 1))
-  end function low_shape
-
-  pure real(dp) function odd_series(power, start)
-    !! The sum 1/m! + z⁴/(m+4)! + z⁸/(m+8)! + …, with m = start + 1 and power = z⁴ < 13.
-    real(dp), intent(in) :: power
-    integer, intent(in) :: start
-    real(dp) :: term
-    integer :: m
-    m = start + 1
-    term = 1.0_dp/merge(2, 6, start == 1)
-    odd_series = 0
-    do while (term > epsilon(1.0_dp)**2)
-      odd_series = odd_series + term
-      term = term*power/(real(m + 1, dp)*(m + 2)*(m + 3)*(m + 4))
-      m = m + 4
-    end do
-  end function odd_series
 
   pure real(dp) function mass_angle(alpha, mode)
     !! The angle whose tangent is γ = (1 + cos α cosh α)/(α (sin α cosh α − cos α sinh α)), Eq. 19. It falls smoothly from π/2

@@ -1,0 +1,155 @@
+"""Pictures of a record: fit, spectrum, parts, shapes and dispersion of its lines."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from beamwave_postproc import (
+    NothingToDraw,
+    record_dispersion,
+    record_fit,
+    record_shapes,
+    record_spectrum,
+    record_windows,
+    spectrum,
+)
+
+HERTZ = np.array([10.0, 60.0])
+STATUS = {"flag_masks": [1, 2, 4, 8, 16], "flag_meanings": "line close_pair harmonic drifting at_edge"}
+TIME = np.arange(1000) / 500.0
+ROOT = 8.0
+
+
+@pytest.fixture
+def record():
+    """Two lines at two sensors, the second a drifting harmonic; a third place in the file is empty."""
+    fitted = np.array([np.cos(2 * np.pi * 10 * TIME) * np.exp(-TIME), 0.5 * np.cos(2 * np.pi * 60 * TIME)])
+    recorded = fitted + 0.01 * np.cos(37.0 * np.arange(1000.0) ** 2)
+    frequency = np.arange(501) / 2.0
+    beta = np.append(2 * np.pi * HERTZ, np.nan)
+    wave = np.append(np.sqrt(2 * np.pi * HERTZ / ROOT), np.nan)
+    windows = np.full((3, 6), np.nan)
+    windows[0] = beta[0] + 0.01 * np.arange(6)
+    amplitude = 1e-3 + np.where(np.isin(frequency, HERTZ), 0.5, 0.0) * np.ones((2, 1))
+    return xr.Dataset(
+        {
+            "measured_angular_frequency": ("peak", beta, {"units": "rad s-1"}),
+            "measured_angular_frequency_error": ("peak", [0.1, 0.2, np.nan]),
+            "measured_decay_rate": ("peak", [1.0, 0.5, np.nan], {"units": "s-1"}),
+            "measured_decay_rate_error": ("peak", [0.1, 0.2, np.nan]),
+            "measured_amplitude": (("point", "peak"), [[1.0, 0.1, np.nan], [0.5, 0.2, np.nan]], {"units": "m s-2"}),
+            "measured_amplitude_error": (("point", "peak"), np.full((2, 3), 0.01)),
+            "measured_phase": (("point", "peak"), [[0.3, 1.0, np.nan], [0.3 + np.pi, 1.0, np.nan]]),
+            "measured_phase_error": (("point", "peak"), np.full((2, 3), 0.01)),
+            "measured_wavenumber": ("peak", wave, {"units": "m-1"}),
+            "measured_wavenumber_error": ("peak", [0.01, 0.02, np.nan]),
+            "measured_stiffness_root": ((), ROOT),
+            "measured_stiffness_root_error": ((), 0.1),
+            "peak_status": ("peak", [1, 12, 0], STATUS),
+            "peak_count": ((), 2),
+            "window_angular_frequency": (("peak", "window"), windows),
+            "window_angular_frequency_bound": (("peak", "window"), np.full((3, 6), 0.005)),
+            "window_decay_rate": (("peak", "window"), np.where(np.isfinite(windows), 1.0, np.nan)),
+            "window_decay_rate_bound": (("peak", "window"), np.full((3, 6), 0.02)),
+            "window_start": ("window", [0.0, 0.5, 0.0, 0.25, 0.5, 0.75]),
+            "window_end": ("window", [0.5, 1.0, 0.25, 0.5, 0.75, 1.0]),
+            "candidate_angular_frequency": ("candidate", [2 * np.pi * 100.0, np.nan]),
+            "candidate_reason": ("candidate", [2, 0], {"flag_values": [1, 2], "flag_meanings": "not_needed too_broad"}),
+            "candidate_count": ((), 1),
+            "recorded": (("point", "time"), recorded, {"units": "m s-2"}),
+            "fitted": (("point", "time"), fitted, {"units": "m s-2"}),
+            "amplitude": (("point", "frequency"), amplitude, {"units": "m s-2"}),
+            "noise_level": (("point", "frequency"), np.full((2, 501), 2e-3), {"units": "m s-2"}),
+            "sensor_name": ("point", ["mid [m/s2]", "tip [m/s2]"]),
+            "sensor_quantity": (
+                "point",
+                [3, 3],
+                {"flag_values": [1, 2, 3, 4], "flag_meanings": "displacement velocity acceleration strain"},
+            ),
+        },
+        {
+            "peak": [1, 2, 3],
+            "time": TIME,
+            "frequency": ("frequency", frequency, {"units": "Hz"}),
+            "point_position": ("point", [0.5, 1.0], {"units": "1"}),
+        },
+        {"title": "A ring-down", "effects": "", "method": "record"},
+    )
+
+
+def words_of(fig):
+    return " ".join(text.get_text() for text in fig.texts).replace("\n", " ")
+
+
+def test_a_fit_has_a_row_for_each_sensor_and_its_beginning_beside_it(record):
+    fig = record_fit(record)
+    whole, near = fig.axes[:2]
+    assert len(fig.axes) == 4
+    assert near.get_xlim()[1] < 0.5 * whole.get_xlim()[1]
+    assert whole.get_ylabel().startswith("mid") and whole.get_ylabel().endswith("Acceleration (m/s²)")
+    assert {text.get_text() for text in fig.legends[0].get_texts()} == {"record", "its lines", "what they leave"}
+
+
+def test_a_thinned_record_is_a_band(record):
+    pairs = record.isel(time=slice(0, 1000)).copy(deep=True)
+    for name in ("recorded", "fitted"):
+        values = pairs[name].values
+        low, high = np.minimum(values[:, ::2], values[:, 1::2]), np.maximum(values[:, ::2], values[:, 1::2])
+        pairs[name].values[:, ::2], pairs[name].values[:, 1::2] = low, high
+    fig = record_fit(pairs)
+    assert len(fig.axes) == 2 and not fig.axes[0].lines
+    assert "least to largest" in words_of(fig)
+
+
+def test_a_spectrum_marks_lines_by_what_they_are_and_rejected_places(record):
+    fig = record_spectrum(record)
+    axes = fig.axes[0]
+    by_label = {line.get_label(): line for line in axes.lines}
+    np.testing.assert_allclose(by_label["line"].get_xdata(), [10.0])
+    np.testing.assert_allclose(by_label["harmonic, drifting"].get_xdata(), [60.0])
+    np.testing.assert_allclose(by_label["line"].get_ydata(), [0.501])
+    np.testing.assert_allclose(by_label["looked at, no line"].get_xdata(), [100.0])
+    assert "1 too broad" in words_of(fig)
+    with pytest.raises(NothingToDraw, match="record_spectrum"):
+        spectrum(record)
+
+
+def test_parts_are_bars_as_long_as_they_are(record):
+    fig = record_windows(record)
+    frequency, _ = fig.axes
+    halves, quarters = frequency.containers
+    np.testing.assert_allclose(halves.lines[0].get_xdata(), [0.25, 0.75])
+    np.testing.assert_allclose(quarters.lines[0].get_ydata(), 1e3 * 0.01 * np.arange(2, 6) / (2 * np.pi))
+    across, along = (bar.get_segments()[0] for bar in quarters.lines[2])
+    assert np.ptp(across[:, 0]) == pytest.approx(0.25)
+    assert np.ptp(along[:, 1]) == pytest.approx(2 * 2 * 1e3 * 0.005 / (2 * np.pi))
+    assert "1 of 2 lines" in words_of(fig)
+
+
+def test_shapes_have_signs_by_their_phase(record):
+    axes = record_shapes(record).axes[0]
+    first, second = (box.lines[0].get_ydata() for box in axes.containers)
+    assert first[0] > 0.0 > first[1] and first[1] == pytest.approx(-0.5 * first[0])
+    assert (second > 1.0).all()
+
+
+def test_a_dispersion_shows_lines_and_the_curve_through_them(record):
+    fig = record_dispersion(record)
+    axes = fig.axes[0]
+    curve, wave = axes.lines[0], axes.containers[0].lines[0]
+    np.testing.assert_allclose(wave.get_ydata(), HERTZ)
+    np.testing.assert_allclose(np.interp(wave.get_xdata(), *curve.get_data()), HERTZ, rtol=1e-3)
+    assert "8 ± 0.1 m²/s" in words_of(fig)
+
+
+def test_of_a_sweep_the_first_case_with_lines_is_drawn(record):
+    empty = record.assign(peak_count=((), 0), measured_angular_frequency=record.measured_angular_frequency * np.nan)
+    swept = xr.concat([empty, record], dim="case", data_vars="all", coords="minimal")
+    swept = swept.assign({name: record[name] for name in ("window_start", "window_end", "sensor_name", "sensor_quantity")})
+    assert "case 2 of 2" in words_of(record_spectrum(swept))
+
+
+@pytest.mark.parametrize("draw", [record_fit, record_spectrum, record_windows, record_shapes, record_dispersion])
+def test_what_is_no_record_is_refused(draw):
+    with pytest.raises(NothingToDraw):
+        draw(xr.Dataset(attrs={"method": "closed form"}))

@@ -1,0 +1,64 @@
+module bw_quantile
+  !! Quantiles of Student's distribution, and how unlikely a sum of squares is.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: squares_deviation, student_quantile
+
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  integer, parameter, public :: normal = huge(1)   !! degrees of freedom of a normal number
+
+contains
+
+  pure real(dp) function student_quantile(confidence, freedom) result(quantile)
+    !! The number t with which an interval of ±t standard deviations, known from so many degrees of freedom, holds the true
+    !! value with this probability; by bisection of t/(1 + t).
+    real(dp), intent(in) :: confidence         !! 0 … 1
+    integer, intent(in) :: freedom             !! ≥ 1, or `normal`
+    real(dp) :: low, high, middle
+    low = 0
+    high = 1
+    do
+      middle = (low + high)/2
+      if (middle <= low .or. middle >= high) exit
+      if (held(middle/(1 - middle), freedom) < confidence) then
+        low = middle
+      else
+        high = middle
+      end if
+    end do
+    quantile = low/(1 - low)
+  end function student_quantile
+
+  pure real(dp) function held(t, freedom)
+    !! The probability that Student's number is between −t and t: finite sums for whole degrees of freedom (Abramowitz &
+    !! Stegun 26.7.3 and 26.7.4), and the normal distribution for a great many.
+    real(dp), intent(in) :: t
+    integer, intent(in) :: freedom
+    real(dp) :: angle, term
+    integer :: j
+    if (freedom > 10000) then
+      held = erf(t/sqrt(2.0_dp))
+      return
+    end if
+    angle = atan(t/sqrt(real(freedom, dp)))
+    held = 0
+    term = merge(cos(angle), 1.0_dp, mod(freedom, 2) == 1)
+    do j = merge(3, 2, mod(freedom, 2) == 1), freedom, 2
+      held = held + term
+      term = term*cos(angle)**2*(j - 1)/j
+    end do
+    held = held*sin(angle)
+    if (mod(freedom, 2) == 1) held = 2/pi*(angle + held)
+  end function held
+
+  pure real(dp) function squares_deviation(squares, freedom) result(deviation)
+    !! How far a sum of squared normal numbers is above what it should be, as a normal number (Wilson & Hilferty 1931).
+    real(dp), intent(in) :: squares
+    integer, intent(in) :: freedom             !! ≥ 1
+    real(dp) :: variance
+    variance = 2/(9.0_dp*freedom)
+    deviation = ((max(squares, 0.0_dp)/freedom)**(1/3.0_dp) - 1 + variance)/sqrt(variance)
+  end function squares_deviation
+
+end module bw_quantile

@@ -1,0 +1,134 @@
+module bw_record_case
+  !! A case whose histories are read from a file: record ► lines ► waves ► result. The main line of records, beside that of simulated
+  !! cases.
+  use bw_amplitude_spectrum, only: spectrum_plan
+  use bw_belief, only: believed_line, believed_lines
+  use bw_case_result, only: add_notes, case_result
+  use bw_damped_search, only: find_damped_lines, found_lines
+  use bw_kinds, only: dp, i8
+  use bw_monitor, only: monitor_type
+  use bw_note, only: remark
+  use bw_read_record, only: read_record
+  use bw_record, only: extent_of, record_type
+  use bw_record_lines, only: lines_in_si
+  use bw_record_view, only: samples_of, view_fit, view_histories, view_noise, view_spectra
+  use bw_record_waves, only: find_record_waves
+  use bw_result_layout, only: result_layout
+  use bw_samples, only: samples_type
+  use bw_scene, only: scene_type
+  use bw_stopwatch, only: stage_response, stage_spectrum, stopwatch
+  use bw_text, only: append, shortest, text_of
+  implicit none (type, external)
+  private
+  public :: keep_record, run_record_case
+
+  integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
+
+  type, public :: record_cache
+    !! The record of the last case, and the part of it.
+    type(record_type) :: record
+    integer :: file = 0                                !! its number; 0: there is none
+    real(dp) :: part(2) = 0                            !! first and last time, as the scene says them
+    type(spectrum_plan) :: spectrum
+  end type record_cache
+
+contains
+
+  subroutine run_record_case(scene, layout, watch, monitor, cache, result, whole)
+    !! The way the data goes.
+    type(scene_type), intent(in) :: scene              !! without sweeps
+    type(result_layout), intent(in) :: layout          !! as `plan_record` leaves it
+    type(stopwatch), intent(inout) :: watch
+    class(monitor_type), intent(inout) :: monitor
+    type(record_cache), intent(inout) :: cache
+    type(case_result), intent(out) :: result           !! with an error where the record cannot be read
+    logical, intent(out) :: whole                      !! false where the monitor asked to stop before all was done
+    type(record_type) :: record
+    type(samples_type) :: samples
+    type(found_lines) :: found
+    type(believed_line), allocatable :: believed(:)
+    call watch%start()
+    whole = .false.
+    allocate (result%notes(0))
+    call take_record(scene, cache, record, result)
+    if (monitor%stop_requested()) return
+    whole = allocated(result%error)
+    if (whole) return
+    call watch%lap(stage_response)
+
+    allocate (result%record)
+    result%record%extent = extent_of(record)
+    call add_notes(result%notes, record%notes)
+    call view_spectra(record, layout, scene%spectrum%window, cache%spectrum, result%amplitude)
+    call view_histories(record, layout, result%record%recorded)
+    if (monitor%stop_requested()) return
+
+    samples = samples_of(record)
+    call move_alloc(record%values, samples%value)
+    call find_damped_lines(samples, scene%spectrum%false_alarm, found, monitor)
+    if (monitor%stop_requested()) return
+    believed = believed_lines(samples, found, scene%spectrum%confidence, scene%spectrum%false_alarm)
+    result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
+    call view_noise(record, layout, scene%spectrum%window, found, result%record%noise)
+    call view_fit(record, layout, found, result%record)
+    if (monitor%stop_requested()) return
+    call find_record_waves(scene, layout, result)
+    call note_lines(scene, result)
+    call watch%lap(stage_spectrum)
+    whole = .true.
+  end subroutine run_record_case
+
+  subroutine take_record(scene, cache, record, result)
+    !! The record from the case before, or from its file. A small one stays for the next case.
+    type(scene_type), intent(in) :: scene
+    type(record_cache), intent(inout) :: cache
+    type(record_type), intent(out) :: record
+    type(case_result), intent(inout) :: result
+    real(dp) :: part(2)
+    part = [scene%record%first_time, scene%record%last_time]
+    if (cache%file /= scene%record%file .or. any(abs(cache%part - part) > 0)) then
+      cache%file = 0
+      call read_record(scene, scene%record%file, record, result%error)
+      if (allocated(result%error)) return
+      call keep_record(scene, record, cache)
+    end if
+    if (size(cache%record%values, kind=i8) <= few_numbers) then
+      record = cache%record
+    else
+      call move_record(cache%record, record)
+      cache%file = 0
+    end if
+  end subroutine take_record
+
+  subroutine keep_record(scene, record, cache)
+    !! Put a record into the cache: that of the scene's case.
+    type(scene_type), intent(in) :: scene
+    type(record_type), intent(inout) :: record         !! its values are moved away
+    type(record_cache), intent(inout) :: cache
+    call move_record(record, cache%record)
+    cache%file = scene%record%file
+    cache%part = [scene%record%first_time, scene%record%last_time]
+  end subroutine keep_record
+
+  subroutine move_record(from, to)
+    !! Move a record whose values may be many.
+    type(record_type), intent(inout) :: from
+    type(record_type), intent(out) :: to
+    real(dp), allocatable :: values(:, :)
+    call move_alloc(from%values, values)
+    to = from
+    call move_alloc(values, to%values)
+  end subroutine move_record
+
+  subroutine note_lines(scene, result)
+    !! What there is to say of the lines.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    associate (lines => result%record%lines)
+      if (size(lines%angular_frequency) == 0) call append(result%notes, 'no line: nothing stands out of the noise by more '// &
+        'than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
+      if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
+    end associate
+  end subroutine note_lines
+
+end module bw_record_case

@@ -1,0 +1,181 @@
+module bw_record_view
+  !! What is drawn of a record, on the axes of its result: histories and their fit over time, amplitudes and noise over
+  !! frequency.
+  use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan, window_at
+  use bw_case_result, only: record_result
+  use bw_damped_search, only: found_lines
+  use bw_fourier, only: real_fourier
+  use bw_kinds, only: dp
+  use bw_missing, only: is_missing, missing
+  use bw_noise_level, only: quantile_of
+  use bw_record, only: record_type
+  use bw_record_lines, only: fitted_history, noise_level
+  use bw_result_layout, only: record_layout, result_layout
+  use bw_samples, only: samples_type, span_of
+  use bw_uneven_fourier, only: uneven_transform
+  implicit none (type, external)
+  private
+  public :: samples_of, step_of, view_fit, view_histories, view_noise, view_spectra
+
+contains
+
+  pure real(dp) function step_of(record) result(step)
+    !! The interval of samples [s]; of uneven ones the median.
+    type(record_type), intent(in) :: record
+    step = record%interval
+    if (step > 0) return
+    associate (times => record%times, n => size(record%times))
+      step = quantile_of(times(2:) - times(:n - 1), 0.5_dp)
+    end associate
+  end function step_of
+
+  pure function samples_of(record) result(samples)
+    !! The times of a record as the search for lines counts them, without values.
+    type(record_type), intent(in) :: record
+    type(samples_type) :: samples
+    samples%count = size(record%times)
+    samples%step = step_of(record)
+    if (.not. record%interval > 0) samples%place = record%times/samples%step
+  end function samples_of
+
+  subroutine view_spectra(record, layout, window, plan, amplitude)
+    !! The amplitude spectrum of each sensor: the largest amplitude around each frequency of the result.
+    type(record_type), intent(in) :: record
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: window               !! a word of `&spectrum`
+    type(spectrum_plan), intent(inout) :: plan
+    real(dp), allocatable, intent(out) :: amplitude(:, :)    !! (frequencies, sensors); unallocated where it is not shown
+    real(dp), allocatable :: own(:)
+    type(samples_type) :: samples
+    real(dp) :: spacing
+    integer :: s
+    if (layout%frequencies == 0) return
+    samples = samples_of(record)
+    allocate (amplitude(layout%frequencies, layout%points))
+    do s = 1, layout%points
+      if (allocated(samples%place)) then
+        call uneven_spectrum(samples, record%values(:, s), window, own, spacing)
+      else
+        if (.not. allocated(own)) allocate (own(0:samples%count/2))
+        call amplitude_spectrum(record%values(:, s), window, plan, own)
+        spacing = 1/(samples%count*samples%step)
+      end if
+      amplitude(:, s) = on_axis(own, spacing, layout%record%frequencies)
+    end do
+  end subroutine view_spectra
+
+  subroutine uneven_spectrum(samples, values, window, amplitude, spacing)
+    !! The amplitude spectrum of samples at uneven times, each with the same weight but for the window.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: values(:)
+    character(*), intent(in) :: window
+    real(dp), allocatable, intent(inout) :: amplitude(:)     !! from 0 to half of one over the step
+    real(dp), intent(out) :: spacing                 !! Hz
+    type(real_fourier) :: fourier
+    complex(dp), allocatable :: spectrum(:)
+    real(dp), allocatable :: weight(:)
+    integer :: length
+    length = 2*ceiling(span_of(samples)/2)
+    weight = window_at(window, samples%place, span_of(samples))
+    allocate (spectrum(0:length/2))
+    call uneven_transform(samples%place, values*weight, length, fourier, spectrum)
+    amplitude = 2*abs(spectrum)/sum(weight)
+    amplitude(1) = amplitude(1)/2
+    spacing = 1/(length*samples%step)
+  end subroutine uneven_spectrum
+
+  pure function on_axis(own, spacing, axis) result(values)
+    !! The largest of the ordinates that are nearer to a frequency of the axis than to the next, or the nearest where there is
+    !! none; `missing` beyond them.
+    real(dp), intent(in) :: own(0:)                  !! ordinates at multiples of …
+    real(dp), intent(in) :: spacing                  !! … this, Hz
+    real(dp), intent(in) :: axis(:)                  !! evenly spaced from 0, Hz
+    real(dp) :: values(size(axis)), cell
+    integer :: j, first, last
+    cell = axis(2)/spacing
+    values = missing
+    do j = 1, size(axis)
+      first = max(0, ceiling((j - 1.5_dp)*cell))
+      last = min(size(own) - 1, ceiling((j - 0.5_dp)*cell) - 1)
+      if (first > size(own) - 1) exit
+      if (last < first) last = min(size(own) - 1, nint((j - 1)*cell))
+      values(j) = maxval(own(min(first, last):last))
+    end do
+  end function on_axis
+
+  subroutine view_noise(record, layout, window, found, noise)
+    !! What noise alone makes of the amplitude spectrum: the root of the mean square.
+    type(record_type), intent(in) :: record          !! its values do not count
+    type(result_layout), intent(in) :: layout
+    character(*), intent(in) :: window
+    type(found_lines), intent(in) :: found
+    real(dp), allocatable, intent(out) :: noise(:, :)        !! (frequencies, sensors)
+    real(dp), allocatable :: weight(:)
+    type(samples_type) :: samples
+    real(dp) :: factor
+    integer :: j, s
+    if (layout%frequencies == 0) return
+    samples = samples_of(record)
+    weight = window_at(window, record%times, span_of(samples)*samples%step)
+    factor = 2*norm2(weight)/sum(weight)
+    allocate (noise(layout%frequencies, layout%points), source=missing)
+    do s = 1, layout%points
+      do j = 1, layout%frequencies
+        associate (frequency => layout%record%frequencies(j))
+          if (2*frequency*samples%step <= 1) noise(j, s) = factor*noise_level(samples, found, frequency, s)
+        end associate
+      end do
+    end do
+  end subroutine view_noise
+
+  pure subroutine view_histories(record, layout, shown)
+    !! The samples, at the times of the result.
+    type(record_type), intent(in) :: record
+    type(result_layout), intent(in) :: layout
+    real(dp), allocatable, intent(out) :: shown(:, :)        !! (times, sensors)
+    integer :: s
+    if (layout%samples == 0) return
+    allocate (shown(layout%samples, layout%points))
+    do s = 1, layout%points
+      shown(:, s) = at_times(record%times, record%values(:, s), layout%record)
+    end do
+  end subroutine view_histories
+
+  subroutine view_fit(record, layout, found, result)
+    !! What the lines make of the record, at the same times.
+    type(record_type), intent(in) :: record          !! its values do not count
+    type(result_layout), intent(in) :: layout
+    type(found_lines), intent(in) :: found
+    type(record_result), intent(inout) :: result     !! gets `fitted`
+    type(samples_type) :: samples
+    integer :: s
+    if (layout%samples == 0) return
+    samples = samples_of(record)
+    allocate (result%fitted(layout%samples, layout%points))
+    do s = 1, layout%points
+      result%fitted(:, s) = at_times(record%times, fitted_history(samples, found, s), layout%record)
+    end do
+  end subroutine view_fit
+
+  pure function at_times(times, history, axes) result(shown)
+    !! A history at the times of the result: the samples themselves, or in turn the least and the largest of a stretch.
+    real(dp), intent(in) :: times(:), history(:)     !! since the first sample [s]; (samples)
+    type(record_layout), intent(in) :: axes
+    real(dp) :: shown(size(axes%times))
+    real(dp) :: stretch
+    integer :: j, k
+    shown = missing
+    if (.not. axes%stretched) then
+      shown(:size(history)) = history
+      return
+    end if
+    stretch = 2*axes%times(2)
+    do j = 1, size(history)
+      k = 2*min(int(times(j)/stretch + 0.25_dp), size(shown)/2 - 1) + 1
+      if (is_missing(shown(k))) shown(k:k + 1) = history(j)
+      shown(k) = min(shown(k), history(j))
+      shown(k + 1) = max(shown(k + 1), history(j))
+    end do
+  end function at_times
+
+end module bw_record_view

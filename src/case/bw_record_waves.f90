@@ -1,0 +1,114 @@
+module bw_record_waves
+  !! Waves of the lines of a record: what their amplitudes at sensors of known places say of the beam.
+  use bw_beam_units, only: beam_units, units_of
+  use bw_case_result, only: case_result, record_result
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp
+  use bw_measured, only: measured_type
+  use bw_missing, only: missing
+  use bw_note, only: remark
+  use bw_result_layout, only: has, result_layout
+  use bw_scene, only: changes_shapes, scene_type
+  use bw_sensor_waves, only: measure_sensor_waves, measured_lines, sensor_facts, sensor_waves
+  use bw_text, only: append, string
+  implicit none (type, external)
+  private
+  public :: find_record_waves
+
+  character(*), parameter :: kind = 'measured waves: '
+
+contains
+
+  subroutine find_record_waves(scene, layout, result)
+    !! Frequencies where results have those of simulated histories, and waves where the sensors fix them.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
+    type(case_result), intent(inout) :: result         !! of a record whose lines are known
+    type(sensor_waves) :: waves
+    associate (lines => result%record%lines)
+      allocate (result%measured)
+      result%measured%peak_count = size(lines%angular_frequency)
+      result%measured%angular_frequency = lines%angular_frequency
+      result%measured%angular_frequency_error = lines%angular_frequency_error
+      if (has(layout, 'waves')) then
+        call measure_sensor_waves(facts_of(scene, result%record), lines_of(result%record), waves)
+        call join_notes(waves%notes, result)
+      else if (has(layout, 'places')) then
+        call say_why_not(scene, result)
+      end if
+      if (.not. allocated(waves%wavenumber)) return
+      result%measured%wavenumber = waves%wavenumber
+      result%measured%wavenumber_error = waves%wavenumber_error
+      result%measured%phase_velocity = waves%phase_velocity
+      result%measured%phase_velocity_error = waves%phase_velocity_error
+      result%measured%group_velocity = waves%group_velocity
+      result%measured%group_velocity_error = waves%group_velocity_error
+      result%record%stiffness_root = [waves%stiffness_root, waves%stiffness_root_error]
+      result%record%angular_velocity = [waves%angular_velocity, waves%angular_velocity_error]
+    end associate
+  end subroutine find_record_waves
+
+  pure function facts_of(scene, record) result(facts)
+    !! What is known beside the lines.
+    type(scene_type), intent(in) :: scene
+    type(record_result), intent(in) :: record
+    type(sensor_facts) :: facts
+    type(beam_units) :: units
+    integer :: s
+    units = units_of(scene%beam)
+    facts%length = units%length
+    facts%position = record%extent%sensors%position
+    allocate (facts%quantity(size(facts%position)))
+    do s = 1, size(facts%position)
+      facts%quantity(s)%text = record%extent%sensors(s)%quantity
+    end do
+    facts%ends = scene%spectrum%ends
+    facts%confidence = scene%spectrum%confidence
+    if (allocated(scene%rotation)) facts%rotates = scene%rotation%plane == 'in'
+  end function facts_of
+
+  pure function lines_of(record) result(lines)
+    !! The lines with the deviations that their intervals stand for.
+    type(record_result), intent(in) :: record
+    type(measured_lines) :: lines
+    lines%angular_frequency = record%lines%angular_frequency
+    lines%frequency_deviation = record%lines%angular_frequency_error/record%lines%quantile
+    lines%decay_rate = record%lines%decay_rate
+    lines%amplitude = record%lines%amplitude
+    lines%deviation = record%lines%amplitude_noise
+  end function lines_of
+
+  pure subroutine join_notes(notes, result)
+    !! All that there is to say of waves as one warning, of shapes and wave numbers that fit no uniform beam, and one remark, since
+    !! of several notes of one kind a sweep would show the first.
+    type(string), intent(in) :: notes(:)
+    type(case_result), intent(inout) :: result
+    character(:), allocatable :: text, warnings, remarks
+    integer :: i
+    warnings = ''
+    remarks = ''
+    do i = 1, size(notes)
+      text = notes(i)%text
+      if (index(text, kind) == 1) text = text(len(kind) + 1:)
+      if (index(text, 'by more than') == 1) then
+        warnings = warnings//'; '//text
+      else
+        remarks = remarks//'; '//text
+      end if
+    end do
+    if (warnings /= '') call append(result%notes, kind//warnings(3:))
+    if (remarks /= '') call remark(result%notes, 'missing waves: '//remarks(3:))
+  end subroutine join_notes
+
+  pure subroutine say_why_not(scene, result)
+    !! Sensors with places, and no waves.
+    type(scene_type), intent(in) :: scene
+    type(case_result), intent(inout) :: result
+    if (position_of(scene%groups, 'beam') == 0) then
+      call remark(result%notes, kind//'they need the length of the beam in &beam, and are left out')
+    else if (changes_shapes(scene)) then
+      call remark(result%notes, kind//'they are those of a uniform beam, which this one is not, and are left out')
+    end if
+  end subroutine say_why_not
+
+end module bw_record_waves

@@ -1,0 +1,31 @@
+module bw_swept_text
+  !! What a case of a sweep was given, in words.
+  use bw_kinds, only: i8
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_positions
+  use bw_text, only: shortest
+  implicit none (type, external)
+  private
+  public :: swept_text
+
+contains
+
+  function swept_text(scene, i) result(text)
+    !! The swept values of a case: 'name = value, …'; a file of a record by its name.
+    type(scene_type), intent(in) :: scene
+    integer(i8), intent(in) :: i
+    character(:), allocatable :: text
+    integer :: positions(size(scene%sweeps)), s
+    positions = case_positions(scene, i)
+    text = ''
+    do s = 1, size(scene%sweeps)
+      if (s > 1) text = text//', '
+      if (scene%sweeps(s)%parameter == 'record%file') then
+        text = text//scene%record%files(positions(s))%text
+      else
+        text = text//scene%sweeps(s)%parameter//' = '//shortest(scene%sweeps(s)%values(positions(s)), 6)
+      end if
+    end do
+  end function swept_text
+
+end module bw_swept_text

@@ -1,0 +1,344 @@
+module bw_sensor_waves
+  !! Waves along a beam from the complex amplitudes of lines at two or more sensors: wave number and phase velocity of each line
+  !! from what the sensors say of its shape, group velocity, √(EI/ρA) and ω from the dispersion of all.
+  use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
+  use bw_kinds, only: dp
+  use bw_missing, only: missing
+  use bw_quantile, only: normal, squares_deviation, student_quantile
+  use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
+    & reason_against, rounding, scanned, sensor_type, worse
+  use bw_text, only: append, shortest, string
+  use bw_wave_choice, only: choice_type, choose_waves, possible_tips
+  implicit none (type, external)
+  private
+  public :: measure_sensor_waves
+
+  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
+  real(dp), parameter :: unlikely = 3.0902_dp  !! a normal number is above it once in a thousand times
+  real(dp), parameter :: seen = 3              !! deviations that a line must have at some sensor
+  real(dp), parameter :: vague = 0.5_dp        !! of a wave number; an interval of ± more says nothing
+  real(dp), parameter :: lopsided = 1.5_dp     !! one side of an interval over the other, beyond which the longer is the error
+  real(dp), parameter :: linear = 0.02_dp      !! of α; larger deviations are taken from the profile of the misfit
+  real(dp), parameter :: low = 3               !! α of a first mode at most
+  real(dp), parameter :: unknown = 3           !! deviation of an α that may be anything from 0 on
+  real(dp), parameter :: usual = 0.95_dp       !! confidence at which Student's deviations are made those of normal numbers
+
+  type, public :: sensor_facts
+    !! What is known beside the lines.
+    real(dp), allocatable :: position(:)       !! ξ of the sensors, (S)
+    type(string), allocatable :: quantity(:)   !! displacement, velocity, acceleration or strain, (S)
+    real(dp) :: length = 0                     !! of the beam, m; 0: not known
+    character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
+    logical :: rotates = .false.               !! in the plane of bending, so that ω enters the dispersion
+    real(dp) :: confidence = 0.95_dp           !! of the intervals
+  end type sensor_facts
+
+  type, public :: measured_lines
+    !! Lines common to all sensors.
+    real(dp), allocatable :: angular_frequency(:), frequency_deviation(:)  !! rad/s, > 0, and its standard deviation, (line)
+    real(dp), allocatable :: decay_rate(:)     !! of e^(−δt), 1/s, (line)
+    complex(dp), allocatable :: amplitude(:, :)  !! of e^(iβt), (S, line)
+    real(dp), allocatable :: deviation(:, :)   !! standard deviation of real and of imaginary part at known frequency and decay;
+                                               !! 0: not known, the same for all sensors of a line, (S, line)
+  end type measured_lines
+
+  type, public :: sensor_waves
+    !! What does not exist is `missing`; errors are half the widths of intervals.
+    real(dp), allocatable :: wavenumber(:), wavenumber_error(:)          !! 1/m, (line)
+    real(dp), allocatable :: phase_velocity(:), phase_velocity_error(:)  !! m/s
+    real(dp), allocatable :: group_velocity(:), group_velocity_error(:)  !! m/s
+    real(dp) :: stiffness_root = missing, stiffness_root_error = missing !! √(EI/ρA), m²/s
+    real(dp) :: angular_velocity = missing, angular_velocity_error = missing  !! |ω|, rad/s
+    type(string), allocatable :: notes(:)      !! reasons for what is missing, and what must not be overlooked
+  end type sensor_waves
+
+  type :: wave_type
+    !! The wave number of a line over the beam's length.
+    real(dp) :: alpha = 1, error = 0
+    real(dp) :: deviation = 0                  !! of a normal number with that error
+    logical :: exists = .false.
+  end type wave_type
+
+contains
+
+  subroutine measure_sensor_waves(facts, lines, waves)
+    !! Measure all that the sensors can tell, and say why they cannot tell the remainder.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    type(sensor_waves), intent(out) :: waves
+    type(sensor_type) :: sensors
+    type(choice_type) :: choices(size(lines%angular_frequency))
+    type(motion_type) :: motions(size(choices))
+    type(wave_type) :: found(size(choices))
+    character(:), allocatable :: reason
+    integer :: k
+    call start(size(choices), waves)
+    if (size(choices) == 0) return
+    sensors%position = facts%position
+    sensors%strain = [(facts%quantity(k)%text == 'strain', k=1, size(facts%quantity))]
+    sensors%ends = facts%ends
+    reason = reason_against(sensors)
+    if (.not. facts%length > 0) reason = 'the length of the beam is not known (&beam), and places are in units of it'
+    if (reason /= '') then
+      call append(waves%notes, 'measured waves: wave numbers and velocities are missing, since '//reason)
+      return
+    end if
+    call find_motions(facts, lines, motions)
+    call find_choices(sensors, motions, square_of(lines), facts%rotates, choices)
+    do k = 1, size(choices)
+      call settle(facts, sensors, motions(k), choices(k), found(k), reason)
+      if (reason /= '') call append(waves%notes, 'measured waves: the line at '//hertz(lines, k)//' has no wave number: '//reason)
+    end do
+    call note_misfits(facts, lines, choices%misfits .and. found%exists, waves%notes)
+    call fill_waves(facts, lines, found, waves)
+    call fill_dispersion(facts, lines, found, choices%on_curve .and. found%exists, waves)
+  end subroutine measure_sensor_waves
+
+  pure subroutine start(count, waves)
+    !! Nothing is known yet.
+    integer, intent(in) :: count
+    type(sensor_waves), intent(inout) :: waves
+    real(dp) :: none(count)
+    none = missing
+    allocate (waves%wavenumber, waves%wavenumber_error, waves%phase_velocity, waves%phase_velocity_error, &
+      & waves%group_velocity, waves%group_velocity_error, source=none)
+    allocate (waves%notes(0))
+  end subroutine start
+
+  pure function hertz(lines, k) result(words)
+    !! A line by its frequency.
+    type(measured_lines), intent(in) :: lines
+    integer, intent(in) :: k
+    character(:), allocatable :: words
+    words = shortest(lines%angular_frequency(k)/two_pi, 6)//' Hz'
+  end function hertz
+
+  pure function square_of(lines) result(square)
+    !! The squared angular frequencies β² of the undamped lines.
+    type(measured_lines), intent(in) :: lines
+    real(dp) :: square(size(lines%angular_frequency))
+    square = lines%angular_frequency**2 + lines%decay_rate**2
+  end function square_of
+
+  pure subroutine find_motions(facts, lines, motions)
+    !! Amplitudes of displacement, or strain, over their deviations: velocity is −δ + iβ times displacement, acceleration the
+    !! square of that times it. Deviations are no less than rounding; where one is not known, all are taken as equal parts of the
+    !! largest amplitude of their quantity.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    type(motion_type), intent(out) :: motions(:)
+    complex(dp), dimension(size(facts%position)) :: factor, motion
+    real(dp), dimension(size(facts%position)) :: largest, deviation
+    integer :: k, s
+    do k = 1, size(motions)
+      do s = 1, size(factor)
+        factor(s) = factor_of(facts%quantity(s)%text, cmplx(-lines%decay_rate(k), lines%angular_frequency(k), dp))
+      end do
+      motion = lines%amplitude(:, k)/factor
+      deviation = lines%deviation(:, k)/abs(factor)
+      do s = 1, size(factor)
+        largest(s) = tiny(1.0_dp)/epsilon(1.0_dp) &
+          & + maxval(max(abs(motion%re), abs(motion%im)), mask=is_like(facts%quantity(s)%text))
+      end do
+      motions(k)%freed = any(.not. deviation > 0)
+      if (motions(k)%freed) deviation = largest
+      motions(k)%weight = 1/max(deviation, rounding*largest)
+      motions(k)%data = motion*motions(k)%weight
+      motions(k)%weight = scale(motions(k)%weight, -exponent(maxval(motions(k)%weight)))
+    end do
+
+  contains
+
+    pure complex(dp) function factor_of(quantity, pole)
+      !! A quantity over displacement, or over strain.
+      character(*), intent(in) :: quantity
+      complex(dp), intent(in) :: pole
+      factor_of = 1
+      if (quantity == 'velocity') factor_of = pole
+      if (quantity == 'acceleration') factor_of = pole**2
+    end function factor_of
+
+    pure function is_like(quantity)
+      !! Which sensors measure a quantity.
+      character(*), intent(in) :: quantity
+      logical :: is_like(size(facts%quantity))
+      integer :: i
+      is_like = [(facts%quantity(i)%text == quantity, i=1, size(facts%quantity))]
+    end function is_like
+
+  end subroutine find_motions
+
+  subroutine find_choices(sensors, motions, square, rotates, choices)
+    !! What wave number each line may have, how well the shape fits, and which is the line's.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motions(:)
+    real(dp), intent(in) :: square(:)          !! β², (line)
+    logical, intent(in) :: rotates
+    type(choice_type), intent(inout) :: choices(:)
+    type(candidate_type), allocatable :: candidates(:)
+    real(dp), allocatable :: alpha(:), misfit(:, :)
+    real(dp) :: least
+    logical :: scaled
+    integer :: k, freedom
+    freedom = freedom_of(sensors)
+    call scanned(sensors, motions, alpha, misfit)
+    do k = 1, size(choices)
+      allocate (choices(k)%candidates(0))
+      if (.not. shows(motions(k))) cycle
+      candidates = candidates_of(sensors, motions(k), alpha, misfit(:, k), freedom)
+      call widen(sensors, motions(k), freedom, candidates)
+      if (sensors%ends == 'tip') candidates = possible_tips(candidates)
+      if (size(candidates) == 0) cycle
+      least = minval(candidates%misfit)
+      choices(k)%misfits = .not. motions(k)%freed .and. squares_deviation(least, freedom) > unlikely
+      scaled = motions(k)%freed .or. choices(k)%misfits
+      if (scaled) choices(k)%scale = sqrt(least/freedom + rounding**2)
+      if (scaled) choices(k)%freedom = freedom
+      candidates%cost = costs_of(candidates%misfit, least, freedom, scaled)
+      choices(k)%candidates = pack(candidates, candidates%cost <= worse)
+      choices(k)%candidates%deviation = choices(k)%candidates%deviation*choices(k)%scale &
+        & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
+    end do
+    call choose_waves(square, rotates, sensors%ends == 'tip', choices)
+    where (choices%chosen > 0 .and. .not. choices%on_curve .and. count(choices%on_curve) > 1 .and. fits_anything(sensors)) &
+      & choices%chosen = 0
+  end subroutine find_choices
+
+  subroutine widen(sensors, motion, freedom, candidates)
+    !! Of a wave so long that the sensors see little of it, linear theory is bad: its deviation is taken from the profile of the
+    !! misfit.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    integer, intent(in) :: freedom
+    type(candidate_type), intent(inout) :: candidates(:)
+    real(dp) :: variance, quantile
+    integer :: i
+    quantile = student_quantile(usual, normal)
+    variance = minval(candidates%misfit)/freedom
+    if (.not. motion%freed) variance = max(1.0_dp, variance)
+    do i = 1, size(candidates)
+      associate (candidate => candidates(i))
+        if (candidate%alpha > low .or. candidate%deviation*sqrt(variance) <= linear*candidate%alpha) cycle
+        candidate%deviation = max(candidate%deviation, min(unknown, maxval(abs(candidate%alpha - &
+          & interval_of(sensors, motion, candidate, quantile**2*variance))))/quantile/sqrt(variance))
+      end associate
+    end do
+  end subroutine widen
+
+  pure logical function shows(motion)
+    !! Whether some sensor shows the line above its noise.
+    type(motion_type), intent(in) :: motion
+    shows = motion%freed .or. any(abs(motion%data) > seen)
+  end function shows
+
+  subroutine settle(facts, sensors, motion, choice, wave, reason)
+    !! The wave number with the interval of its profile likelihood, or the reason for none.
+    type(sensor_facts), intent(in) :: facts
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    type(choice_type), intent(in) :: choice
+    type(wave_type), intent(inout) :: wave
+    character(:), allocatable, intent(out) :: reason
+    real(dp) :: interval(2), sides(2), quantile
+    reason = ''
+    if (.not. shows(motion)) then
+      reason = 'no sensor shows it, all are near its nodes'
+    else if (size(choice%candidates) == 0) then
+      reason = 'no mass at the tip gives such a shape'
+    else if (choice%chosen == 0 .and. choice%rival == 0) then
+      reason = 'it lies on no dispersion with the others, and so few sensors need that'
+    else if (choice%chosen == 0) then
+      associate (pair => choice%candidates([choice%best, choice%rival])%alpha/facts%length)
+        reason = shortest(pair(1), 4)//' and '//shortest(pair(2), 4)//' 1/m fit alike'
+      end associate
+    end if
+    if (reason /= '') return
+    wave%alpha = choice%candidates(choice%chosen)%alpha
+    quantile = student_quantile(facts%confidence, choice%freedom)
+    interval = interval_of(sensors, motion, choice%candidates(choice%chosen), (quantile*choice%scale)**2)
+    sides = abs(interval - wave%alpha)
+    wave%error = merge(maxval(sides), sum(sides/2), maxval(sides) > lopsided*minval(sides)) + rounding*wave%alpha
+    wave%deviation = wave%error/student_quantile(facts%confidence, normal)
+    wave%exists = wave%error <= vague*wave%alpha
+    if (.not. wave%exists) reason = 'the sensors do not fix it; '//shortest(wave%alpha/facts%length, 2)// &
+      & ' 1/m fits best, and others half as large or twice as large as well'
+  end subroutine settle
+
+  pure subroutine note_misfits(facts, lines, misfits, notes)
+    !! Say which lines have shapes that the ends do not allow.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    logical, intent(in) :: misfits(:)          !! (line)
+    type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: words
+    integer :: k
+    words = ''
+    do k = 1, size(misfits)
+      if (misfits(k)) words = words//', '//hertz(lines, k)
+    end do
+    if (words /= '') call append(notes, 'measured waves: by more than the noise, these shapes are none of a uniform beam with '// &
+      & 'ends = '''//facts%ends//''', and their intervals are wider for it: '//words(3:))
+  end subroutine note_misfits
+
+  pure subroutine fill_waves(facts, lines, found, waves)
+    !! Wave numbers, and phase velocities of the undamped lines.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    type(wave_type), intent(in) :: found(:)
+    type(sensor_waves), intent(inout) :: waves
+    where (found%exists)
+      waves%wavenumber = found%alpha/facts%length
+      waves%wavenumber_error = found%error/facts%length
+      waves%phase_velocity = sqrt(square_of(lines))/waves%wavenumber
+      waves%phase_velocity_error = waves%phase_velocity*(hypot(found%error/found%alpha, &
+        & student_quantile(facts%confidence, normal)*lines%frequency_deviation/lines%angular_frequency) + rounding)
+    end where
+  end subroutine fill_waves
+
+  pure subroutine fill_dispersion(facts, lines, found, on_curve, waves)
+    !! √(EI/ρA), ω and group velocities from the lines that lie on one curve.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    type(wave_type), intent(in) :: found(:)
+    logical, intent(in) :: on_curve(:)         !! (line)
+    type(sensor_waves), intent(inout) :: waves
+    type(dispersion_type) :: curve
+    real(dp), dimension(size(found)) :: square, variance, velocity, deviation
+    real(dp) :: quantile, reach
+    if (.not. any(on_curve)) return
+    square = square_of(lines)
+    variance = (found%deviation/facts%length)**2 &
+      & + (found%alpha/facts%length*lines%frequency_deviation/(2*lines%angular_frequency))**2
+    curve = fit_dispersion(pack(square, on_curve), pack(found%alpha/facts%length, on_curve), pack(variance, on_curve), &
+      & facts%rotates)
+    if (.not. curve%exists) then
+      call append(waves%notes, 'measured waves: group velocities are missing, since '// &
+        & 'the wave numbers fix no dispersion; where the beam rotates that takes two')
+      return
+    end if
+    if (any(found%exists .and. .not. on_curve)) call append(waves%notes, 'measured waves: lines that do not lie on the '// &
+      & 'dispersion of the others have no group velocity')
+    quantile = student_quantile(facts%confidence, normal)
+    if (curve%freedom > 0) then
+      if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
+        call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
+          & 'a uniform beam; intervals of group velocities are wider for it')
+        quantile = student_quantile(facts%confidence, curve%freedom)
+        curve%covariance = curve%covariance*curve%misfit/curve%freedom
+      end if
+    end if
+    call group_velocity_of(curve, square, 2*lines%angular_frequency*lines%frequency_deviation, velocity, deviation)
+    where (on_curve)
+      waves%group_velocity = velocity
+      waves%group_velocity_error = quantile*deviation + 2*rounding*velocity
+    end where
+    waves%stiffness_root = 1/curve%q**2
+    waves%stiffness_root_error = quantile*2*sqrt(curve%covariance(1, 1))/curve%q**3
+    if (.not. facts%rotates) return
+    reach = quantile*sqrt(curve%covariance(2, 2))
+    waves%angular_velocity = sqrt(max(curve%turning, 0.0_dp))
+    waves%angular_velocity_error = max(sqrt(max(curve%turning + reach, 0.0_dp)) - waves%angular_velocity, &
+      & waves%angular_velocity - sqrt(max(curve%turning - reach, 0.0_dp)))
+  end subroutine fill_dispersion
+
+end module bw_sensor_waves

@@ -1,0 +1,311 @@
+module bw_shape_fit
+  !! Least squares of one line's amplitudes at sensors by the functions of a uniform beam, over α = k l (variable projection:
+  !! Golub & Pereyra 1973). Each function has a complex factor of its own, so that a motion may travel or be damped; strain has
+  !! factors of its own beside other quantities, since its constant is not known.
+  use bw_kinds, only: dp
+  use bw_text, only: text_of
+  use bw_wave_shapes, only: function_count, shape_functions
+  implicit none (type, external)
+  private
+  public :: candidates_of, costs_of, fits_anything, freedom_of, interval_of, reason_against, scanned
+
+  real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
+  real(dp), parameter :: highest = 200         !! α; about the 64th mode
+  real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
+  real(dp), parameter :: dependent = 1.0e-8_dp !! part of a function that the others and the places leave: less is rounding
+  integer, parameter :: most_steps = 60
+  real(dp), parameter, public :: rounding = 8*epsilon(1.0_dp)
+  real(dp), parameter, public :: worse = 25    !! five deviations squared: what costs so much more is no candidate
+
+  type, public :: sensor_type
+    !! What is known of the sensors and of the beam's ends.
+    real(dp), allocatable :: position(:)       !! ξ, (S)
+    logical, allocatable :: strain(:)          !! strain is measured, else displacement, (S)
+    character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
+  end type sensor_type
+
+  type, public :: motion_type
+    !! One line at the sensors, over the deviations.
+    complex(dp), allocatable :: data(:)        !! (S)
+    real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, times any number, (S)
+    logical :: freed = .false.                 !! the deviation is known to a factor only
+  end type motion_type
+
+  type, public :: candidate_type
+    !! A wave number that fits better than its neighbours.
+    real(dp) :: alpha = 0
+    real(dp) :: deviation = huge(1.0_dp)       !! of α in linear theory
+    real(dp) :: misfit = huge(1.0_dp)          !! sum of squares
+    real(dp) :: cost = 0                       !! against the best, as of `costs_of`
+  end type candidate_type
+
+  type :: projection_type
+    !! What the functions leave at one α.
+    real(dp) :: misfit = 0
+    real(dp) :: slope = 0, curvature = 0       !! half the derivatives by α (Gauss & Newton, Kaufman 1975)
+  end type projection_type
+
+contains
+
+  pure integer function columns_of(sensors)
+    !! How many functions there are, strain and other quantities apart.
+    type(sensor_type), intent(in) :: sensors
+    columns_of = function_count(sensors%ends)*count([any(sensors%strain), any(.not. sensors%strain)])
+  end function columns_of
+
+  pure integer function places_of(sensors, strain)
+    !! At how many places a kind of quantity says something: not where all functions vanish.
+    type(sensor_type), intent(in) :: sensors
+    logical, intent(in) :: strain
+    logical :: tells(size(sensors%position))
+    integer :: i
+    tells = sensors%strain .eqv. strain
+    if (sensors%ends /= 'any' .and. .not. strain) tells = tells .and. sensors%position > 0
+    if (sensors%ends == 'tip' .and. strain) tells = tells .and. sensors%position < 1
+    places_of = count([(tells(i) .and. .not. any(tells(:i - 1) .and. sensors%position(:i - 1) == sensors%position(i)), &
+      & i=1, size(tells))])
+  end function places_of
+
+  pure function reason_against(sensors) result(reason)
+    !! Why the sensors cannot fix any wave number; '' where they can. One kind of quantity needs one place more than there are
+    !! functions.
+    type(sensor_type), intent(in) :: sensors
+    character(:), allocatable :: reason
+    integer :: needed
+    needed = function_count(sensors%ends) + 1
+    reason = ''
+    if (max(places_of(sensors, .false.), places_of(sensors, .true.)) >= needed) return
+    reason = 'ends = '''//sensors%ends//''' needs '//text_of(needed)//' sensors of motion or '//text_of(needed)// &
+      & ' of strain, each at another place where it does not have to be 0; there are '//text_of(places_of(sensors, .false.))// &
+      & ' and '//text_of(places_of(sensors, .true.))
+  end function reason_against
+
+  pure logical function fits_anything(sensors)
+    !! Whether there are so few sensors that some α fits whatever real amplitudes they show.
+    type(sensor_type), intent(in) :: sensors
+    fits_anything = max(places_of(sensors, .false.), places_of(sensors, .true.)) == function_count(sensors%ends) + 1
+  end function fits_anything
+
+  pure integer function freedom_of(sensors)
+    !! How many real numbers the amplitudes of a line have more than the fit has unknowns.
+    type(sensor_type), intent(in) :: sensors
+    integer :: n
+    n = function_count(sensors%ends)
+    freedom_of = 2*(size(sensors%position) - min(n, places_of(sensors, .false.)) - min(n, places_of(sensors, .true.))) - 1
+  end function freedom_of
+
+  pure function functions_at(sensors, alpha) result(values)
+    !! The functions at the sensors, each 0 where the other kind of quantity is measured.
+    type(sensor_type), intent(in) :: sensors
+    complex(dp), intent(in) :: alpha
+    complex(dp) :: values(size(sensors%position), columns_of(sensors))
+    integer, allocatable :: rows(:)
+    integer :: kind, i, n, last
+    n = function_count(sensors%ends)
+    last = 0
+    values = 0
+    do kind = 1, 2                             ! motion, then strain
+      rows = pack([(i, i=1, size(sensors%strain))], sensors%strain .eqv. kind == 2)
+      if (size(rows) == 0) cycle
+      values(rows, last + 1:last + n) = shape_functions(sensors%ends, alpha, sensors%position(rows), kind == 2)
+      last = last + n
+    end do
+  end function functions_at
+
+  pure subroutine scanned(sensors, motions, alpha, misfit)
+    !! The misfits of all lines over a grid of α.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motions(:)
+    real(dp), allocatable, intent(out) :: alpha(:), misfit(:, :)  !! (n), (n, line)
+    complex(dp) :: functions(size(sensors%position), columns_of(sensors))
+    type(projection_type) :: projection
+    integer :: i, k
+    allocate (alpha, source=[(lowest + step*i, i=0, floor((highest - lowest)/step))])
+    allocate (misfit(size(alpha), size(motions)))
+    do i = 1, size(alpha)
+      functions = functions_at(sensors, cmplx(alpha(i), kind=dp))
+      do k = 1, size(motions)
+        projection = projected(functions, motions(k), .false.)
+        misfit(i, k) = projection%misfit
+      end do
+    end do
+  end subroutine scanned
+
+  pure type(projection_type) function projected(functions, motion, with_slope) result(projection)
+    !! What the functions leave of a motion; the slope from their imaginary parts, `tiny_step` times their derivatives.
+    complex(dp), intent(in) :: functions(:, :)  !! (S, column)
+    type(motion_type), intent(in) :: motion
+    logical, intent(in) :: with_slope
+    real(dp) :: basis(size(functions, 1), size(functions, 2)), triangle(size(functions, 2), size(functions, 2)), length
+    complex(dp), dimension(size(functions, 1)) :: left, change
+    complex(dp) :: factor(size(functions, 2))
+    logical :: used(size(functions, 2))
+    integer :: i, j, pass
+    left = motion%data
+    triangle = 0
+    factor = 0
+    do j = 1, size(basis, 2)
+      basis(:, j) = functions(:, j)%re*motion%weight
+      length = norm2(basis(:, j))
+      do pass = 1, 2
+        do i = 1, j - 1
+          associate (part => dot_product(basis(:, i), basis(:, j)))
+            triangle(i, j) = triangle(i, j) + part
+            basis(:, j) = basis(:, j) - part*basis(:, i)
+          end associate
+        end do
+      end do
+      triangle(j, j) = norm2(basis(:, j))
+      used(j) = triangle(j, j) > dependent*max(length, norm2(motion%weight))
+      basis(:, j) = merge(basis(:, j)/max(triangle(j, j), tiny(1.0_dp)), 0.0_dp, used(j))
+      factor(j) = sum(basis(:, j)*left)
+      left = left - factor(j)*basis(:, j)
+    end do
+    projection%misfit = sum(left%re**2 + left%im**2)
+    if (.not. with_slope) return
+    do j = size(basis, 2), 1, -1
+      factor(j) = factor(j) - sum(triangle(j, j + 1:)*factor(j + 1:))
+      factor(j) = merge(factor(j)/merge(triangle(j, j), 1.0_dp, used(j)), (0.0_dp, 0.0_dp), used(j))
+    end do
+    change = 0
+    do j = 1, size(basis, 2)
+      change = change + factor(j)*functions(:, j)%im*motion%weight
+    end do
+    do j = 1, size(basis, 2)
+      change = change - sum(basis(:, j)*change)*basis(:, j)
+    end do
+    projection%slope = -sum(change%re*left%re + change%im*left%im)
+    projection%curvature = sum(change%re**2 + change%im**2)
+  end function projected
+
+  pure type(projection_type) function projection_at(sensors, motion, alpha) result(projection)
+    !! What the functions leave at one α, with slope and curvature.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: alpha
+    real(dp), parameter :: tiny_step = 2.0_dp**(-100)
+    projection = projected(functions_at(sensors, cmplx(alpha, tiny_step, dp)), motion, .true.)
+    projection%slope = projection%slope/tiny_step
+    projection%curvature = projection%curvature/tiny_step**2
+  end function projection_at
+
+  pure function candidates_of(sensors, motion, alpha, misfit, freedom) result(candidates)
+    !! The local minima that a scan shows, polished, but for those of which a parabola foretells that they are no candidates
+    !! beside the best. The scan's lower end is a minimum too where the misfit still falls there.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: alpha(:), misfit(:)  !! of the scan, (n)
+    integer, intent(in) :: freedom             !! of the fit
+    type(candidate_type), allocatable :: candidates(:)
+    integer, allocatable :: low(:)
+    real(dp) :: best, least
+    integer :: i, first
+    low = pack([(i, i=1, size(alpha))], misfit <= eoshift(misfit, -1, huge(1.0_dp)) &
+      & .and. misfit <= eoshift(misfit, 1, huge(1.0_dp)))
+    first = low(minloc(misfit(low), dim=1))
+    candidates = [polished(sensors, motion, alpha(first))]
+    best = candidates(1)%misfit
+    do i = 1, size(low)
+      if (low(i) == first) cycle
+      least = least_foretold(sensors, motion, alpha(low(i)))
+      if (costs_of(least, best, freedom, .true.) > worse .and. (motion%freed .or. least > best + worse)) cycle
+      candidates = [candidates, polished(sensors, motion, alpha(low(i)))]
+      best = min(best, candidates(size(candidates))%misfit)
+    end do
+  end function candidates_of
+
+  elemental real(dp) function costs_of(misfit, least, freedom, scaled) result(cost)
+    !! How much worse a fit is than the best, as twice the logarithm of the ratio of their likelihoods; where the deviation is
+    !! told by the misfit, of those with the likeliest deviation for each.
+    real(dp), intent(in) :: misfit, least      !! sums of squares
+    integer, intent(in) :: freedom
+    logical, intent(in) :: scaled              !! the misfit tells the deviation
+    cost = misfit - least
+    if (scaled) cost = (freedom + 1)*log((max(misfit, least) + freedom*rounding**2)/(least + freedom*rounding**2))
+  end function costs_of
+
+  pure real(dp) function least_foretold(sensors, motion, alpha) result(least)
+    !! What a parabola foretells of a minimum, and less by nine times what it foretells of the fall, since it is none.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: alpha
+    type(projection_type) :: here
+    here = projection_at(sensors, motion, alpha)
+    least = here%misfit
+    if (here%curvature > 0) least = least - 10*here%slope**2/here%curvature
+  end function least_foretold
+
+  pure type(candidate_type) function polished(sensors, motion, start) result(candidate)
+    !! The minimum of the misfit within a step of the scan, by Gauss–Newton steps that are shortened where they fail; less what
+    !! rounding of α makes of it.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: start
+    type(projection_type) :: here, there
+    real(dp) :: alpha, move
+    integer :: i
+    alpha = start
+    here = projection_at(sensors, motion, alpha)
+    do i = 1, most_steps
+      if (.not. here%curvature > 0) exit
+      move = min(max(alpha - here%slope/here%curvature, start - step, lowest/2), start + step) - alpha
+      do
+        if (abs(move) <= epsilon(1.0_dp)*alpha) exit
+        there = projection_at(sensors, motion, alpha + move)
+        if (there%misfit < here%misfit) exit
+        move = move/4
+      end do
+      if (abs(move) <= epsilon(1.0_dp)*alpha) exit
+      alpha = alpha + move
+      here = there
+    end do
+    candidate%alpha = alpha
+    candidate%misfit = max(0.0_dp, here%misfit - here%curvature*(rounding*alpha)**2)
+    if (here%curvature > 0) candidate%deviation = 1/sqrt(here%curvature)
+  end function polished
+
+  pure function interval_of(sensors, motion, candidate, rise) result(interval)
+    !! Where the misfit is no more than a rise above its minimum (profile likelihood), as far as it goes without a gap; an end
+    !! that is not found within the range of α is 0 or huge.
+    type(sensor_type), intent(in) :: sensors
+    type(motion_type), intent(in) :: motion
+    type(candidate_type), intent(in) :: candidate
+    real(dp), intent(in) :: rise
+    real(dp) :: interval(2)
+    interval = [end_at(-1), end_at(1)]
+
+  contains
+
+    pure real(dp) function end_at(side) result(outside)
+      !! The end on one side: steps outwards, then bisection with the secant of the root of the rise.
+      integer, intent(in) :: side
+      real(dp) :: inside, move, middle
+      type(projection_type) :: there
+      integer :: i
+      inside = candidate%alpha
+      move = max(min(candidate%deviation*sqrt(rise), step), 4*epsilon(1.0_dp)*candidate%alpha)
+      do
+        outside = inside + side*move
+        if (outside < lowest/2 .or. outside > highest + 1) then
+          outside = merge(0.0_dp, huge(1.0_dp), side < 0)
+          return
+        end if
+        there = projection_at(sensors, motion, outside)
+        if (there%misfit > candidate%misfit + rise) exit
+        inside = outside
+        move = min(2*move, step)
+      end do
+      do i = 1, 12
+        middle = (inside + outside)/2
+        there = projection_at(sensors, motion, middle)
+        if (there%misfit > candidate%misfit + rise) then
+          outside = middle
+        else
+          inside = middle
+        end if
+      end do
+    end function end_at
+
+  end function interval_of
+
+end module bw_shape_fit

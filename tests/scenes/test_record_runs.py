@@ -1,0 +1,258 @@
+"""Records through the program: lines inside their intervals, repeats and sweeps as cases, and what makes a result another."""
+
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+import results
+from ring_downs import AMPLITUDE, DECAY, FREQUENCY, NOISE, PHASE, RATE, SAMPLES, as_text, ring_down, text_of
+from workplace import SECONDS, captured_beam, namelist
+
+ASKED = {"record": {"file": "ring.csv"}, "spectrum": {}}
+WIDE = 2.0  # intervals of 95 %, four standard deviations: with 40 numbers one in 400 draws leaves one, and the seeds are fixed
+
+
+@pytest.fixture(scope="module")
+def ringing(shared):
+    """A record with known lines, run."""
+    here = shared("ringing")
+    here.write("ring.csv", text_of(1))
+    here.scene("ring", {**ASKED, "record": {"file": "ring.csv", "points": [0.5, 1.0]}})
+    return here, here.run("ring")
+
+
+def lines_of(result, name, case=...):
+    """The numbers of a variable that exist, lines last."""
+    values = result[name][case]
+    return values[..., : FREQUENCY.size]
+
+
+def test_known_lines_are_inside_their_intervals(ringing):
+    _, result = ringing
+    assert result["peak_count"] == FREQUENCY.size
+    phase = PHASE + np.pi * (AMPLITUDE < 0)
+    for name, true in [("angular_frequency", 2 * np.pi * FREQUENCY), ("decay_rate", DECAY),
+                       ("amplitude", abs(AMPLITUDE)), ("phase", phase)]:
+        found, error, bound = (lines_of(result, f"measured_{name}{part}") for part in ("", "_error", "_bound"))
+        away = found - true
+        if name == "phase":
+            away = np.angle(np.exp(1j * away))
+        assert (abs(away) < WIDE * error).all(), name
+        assert (bound > 0).all() and (error > 1.9 * bound).all() and (error < 3 * bound).all(), name
+        assert results.is_fill(result[f"measured_{name}"][..., FREQUENCY.size :]).all()
+    assert (lines_of(result, "peak_status") == 1).all()
+    np.testing.assert_allclose(result["noise_deviation"], NOISE, rtol=0.1)  # 1024 samples: 2 %, and what was fitted
+
+
+def test_a_result_holds_what_its_pictures_show(ringing):
+    _, result = ringing
+    time, values = ring_down(1)
+    np.testing.assert_allclose(result["recorded"], values, atol=1e-7)  # the digits of the text
+    assert np.std(result["recorded"] - result["fitted"]) < 1.1 * NOISE
+    assert result["time"].tolist() == pytest.approx(time.tolist())
+    assert result["frequency"][-1] == RATE / 2
+    at = np.searchsorted(result["frequency"], FREQUENCY)
+    assert (result["amplitude"][:, at] > 10 * result["noise_level"][:, at]).all()
+    quiet = result["frequency"] > 350.0
+    level = result["noise_level"][:, quiet]
+    np.testing.assert_allclose(np.sqrt((result["amplitude"][:, quiet] ** 2).mean()), level.mean(), rtol=0.15)
+    windows = result["window_angular_frequency"][: FREQUENCY.size]
+    there = ~results.is_fill(windows)
+    assert there[:, 0].all()
+    off = abs(windows - 2 * np.pi * FREQUENCY[:, None]) / result["window_angular_frequency_bound"][: FREQUENCY.size]
+    assert off[there].max() < 5.0
+
+
+def test_the_file_says_what_it_is_about(ringing):
+    _, result = ringing
+    assert result.attributes["method"] == "record"
+    assert result.attributes["effects"] == ""
+    assert result["point_position"].tolist() == [0.5, 1.0]
+    assert result["sensor_name"].tolist() == ["mid [m/s2]", "tip [m/s2]"]
+    assert result.variables["measured_amplitude"].attributes["units"] == "m s-2"
+    simulated = {"mode", "event", "profile"} & set(result.sizes) | {"displacement", "mode_count"} & set(result.variables)
+    assert not simulated
+
+
+def test_the_report_is_a_table_of_lines(ringing):
+    here, _ = ringing
+    said = here.beamwave("run", "ring.nml").stdout
+    assert "nothing to do" in said
+    for k, frequency in enumerate(FREQUENCY, start=1):
+        row = next(line.split() for line in said.splitlines() if line.startswith(f"{k:6d} "))
+        assert abs(float(row[1]) - frequency) < WIDE * float(row[2])
+        assert float(row[2]) > float(row[3])
+    assert "Noise, standard deviation of what is left: mid 0.0" in said
+
+
+def test_sensors_without_places_are_numbered(here):
+    here.write("ring.csv", text_of(1))
+    here.scene("ring", ASKED)
+    result = here.run("ring")
+    assert "point_position" not in result.variables
+    assert result["point"].tolist() == [1, 2]
+    assert "measured_wavenumber" not in result.variables
+
+
+def test_noise_alone_has_no_line_and_says_so(here):
+    here.write("ring.csv", as_text(np.arange(512) / RATE, np.random.default_rng(5).standard_normal((2, 512))))
+    here.scene("ring", ASKED)
+    ended = here.beamwave("run", "ring.nml")
+    assert (ended.returncode, ended.stderr.count("no line: ")) == (0, 1)
+    result = here.result("ring")
+    assert result["peak_count"] == 0
+    assert results.is_fill(result["measured_angular_frequency"]).all()
+
+
+def test_uneven_times_are_taken_as_they_are(here):
+    dice = np.random.default_rng(3)
+    times = (np.arange(700) + dice.uniform(-0.2, 0.2, 700)) / RATE
+    times = np.delete(times, slice(200, 240))
+    times -= times[0]
+    here.write("ring.csv", text_of(3, times=times))
+    here.scene("ring", ASKED)
+    result = here.run("ring")
+    assert result["peak_count"] == FREQUENCY.size
+    away = lines_of(result, "measured_angular_frequency") / (2 * np.pi) - FREQUENCY
+    assert (abs(away) < WIDE * lines_of(result, "measured_angular_frequency_error") / (2 * np.pi)).all()
+    np.testing.assert_allclose(result["time"], times, atol=1e-8)
+
+
+def test_repeats_and_sweeps_are_cases_with_the_bits_of_single_runs(here):
+    """Files vary fastest; the axes of what is drawn are those of the longest case."""
+    for name, seed, samples in [("a", 11, SAMPLES), ("b", 12, SAMPLES - 100)]:
+        here.write(f"{name}.csv", text_of(seed, samples=samples))
+    sweep = {"parameter": "record%end", "values": [0.5, 2.0]}
+    here.scene("all", {"record": {"file": ["a.csv", "b.csv"]}, "spectrum": {}}, sweep)
+    swept = here.run("all")
+    assert swept["record_file"].tolist() == [1, 2, 1, 2]
+    assert swept["record_end"].tolist() == [0.5, 0.5, 2.0, 2.0]
+    for case in range(4):
+        name = f"c{case}"
+        here.scene(name, {"record": {"file": f"{'ab'[case % 2]}.csv", "end": [0.5, 2.0][case // 2]}, "spectrum": {}})
+        alone = here.run(name)
+        for variable, (dimensions, numbers, _) in alone.variables.items():
+            if "time" in dimensions or "frequency" in dimensions or variable == "stage_seconds":
+                continue
+            there = swept[variable]
+            if "case" in swept.variables[variable].dimensions:
+                there = there[case]
+            assert there.tobytes() == numbers.tobytes(), (case, variable)
+        held = alone["recorded"].shape[1]
+        assert swept["recorded"][case][:, :held].tobytes() == alone["recorded"].tobytes()
+        assert results.is_fill(swept["recorded"][case][:, held:]).all()
+
+
+def test_a_changed_record_is_another_scene(here):
+    here.write("ring.csv", text_of(1))
+    here.scene("ring", ASKED)
+    before = here.run("ring")
+    assert "nothing to do" in here.beamwave("run", "ring.nml").stdout
+    text = text_of(1)
+    here.write("ring.csv", text[:-3] + "1\n" if text[-2] != "1" else text[:-3] + "2\n")
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 3
+    assert "of another scene or version; --overwrite replaces it" in ended.stderr
+    after = here.run("ring", "--overwrite")
+    assert after.attributes["record_checksum"] != before.attributes["record_checksum"]
+
+
+REPEATS = 12
+
+
+def repeats(here):
+    """Files, and the scene that has all of them."""
+    for number in range(REPEATS):
+        here.write(f"r{number}.csv", text_of(100 + number))
+    here.scene("a", {"record": {"file": [f"r{number}.csv" for number in range(REPEATS)]}, "spectrum": {}})
+
+
+def test_repeats_that_were_killed_go_on(here):
+    repeats(here)
+    running = here.start("run", "a.nml", "--quiet", "--output", "killed")
+    partial = here.directory / "killed/a.partial"
+    until = time.perf_counter() + SECONDS
+    while not any(file.stat().st_size > 10_000 for file in partial.glob("*.journal")):
+        assert time.perf_counter() < until and running.poll() is None
+        time.sleep(0.002)
+    os.kill(running.pid, signal.SIGKILL)
+    running.communicate(timeout=SECONDS)
+    ended = here.beamwave("run", "a.nml", "--output", "killed")
+    assert ended.returncode == 0, ended.stderr
+    assert "taken over from an earlier run" in ended.stdout
+    assert here.beamwave("run", "a.nml").returncode == 0
+    assert results.differences(here.result("a", "killed"), here.result("a")) == []
+
+
+def test_repeats_shared_by_processes_have_the_same_bits(here, processes):
+    crew = processes(2)
+    repeats(crew)
+    assert crew.beamwave("run", "a.nml", "--output", "shared").returncode == 0
+    assert here.beamwave("run", "a.nml").returncode == 0
+    assert results.differences(here.result("a", "shared"), here.result("a")) == []
+
+
+def test_a_changed_file_takes_unfinished_work_away(here):
+    repeats(here)
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "0.3")
+    if ended.returncode == 0:
+        pytest.skip("a machine this fast is never stopped")
+    assert ended.returncode == 5
+    here.write("r0.csv", text_of(99))
+    ended = here.beamwave("run", "a.nml")
+    assert ended.returncode == 0
+    assert "taken over" not in ended.stdout
+
+
+def test_a_simulated_result_is_a_record(here):
+    """Its lines are the modes of the beam with its mass."""
+    response = {"duration": 0.4, "samples": 1024, "points": [0.5, 1.0]}
+    here.scene("run", captured_beam(rotation=None, modes={"before": 4, "after": 4}, damping={"ratio": 0.001}, response=response))
+    modes = here.run("run")
+    here.scene("again", {"record": {"file": "output/run.nc"}, "spectrum": {}})
+    lines = here.run("again")
+    found = lines["measured_angular_frequency"]
+    for beta in modes["angular_frequency"]:
+        nearest = abs(found - beta).argmin()
+        assert abs(found[nearest] - beta) < max(lines["measured_angular_frequency_error"][nearest], 1e-9 * beta)
+
+
+BAD = {  # what is wrong with the second file, status, what standard error begins with
+    "nan": (text_of(2) + "9.0,nan,1.0\n", 2, "b.csv:1026: column 2 (mid [m/s2]): 'nan' is no finite number"),
+    "other sensors": ("time,tip\n" + "".join(f"{j / 100},{j % 7}\n" for j in range(60)), 2, "b.csv: its sensors, displacement"),
+    "nothing there": (None, 3, "b.csv: cannot be read: "),
+}
+
+
+@pytest.mark.parametrize("case", BAD.values(), ids=BAD.keys())
+def test_a_bad_repeat_is_refused_before_any_work(here, case):
+    text, status, said = case
+    here.write("a.csv", text_of(1))
+    if text is not None:
+        here.write("b.csv", text)
+    here.scene("ring", {"record": {"file": ["a.csv", "b.csv"]}, "spectrum": {}})
+    ended = here.beamwave("run", "ring.nml")
+    assert (ended.returncode, len(ended.stderr.splitlines())) == (status, 1), ended.stderr
+    assert ended.stderr.startswith(said)
+    assert not (here.directory / "output").exists()
+
+
+def test_a_part_that_is_too_short_is_refused_before_any_work(here):
+    here.write("ring.csv", text_of(1))
+    here.write("ring.nml", namelist(ASKED, {"parameter": "record%end", "values": [0.5, 0.01]}))
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 2
+    assert ended.stderr.startswith("ring.nml: &sweep: of ring.csv 11 samples are left up to end = 0.01; accepted: 16 or more")
+    assert not (here.directory / "output").exists()
+
+
+@pytest.mark.parametrize("command", ["accuracy", "effects"])
+def test_studies_are_about_simulated_histories(here, command):
+    here.write("ring.csv", text_of(1))
+    here.scene("ring", ASKED)
+    ended = here.beamwave(command, "ring.nml")
+    assert (ended.returncode, len(ended.stderr.splitlines())) == (2, 1)
+    assert ended.stderr.startswith("ring.nml: &record: ")
+    assert here.left(".") == ["ring.csv", "ring.nml"]
