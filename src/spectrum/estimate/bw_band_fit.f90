@@ -15,7 +15,7 @@ module bw_band_fit
   public :: damped_line, eliminate, fit_band, image_of, reduce, slopes, still_image, triangle_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  integer, parameter :: most_steps = 40, most_halvings = 5
+  integer, parameter :: most_steps = 20, most_halvings = 5
   real(dp), parameter :: settled = 1.0e-6_dp    !! variances of the noise that a step promises to gain: it is the last
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution

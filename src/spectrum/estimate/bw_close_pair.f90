@@ -9,6 +9,7 @@ module bw_close_pair
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
+  use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
   use bw_ordinates, only: ordinates_type
   use bw_samples, only: samples_type, span_of
@@ -25,6 +26,7 @@ module bw_close_pair
   real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
     !! bins from a line to two lines on either side of it, to start from
   real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
+  real(dp), parameter :: again = 0.5_dp         !! of what had to be gained when a shape was refused; then it is tried again
   real(dp), parameter :: promise = 0.3_dp       !! of what a fit gains, that it shows to first order
   real(dp), parameter :: from_still = 2         !! bins; a drift nearer to 0 is not told from an offset and a slope
   integer, parameter :: most_together = 8       !! lines of a band among which drifts and pairs are looked for
@@ -34,32 +36,40 @@ module bw_close_pair
 
 contains
 
-  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed)
+  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed, monitor)
     !! Try every line as one that drifts and as two; the best of each band is kept, but where it gains so much less than is
     !! left elsewhere that it may be fitted to what leaks from there.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(ordinates_type), intent(in) :: ordinates  !! what the lines leave
-    type(line_band), intent(in) :: bands(:)
+    type(line_band), intent(inout) :: bands(:)
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
+    class(monitor_type), intent(inout), optional :: monitor
     type :: shape_type
       type(damped_line), allocatable :: lines(:)  !! of a band; a further one is the last
     end type shape_type
     type(shape_type) :: best(size(bands))
     type(damped_line), allocatable :: after(:)
-    real(dp) :: pays(size(bands)), least
+    real(dp) :: pays(size(bands)), least, quiet(size(bands))
     integer :: i, n
     pays = 0
+    changed = .false.
+    quiet = huge(1.0_dp)
     least = leaking*2*maxval(ordinates%total)
     do i = 1, size(bands)
       if (size(bands(i)%member) == 0) cycle
+      if (stops(monitor)) return
+      quiet(i) = max(least, -2*log(false_alarm/size(lines)))/ &
+        & maxval(1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)))
+      if (quiet(i) > again*bands(i)%refused) cycle
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
         & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
         & best(i)%lines, pays(i), least)
     end do
+    where (pays <= 0) bands%refused = min(bands%refused, quiet)
     least = max(least, leaking*maxval(pays))
     changed = any(pays > least)
     if (.not. changed) return

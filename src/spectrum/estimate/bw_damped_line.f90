@@ -24,6 +24,7 @@ module bw_damped_line
     logical :: steady = .false.                  !! the decay is held at 0
     integer :: powers = 1                        !! of u in the exponent; 1: no drift
     complex(dp) :: bend(2:most_powers) = 0       !! b
+    real(dp) :: sought = -1                      !! frequency of the peak that it was first taken for; negative: none
   end type damped_line
 
 contains
