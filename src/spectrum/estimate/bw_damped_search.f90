@@ -2,10 +2,12 @@ module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_band_fit, only: damped_line, fit_type, reduce, reduced_type
   use bw_close_pair, only: join_lines, split_lines
+  use bw_damped_line, only: bend_reach
   use bw_drift, only: drift_gain, drift_taken
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows, prepare_bands, refine
+  use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
@@ -21,7 +23,10 @@ module bw_damped_search
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_rounds = 24
-  integer, parameter :: most_at_once = 64
+  integer, parameter :: most_idle = 3            !! rounds of drifts and pairs, after each of which as much is left as before
+  real(dp), parameter :: no_gain = 0.999_dp      !! of what was left
+  integer, parameter :: most_at_once = 64, most_around = 3  !! new lines of a round, and of a place
+  real(dp), parameter :: around = 8              !! bins that a place reaches to either side
   integer, parameter :: most_lines = 200
   real(dp), parameter :: guard = 4               !! times the leakage of stronger peaks
   real(dp), parameter :: narrowest = 0.4_dp      !! bins; an undamped line leaks 1/(πd)² of its power
@@ -34,11 +39,13 @@ module bw_damped_search
 
   real(dp), parameter :: most_fitted = 0.7_dp    !! unknowns for each sample
   real(dp), parameter :: drift_reach = 3         !! bins; the ordinates of a drift are below half of what it gains
+  real(dp), parameter :: sigmas = 2              !! standard deviations of an interval, that tells whether there is a line at all
+  real(dp), parameter :: widest_error = 3        !! bins, of a frequency
   real(dp), parameter :: strayed = 2             !! bins, and half widths, that a fit may take a line from its peak
   real(dp), parameter :: undescribed = 0.01_dp   !! of what a drift takes, that may be left beside it
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
-  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3
+  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3, uncertain = 4
 
   type, public :: rejected_line
     !! A candidate that is no line.
@@ -127,14 +134,16 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(ordinates_type) :: tapered
     real(dp) :: threshold, before
-    integer :: round, known
+    integer :: round, known, idle
     logical :: changed, better, astray
     before = huge(1.0_dp)
+    idle = 0
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
       known = size(found%lines)
-      call change(samples, false_alarm, threshold, tapered, found, changed, monitor)
+      if (norm2(found%ordinates%deviation) < no_gain*before) idle = 0
+      call change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
       better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
       if (present(monitor)) call monitor%advance(1 - 1.0_dp/(1 + round))
@@ -146,7 +155,7 @@ contains
     end do
   end subroutine search
 
-  subroutine change(samples, false_alarm, threshold, tapered, found, changed, monitor)
+  subroutine change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
     !! Change the lines in the first way that pays: add some that stand out with a taper, leave out needless ones, add some that
     !! stand out without a taper, let lines drift or split them, add some beside others, join some.
     type(samples_type), intent(in) :: samples
@@ -154,7 +163,10 @@ contains
     type(ordinates_type), intent(in) :: tapered
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
+    integer, intent(inout) :: idle               !! rounds of new shapes since anything was gained
     class(monitor_type), intent(inout), optional :: monitor
+    type(damped_line), allocatable :: needless(:)
+    integer :: k
     call drop_broad(samples, found, changed)
     if (changed) return
     call add(candidates(samples, found, tapered, &
@@ -165,12 +177,18 @@ contains
     call add(candidates(samples, found, found%ordinates, threshold, same_peak))
     if (changed) return
     associate (noise => found%ordinates%noise)
-      call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, changed, &
-        & monitor)
+      if (idle < most_idle) call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, &
+        & changed, monitor)
+      if (changed) idle = idle + 1
+      if (changed) return
+      call drop_uncertain(samples, found, changed)
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
       if (changed) return
-      call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+      call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless)
+      do k = 1, size(needless)
+        found%rejected = [found%rejected, rejected_line(needless(k)%frequency, 0.0_dp, not_needed, needless(k)%sought)]
+      end do
     end associate
 
   contains
@@ -223,7 +241,9 @@ contains
           end do
           if (total(m) > guard*leakage) then
             taken = [taken, m]
-            if (is_new(place/length, total(m))) fresh = [fresh, line_at(samples, place/length, width(total, m, bins))]
+            if (count(abs(fresh%frequency - place/length)*span_of(samples) < around) < most_around) then
+              if (is_new(place/length, total(m))) fresh = [fresh, line_at(samples, place/length, width(total, m, bins))]
+            end if
           end if
         end associate
         peak = [peak(:best - 1), peak(best + 1:)]
@@ -274,8 +294,9 @@ contains
     real(dp) function broadened(line)
       !! Bins that a line's drift reaches to either side.
       type(damped_line), intent(in) :: line
-      integer :: m
-      broadened = sum([(m*abs(line%bend(m)%im), m=2, line%powers)])/pi
+      complex(dp) :: reach
+      reach = bend_reach(line)
+      broadened = reach%im/pi
     end function broadened
 
   end function is_drift
@@ -336,6 +357,52 @@ contains
     end do
     call reject(reason, found, changed)
   end subroutine drop_astray
+
+  subroutine drop_uncertain(samples, found, changed)
+    !! Leave out lines by themselves that the record does not determine: at no sensor is the amplitude, where it is largest, above
+    !! its own interval, or the frequency's interval is as wide as the frequency, or wider than the line. They are not tried again.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    type(line_errors) :: errors
+    real(dp) :: span, error
+    integer :: reason(size(found%lines)), i, j
+    reason = 0
+    span = span_of(samples)
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) == 0) cycle
+      associate (band => found%bands(i), own => found%lines(found%bands(i)%member))
+        errors = line_errors_of(reduce(samples, band%band, own_rows(samples, found%lines, found%still, band), own, &
+          & band%with_still), 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
+        do j = 1, size(own)
+          if (count(abs(own%frequency - own(j)%frequency)*span < same_peak) > 1) cycle
+          if (.not. stands_out(errors, own(j), j)) reason(band%member(j)) = uncertain
+          if (own(j)%frequency*span < 1) cycle
+          error = sigmas*frequency_deviation(errors, j)/pi
+          if (error > min(own(j)%frequency*span, widest_error + abs(own(j)%decay)*span/pi)) reason(band%member(j)) = uncertain
+        end do
+      end associate
+    end do
+    call reject(reason, found, changed)
+  end subroutine drop_uncertain
+
+  logical function stands_out(errors, line, j)
+    !! Whether an amplitude is above its own interval at any sensor.
+    type(line_errors), intent(in) :: errors
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: j                     !! its place in the fit
+    real(dp) :: along(2, size(line%amplitude))
+    integer :: s
+    stands_out = .true.
+    do s = 1, size(line%amplitude)
+      associate (a => line%amplitude(s))
+        along = 0
+        along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
+        if (abs(a) > sigmas*amplitude_deviation(errors, j, along)) return
+      end associate
+    end do
+    stands_out = .false.
+  end function stands_out
 
   subroutine reject(reason, found, changed)
     !! Move lines to the rejected ones.

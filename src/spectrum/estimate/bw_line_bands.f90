@@ -3,6 +3,7 @@ module bw_line_bands
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
   use bw_band, only: band_around, band_type
   use bw_band_fit, only: damped_line, fit_band, fit_type, image_of, still_image
+  use bw_damped_line, only: bend_reach
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
@@ -143,8 +144,7 @@ contains
     !! The largest decay, and change of 2π·frequency, of a line anywhere in the record.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: line
-    integer :: m
-    width_of = abs(line%decay) + sum([(m*abs(line%bend(m)), m=2, line%powers)])/centre_of(samples)
+    width_of = abs(line%decay) + abs(bend_reach(line))/centre_of(samples)
   end function width_of
 
   subroutine make(samples, lowest, highest, widest, bands, new)
