@@ -375,7 +375,8 @@ contains
         errors = line_errors_of(reduce(samples, band%band, own_rows(samples, found%lines, found%still, band), own, &
           & band%with_still), 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
         do j = 1, size(own)
-          if (count(abs(own%frequency - own(j)%frequency)*span < same_peak) > 1) cycle
+          if (own(j)%frequency*span > same_peak .and. &
+            & count(abs(own%frequency - own(j)%frequency)*span < same_peak) > 1) cycle
           if (.not. stands_out(errors, own(j), j)) reason(band%member(j)) = uncertain
           if (own(j)%frequency*span < 1) cycle
           error = sigmas*frequency_deviation(errors, j)/pi
