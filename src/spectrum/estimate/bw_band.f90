@@ -1,7 +1,7 @@
 module bw_band
   !! A band of a record around a few lines: the samples, turned by the frequency in its middle and summed over blocks.
   !!
-  !! A few hundred complex sums hold what the record says of a line near the middle, to less than a thousandth of its
+  !! A few hundred complex sums hold what the record says of a line near the middle, to a few thousandths of its
   !! information, and the image of any exponential is known exactly. The rows are real numbers whose noise is white and has
   !! the variance of the samples' noise near the middle: real and imaginary parts of each sum, over the root of half its
   !! samples. Near 0 and half the sampling rate, where a line meets its mirror image, and where blocks are single samples,
@@ -18,8 +18,10 @@ module bw_band
   public :: band_around, cut_band, line_columns, still_columns, tapered_band
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  integer, parameter :: sums_per_bin = 128   !! loses (π/128)²/3 of the information at the edge of the band
-  real(dp), parameter :: clear = 2           !! widths of a block's transform between a band and its mirror image
+  integer, parameter :: sums_per_bin = 32    !! loses (π/32)²/3 of the information at the edge of the band
+  integer, parameter :: ample = 2048         !! sums that tell enough of a broad line, whose information is near its middle
+  integer, parameter :: fewest_per_bin = 8   !! loses 5 % at the edge of so broad a band
+  real(dp), parameter :: clear = 1           !! widths of a block's transform between a band and its mirror image
 
   type, public :: band_type
     real(dp) :: centre = 0                   !! periods per step
@@ -44,12 +46,12 @@ contains
     span = span_of(samples)
     width = (highest - lowest)*span/2 + widest*span/pi + 1
     band%centre = (lowest + highest)/2
-    blocks = ceiling(sums_per_bin*width)
+    blocks = sums_for(width)
     band%is_real = min(lowest, nyquist_of(samples) - highest)*span <= clear*blocks
     if (band%is_real) then
       band%centre = merge(0.0_dp, 0.5_dp, allocated(samples%place) .or. lowest + highest < 0.5_dp)
       width = abs(band%centre - (lowest + highest)/2)*span + width
-      blocks = ceiling(sums_per_bin*width)
+      blocks = sums_for(width)
     end if
     if (2*blocks > samples%count) then
       blocks = samples%count
@@ -66,6 +68,12 @@ contains
       band%rows(:, s) = rows_of(band, summed(samples, s, band))
     end do
   end function band_around
+
+  pure integer function sums_for(width)
+    !! How many sums a band needs of so many bins to either side of its middle.
+    real(dp), intent(in) :: width
+    sums_for = ceiling(min(sums_per_bin*width, max(real(ample, dp), fewest_per_bin*width)))
+  end function sums_for
 
   pure function tapered_band(image, first) result(band)
     !! The band of these bins of a tapered transform.

@@ -7,7 +7,7 @@ module bw_band_fit
   !! follow for noise of each sensor's level.
   use bw_kinds, only: dp
   use bw_band, only: band_type, line_columns, still_columns
-  use bw_damped_line, only: damped_line, move_line
+  use bw_damped_line, only: bend_reach, damped_line, move_line
   use bw_lapack, only: dgelsy, dgeqrf, dormqr
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
@@ -15,9 +15,11 @@ module bw_band_fit
   public :: damped_line, eliminate, fit_band, image_of, reduce, slopes, still_image, triangle_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  integer, parameter :: most_steps = 40, most_halvings = 5
+  integer, parameter :: most_steps = 20, most_halvings = 5
   real(dp), parameter :: settled = 1.0e-6_dp    !! variances of the noise that a step promises to gain: it is the last
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
+  real(dp), parameter :: farthest = 3           !! half widths of a band from its middle; its sums see nothing beyond 32
+  real(dp), parameter, public :: widest_drift = 15  !! of −decay and 2π·frequency over half the record; one bin is π
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
   type, public :: reduced_type
@@ -68,10 +70,10 @@ contains
         moved = moved_lines(samples, fit%lines, factor*step)
         trial = reduce(samples, band, rows, moved, with_still)
         left = sum(weight*trial%left)
-        if (left < left_now) exit
+        if (left < left_now .and. all(is_held(samples, band, moved))) exit
         factor = factor/4
       end do
-      if (left >= left_now) exit
+      if (j > most_halvings) exit
       fit%lines = moved
       now = trial
       slow = left > fit%slowest*left_now
@@ -84,6 +86,18 @@ contains
     end do
     if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
+
+  elemental logical function is_held(samples, band, line)
+    !! Whether a line is where a band's sums see it, and these are enough for its drift.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    type(damped_line), intent(in) :: line
+    is_held = band%tapered
+    if (is_held) return
+    is_held = abs(bend_reach(line)) <= max(widest_drift, pi*band%half_width)
+    if (size(band%root) < band%blocks%first(size(band%root) + 1) - band%blocks%first(1)) is_held = is_held .and. &
+      & (abs(line%frequency - band%centre) + abs(line%decay)/(2*pi))*span_of(samples) < farthest*band%half_width
+  end function is_held
 
   function reduce(samples, band, rows, lines, with_still, powers) result(reduced)
     !! The triangle of the lines' columns, and the record turned by it. There must be more rows than amplitudes.

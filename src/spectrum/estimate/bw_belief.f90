@@ -29,6 +29,7 @@ module bw_belief
   integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
   real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
+  real(dp), parameter :: by_chance = 0.1_dp    !! of the stronger line's frequency, that a harmonic's interval may be wide
   integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
   integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
     !! bits of a status; 0 is a line that is none of these
@@ -272,12 +273,14 @@ contains
         do i = 1, size(believed)
           if (.not. strength(i) > strength(k)) cycle
           do m = 2, most_times
-            if (is_at(line, m*believed(i)%frequency, m*believed(i)%frequency_error)) line%status = ior(line%status, harmonic)
+            if (is_at(line, believed(i), m*believed(i)%frequency, m*believed(i)%frequency_error)) &
+              & line%status = ior(line%status, harmonic)
           end do
           do j = 1, i - 1
             if (.not. strength(j) > strength(k)) cycle
             do m = -1, 1, 2
-              if (is_at(line, believed(i)%frequency + m*believed(j)%frequency, &
+              if (is_at(line, believed(merge(i, j, believed(i)%frequency < believed(j)%frequency)), &
+                & believed(i)%frequency + m*believed(j)%frequency, &
                 & hypot(believed(i)%frequency_error, believed(j)%frequency_error))) line%status = ior(line%status, harmonic)
             end do
           end do
@@ -287,14 +290,17 @@ contains
 
   contains
 
-    pure logical function is_at(line, frequency, error)
-      !! Whether a line is at a frequency, or where that is folded to, within both errors.
+    pure logical function is_at(line, stronger, frequency, error)
+      !! Whether a line is at a frequency, or where that is folded to, within both errors, which must be far below the frequency of
+      !! the line that it would be a multiple of: otherwise it would be near some multiple by chance.
       type(believed_line), intent(in) :: line
+      type(believed_line), intent(in) :: stronger  !! the lower one of two
       real(dp), intent(in) :: frequency, error
       real(dp) :: folded
       folded = abs(frequency)
       if (.not. allocated(samples%place)) folded = abs(folded - anint(folded))
-      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error)
+      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error) .and. &
+        & max(line%frequency_error, error) < by_chance*stronger%frequency
     end function is_at
 
   end subroutine name_lines

@@ -4,11 +4,12 @@ module bw_close_pair
   !!
   !! What either could take is nearly what amplitudes that change with powers of time take, which is linear: only where that
   !! pays are drifts of rising powers, and pairs of several distances, fitted.
-  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type
-  use bw_damped_line, only: damped_line, most_powers
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type, widest_drift
+  use bw_damped_line, only: bend_reach, damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
+  use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
   use bw_ordinates, only: ordinates_type
   use bw_samples, only: samples_type, span_of
@@ -25,41 +26,51 @@ module bw_close_pair
   real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
     !! bins from a line to two lines on either side of it, to start from
   real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
+  integer, parameter :: most_idle = 2           !! powers of time, one after the other, that a drift gains nothing by
+  real(dp), parameter :: slowest = 0.9999_dp    !! of what is left: a step of a trial that leaves more is its last
+  real(dp), parameter :: again = 0.5_dp         !! of what had to be gained when a shape was refused; then it is tried again
   real(dp), parameter :: promise = 0.3_dp       !! of what a fit gains, that it shows to first order
   real(dp), parameter :: from_still = 2         !! bins; a drift nearer to 0 is not told from an offset and a slope
-  integer, parameter :: most_together = 8       !! lines of a band among which drifts and pairs are looked for
+  integer, parameter :: most_together = 4       !! lines of a band among which drifts and pairs are looked for
   real(dp), parameter :: credit = 12            !! of the weighted squares, for what a line looks like at first sight; from trials
-  real(dp), parameter :: widest_drift = 15      !! of −decay and 2π·frequency over half the record; one bin is π
   real(dp), parameter :: turns(3) = [0.0_dp, 2.0_dp, -2.0_dp]  !! radians at both ends, of drifts to start from
 
 contains
 
-  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed)
+  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed, monitor)
     !! Try every line as one that drifts and as two; the best of each band is kept, but where it gains so much less than is
     !! left elsewhere that it may be fitted to what leaks from there.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(ordinates_type), intent(in) :: ordinates  !! what the lines leave
-    type(line_band), intent(in) :: bands(:)
+    type(line_band), intent(inout) :: bands(:)
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
+    class(monitor_type), intent(inout), optional :: monitor
     type :: shape_type
       type(damped_line), allocatable :: lines(:)  !! of a band; a further one is the last
     end type shape_type
     type(shape_type) :: best(size(bands))
     type(damped_line), allocatable :: after(:)
-    real(dp) :: pays(size(bands)), least
+    real(dp) :: pays(size(bands)), least, quiet(size(bands))
     integer :: i, n
     pays = 0
+    changed = .false.
+    quiet = huge(1.0_dp)
     least = leaking*2*maxval(ordinates%total)
     do i = 1, size(bands)
       if (size(bands(i)%member) == 0) cycle
+      if (stops(monitor)) return
+      quiet(i) = max(least, -2*log(false_alarm/size(lines)))/ &
+        & maxval(1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)))
+      if (quiet(i) > again*bands(i)%refused) cycle
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
         & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
         & best(i)%lines, pays(i), least)
     end do
+    where (pays <= 0) bands%refused = min(bands%refused, quiet)
     least = max(least, leaking*maxval(pays))
     changed = any(pays > least)
     if (.not. changed) return
@@ -102,8 +113,10 @@ contains
       !! One power of time after the other in the exponent of line j.
       type(fit_type) :: start
       type(drift_type) :: drift
-      integer :: powers, k
+      real(dp) :: before
+      integer :: powers, k, idle
       bulges = .false.
+      idle = 0
       powers = min(own(j)%powers + 2, most_powers)
       if (powers == own(j)%powers .or. own(j)%frequency*span_of(samples) < from_still .or. size(own) > most_together) return
       drift = drift_of(samples, band, rows, weight, own, j, powers)
@@ -111,12 +124,15 @@ contains
       start%lines = [own(:j - 1), own(j + 1:), own(j)]
       do powers = own(j)%powers + 1, most_powers
         start%lines(size(own))%powers = powers
+        before = merge(left, fit%left, powers == own(j)%powers + 1)
         fit%left = huge(1.0_dp)
         do k = 1, size(turns)
           if (k > 1 .and. powers > 2) exit
           call try(start, turns(k))
         end do
         start%lines = fit%lines
+        idle = merge(0, idle + 1, before - fit%left > -2*log(chance))
+        if (idle == most_idle) return
         if (wild(fit%lines(size(own)))) return
         if (powers == 2) bulges = fit%lines(size(own))%bend(2)%re < -abs(fit%lines(size(own))%bend(2)%im)
         pays = left - fit%left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)
@@ -134,6 +150,7 @@ contains
       real(dp), intent(in) :: turn
       type(fit_type) :: other
       other = start
+      other%slowest = slowest
       associate (line => other%lines(size(own)))
         line%bend(2) = line%bend(2) + cmplx(0, turn, dp)
       end associate
@@ -148,6 +165,7 @@ contains
       if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
       do k = 1, size(below)
         fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
+        fit%slowest = slowest
         call fit_band(samples, band%band, rows, weight, band%with_still, fit)
         if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
         pays = left - fit%left + price_of_drift(own(j)%powers, chance) - least_gain(size(weight), chance)
@@ -172,8 +190,7 @@ contains
   pure logical function wild(line)
     !! Whether a fit has taken a line for so large a drift that it may describe anything.
     type(damped_line), intent(in) :: line
-    integer :: m
-    wild = sum([(m*abs(line%bend(m)), m=2, line%powers)]) > widest_drift
+    wild = abs(bend_reach(line)) > widest_drift
   end function wild
 
   logical function beside_in_bins(line, pair, span) result(near)
@@ -186,7 +203,7 @@ contains
       & abs(pair(1)%decay - pair(2)%decay) < 2*pi*abs(pair(1)%frequency - pair(2)%frequency)
   end function beside_in_bins
 
-  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed)
+  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed, needless)
     !! Leave a line out of each peak that has several, where the others, fitted again, do as well but for noise.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
@@ -195,6 +212,7 @@ contains
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
+    type(damped_line), allocatable, intent(out) :: needless(:)  !! the lines that have been left out
     logical :: stays(size(lines)), straightened
     integer :: i
     stays = .true.
@@ -204,6 +222,7 @@ contains
       if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
     end do
     changed = straightened .or. .not. all(stays)
+    needless = pack(lines, .not. stays)
     if (.not. all(stays)) lines = pack(lines, stays)
 
   contains

@@ -7,7 +7,7 @@ module bw_damped_line
   use bw_samples, only: bent_factor, bent_series, grain, phase_factor
   implicit none (type, external)
   private
-  public :: line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
+  public :: bend_reach, line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
 
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
   real(dp), parameter :: most_decay = 2.5_dp     !! per step, of either sign; the table must not overflow
@@ -24,6 +24,7 @@ module bw_damped_line
     logical :: steady = .false.                  !! the decay is held at 0
     integer :: powers = 1                        !! of u in the exponent; 1: no drift
     complex(dp) :: bend(2:most_powers) = 0       !! b
+    real(dp) :: sought = -1                      !! frequency of the peak that it was first taken for; negative: none
   end type damped_line
 
 contains
@@ -75,6 +76,20 @@ contains
     if (line%frequency < 0) line%bend = conjg(line%bend)
     line%frequency = abs(line%frequency)
   end subroutine move_line
+
+  elemental complex(dp) function bend_reach(line) result(reach)
+    !! The largest change of −decay, and of 2π·frequency, over half the record, that a drift makes anywhere from the record's middle.
+    type(damped_line), intent(in) :: line
+    integer, parameter :: looks = 16
+    complex(dp) :: rate
+    integer :: i, m
+    reach = 0
+    if (line%powers < 2) return
+    do i = -looks, looks
+      rate = sum([(m*line%bend(m)*(real(i, dp)/looks)**(m - 1), m=2, line%powers)])
+      reach = cmplx(max(reach%re, abs(rate%re)), max(reach%im, abs(rate%im)), dp)
+    end do
+  end function bend_reach
 
   elemental real(dp) function strength_of(line) result(strength)
     !! The amplitudes of all sensors together; it is never 0.

@@ -2,10 +2,12 @@ module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_band_fit, only: damped_line, fit_type, reduce, reduced_type
   use bw_close_pair, only: join_lines, split_lines
+  use bw_damped_line, only: bend_reach
   use bw_drift, only: drift_gain, drift_taken
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows, prepare_bands, refine
+  use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
@@ -21,7 +23,10 @@ module bw_damped_search
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_rounds = 24
-  integer, parameter :: most_at_once = 64
+  integer, parameter :: most_idle = 3            !! rounds of drifts and pairs, after each of which as much is left as before
+  real(dp), parameter :: no_gain = 0.999_dp      !! of what was left
+  integer, parameter :: most_at_once = 64, most_around = 3  !! new lines of a round, and of a place
+  real(dp), parameter :: around = 8              !! bins that a place reaches to either side
   integer, parameter :: most_lines = 200
   real(dp), parameter :: guard = 4               !! times the leakage of stronger peaks
   real(dp), parameter :: narrowest = 0.4_dp      !! bins; an undamped line leaks 1/(πd)² of its power
@@ -34,16 +39,20 @@ module bw_damped_search
 
   real(dp), parameter :: most_fitted = 0.7_dp    !! unknowns for each sample
   real(dp), parameter :: drift_reach = 3         !! bins; the ordinates of a drift are below half of what it gains
+  real(dp), parameter :: sigmas = 2              !! standard deviations of an interval, that tells whether there is a line at all
+  real(dp), parameter :: widest_error = 3        !! bins, of a frequency
+  real(dp), parameter :: strayed = 2             !! bins, and half widths, that a fit may take a line from its peak
   real(dp), parameter :: undescribed = 0.01_dp   !! of what a drift takes, that may be left beside it
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
-  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3
+  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3, uncertain = 4
 
   type, public :: rejected_line
     !! A candidate that is no line.
     real(dp) :: frequency = 0                    !! periods per step
     real(dp) :: ordinate = 0                     !! over the noise's level
     integer :: reason = 0
+    real(dp) :: sought = -1                      !! frequency of the peak that was taken for it; negative: none
   end type rejected_line
 
   type, public :: found_lines
@@ -125,23 +134,28 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(ordinates_type) :: tapered
     real(dp) :: threshold, before
-    integer :: round
-    logical :: changed, better
+    integer :: round, known, idle
+    logical :: changed, better, astray
     before = huge(1.0_dp)
+    idle = 0
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
-      call change(samples, false_alarm, threshold, tapered, found, changed)
+      known = size(found%lines)
+      if (norm2(found%ordinates%deviation) < no_gain*before) idle = 0
+      call change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
       better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
       if (present(monitor)) call monitor%advance(1 - 1.0_dp/(1 + round))
       if (.not. (changed .or. better)) exit
       if (stops(monitor)) exit
-      call settle(samples, found)
+      call settle(samples, found, monitor)
+      call drop_astray(samples, known, found, astray)
+      if (astray) call settle(samples, found, monitor)
     end do
   end subroutine search
 
-  subroutine change(samples, false_alarm, threshold, tapered, found, changed)
+  subroutine change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
     !! Change the lines in the first way that pays: add some that stand out with a taper, leave out needless ones, add some that
     !! stand out without a taper, let lines drift or split them, add some beside others, join some.
     type(samples_type), intent(in) :: samples
@@ -149,6 +163,12 @@ contains
     type(ordinates_type), intent(in) :: tapered
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
+    integer, intent(inout) :: idle               !! rounds of new shapes since anything was gained
+    class(monitor_type), intent(inout), optional :: monitor
+    type(damped_line), allocatable :: needless(:)
+    integer :: k
+    call drop_broad(samples, found, changed)
+    if (changed) return
     call add(candidates(samples, found, tapered, &
       & far_above*least_ordinate(tapered%shape, span_of(samples)/2, false_alarm), same_peak))
     if (changed) return
@@ -157,11 +177,18 @@ contains
     call add(candidates(samples, found, found%ordinates, threshold, same_peak))
     if (changed) return
     associate (noise => found%ordinates%noise)
-      call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, changed)
+      if (idle < most_idle) call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, &
+        & changed, monitor)
+      if (changed) idle = idle + 1
+      if (changed) return
+      call drop_uncertain(samples, found, changed)
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
       if (changed) return
-      call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
+      call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless)
+      do k = 1, size(needless)
+        found%rejected = [found%rejected, rejected_line(needless(k)%frequency, 0.0_dp, not_needed, needless(k)%sought)]
+      end do
     end associate
 
   contains
@@ -177,12 +204,13 @@ contains
 
   end subroutine change
 
-  subroutine settle(samples, found)
+  subroutine settle(samples, found, monitor)
     !! Fit all lines.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(inout) :: found
+    class(monitor_type), intent(inout), optional :: monitor
     call prepare_bands(samples, found%lines, found%bands)
-    call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still)
+    call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still, monitor)
   end subroutine settle
 
   function candidates(samples, found, ordinates, threshold, distance) result(fresh)
@@ -213,7 +241,9 @@ contains
           end do
           if (total(m) > guard*leakage) then
             taken = [taken, m]
-            if (is_new(place/length, total(m))) fresh = [fresh, line_at(samples, place/length, width(total, m, bins))]
+            if (count(abs(fresh%frequency - place/length)*span_of(samples) < around) < most_around) then
+              if (is_new(place/length, total(m))) fresh = [fresh, line_at(samples, place/length, width(total, m, bins))]
+            end if
           end if
         end associate
         peak = [peak(:best - 1), peak(best + 1:)]
@@ -227,6 +257,7 @@ contains
       !! Whether a peak is none of a rejected line, nor beside a line in whose peak a drift would take more.
       real(dp), intent(in) :: frequency, ordinate
       is_new = all(abs(found%rejected%frequency - frequency)*span_of(samples) > beside) &
+        & .and. all(abs(found%rejected%sought - frequency)*span_of(samples) > beside) &
         & .and. all(abs(found%lines%frequency - frequency)*span_of(samples) >= distance)
       if (is_new) is_new = .not. is_drift(samples, found, frequency, ordinate)
     end function is_new
@@ -263,8 +294,9 @@ contains
     real(dp) function broadened(line)
       !! Bins that a line's drift reaches to either side.
       type(damped_line), intent(in) :: line
-      integer :: m
-      broadened = sum([(m*abs(line%bend(m)%im), m=2, line%powers)])/pi
+      complex(dp) :: reach
+      reach = bend_reach(line)
+      broadened = reach%im/pi
     end function broadened
 
   end function is_drift
@@ -291,14 +323,107 @@ contains
     real(dp), intent(in) :: half_width           !! bins
     type(damped_line) :: line
     line%frequency = frequency
+    line%sought = frequency
     line%decay = max(1.0_dp, 2*pi*(half_width - narrowest))/span_of(samples)
     allocate (line%amplitude(size(samples%value, 2)))
     line%amplitude = 0
   end function line_at
 
+  subroutine drop_broad(samples, found, changed)
+    !! Leave out lines too broad to be told from the noise's colour; they are not tried again.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    real(dp) :: widest
+    widest = min(pi*window_width(span_of(samples)/2)/(2*span_of(samples)), shortest_life)
+    call reject(merge(too_broad, 0, abs(found%lines%decay) > widest), found, changed)
+  end subroutine drop_broad
+
+  subroutine drop_astray(samples, known, found, changed)
+    !! Leave out lines that a fit has taken to where no peak was: they describe what others leave beside them, or the noise's colour.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: known                 !! lines that were there before, and come first
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    integer :: reason(size(found%lines)), k
+    reason = 0
+    do k = known + 1, size(found%lines)
+      associate (line => found%lines(k), others => found%lines(:known))
+        if (abs(line%frequency - line%sought)*span_of(samples) < strayed + abs(line%decay)*span_of(samples)/pi) cycle
+        reason(k) = not_needed
+        if (any(others%powers > 1 .and. abs(others%frequency - line%frequency)*span_of(samples) < drift_reach)) &
+          & reason(k) = beside_drift
+      end associate
+    end do
+    call reject(reason, found, changed)
+  end subroutine drop_astray
+
+  subroutine drop_uncertain(samples, found, changed)
+    !! Leave out lines by themselves that the record does not determine: at no sensor is the amplitude, where it is largest, above
+    !! its own interval, or the frequency's interval is as wide as the frequency, or wider than the line. They are not tried again.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    type(line_errors) :: errors
+    real(dp) :: span, error
+    integer :: reason(size(found%lines)), i, j
+    reason = 0
+    span = span_of(samples)
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) == 0) cycle
+      associate (band => found%bands(i), own => found%lines(found%bands(i)%member))
+        errors = line_errors_of(reduce(samples, band%band, own_rows(samples, found%lines, found%still, band), own, &
+          & band%with_still), 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
+        do j = 1, size(own)
+          if (own(j)%frequency*span > same_peak .and. &
+            & count(abs(own%frequency - own(j)%frequency)*span < same_peak) > 1) cycle
+          if (.not. stands_out(errors, own(j), j)) reason(band%member(j)) = uncertain
+          if (own(j)%frequency*span < 1) cycle
+          error = sigmas*frequency_deviation(errors, j)/pi
+          if (error > min(own(j)%frequency*span, widest_error + abs(own(j)%decay)*span/pi)) reason(band%member(j)) = uncertain
+        end do
+      end associate
+    end do
+    call reject(reason, found, changed)
+  end subroutine drop_uncertain
+
+  logical function stands_out(errors, line, j)
+    !! Whether an amplitude is above its own interval at any sensor.
+    type(line_errors), intent(in) :: errors
+    type(damped_line), intent(in) :: line
+    integer, intent(in) :: j                     !! its place in the fit
+    real(dp) :: along(2, size(line%amplitude))
+    integer :: s
+    stands_out = .true.
+    do s = 1, size(line%amplitude)
+      associate (a => line%amplitude(s))
+        along = 0
+        along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
+        if (abs(a) > sigmas*amplitude_deviation(errors, j, along)) return
+      end associate
+    end do
+    stands_out = .false.
+  end function stands_out
+
+  subroutine reject(reason, found, changed)
+    !! Move lines to the rejected ones.
+    integer, intent(in) :: reason(:)             !! 0 for lines that stay
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    integer :: k
+    do k = 1, size(reason)
+      if (reason(k) == 0) cycle
+      associate (line => found%lines(k), ordinates => found%ordinates)
+        found%rejected = [found%rejected, rejected_line(line%frequency, &
+          & ordinates%total(max(0, min(ubound(ordinates%total, 1), nint(line%sought*ordinates%length)))), reason(k), line%sought)]
+      end associate
+    end do
+    changed = any(reason > 0)
+    if (changed) found%lines = pack(found%lines, reason == 0)
+  end subroutine reject
+
   subroutine drop_needless(samples, threshold, found, changed)
-    !! Leave out lines without which the others explain as much but for noise, and those too broad to be told from the noise's
-    !! colour; they are not tried again.
+    !! Leave out lines without which the others explain as much but for noise; they are not tried again.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: threshold
     type(found_lines), intent(inout) :: found
@@ -306,12 +431,11 @@ contains
     type(reduced_type) :: with, without
     real(dp), allocatable :: rows(:, :), weight(:)
     type(damped_line) :: line
-    logical :: stays(size(found%lines)), broad
-    real(dp) :: pays, widest
+    logical :: stays(size(found%lines))
+    real(dp) :: pays
     integer, allocatable :: others(:)
     integer :: i, j
     stays = .true.
-    widest = pi*window_width(span_of(samples)/2)/(2*span_of(samples))
     do i = 1, size(found%bands)
       if (size(found%bands(i)%member) == 0) cycle
       associate (band => found%bands(i))
@@ -323,10 +447,9 @@ contains
           others = pack(band%member, band%member /= band%member(j))
           without = reduce(samples, band%band, rows, found%lines(others), band%with_still, 0*others)
           pays = sum(weight*(without%left - with%left))/2
-          broad = abs(line%decay) > min(widest, shortest_life)
-          if (pays > kept*threshold .and. .not. broad) cycle
+          if (pays > kept*threshold) cycle
           stays(band%member(j)) = .false.
-          found%rejected = [found%rejected, rejected_line(line%frequency, pays, merge(too_broad, not_needed, broad))]
+          found%rejected = [found%rejected, rejected_line(line%frequency, pays, not_needed, line%sought)]
         end do
       end associate
     end do

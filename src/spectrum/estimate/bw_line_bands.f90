@@ -3,7 +3,9 @@ module bw_line_bands
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
   use bw_band, only: band_around, band_type
   use bw_band_fit, only: damped_line, fit_band, fit_type, image_of, still_image
+  use bw_damped_line, only: bend_reach
   use bw_kinds, only: dp
+  use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
   use bw_order, only: ascending
   use bw_samples, only: centre_of, samples_type, span_of
@@ -15,8 +17,11 @@ module bw_line_bands
   real(dp), parameter :: together = 4          !! bins between lines of one band
   real(dp), parameter :: near_still = 8        !! bins from 0 within which offset and slope are fitted with the lines
   real(dp), parameter :: margin = 0.7_dp       !! bins that lines may move before their band is made anew
-  integer, parameter :: most_sweeps = 12
+  integer, parameter :: most_sweeps = 6
+  real(dp), parameter :: nudged = 0.1_dp       !! bins, by which a line may move and be the same line
   real(dp), parameter :: settled = 1.0e-3_dp   !! variances of the noise that a sweep may still gain
+  real(dp), parameter :: unseen = 1.0e-5_dp    !! of these, that the rows of a band may change before it is fitted again
+  real(dp), parameter :: same_noise = 0.05_dp  !! of its variance, that it may change
 
   type, public :: line_band
     !! A band, and which lines are in it.
@@ -25,6 +30,10 @@ module bw_line_bands
     integer, allocatable :: member(:)          !! indices of its lines; none in the band of offset and slope
     logical :: with_still = .false.            !! offset and slope are fitted here
     real(dp) :: left = huge(1.0_dp)            !! squares of what its lines leave, over the noise's variance
+    type(damped_line), allocatable :: fitted(:)  !! the lines as its last fit left them
+    real(dp), allocatable :: seen(:, :)        !! the rows that they were fitted to
+    real(dp), allocatable :: weight(:)         !! one over the noise's variance in that fit, (S)
+    real(dp) :: refused = huge(1.0_dp)         !! squares, not weighted, that no other shape of its lines takes off
   end type line_band
 
 contains
@@ -51,6 +60,9 @@ contains
       first = i + 1
     end do
     if (size(fresh) > 1) fresh(1)%with_still = .not. any(fresh(2:)%with_still)
+    do i = 1, size(fresh)
+      call remember(lines, bands, fresh(i))
+    end do
     call move_alloc(fresh, bands)
 
   contains
@@ -74,12 +86,65 @@ contains
 
   end subroutine prepare_bands
 
+  subroutine remember(lines, bands, new)
+    !! Let a band know what is known of one with the same rows and lines.
+    type(damped_line), intent(in) :: lines(:)
+    type(line_band), allocatable, intent(in) :: bands(:)
+    type(line_band), intent(inout) :: new
+    integer :: i
+    if (.not. allocated(bands)) return
+    do i = 1, size(bands)
+      if (.not. allocated(bands(i)%fitted)) cycle
+      if (size(bands(i)%fitted) /= size(new%member) .or. (bands(i)%with_still .neqv. new%with_still)) cycle
+      if (abs(bands(i)%lowest - new%lowest) > 0 .or. abs(bands(i)%highest - new%highest) > 0) cycle
+      if (abs(bands(i)%widest - new%widest) > 0) cycle
+      if (.not. all(same(bands(i)%fitted, lines(new%member)))) cycle
+      new%left = bands(i)%left
+      new%fitted = bands(i)%fitted
+      new%seen = bands(i)%seen
+      new%weight = bands(i)%weight
+      new%refused = bands(i)%refused
+      return
+    end do
+  end subroutine remember
+
+  elemental logical function same(line, other)
+    !! Whether two lines are the same but for their amplitudes.
+    type(damped_line), intent(in) :: line, other
+    same = .not. (abs(line%frequency - other%frequency) > 0 .or. abs(line%decay - other%decay) > 0 .or. &
+      & line%powers /= other%powers .or. any(abs(line%bend - other%bend) > 0))
+  end function same
+
+  logical function alike(band, lines, span)
+    !! Whether a fit has left a band's lines within a tenth of a bin of where they were.
+    type(line_band), intent(in) :: band
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: span
+    alike = .false.
+    if (.not. allocated(band%fitted)) return
+    if (size(band%fitted) /= size(lines)) return
+    alike = all(band%fitted%powers == lines%powers .and. abs(band%fitted%frequency - lines%frequency)*span < nudged &
+      & .and. abs(band%fitted%decay - lines%decay)*span < 2*pi*nudged)
+  end function alike
+
+  logical function is_at_rest(band, rows, weight, lines)
+    !! Whether neither a band's lines, nor what it sees of others, nor the noise have changed since its last fit.
+    type(line_band), intent(in) :: band
+    real(dp), intent(in) :: rows(:, :), weight(:)
+    type(damped_line), intent(in) :: lines(:)
+    is_at_rest = .false.
+    if (.not. allocated(band%seen)) return
+    if (size(band%fitted) /= size(lines)) return
+    if (.not. all(same(band%fitted, lines))) return
+    if (any(abs(band%weight - weight) > same_noise*weight)) return
+    is_at_rest = sum(weight*sum((rows - band%seen)**2, dim=1)) < unseen
+  end function is_at_rest
+
   elemental real(dp) function width_of(samples, line)
     !! The largest decay, and change of 2π·frequency, of a line anywhere in the record.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: line
-    integer :: m
-    width_of = abs(line%decay) + sum([(m*abs(line%bend(m)), m=2, line%powers)])/centre_of(samples)
+    width_of = abs(line%decay) + abs(bend_reach(line))/centre_of(samples)
   end function width_of
 
   subroutine make(samples, lowest, highest, widest, bands, new)
@@ -128,13 +193,14 @@ contains
     end do
   end function own_rows
 
-  subroutine refine(samples, noise, bands, lines, still)
-    !! Fit band after band until nothing is gained.
+  subroutine refine(samples, noise, bands, lines, still, monitor)
+    !! Fit band after band until nothing is gained; those that have come to rest are left as they are.
     type(samples_type), intent(in) :: samples
     type(level_knots), intent(in) :: noise
     type(line_band), intent(inout) :: bands(:)
     type(damped_line), intent(inout) :: lines(:)
     real(dp), intent(inout) :: still(:, :)
+    class(monitor_type), intent(inout), optional :: monitor
     type(fit_type) :: fit
     real(dp), allocatable :: rows(:, :), weight(:)
     real(dp) :: before, moved
@@ -143,11 +209,17 @@ contains
       moved = 0
       do i = 1, size(bands)
         if (size(bands(i)%member) == 0 .and. .not. bands(i)%with_still) cycle
+        if (stops(monitor)) return
         before = bands(i)%left
         rows = own_rows(samples, lines, still, bands(i))
         weight = 1/level_at(noise, bands(i)%band%centre, size(still, 2))
         fit%lines = lines(bands(i)%member)
+        if (is_at_rest(bands(i), rows, weight, fit%lines)) cycle
         call fit_band(samples, bands(i)%band, rows, weight, bands(i)%with_still, fit)
+        if (.not. alike(bands(i), fit%lines, span_of(samples))) bands(i)%refused = huge(1.0_dp)
+        bands(i)%fitted = fit%lines
+        bands(i)%seen = rows
+        bands(i)%weight = weight
         lines(bands(i)%member) = fit%lines
         if (bands(i)%with_still) still = fit%still
         bands(i)%left = fit%left

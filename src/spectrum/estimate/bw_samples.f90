@@ -13,8 +13,8 @@ module bw_samples
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
   real(dp), parameter, public :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
-  integer, parameter :: series = 4           !! powers of a block's length over half the record, in which a bend is expanded there;
-                                             !! where the bend turns a block by 0.05 this leaves 3e-9
+  integer, parameter :: series = 8           !! powers of a block's length over half the record, in which a bend is expanded there;
+                                             !! where the bend turns a block by 0.4 this leaves 1e-9
 
   type, public :: samples_type
     integer :: count = 0                     !! N
