@@ -14,7 +14,8 @@ module bw_damped_search
   use bw_samples, only: samples_type, span_of
   use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
-  use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
+  use bw_line_or_colour, only: are_lines
+  use bw_whitening, only: find_whitening, gain_of, longest, no_whitening, whiten, whitening_type
   implicit none (type, external)
   private
   public :: find_damped_lines
@@ -69,7 +70,9 @@ contains
     type(found_lines), intent(out) :: found    !! of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     type(real_fourier) :: plan
-    logical :: pure
+    type(samples_type) :: raw
+    type(ordinates_type) :: tapered
+    logical :: pure, dropped
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
@@ -81,6 +84,11 @@ contains
     found%deviation = found%ordinates%deviation
     if (allocated(samples%place)) return
     if (stops(monitor)) return
+    if (samples%count <= longest) then
+      raw = samples
+      call drop_colour(raw, samples, false_alarm, found, dropped)
+      if (dropped) call settle(samples, found)
+    end if
     call find_whitening(samples, found%lines, found%still, found%whitening)
     if (all(found%whitening%order == 0)) return
     call whiten(samples, found%whitening, found%lines)
@@ -88,7 +96,60 @@ contains
     allocate (found%rejected(0))
     call settle(samples, found)
     call search(samples, false_alarm, plan, found, monitor)
+    if (.not. allocated(raw%value)) return
+    call drop_colour(raw, samples, false_alarm, found, dropped)
+    if (.not. dropped) return
+    call settle(samples, found)
+    call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
   end subroutine find_damped_lines
+
+  subroutine drop_colour(raw, samples, false_alarm, found, dropped)
+    !! Leave out lines that the colour of the noise explains.
+    type(samples_type), intent(in) :: raw      !! as they were before they were whitened
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: dropped
+    type(damped_line) :: lines(size(found%lines))
+    logical :: stays(size(found%lines))
+    real(dp) :: pays(size(found%lines))
+    integer :: k
+    pays = pays_of(samples, found)
+    lines = found%lines
+    do k = 1, size(lines)
+      lines(k)%amplitude = lines(k)%amplitude/gain_of(found%whitening, lines(k))
+    end do
+    stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
+    dropped = .not. all(stays)
+    do k = 1, size(lines)
+      if (.not. stays(k)) found%rejected = [found%rejected, rejected_line(lines(k)%frequency, pays(k), not_needed)]
+    end do
+    found%lines = pack(found%lines, stays)
+  end subroutine drop_colour
+
+  function pays_of(samples, found) result(pays)
+    !! What each line takes off half the squares over the noise's level, beside the others of its band.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp) :: pays(size(found%lines))
+    type(reduced_type) :: with, without
+    real(dp), allocatable :: rows(:, :), weight(:)
+    integer, allocatable :: others(:)
+    integer :: i, j
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) == 0) cycle
+      associate (band => found%bands(i))
+        rows = own_rows(samples, found%lines, found%still, band)
+        weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+        with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0*band%member)
+        do j = 1, size(band%member)
+          others = pack(band%member, band%member /= band%member(j))
+          without = reduce(samples, band%band, rows, found%lines(others), band%with_still, 0*others)
+          pays(band%member(j)) = sum(weight*(without%left - with%left))/2
+        end do
+      end associate
+    end do
+  end function pays_of
 
   subroutine take_if_pure(samples, plan, found, pure, monitor)
     !! Take the lines of a record that holds nothing else but rounding, which is its noise.
@@ -303,31 +364,17 @@ contains
     real(dp), intent(in) :: threshold
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
-    type(reduced_type) :: with, without
-    real(dp), allocatable :: rows(:, :), weight(:)
-    type(damped_line) :: line
     logical :: stays(size(found%lines)), broad
-    real(dp) :: pays, widest
-    integer, allocatable :: others(:)
-    integer :: i, j
-    stays = .true.
+    real(dp) :: pays(size(found%lines)), widest
+    integer :: k
+    pays = pays_of(samples, found)
     widest = pi*window_width(span_of(samples)/2)/(2*span_of(samples))
-    do i = 1, size(found%bands)
-      if (size(found%bands(i)%member) == 0) cycle
-      associate (band => found%bands(i))
-        rows = own_rows(samples, found%lines, found%still, band)
-        weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-        with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0*band%member)
-        do j = 1, size(band%member)
-          line = found%lines(band%member(j))
-          others = pack(band%member, band%member /= band%member(j))
-          without = reduce(samples, band%band, rows, found%lines(others), band%with_still, 0*others)
-          pays = sum(weight*(without%left - with%left))/2
-          broad = abs(line%decay) > min(widest, shortest_life)
-          if (pays > kept*threshold .and. .not. broad) cycle
-          stays(band%member(j)) = .false.
-          found%rejected = [found%rejected, rejected_line(line%frequency, pays, merge(too_broad, not_needed, broad))]
-        end do
+    do k = 1, size(found%lines)
+      associate (line => found%lines(k))
+        broad = abs(line%decay) > min(widest, shortest_life)
+        stays(k) = pays(k) > kept*threshold .and. .not. broad
+        if (.not. stays(k)) found%rejected = &
+          & [found%rejected, rejected_line(line%frequency, pays(k), merge(too_broad, not_needed, broad))]
       end associate
     end do
     changed = .not. all(stays)
