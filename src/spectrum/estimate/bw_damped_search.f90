@@ -12,6 +12,7 @@ module bw_damped_search
   use bw_order, only: local_maxima, vertex
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: samples_type, span_of
+  use bw_short_lines, only: short_lines
   use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
   use bw_line_or_colour, only: are_lines
@@ -222,6 +223,8 @@ contains
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
       if (changed) return
+      call add(short_candidates(samples, found, false_alarm))
+      if (changed) return
       call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed)
     end associate
 
@@ -237,6 +240,21 @@ contains
     end subroutine add
 
   end subroutine change
+
+  function short_candidates(samples, found, false_alarm) result(fresh)
+    !! A new line that is gone long before the record ends, or grows as fast, if one stands out of the noise, is no drift, and has
+    !! not been rejected.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: false_alarm
+    type(damped_line), allocatable :: fresh(:)
+    integer :: k
+    fresh = short_lines(samples, found%lines, found%still, found%ordinates%shape, false_alarm)
+    do k = size(fresh), 1, -1
+      if (any(abs(found%rejected%frequency - fresh(k)%frequency) < abs(fresh(k)%decay)/(2*pi)) &
+        & .or. is_drift(samples, found, fresh(k)%frequency, 0.0_dp)) fresh = fresh(k + 1:)
+    end do
+  end function short_candidates
 
   subroutine settle(samples, found)
     !! Fit all lines.
@@ -371,7 +389,7 @@ contains
     widest = pi*window_width(span_of(samples)/2)/(2*span_of(samples))
     do k = 1, size(found%lines)
       associate (line => found%lines(k))
-        broad = abs(line%decay) > min(widest, shortest_life)
+        broad = abs(line%decay) > shortest_life .or. (abs(line%decay) > widest .and. pays(k) < far_above*threshold)
         stays(k) = pays(k) > kept*threshold .and. .not. broad
         if (.not. stays(k)) found%rejected = &
           & [found%rejected, rejected_line(line%frequency, pays(k), merge(too_broad, not_needed, broad))]
