@@ -36,6 +36,7 @@ module bw_damped_search
 
   real(dp), parameter :: most_fitted = 0.7_dp    !! unknowns for each sample
   real(dp), parameter :: drift_reach = 3         !! bins; the ordinates of a drift are below half of what it gains
+  real(dp), parameter :: most_reach = 4        !! half widths of a short line, in which a line that drifts leaves something, and rejected ones are the same
   real(dp), parameter :: undescribed = 0.01_dp   !! of what a drift takes, that may be left beside it
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
@@ -242,17 +243,22 @@ contains
   end subroutine change
 
   function short_candidates(samples, found, false_alarm) result(fresh)
-    !! A new line that is gone long before the record ends, or grows as fast, if one stands out of the noise, is no drift, and has
-    !! not been rejected.
+    !! A new line that is gone long before the record ends, or grows as fast, if one stands out of the noise, has not been
+    !! rejected, and is not beside a line that drifts, of which anything may be left.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(in) :: found
     real(dp), intent(in) :: false_alarm
     type(damped_line), allocatable :: fresh(:)
+    real(dp) :: reach
     integer :: k
     fresh = short_lines(samples, found%lines, found%still, found%ordinates%shape, false_alarm)
-    do k = size(fresh), 1, -1
-      if (any(abs(found%rejected%frequency - fresh(k)%frequency) < abs(fresh(k)%decay)/(2*pi)) &
-        & .or. is_drift(samples, found, fresh(k)%frequency, 0.0_dp)) fresh = fresh(k + 1:)
+    if (size(fresh) == 0) return
+    reach = abs(fresh(1)%decay)/(2*pi)
+    if (any(abs(found%rejected%frequency - fresh(1)%frequency) < most_reach*reach)) fresh = fresh(2:)
+    do k = 1, size(found%lines)
+      if (size(fresh) == 0) exit
+      if (abs(found%lines(k)%frequency - fresh(1)%frequency) < drift_reach/span_of(samples) &
+        & + merge(most_reach*reach, 0.0_dp, found%lines(k)%powers > 1)) fresh = fresh(2:)
     end do
   end function short_candidates
 
