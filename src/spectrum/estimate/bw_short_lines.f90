@@ -9,7 +9,7 @@ module bw_short_lines
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level
   use bw_order, only: local_maxima, vertex
-  use bw_ordinates, only: find_power, least_ordinate, remainder
+  use bw_ordinates, only: find_power, least_ordinate, padded_length, remainder
   use bw_samples, only: place_of, samples_type, span_of
   implicit none (type, external)
   private
@@ -47,7 +47,7 @@ contains
     highest = freedom*(exp(highest/freedom) - 1)
     do way = 1, -1, -2
       left = what_is_left(samples, lines, still, way)
-      levels = quiet_levels(left, plan)
+      call find_quiet_levels(left, plan, levels)
       decay = first_decay/span_of(samples)
       do while (decay < fastest)
         call look(left, levels, decay, plan, frequency, ordinate)
@@ -78,18 +78,19 @@ contains
     type(real_fourier), intent(inout) :: plan
     real(dp), intent(out) :: frequency, ordinate
     type(samples_type) :: part
-    real(dp), allocatable :: power(:), total(:), seen(:), weight(:)
+    real(dp), allocatable :: power(:), total(:), weight(:)
+    real(dp) :: seen(size(levels, 1))
     integer, allocatable :: peak(:)
     real(dp) :: place
     integer :: s, m, n, k, best
     n = count([(place_of(left, m) < lives/decay, m=1, left%count)])
     part%count = n
     if (allocated(left%place)) part%place = left%place(:n)
+    allocate (total(0:padded_length(part)/2), source=0.0_dp)
     weight = exp(-decay*[(place_of(left, m), m=1, n)])
     do s = 1, size(left%value, 2)
       call find_power(part, weight*left%value(:n, s), plan, power)
       power = power*(n/sum(weight**2))
-      if (s == 1) allocate (total(0:size(power) - 1), source=0.0_dp)
       seen = seen_through(levels(:, s), decay, plan)
       do m = 0, size(total) - 1
         place = m*real(size(seen) - 1, dp)/(size(total) - 1)
@@ -145,12 +146,12 @@ contains
     end do
   end function what_is_left
 
-  function quiet_levels(left, plan) result(levels)
+  subroutine find_quiet_levels(left, plan, levels)
     !! The noise's variance at even frequencies from 0 to half the sampling rate, from the last half of the samples, or of few
     !! samples more, (0:K, S).
     type(samples_type), intent(in) :: left
     type(real_fourier), intent(inout) :: plan
-    real(dp), allocatable :: levels(:, :)
+    real(dp), allocatable, intent(out) :: levels(:, :)
     type(samples_type) :: part
     real(dp), allocatable :: power(:), level(:)
     integer, allocatable :: at(:)
@@ -159,16 +160,14 @@ contains
     part%count = left%count - first + 1
     if (allocated(left%place)) part%place = left%place(first:) - left%place(first)
     part%value = left%value(first:, :)
+    last = min(padded_length(part)/2, most_ordinates)
+    allocate (levels(0:last, size(part%value, 2)), level(0:last))
+    at = [(1 + nint(k*(real(padded_length(part)/2, dp)/last)), k=0, last)]
     do s = 1, size(part%value, 2)
       call find_power(part, part%value(:, s), plan, power)
-      if (.not. allocated(levels)) then
-        last = min(size(power) - 1, most_ordinates)
-        allocate (levels(0:last, size(part%value, 2)), level(0:last))
-        at = [(1 + nint(k*(size(power) - 1.0_dp)/last), k=0, last)]
-      end if
       call find_level(power(at), min(max(1, nint(span_of(part)/2)), last/2), .true., [real(dp) ::], least_level, level)
       levels(:, s) = level
     end do
-  end function quiet_levels
+  end subroutine find_quiet_levels
 
 end module bw_short_lines
