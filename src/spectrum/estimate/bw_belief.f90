@@ -97,7 +97,8 @@ contains
         if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
         line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
         line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
-        call judge_amplitude(samples, errors, own(j), j, gain_of(found%whitening, own(j)), line)
+        call judge_amplitude(errors, own(j), j, centre_of(samples) + maxval(found%whitening%lost)/2.0_dp, &
+          & gain_of(found%whitening, own(j)), line)
         if (oscillates) call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
           & own(j)%powers > 1, quantile, false_alarm, line)
       end associate
@@ -167,19 +168,19 @@ contains
     line%frequency_error = max(line%frequency_error, reach(2)/(2*pi*half))
   end subroutine judge_drift
 
-  subroutine judge_amplitude(samples, errors, own, j, gain, line)
+  subroutine judge_amplitude(errors, own, j, centre, gain, line)
     !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
-    type(samples_type), intent(in) :: samples
     type(line_errors), intent(in) :: errors
     type(damped_line), intent(in) :: own
     integer, intent(in) :: j                   !! its place among the band's lines
+    real(dp), intent(in) :: centre             !! time in the middle of the record as it was, in steps
     complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
     type(believed_line), intent(inout) :: line
     real(dp), dimension(2, size(gain)) :: along, across
     real(dp) :: growth
     complex(dp) :: start
     integer :: s
-    start = exp(2*min(own%decay, 0.0_dp)*centre_of(samples))*bent_factor(own%bend(:own%powers), -1.0_dp)
+    start = exp(2*min(own%decay, 0.0_dp)*centre)*bent_factor(own%bend(:own%powers), -1.0_dp)
     growth = abs(start)
     line%amplitude = own%amplitude/gain*start
     allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))

@@ -14,9 +14,11 @@ module bw_damped_search
   use bw_order, only: local_maxima, vertex
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: samples_type, span_of
+  use bw_short_lines, only: short_lines
   use bw_tapered_line, only: taper_costs
   use bw_tapered_residual, only: residual_type
-  use bw_whitening, only: find_whitening, no_whitening, whiten, whitening_type
+  use bw_line_or_colour, only: are_lines
+  use bw_whitening, only: find_whitening, gain_of, longest, no_whitening, whiten, whitening_type
   implicit none (type, external)
   private
   public :: find_damped_lines
@@ -42,6 +44,8 @@ module bw_damped_search
   real(dp), parameter :: sigmas = 2              !! standard deviations of an interval, that tells whether there is a line at all
   real(dp), parameter :: widest_error = 3        !! bins, of a frequency
   real(dp), parameter :: strayed = 2             !! bins, and half widths, that a fit may take a line from its peak
+  real(dp), parameter :: most_reach = 4          !! half widths of a short line, in which one that drifts leaves something, and
+                                                 !! rejected ones are the same
   real(dp), parameter :: undescribed = 0.01_dp   !! of what a drift takes, that may be left beside it
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
@@ -78,7 +82,9 @@ contains
     type(found_lines), intent(out) :: found    !! of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     type(real_fourier) :: plan
-    logical :: pure
+    type(samples_type) :: raw
+    type(ordinates_type) :: tapered
+    logical :: pure, dropped
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
@@ -90,6 +96,11 @@ contains
     found%deviation = found%ordinates%deviation
     if (allocated(samples%place)) return
     if (stops(monitor)) return
+    if (samples%count <= longest) then
+      raw = samples
+      call drop_colour(raw, samples, false_alarm, found, dropped)
+      if (dropped) call settle(samples, found)
+    end if
     call find_whitening(samples, found%lines, found%still, found%whitening)
     if (all(found%whitening%order == 0)) return
     call whiten(samples, found%whitening, found%lines)
@@ -97,7 +108,60 @@ contains
     allocate (found%rejected(0))
     call settle(samples, found)
     call search(samples, false_alarm, plan, found, monitor)
+    if (.not. allocated(raw%value)) return
+    call drop_colour(raw, samples, false_alarm, found, dropped)
+    if (.not. dropped) return
+    call settle(samples, found)
+    call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
   end subroutine find_damped_lines
+
+  subroutine drop_colour(raw, samples, false_alarm, found, dropped)
+    !! Leave out lines that the colour of the noise explains.
+    type(samples_type), intent(in) :: raw      !! as they were before they were whitened
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: dropped
+    type(damped_line) :: lines(size(found%lines))
+    logical :: stays(size(found%lines))
+    real(dp) :: pays(size(found%lines))
+    integer :: k
+    pays = pays_of(samples, found)
+    lines = found%lines
+    do k = 1, size(lines)
+      lines(k)%amplitude = lines(k)%amplitude/gain_of(found%whitening, lines(k))
+    end do
+    stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
+    dropped = .not. all(stays)
+    do k = 1, size(lines)
+      if (.not. stays(k)) found%rejected = [found%rejected, rejected_line(lines(k)%frequency, pays(k), not_needed)]
+    end do
+    found%lines = pack(found%lines, stays)
+  end subroutine drop_colour
+
+  function pays_of(samples, found) result(pays)
+    !! What each line takes off half the squares over the noise's level, beside the others of its band.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp) :: pays(size(found%lines))
+    type(reduced_type) :: with, without
+    real(dp), allocatable :: rows(:, :), weight(:)
+    integer, allocatable :: others(:)
+    integer :: i, j
+    do i = 1, size(found%bands)
+      if (size(found%bands(i)%member) == 0) cycle
+      associate (band => found%bands(i))
+        rows = own_rows(samples, found%lines, found%still, band)
+        weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+        with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0*band%member)
+        do j = 1, size(band%member)
+          others = pack(band%member, band%member /= band%member(j))
+          without = reduce(samples, band%band, rows, found%lines(others), band%with_still, 0*others)
+          pays(band%member(j)) = sum(weight*(without%left - with%left))/2
+        end do
+      end associate
+    end do
+  end function pays_of
 
   subroutine take_if_pure(samples, plan, found, pure, monitor)
     !! Take the lines of a record that holds nothing else but rounding, which is its noise.
@@ -167,7 +231,7 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(damped_line), allocatable :: needless(:)
     integer :: k
-    call drop_broad(samples, found, changed)
+    call drop_broad(samples, threshold, found, changed)
     if (changed) return
     call add(candidates(samples, found, tapered, &
       & far_above*least_ordinate(tapered%shape, span_of(samples)/2, false_alarm), same_peak))
@@ -184,6 +248,8 @@ contains
       call drop_uncertain(samples, found, changed)
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
+      if (changed) return
+      call add(short_candidates(samples, found, false_alarm))
       if (changed) return
       call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless)
       do k = 1, size(needless)
@@ -203,6 +269,27 @@ contains
     end subroutine add
 
   end subroutine change
+
+  function short_candidates(samples, found, false_alarm) result(fresh)
+    !! A new line that is gone long before the record ends, or grows as fast, if one stands out of the noise, has not been
+    !! rejected, and is not beside a line that drifts, of which anything may be left.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: false_alarm
+    type(damped_line), allocatable :: fresh(:)
+    real(dp) :: reach
+    integer :: k
+    fresh = short_lines(samples, found%lines, found%still, found%ordinates%shape, false_alarm)
+    if (size(fresh) == 0) return
+    fresh%sought = fresh%frequency
+    reach = abs(fresh(1)%decay)/(2*pi)
+    if (any(abs(found%rejected%frequency - fresh(1)%frequency) < most_reach*reach)) fresh = fresh(2:)
+    do k = 1, size(found%lines)
+      if (size(fresh) == 0) exit
+      if (abs(found%lines(k)%frequency - fresh(1)%frequency) < drift_reach/span_of(samples) &
+        & + merge(most_reach*reach, 0.0_dp, found%lines(k)%powers > 1)) fresh = fresh(2:)
+    end do
+  end function short_candidates
 
   subroutine settle(samples, found, monitor)
     !! Fit all lines.
@@ -329,14 +416,19 @@ contains
     line%amplitude = 0
   end function line_at
 
-  subroutine drop_broad(samples, found, changed)
-    !! Leave out lines too broad to be told from the noise's colour; they are not tried again.
+  subroutine drop_broad(samples, threshold, found, changed)
+    !! Leave out lines too broad to be told from the noise's colour, unless they pay far more than that; they are not tried again.
     type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: threshold
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
-    real(dp) :: widest
-    widest = min(pi*window_width(span_of(samples)/2)/(2*span_of(samples)), shortest_life)
-    call reject(merge(too_broad, 0, abs(found%lines%decay) > widest), found, changed)
+    logical, dimension(size(found%lines)) :: broad, gone
+    changed = .false.
+    broad = abs(found%lines%decay) > pi*window_width(span_of(samples)/2)/(2*span_of(samples))
+    gone = abs(found%lines%decay) > shortest_life
+    if (.not. any(broad .or. gone)) return
+    where (broad) gone = gone .or. pays_of(samples, found) < far_above*threshold
+    call reject(merge(too_broad, 0, gone), found, changed)
   end subroutine drop_broad
 
   subroutine drop_astray(samples, known, found, changed)
@@ -428,33 +520,7 @@ contains
     real(dp), intent(in) :: threshold
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
-    type(reduced_type) :: with, without
-    real(dp), allocatable :: rows(:, :), weight(:)
-    type(damped_line) :: line
-    logical :: stays(size(found%lines))
-    real(dp) :: pays
-    integer, allocatable :: others(:)
-    integer :: i, j
-    stays = .true.
-    do i = 1, size(found%bands)
-      if (size(found%bands(i)%member) == 0) cycle
-      associate (band => found%bands(i))
-        rows = own_rows(samples, found%lines, found%still, band)
-        weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
-        with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0*band%member)
-        do j = 1, size(band%member)
-          line = found%lines(band%member(j))
-          others = pack(band%member, band%member /= band%member(j))
-          without = reduce(samples, band%band, rows, found%lines(others), band%with_still, 0*others)
-          pays = sum(weight*(without%left - with%left))/2
-          if (pays > kept*threshold) cycle
-          stays(band%member(j)) = .false.
-          found%rejected = [found%rejected, rejected_line(line%frequency, pays, not_needed, line%sought)]
-        end do
-      end associate
-    end do
-    changed = .not. all(stays)
-    if (changed) found%lines = pack(found%lines, stays)
+    call reject(merge(not_needed, 0, pays_of(samples, found) <= kept*threshold), found, changed)
   end subroutine drop_needless
 
 end module bw_damped_search

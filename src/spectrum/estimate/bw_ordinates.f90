@@ -8,7 +8,7 @@ module bw_ordinates
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: find_ordinates, least_ordinate, padded_length, remainder
+  public :: find_ordinates, find_power, least_ordinate, padded_length, remainder
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
@@ -223,6 +223,18 @@ contains
       spectrum = plan%spectrum
     end if
   end subroutine transform
+
+  subroutine find_power(samples, left, plan, power)
+    !! The ordinates |X|²/N of one sensor's numbers at even frequencies from 0 to half the sampling rate.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: left(:)            !! (N)
+    type(real_fourier), intent(inout) :: plan
+    real(dp), allocatable, intent(out) :: power(:)
+    complex(dp), allocatable :: spectrum(:)
+    allocate (spectrum(0:padded_length(samples)/2))
+    call transform(samples, left, plan, spectrum)
+    power = (spectrum%re**2 + spectrum%im**2)/size(left)
+  end subroutine find_power
 
   pure function remainder(samples, lines, still, s) result(left)
     !! What lines, offset and slope leave of one sensor's samples, (N).

@@ -117,8 +117,12 @@ contains
     centre = max(count - 1, 1)/2.0_dp
     start = blocks%first(1) - 1
     length = blocks%first(2) - blocks%first(1)
-    factor = powers(decay, frequency, length, size(factor))* &
-      & exp(min(decay, 0.0_dp)*(count - 1) - decay*start)*phase_factor(frequency, start)
+    if (decay < 0) then                        ! powers alone would overflow
+      factor = powers(0.0_dp, frequency, length, size(factor))*phase_factor(frequency, start)* &
+        & [(exp(decay*(count - 1 - start - real(b, dp)*length)), b=0, size(factor) - 1)]
+    else
+      factor = powers(decay, frequency, length, size(factor))*exp(-decay*start)*phase_factor(frequency, start)
+    end if
     moment = moments(decay, frequency, length, centre, ubound(moment, 1))
     do b = 1, size(sums, 1)
       if (length /= blocks%first(b + 1) - blocks%first(b)) then

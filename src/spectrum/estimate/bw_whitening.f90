@@ -10,11 +10,11 @@ module bw_whitening
   use bw_samples, only: phase_factor, samples_type
   implicit none (type, external)
   private
-  public :: find_whitening, gain_of, no_whitening, whiten
+  public :: find_whitening, freedom_of_level, gain_of, judge_noise, no_whitening, whiten
 
   integer, parameter :: highest_order = 16
   real(dp), parameter :: worth = 0.99_dp        !! of the noise's variance: a filter that leaves more changes nothing
-  integer, parameter :: longest = 65536         !! samples that tell enough of the noise
+  integer, parameter, public :: longest = 65536         !! samples that tell enough of the noise
   integer, parameter :: samples_per_order = 32  !! fewer do not tell of so high an order
 
   type, public :: whitening_type
@@ -40,21 +40,37 @@ contains
     real(dp), intent(in) :: still(:, :)
     type(whitening_type), intent(inout) :: whitening(:)
     real(dp), allocatable :: left(:)
+    real(dp) :: cost
     integer :: s, first
     do s = 1, size(whitening)
       left = remainder(samples, lines, still, s)
       first = max(0, (size(left) - longest)/2)
-      call burg(left(first + 1:size(left) - first), whitening(s))
+      associate (middle => left(first + 1:size(left) - first))
+        call burg(middle, log(real(size(middle), dp)), samples_per_order, worth, whitening(s), cost)
+      end associate
     end do
     whitening%lost = maxval(whitening%order)
   end subroutine find_whitening
 
-  pure subroutine burg(left, whitening)
-    !! Fit autoregressions of rising order; the one that the criterion likes best stays.
+  pure subroutine judge_noise(left, whitening, cost)
+    !! Find the filter of noise, and what noise costs: minus twice the logarithm of its likelihood, and two for each coefficient
+    !! (Akaike, 1974).
     real(dp), intent(in) :: left(:)
+    type(whitening_type), intent(out) :: whitening
+    real(dp), intent(out) :: cost
+    call burg(left, 2.0_dp, samples_per_order/2, 1.0_dp, whitening, cost)
+  end subroutine judge_noise
+
+  pure subroutine burg(left, cost_of_order, per_order, worth_it, whitening, least)
+    !! Fit autoregressions of rising order; the one that a criterion likes best stays.
+    real(dp), intent(in) :: left(:)
+    real(dp), intent(in) :: cost_of_order      !! log n in the Bayesian criterion, 2 in Akaike's
+    integer, intent(in) :: per_order           !! samples at least
+    real(dp), intent(in) :: worth_it           !! part of the variance: what leaves more changes nothing
     type(whitening_type), intent(inout) :: whitening
+    real(dp), intent(out) :: least             !! the criterion
     real(dp) :: forward(size(left)), backward(size(left)), kept
-    real(dp) :: h(0:highest_order), before(0:highest_order), power, reflection, criterion, least
+    real(dp) :: h(0:highest_order), before(0:highest_order), power, reflection, criterion
     integer :: n, p, i
     n = size(left)
     forward = left
@@ -65,7 +81,7 @@ contains
     least = n*log(max(power, tiny(1.0_dp)))
     whitening%order = 0
     whitening%coefficient = h
-    do p = 1, min(highest_order, n/samples_per_order)
+    do p = 1, min(highest_order, n/per_order)
       reflection = sum(forward(p + 1:)**2) + sum(backward(p:n - 1)**2)
       if (.not. reflection > 0) exit
       reflection = -2*dot_product(forward(p + 1:), backward(p:n - 1))/reflection
@@ -79,13 +95,35 @@ contains
         backward(i) = backward(i - 1) + reflection*kept
       end do
       power = power*(1 - reflection**2)
-      criterion = n*log(max(power, tiny(1.0_dp))) + p*log(real(n, dp))
-      if (criterion >= least .or. power > worth*sum(left**2)/n) cycle
+      criterion = n*log(max(power, tiny(1.0_dp))) + p*cost_of_order
+      if (criterion >= least .or. power > worth_it*sum(left**2)/n) cycle
       least = criterion
       whitening%order = p
       whitening%coefficient = h
     end do
   end subroutine burg
+
+  pure real(dp) function freedom_of_level(whitening, frequency, count) result(freedom)
+    !! One over the variance of the logarithm of the noise's level at a frequency, where an autoregression of so many samples tells it:
+    !! so many ordinates' mean would scatter as much. The inverse of the covariance of its p coefficients is that of p samples
+    !! times their number (Mann and Wald), which the coefficients give (Gohberg and Semencul).
+    type(whitening_type), intent(in) :: whitening
+    real(dp), intent(in) :: frequency
+    integer, intent(in) :: count
+    real(dp) :: slope(whitening%order), variance
+    complex(dp) :: response
+    integer :: i, p
+    p = whitening%order
+    associate (h => whitening%coefficient)
+      response = sum([(h(i)*phase_factor(frequency, -i), i=0, p)])
+      slope = [(2*real(phase_factor(frequency, -i)/response, dp), i=1, p)]
+      variance = 2
+      do i = 1, p
+        variance = variance + dot_product(h(:p - i), slope(i:))**2 - dot_product(h(p:i:-1), slope(i:))**2
+      end do
+    end associate
+    freedom = count/variance
+  end function freedom_of_level
 
   subroutine whiten(samples, whitening, lines)
     !! Filter the samples in their memory, and the amplitudes of the lines with them. Fewer samples remain.
