@@ -423,11 +423,13 @@ contains
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
     logical, dimension(size(found%lines)) :: broad, gone
+    real(dp) :: pays(size(found%lines))
     changed = .false.
     broad = abs(found%lines%decay) > pi*window_width(span_of(samples)/2)/(2*span_of(samples))
     gone = abs(found%lines%decay) > shortest_life
     if (.not. any(broad .or. gone)) return
-    where (broad) gone = gone .or. pays_of(samples, found) < far_above*threshold
+    pays = pays_of(samples, found)
+    gone = gone .or. (broad .and. pays < far_above*threshold)
     call reject(merge(too_broad, 0, gone), found, changed)
   end subroutine drop_broad
 
@@ -480,7 +482,7 @@ contains
   end subroutine drop_uncertain
 
   logical function stands_out(errors, line, j)
-    !! Whether an amplitude is above its own interval at any sensor.
+    !! Whether an amplitude, where it is largest over the record, is above its own interval at any sensor.
     type(line_errors), intent(in) :: errors
     type(damped_line), intent(in) :: line
     integer, intent(in) :: j                     !! its place in the fit
@@ -491,7 +493,7 @@ contains
       associate (a => line%amplitude(s))
         along = 0
         along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
-        if (abs(a) > sigmas*amplitude_deviation(errors, j, along)) return
+        if (abs(a) > sigmas*amplitude_deviation(errors, j, along, last=line%decay < 0)) return
       end associate
     end do
     stands_out = .false.
@@ -520,7 +522,9 @@ contains
     real(dp), intent(in) :: threshold
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
-    call reject(merge(not_needed, 0, pays_of(samples, found) <= kept*threshold), found, changed)
+    real(dp) :: pays(size(found%lines))
+    pays = pays_of(samples, found)
+    call reject(merge(not_needed, 0, pays <= kept*threshold), found, changed)
   end subroutine drop_needless
 
 end module bw_damped_search

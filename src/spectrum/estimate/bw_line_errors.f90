@@ -55,17 +55,20 @@ contains
     position_deviation = merge(norm2(y), huge(1.0_dp), determined)
   end function position_deviation
 
-  pure real(dp) function amplitude_deviation(errors, j, direction) result(total)
+  pure real(dp) function amplitude_deviation(errors, j, direction, last) result(total)
     !! The standard deviation of the sum over sensors of line j's amplitudes, each times a direction in its plane: what noise does
-    !! to them at known decays and frequencies, and what their errors add. The amplitudes are those at the first sample; those of a
-    !! line that grows are given as at the last one, and so is their deviation.
+    !! to them at known decays and frequencies, and what their errors add. The amplitudes are those at the first sample, or at the
+    !! last. Those of a line that grows are given e^(growth) times as large, and so is their deviation.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
     real(dp), intent(in) :: direction(:, :)    !! (2, S)
+    logical, intent(in), optional :: last      !! true: the errors at the last sample; absent: at the first
     real(dp) :: slope(size(errors%reduced%free)), own(size(direction, 2)), one, other
     real(dp), dimension(errors%reduced%linear) :: gradient, y
-    integer :: s, k, i, c
-    logical :: determined
+    integer :: s, k, i, c, sign_of_power
+    logical :: determined, at_last
+    at_last = .false.
+    if (present(last)) at_last = last
     total = huge(1.0_dp)
     slope = 0
     own = 0
@@ -82,9 +85,10 @@ contains
             c = fit%linear + i
             one = dot_product(y, fit%triangle(:fit%linear, c))*fit%length(c)
             other = dot_product(y, fit%triangle(:fit%linear, c + 1))*fit%length(c + 1)
-            if (k == j) then                   ! slopes are about the record's middle, and the first sample is at u = −1
-              one = one + direction(1, s)*(-1)**((i - fit%first(k))/2)
-              other = other + direction(2, s)*(-1)**((i - fit%first(k))/2)
+            if (k == j) then                   ! slopes are about the record's middle, and its ends are at u = ∓1
+              sign_of_power = merge(-1, (-1)**((i - fit%first(k))/2), at_last)
+              one = one + direction(1, s)*sign_of_power
+              other = other + direction(2, s)*sign_of_power
             end if
             slope(i:i + 1) = slope(i:i + 1) - turned(one, other, fit%linear_part(2*k - 1:2*k, s))
           end do
