@@ -27,13 +27,20 @@ contains
     type(scene_type), intent(in) :: scene            !! accepted from this text
     type(reading_type), intent(inout) :: reading
     character(:), allocatable, intent(out) :: fault  !! empty for none
-    character(:), allocatable :: lines(:)
-    integer, allocatable :: places(:)
-    type(group_values), allocatable :: groups(:)
-    integer :: i, g
     fault = ''
-    groups = without_unknowns(scene)
-    lines = lines_of(text)
+    call compare_lines(lines_of(text), text, scene, reading, fault)
+  end subroutine compare_with_fortran
+
+  subroutine compare_lines(lines, text, scene, reading, fault)
+    !! Compare what the lines of a text hold, unless gfortran misreads them.
+    character(*), intent(in) :: lines(:), text
+    type(scene_type), intent(in) :: scene
+    type(reading_type), intent(inout) :: reading
+    character(:), allocatable, intent(inout) :: fault
+    type(group_values), allocatable :: groups(:)
+    integer, allocatable :: places(:)
+    integer :: i, g
+    call leave_unknowns_out(scene, groups)
     if (misreads(text, lines, scene%header%title)) return
     do i = 1, size(group_table)
       if (group_table(i)%name == 'sweep') cycle
@@ -43,18 +50,18 @@ contains
       end do
     end do
     if (fault == '') call compare_sweeps(lines, pack(scene%sweeps, .not. scene%sweeps%implied), reading, fault)
-  end subroutine compare_with_fortran
+  end subroutine compare_lines
 
-  function without_unknowns(scene) result(groups)
+  subroutine leave_unknowns_out(scene, groups)
     !! What a scene says, its unknowns as if swept: their values need not be those of the text.
     type(scene_type), intent(in) :: scene
-    type(group_values), allocatable :: groups(:)
+    type(group_values), allocatable, intent(out) :: groups(:)
     integer :: i
     groups = scene%groups
     do i = 1, size(scene%unknowns)
       groups(scene%unknowns(i)%group)%values(scene%unknowns(i)%value)%sweeps = 1
     end do
-  end function without_unknowns
+  end subroutine leave_unknowns_out
 
   function lines_of(text) result(lines)
     !! The lines of a text, padded with blanks, without the returns of CR LF.
