@@ -27,7 +27,7 @@ contains
     rows = known_groups(text, tokens, parsed)
     call report_groups(text, tokens, parsed, rows, messages)
     implied = [(group_table(i)%implied .and. .not. any(rows == i), i=1, size(group_table))]
-    if (any(rows == group_row('record')) .and. .not. any(rows == group_row('beam'))) implied = .false.
+    if (any(rows == group_row('record')) .and. .not. any(rows == group_row('beam'))) implied(group_row('modes')) = .false.
     allocate (groups(count(rows > 0) + count(implied)))
     n = 0
     do i = 1, size(rows)
