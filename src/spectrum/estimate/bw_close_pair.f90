@@ -203,7 +203,7 @@ contains
       & abs(pair(1)%decay - pair(2)%decay) < 2*pi*abs(pair(1)%frequency - pair(2)%frequency)
   end function beside_in_bins
 
-  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed, needless)
+  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed, needless, missed)
     !! Leave a line out of each peak that has several, where the others, fitted again, do as well but for noise.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
@@ -213,16 +213,20 @@ contains
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
     type(damped_line), allocatable, intent(out) :: needless(:)  !! the lines that have been left out
+    real(dp), allocatable, intent(out) :: missed(:)  !! what they took off half the squares over the noise
     logical :: stays(size(lines)), straightened
+    real(dp) :: gain(size(lines))
     integer :: i
     stays = .true.
     straightened = .false.
+    gain = 0
     do i = 1, size(bands)
       if (size(bands(i)%member) > 0) call straighten(bands(i))
       if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
     end do
     changed = straightened .or. .not. all(stays)
     needless = pack(lines, .not. stays)
+    missed = pack(gain, .not. stays)
     if (.not. all(stays)) lines = pack(lines, stays)
 
   contains
@@ -285,6 +289,7 @@ contains
       end do
       if (chosen == 0) return
       stays(band%member(chosen)) = .false.
+      gain(band%member(chosen)) = (least_left - left)/2
       lines(band%member(:chosen - 1)) = best(:chosen - 1)
       lines(band%member(chosen + 1:)) = best(chosen:)
     end subroutine join_band

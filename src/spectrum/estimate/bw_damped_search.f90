@@ -21,7 +21,7 @@ module bw_damped_search
   use bw_whitening, only: find_whitening, gain_of, longest, no_whitening, whiten, whitening_type
   implicit none (type, external)
   private
-  public :: find_damped_lines
+  public :: drop_astray, drop_broad, drop_colour, drop_needless, drop_uncertain, find_damped_lines
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_rounds = 24
@@ -49,12 +49,14 @@ module bw_damped_search
   real(dp), parameter :: undescribed = 0.01_dp   !! of what a drift takes, that may be left beside it
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
 
-  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3, uncertain = 4
+  integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3, uncertain = 4, &
+                                 noise_colour = 5
 
   type, public :: rejected_line
     !! A candidate that is no line.
     real(dp) :: frequency = 0                    !! periods per step
-    real(dp) :: ordinate = 0                     !! over the noise's level
+    real(dp) :: ordinate = 0                     !! what it takes off half the squares over the noise's level; of one that a
+                                                 !! fit has taken elsewhere, the ordinate at the peak, which is that of a steady line
     integer :: reason = 0
     real(dp) :: sought = -1                      !! frequency of the peak that was taken for it; negative: none
   end type rejected_line
@@ -99,7 +101,11 @@ contains
     if (samples%count <= longest) then
       raw = samples
       call drop_colour(raw, samples, false_alarm, found, dropped)
-      if (dropped) call settle(samples, found)
+      if (dropped) then
+        call settle(samples, found)
+        call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+        found%deviation = found%ordinates%deviation
+      end if
     end if
     call find_whitening(samples, found%lines, found%still, found%whitening)
     if (all(found%whitening%order == 0)) return
@@ -134,7 +140,7 @@ contains
     stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
     dropped = .not. all(stays)
     do k = 1, size(lines)
-      if (.not. stays(k)) found%rejected = [found%rejected, rejected_line(lines(k)%frequency, pays(k), not_needed)]
+      if (.not. stays(k)) found%rejected = [found%rejected, rejected_line(lines(k)%frequency, pays(k), noise_colour)]
     end do
     found%lines = pack(found%lines, stays)
   end subroutine drop_colour
@@ -230,6 +236,7 @@ contains
     integer, intent(inout) :: idle               !! rounds of new shapes since anything was gained
     class(monitor_type), intent(inout), optional :: monitor
     type(damped_line), allocatable :: needless(:)
+    real(dp), allocatable :: missed(:)
     integer :: k
     call drop_broad(samples, threshold, found, changed)
     if (changed) return
@@ -251,9 +258,9 @@ contains
       if (changed) return
       call add(short_candidates(samples, found, false_alarm))
       if (changed) return
-      call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless)
+      call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless, missed)
       do k = 1, size(needless)
-        found%rejected = [found%rejected, rejected_line(needless(k)%frequency, 0.0_dp, not_needed, needless(k)%sought)]
+        found%rejected = [found%rejected, rejected_line(needless(k)%frequency, missed(k), not_needed, needless(k)%sought)]
       end do
     end associate
 
@@ -430,27 +437,37 @@ contains
     if (.not. any(broad .or. gone)) return
     pays = pays_of(samples, found)
     gone = gone .or. (broad .and. pays < far_above*threshold)
-    call reject(merge(too_broad, 0, gone), found, changed)
+    call reject(merge(too_broad, 0, gone), pays, found, changed)
   end subroutine drop_broad
 
   subroutine drop_astray(samples, known, found, changed)
     !! Leave out lines that a fit has taken to where no peak was: they describe what others leave beside them, or the noise's colour.
     type(samples_type), intent(in) :: samples
     integer, intent(in) :: known                 !! lines that were there before, and come first
-    type(found_lines), intent(inout) :: found
+    type(found_lines), intent(inout) :: found    !! its ordinates are those before the others were taken up
     logical, intent(out) :: changed
+    real(dp) :: ordinate(size(found%lines))
     integer :: reason(size(found%lines)), k
     reason = 0
+    ordinate = 0
     do k = known + 1, size(found%lines)
       associate (line => found%lines(k), others => found%lines(:known))
         if (abs(line%frequency - line%sought)*span_of(samples) < strayed + abs(line%decay)*span_of(samples)/pi) cycle
         reason(k) = not_needed
+        ordinate(k) = ordinate_at(found%ordinates, merge(line%sought, line%frequency, line%sought >= 0))
         if (any(others%powers > 1 .and. abs(others%frequency - line%frequency)*span_of(samples) < drift_reach)) &
           & reason(k) = beside_drift
       end associate
     end do
-    call reject(reason, found, changed)
+    call reject(reason, ordinate, found, changed)
   end subroutine drop_astray
+
+  pure real(dp) function ordinate_at(ordinates, frequency)
+    !! The ordinate nearest to a frequency in periods per step.
+    type(ordinates_type), intent(in) :: ordinates
+    real(dp), intent(in) :: frequency
+    ordinate_at = ordinates%total(max(0, min(ubound(ordinates%total, 1), nint(frequency*ordinates%length))))
+  end function ordinate_at
 
   subroutine drop_uncertain(samples, found, changed)
     !! Leave out lines by themselves that the record does not determine: at no sensor is the amplitude, where it is largest, above
@@ -459,7 +476,7 @@ contains
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
     type(line_errors) :: errors
-    real(dp) :: span, error
+    real(dp) :: span, error, pays(size(found%lines))
     integer :: reason(size(found%lines)), i, j
     reason = 0
     span = span_of(samples)
@@ -478,7 +495,9 @@ contains
         end do
       end associate
     end do
-    call reject(reason, found, changed)
+    pays = 0
+    if (any(reason > 0)) pays = pays_of(samples, found)
+    call reject(reason, pays, found, changed)
   end subroutine drop_uncertain
 
   logical function stands_out(errors, line, j)
@@ -499,18 +518,17 @@ contains
     stands_out = .false.
   end function stands_out
 
-  subroutine reject(reason, found, changed)
+  subroutine reject(reason, ordinate, found, changed)
     !! Move lines to the rejected ones.
     integer, intent(in) :: reason(:)             !! 0 for lines that stay
+    real(dp), intent(in) :: ordinate(:)          !! of those that do not
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
     integer :: k
     do k = 1, size(reason)
       if (reason(k) == 0) cycle
-      associate (line => found%lines(k), ordinates => found%ordinates)
-        found%rejected = [found%rejected, rejected_line(line%frequency, &
-          & ordinates%total(max(0, min(ubound(ordinates%total, 1), nint(line%sought*ordinates%length)))), reason(k), line%sought)]
-      end associate
+      found%rejected = [found%rejected, &
+        & rejected_line(found%lines(k)%frequency, ordinate(k), reason(k), found%lines(k)%sought)]
     end do
     changed = any(reason > 0)
     if (changed) found%lines = pack(found%lines, reason == 0)
@@ -524,7 +542,7 @@ contains
     logical, intent(out) :: changed
     real(dp) :: pays(size(found%lines))
     pays = pays_of(samples, found)
-    call reject(merge(not_needed, 0, pays <= kept*threshold), found, changed)
+    call reject(merge(not_needed, 0, pays <= kept*threshold), pays, found, changed)
   end subroutine drop_needless
 
 end module bw_damped_search

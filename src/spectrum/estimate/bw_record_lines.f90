@@ -19,18 +19,20 @@ module bw_record_lines
 
   character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']
     !! bit by bit, 1, 2, 4, …; `line` is one that is none of the others
-  character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'too_broad', 'beside_drift', 'uncertain']
+  character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'too_broad', 'beside_drift', 'uncertain', &
+    'noise_colour']
     !! by number, from 1
   character(*), parameter, public :: reason_texts(*) = [character(64) :: &
     'the other lines explain as much but for noise', &
     'too broad to be told from the colour of the noise', &
     'beside a line whose frequency drifts, and explained by that', &
-    'its amplitude or frequency is within its own interval of nothing']
+    'its amplitude or frequency is within its own interval of nothing', &
+    'the colour of the noise explains it as well']
 
   type, public :: rejected_candidate
     !! A place in the spectrum that was looked at, and is no line.
     real(dp) :: angular_frequency = 0             !! rad/s
-    real(dp) :: ordinate = 0                      !! power over that of the noise there
+    real(dp) :: ordinate = 0                      !! power over that of the noise there, as of a `rejected_line`
     integer :: reason = 0                         !! place among `reason_words`
   end type rejected_candidate
 
