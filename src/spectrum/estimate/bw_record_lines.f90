@@ -2,12 +2,13 @@ module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
   use bw_band_fit, only: damped_line
-  use bw_belief, only: believed_line, normal_quantile, undetermined, window_start
-  use bw_damped_search, only: found_lines, rejected_line
+  use bw_belief, only: believed_line, undetermined, window_start
+  use bw_found_lines, only: found_lines, rejected_line
   use bw_kinds, only: dp
   use bw_missing, only: missing, scaled
   use bw_noise_level, only: level_at
   use bw_ordinates, only: remainder
+  use bw_quantile, only: normal_quantile
   use bw_samples, only: centre_of, samples_type
   use bw_whitening, only: gain_of
   implicit none (type, external)
