@@ -1,12 +1,13 @@
 module bw_absent_mends
   !! Which effect that the model leaves out would mend its misfit: each is put into the scenes, with an unknown of its own
   !! where its size is not known, and everything is fitted again.
-  use bw_beam_fit, only: fit_beam, fit_type
+  use bw_beam_fit, only: fit_beam
   use bw_beam_par, only: second_moment_of
   use bw_beam_state, only: beam_state
   use bw_error, only: error_type
-  use bw_fit_problem, only: fit_problem, value_at
-  use bw_identification, only: identification, problem_of
+  use bw_fit_problem, only: fit_problem, problem_of, value_at
+  use bw_fit_search, only: fit_type
+  use bw_identification, only: identification
   use bw_kinds, only: dp
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene_text
@@ -124,8 +125,8 @@ contains
     call states_of(variant, states)
     n = 0
     do i = 1, size(states)
-      states(i)%foreign = found%fit%mode_of(n + 1:n + size(states(i)%foreign)) == 0
-      n = n + size(states(i)%foreign)
+      states(i)%is_harmonic = found%fit%mode_of(n + 1:n + size(states(i)%is_harmonic)) == 0
+      n = n + size(states(i)%is_harmonic)
     end do
     problem = problem_of(states, variant(1)%scene%unknowns)
     call fit_beam(problem, 0.0_dp, .false., mend%fit, others)

@@ -6,12 +6,15 @@ module bw_beam_state
   use bw_case_result, only: case_modes
   use bw_double_double, only: dd
   use bw_error, only: error_type
+  use bw_foreign_lines, only: foreign_chance
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_sources
   use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
+  use bw_scene_resolved, only: resolved_text
   use bw_scene_unknowns, only: scene_with, with_unknowns
+  use bw_scene_variant, only: without_group
   implicit none (type, external)
   private
   public :: state_of
@@ -39,7 +42,9 @@ module bw_beam_state
 
   type, public :: beam_state
     type(measured_lines) :: lines
-    logical, allocatable :: foreign(:)           !! lines that are known to be no modes, (lines)
+    logical, allocatable :: is_harmonic(:)       !! lines that are known to be no modes, (lines)
+    logical, allocatable :: foreign(:)           !! lines that are taken for no modes on trial, (lines)
+    real(dp), allocatable :: chance(:)           !! that a line is no mode, before any beam is asked, (lines)
     integer, allocatable :: mode_of(:)           !! the mode that each line is taken for; 0: none, (lines)
     integer :: most_modes = 0                    !! as many as the scene counts
     logical, allocatable :: concerned(:)         !! by an unknown, (unknowns)
@@ -47,8 +52,10 @@ module bw_beam_state
     real(dp), allocatable, private :: values(:)  !! of the unknowns that the last modes were found with
     type(state_modes), private :: last
     integer :: solutions = 0                     !! how often modes were found
+    character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns where they start
   contains
     procedure :: modes_at
+    procedure :: is_twin_of
   end type beam_state
 
 contains
@@ -58,24 +65,47 @@ contains
     type(scene_type), intent(in) :: scene        !! without sweeps
     type(identify_par), intent(in) :: unknowns(:)   !! those of group 0 do not concern this scene
     type(measured_lines), intent(in) :: lines
+    type(error_type), allocatable :: error
     state%lines = lines
     state%concerned = unknowns%group > 0
     state%most_modes = scene%modes%before
     allocate (state%mode_of(size(lines%frequency)), source=0)
-    allocate (state%foreign(size(lines%frequency)), source=.false.)
+    allocate (state%foreign(size(lines%frequency)), state%is_harmonic(size(lines%frequency)), source=.false.)
+    state%chance = foreign_chance(lines%frequency, lines%deviation, lines%decay, lines%decay_deviation)
     call with_unknowns(scene, unknowns, state%varied)
+    call scene_with(state%varied, unknowns%start, state%one, error)
+    state%beam = resolved_text(scene)
+    if (.not. allocated(error)) state%beam = resolved_text(state%one)
+    state%beam = without_group(without_group(without_group(without_group(state%beam, 'scene'), 'record'), 'spectrum'), 'identify')
   end function state_of
 
+  pure logical function is_twin_of(self, other)
+    !! Whether the modes of one state are those of another, as in repeats.
+    class(beam_state), intent(in) :: self
+    type(beam_state), intent(in) :: other
+    is_twin_of = self%beam == other%beam .and. all(self%concerned .eqv. other%concerned) .and. &
+      (allocated(self%lines%points) .eqv. allocated(other%lines%points)) .and. (self%lines%bends .eqv. other%lines%bends)
+    if (.not. is_twin_of .or. .not. allocated(self%lines%points)) return
+    is_twin_of = size(self%lines%points) == size(other%lines%points)
+    if (is_twin_of) is_twin_of = all(self%lines%points == other%lines%points)
+  end function is_twin_of
+
   subroutine modes_at(self, values, number, modes)
-    !! Find modes; what was asked last is remembered.
+    !! Find modes; those that were found last are remembered.
     class(beam_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! ascending, ≤ most_modes
     type(state_modes), intent(out) :: modes
+    integer :: place(size(number)), i
     if (self%last%found .and. allocated(self%values)) then
-      if (size(number) == size(self%last%number)) then
-        if (all(number == self%last%number) .and. all(values == self%values .or. .not. self%concerned)) then
-          modes = self%last
+      if (all(values == self%values .or. .not. self%concerned)) then
+        place = [(findloc(self%last%number, number(i), dim=1), i=1, size(number))]
+        if (all(place > 0)) then
+          modes%found = .true.
+          modes%number = number
+          modes%frequency = self%last%frequency(place)
+          modes%decay = self%last%decay(place)
+          if (allocated(self%last%shape)) modes%shape = self%last%shape(place, :)
           return
         end if
       end if

@@ -3,8 +3,8 @@ module bw_fit_intervals
   !!
   !! The interval of an unknown reaches to where the least sum of squares over all others is larger by the square of the
   !! quantile. What the others are there is remembered: both ends fit alike.
-  use bw_beam_fit, only: fit_type
   use bw_fit_problem, only: fit_problem
+  use bw_fit_search, only: fit_type
   use bw_kinds, only: dp
   use bw_lapack, only: dpotrf, dpotri
   implicit none (type, external)
@@ -22,6 +22,7 @@ module bw_fit_intervals
     type(interval_type), allocatable :: intervals(:)   !! (unknowns)
     real(dp), allocatable :: correlation(:, :)         !! 0 beside unknowns that the record says nothing of, (unknowns, unknowns)
     real(dp), allocatable :: deviation(:)              !! of v, where residuals are taken for linear, (unknowns)
+    real(dp), allocatable :: better(:)                 !! a place that was met on the way and fits better; unallocated: none
   end type belief_type
 
 contains
@@ -47,26 +48,14 @@ contains
   end subroutine find_intervals
 
   subroutine find_covariance(problem, belief)
-    !! (JᵀJ + 1)⁻¹, J by differences: the 1 is what the range itself says of v, 0 ± 1, so that there is an inverse though the
-    !! record may say nothing of some direction.
+    !! (JᵀJ + 1)⁻¹: the 1 is what the range itself says of v, 0 ± 1, so that there is an inverse though the record may say nothing of
+    !! some direction.
     type(fit_problem), intent(inout) :: problem
     type(belief_type), intent(inout) :: belief
-    real(dp), parameter :: step = 1.0e-5_dp
-    real(dp), allocatable :: jacobian(:, :), up(:), down(:), information(:, :), covariance(:, :)
-    real(dp) :: v(size(problem%v))
-    integer :: i, j, m, n
+    real(dp), allocatable :: jacobian(:, :), information(:, :), covariance(:, :)
+    integer :: i, j, n
     n = size(problem%v)
-    m = problem%count()
-    allocate (jacobian(m, n), up(m), down(m), information(n, n))
-    do i = 1, n
-      v = problem%v
-      v(i) = min(1.0_dp, problem%v(i) + step)
-      call problem%find_residuals(v, up)
-      jacobian(:, i) = v(i)
-      v(i) = max(-1.0_dp, problem%v(i) - step)
-      call problem%find_residuals(v, down)
-      jacobian(:, i) = (up - down)/(jacobian(:, i) - v(i))
-    end do
+    call problem%find_derivatives(jacobian)
     information = matmul(transpose(jacobian), jacobian)
     do i = 1, n
       information(i, i) = information(i, i) + 1
@@ -108,11 +97,12 @@ contains
     integer, intent(in) :: i                     !! the unknown
     integer, intent(in) :: way                   !! −1 or 1
     real(dp), intent(in) :: quantile
-    type(belief_type), intent(in) :: belief
+    type(belief_type), intent(inout) :: belief
     real(dp), intent(out) :: end
     logical, intent(out) :: is_open
     real(dp), allocatable, intent(out) :: place(:)
     real(dp), parameter :: near = 0.01_dp
+    real(dp), parameter :: lower = 0.01_dp       !! sum of squares that makes a place a better fit
     integer, parameter :: most_steps = 12
     real(dp) :: t, inner, outer, g, g_inner, g_outer, room
     integer :: step
@@ -153,8 +143,9 @@ contains
       if (step == 1) problem%v = max(-1.0_dp, min(1.0_dp, fit%v + way*distance*belief%correlation(:, i)* &
                                                   belief%deviation/belief%deviation(i)))
       problem%v(i) = max(-1.0_dp, min(1.0_dp, fit%v(i) + way*distance))
-      call problem%minimise(residuals)
+      call problem%minimise(residuals, .false.)
       growth = sqrt(max(0.0_dp, sum(residuals**2) - fit%sum))
+      if (sum(residuals**2) < fit%sum - lower) belief%better = problem%v
     end function growth_at
   end subroutine follow
 

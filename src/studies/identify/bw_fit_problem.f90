@@ -12,7 +12,7 @@ module bw_fit_problem
   use bw_line_assignment, only: band_type, best_scatter, pairing
   implicit none (type, external)
   private
-  public :: chi_squared_tail, position_in, value_at
+  public :: problem_of, position_in, value_at
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
   real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
@@ -25,6 +25,7 @@ module bw_fit_problem
     logical :: fits_decay = .false.
     real(dp), allocatable :: v(:)                !! of all unknowns, (unknowns)
     integer, allocatable :: free(:)              !! the unknowns that are changed
+    integer, allocatable, private :: twin(:)     !! the first state with the same modes, (states)
     integer :: evaluations = 0
   contains
     procedure :: find_residuals
@@ -33,11 +34,32 @@ module bw_fit_problem
     procedure :: pairs
     procedure :: match
     procedure :: minimise
-    procedure :: sum_at
+    procedure :: find_derivatives
+    procedure :: frequency_rows
     procedure :: values => values_of_problem
   end type fit_problem
 
 contains
+
+  pure type(fit_problem) function problem_of(states, unknowns) result(problem)
+    !! What is fitted, before it is. Decays are where numbers of the damping are unknown.
+    type(beam_state), intent(in) :: states(:)
+    type(identify_par), intent(in) :: unknowns(:)
+    integer :: i, j
+    problem%unknowns = unknowns
+    problem%states = states
+    problem%fits_decay = any([(index(unknowns(i)%parameter, 'damping%') == 1, i=1, size(unknowns))])
+    allocate (problem%v(size(unknowns)), source=0.0_dp)
+    problem%free = [(i, i=1, size(unknowns))]
+    allocate (problem%twin(size(states)))
+    do i = 1, size(states)
+      problem%twin(i) = i
+      do j = 1, i - 1
+        if (problem%twin(j) == j .and. states(i)%is_twin_of(states(j))) exit
+      end do
+      problem%twin(i) = j
+    end do
+  end function problem_of
 
   elemental real(dp) function value_at(unknown, v) result(x)
     !! The unknown itself.
@@ -119,7 +141,7 @@ contains
     do i = 1, size(self%states)
       associate (state => self%states(i), lines => self%states(i)%lines)
         line = pack([(k, k=1, size(state%mode_of))], state%mode_of > 0)
-        call state%modes_at(value_at(self%unknowns, all_v), state%mode_of(line), modes)
+        call modes_of_twin(self, i, value_at(self%unknowns, all_v), state%mode_of(line), modes)
         do k = 1, size(line)
           n = n + 1
           residuals(n) = impossible
@@ -143,6 +165,26 @@ contains
       end associate
     end do
   end subroutine find_residuals
+
+  subroutine modes_of_twin(self, i, values, number, modes)
+    !! Modes of state i: what twins need is found for all of them together.
+    type(fit_problem), intent(inout) :: self
+    integer, intent(in) :: i
+    real(dp), intent(in) :: values(:)
+    integer, intent(in) :: number(:)
+    type(state_modes), intent(out) :: modes
+    logical, allocatable :: needed(:)
+    integer :: j, k, leader
+    leader = self%twin(i)
+    if (leader == i .and. count(self%twin == i) > 1) then
+      allocate (needed(self%states(i)%most_modes), source=.false.)
+      do j = 1, size(self%states)
+        if (self%twin(j) == i) needed(pack(self%states(j)%mode_of, self%states(j)%mode_of > 0)) = .true.
+      end do
+      call self%states(i)%modes_at(values, pack([(k, k=1, size(needed))], needed), modes)
+    end if
+    call self%states(leader)%modes_at(values, number, modes)
+  end subroutine modes_of_twin
 
   pure subroutine put_amplitudes(amplitude, deviation, shape, residuals)
     !! Residuals of the amplitudes of one line, real and imaginary parts.
@@ -182,14 +224,15 @@ contains
         lines = lines + size(frequency)
         n = min(size(frequency) + at_once, state%most_modes)
         do
-          call state%modes_at(self%values(), [(k, k=1, n)], modes)
+          call self%states(self%twin(i))%modes_at(self%values(), [(k, k=1, n)], modes)
           if (.not. modes%found .or. n == state%most_modes) exit
           if (modes%frequency(n) > beyond*frequency(size(frequency))) exit
           n = min(n + at_once, state%most_modes)
         end do
         records(i)%line = frequency
         records(i)%deviation = state%lines%deviation/frequency
-        records(i)%foreign = state%foreign
+        records(i)%foreign = state%foreign .or. state%is_harmonic
+        records(i)%chance = state%chance
         records(i)%mode = modes%frequency
         if (.not. modes%found) records(i)%mode = -records(i)%mode
       end associate
@@ -200,8 +243,9 @@ contains
       records(i)%deviation = records(i)%line
       records(i)%mode = records(i)%line
       records(i)%foreign = self%states(i)%foreign
+      records(i)%chance = self%states(i)%chance
     end do
-    band%width = exp(1.0_dp)*max(high/low, 1.0_dp)
+    band%width = 1 + log(max(high/low, 1.0_dp))
     band%share = max(0.0_dp, 1 - size(self%unknowns)/real(max(1, lines), dp))
   end subroutine pairs
 
@@ -223,10 +267,12 @@ contains
     end do
   end subroutine match
 
-  subroutine minimise(self, residuals)
+  subroutine minimise(self, residuals, quick)
     !! Change the free unknowns until the sum of squares is least; the assignment stays.
     class(fit_problem), intent(inout) :: self
     real(dp), allocatable, intent(out) :: residuals(:)
+    logical, intent(in) :: quick                 !! to a thousandth of the sum, else to all digits
+    real(dp), parameter :: rough = 1.0e-3_dp, fine = 1.0e-9_dp
     real(dp) :: v(size(self%free))
     integer :: evaluations
     v = self%v(self%free)
@@ -235,33 +281,41 @@ contains
       call self%find_residuals(v, residuals)
       return
     end if
-    call least_squares(self, self%count(), model_accuracy, v, residuals, evaluations)
+    call least_squares(self, self%count(), model_accuracy, merge(rough, fine, quick), v, residuals, evaluations)
     self%v(self%free) = v
   end subroutine minimise
 
-  real(dp) function sum_at(self) result(sum_of_squares)
-    !! The sum of squares where the unknowns are.
+  subroutine find_derivatives(self, jacobian)
+    !! Derivatives of the residuals by all unknowns, where these are, by central differences.
     class(fit_problem), intent(inout) :: self
-    real(dp) :: residuals(self%count())
-    call self%find_residuals(self%v(self%free), residuals)
-    sum_of_squares = sum(residuals**2)
-  end function sum_at
-
-  pure real(dp) function chi_squared_tail(x, freedom) result(tail)
-    !! Probability that a sum of squares of so many standard normal deviates is above x: from 1 or 2 degrees of freedom
-    !! upwards by Q(n) = Q(n − 2) + (x/2)^(n/2 − 1) e^(−x/2)/Γ(n/2).
-    real(dp), intent(in) :: x                    !! ≥ 0
-    integer, intent(in) :: freedom               !! ≥ 1
-    integer :: n
-    if (mod(freedom, 2) == 1) then
-      tail = erfc(sqrt(0.5_dp*x))
-    else
-      tail = exp(-0.5_dp*x)
-    end if
-    if (.not. x > 0.0_dp) return
-    do n = 3 + mod(freedom + 1, 2), freedom, 2
-      tail = tail + exp((0.5_dp*n - 1)*log(0.5_dp*x) - 0.5_dp*x - log_gamma(0.5_dp*n))
+    real(dp), allocatable, intent(out) :: jacobian(:, :)     !! (residuals, unknowns)
+    real(dp), parameter :: step = 1.0e-5_dp
+    real(dp) :: v(size(self%v)), up(self%count()), down(self%count()), high
+    integer :: i
+    allocate (jacobian(self%count(), size(self%v)))
+    do i = 1, size(self%v)
+      v = self%v
+      v(i) = min(1.0_dp, self%v(i) + step)
+      high = v(i)
+      call self%find_residuals(v, up)
+      v(i) = max(-1.0_dp, self%v(i) - step)
+      call self%find_residuals(v, down)
+      jacobian(:, i) = (up - down)/(high - v(i))
     end do
-  end function chi_squared_tail
+  end subroutine find_derivatives
+
+  pure function frequency_rows(self) result(row)
+    !! The residuals that are those of frequencies.
+    class(fit_problem), intent(in) :: self
+    integer, allocatable :: row(:)
+    integer :: i, k, n, last
+    allocate (row(0))
+    last = 0
+    do i = 1, size(self%states)
+      n = counted(self%states(i)%mode_of)
+      row = [row, [(last + k, k=1, n)]]
+      last = last + merge(2, 1, self%fits_decay)*n
+    end do
+  end function frequency_rows
 
 end module bw_fit_problem

@@ -1,15 +1,16 @@
 module bw_identification
   !! From measured lines to the beam: the unknowns with their intervals, what the record does not fix, and whether the model
   !! explains the lines.
-  use bw_beam_fit, only: fit_beam, fit_type, unlikely
+  use bw_beam_fit, only: fit_beam, refit_from
   use bw_beam_state, only: beam_state
   use bw_fit_intervals, only: belief_type, find_intervals, interval_type
-  use bw_fit_problem, only: fit_problem, value_at
+  use bw_fit_problem, only: fit_problem, problem_of, value_at
+  use bw_fit_search, only: fit_type, place, unlikely
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: identify, problem_of
+  public :: identify
 
   real(dp), parameter :: hardly_fixed = 0.25_dp  !! of its range, from which an unknown counts as not fixed
   real(dp), parameter :: together = 0.95_dp      !! correlation from which two unknowns stand for each other
@@ -43,39 +44,26 @@ contains
     type(identification), intent(out) :: found
     type(fit_problem) :: problem
     type(fit_type), allocatable :: others(:)
-    integer :: i, n
+    integer, parameter :: most_mends = 3         !! of a fit, by better places that were met
+    integer :: i
     problem = problem_of(states, unknowns)
     call fit_beam(problem, quantile**2, .true., found%fit, others)
-    call find_intervals(problem, found%fit, quantile, found%belief)
+    do i = 1, most_mends
+      call find_intervals(problem, found%fit, quantile, found%belief)
+      if (.not. allocated(found%belief%better) .or. i == most_mends) exit
+      call refit_from(problem, found%belief%better, found%fit)
+    end do
     found%unknowns = unknowns
     found%values = problem%values()
     found%explained = .not. found%fit%tail < unlikely
     found%evaluations = problem%evaluations
     call widen(found%belief%intervals)
+    call reach_others(problem, others, quantile, found)
     found%low = value_at(unknowns, found%belief%intervals%low)
     found%high = value_at(unknowns, found%belief%intervals%high)
-    allocate (found%others(size(unknowns), size(others)))
-    n = 0
-    do i = 1, size(others)
-      if (all(others(i)%v >= found%belief%intervals%low .and. others(i)%v <= found%belief%intervals%high)) cycle
-      n = n + 1
-      found%others(:, n) = value_at(unknowns, others(i)%v)
-    end do
-    found%others = found%others(:, :n)
     call find_loose(found)
     states = problem%states
   end subroutine identify
-
-  pure type(fit_problem) function problem_of(states, unknowns) result(problem)
-    !! What is fitted, before it is. Decays are where numbers of the damping are unknown.
-    type(beam_state), intent(in) :: states(:)
-    type(identify_par), intent(in) :: unknowns(:)
-    integer :: i
-    problem%unknowns = unknowns
-    problem%states = states
-    problem%fits_decay = any([(index(unknowns(i)%parameter, 'damping%') == 1, i=1, size(unknowns))])
-    allocate (problem%v(size(unknowns)), source=0.0_dp)
-  end function problem_of
 
   subroutine widen(intervals)
     !! The places at the ends of all intervals fit alike: an interval reaches at least to where these are. (Where curves of
@@ -89,6 +77,37 @@ contains
       end do
     end do
   end subroutine widen
+
+  subroutine reach_others(problem, others, quantile, found)
+    !! Intervals reach over all places that fit as well; those outside of what one place says are named.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), intent(in) :: others(:)
+    real(dp), intent(in) :: quantile
+    type(identification), intent(inout) :: found
+    type(belief_type) :: belief
+    type(fit_type) :: other
+    integer :: i, n
+    allocate (found%others(size(found%unknowns), size(others)))
+    n = 0
+    do i = 1, size(others)
+      associate (intervals => found%belief%intervals)
+        if (all(others(i)%v >= intervals%low .and. others(i)%v <= intervals%high)) cycle
+        n = n + 1
+        found%others(:, n) = value_at(found%unknowns, others(i)%v)
+        call place(problem, others(i))
+        other = others(i)
+        call problem%minimise(other%residuals, .false.)
+        other%v = problem%v
+        other%sum = sum(other%residuals**2)
+        if (all(other%mode_of == found%fit%mode_of)) other%sum = found%fit%sum     ! the same level bounds both
+        call find_intervals(problem, other, quantile, belief)
+        intervals%low = min(intervals%low, others(i)%v, belief%intervals%low)
+        intervals%high = max(intervals%high, others(i)%v, belief%intervals%high)
+      end associate
+    end do
+    found%others = found%others(:, :n)
+    call place(problem, found%fit)
+  end subroutine reach_others
 
   subroutine find_loose(found)
     !! Unknowns whose intervals fill much of their ranges, each with the one that follows it most.

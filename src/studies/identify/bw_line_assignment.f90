@@ -2,11 +2,11 @@ module bw_line_assignment
   !! Which measured line is which mode: both in ascending order, lines that are no modes and modes without a line left out, at
   !! the least price.
   !!
-  !! A price is −2 ln of a probability. A line is a mode with probability 1 − `p_foreign`, and then lies about the mode's
+  !! A price is −2 ln of a probability. A line is a mode with probability 1 − p, p its `chance` to be none, and then lies about the mode's
   !! frequency f as a normal deviate whose relative variance is s² + τ²: s the line's own standard deviation, τ what the model
   !! is off by, common to all lines. Or it is none, and lies anywhere in the band, by the logarithm of its frequency. Any mode below
   !! the last one that has a line lacks one with probability `p_silent`. So a pair costs ((f_line − f)/f_line)²/(s² + τ²)
-  !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p_foreign)(1 − p_silent), a foreign line 2ρ ln(width of the band) − 2 ln p_foreign, and a
+  !! + ρ ln 2π(s² + τ²) − 2 ln (1 − p)(1 − p_silent), a foreign line 2ρ ln(width of the band) − 2 ln p, and a
   !! silent mode −2 ln p_silent. As k unknowns make k of n residuals vanish whatever the lines are, only the share
   !! ρ = 1 − k/n of the logarithms counts: it is what restricted likelihood leaves.
   use bw_kinds, only: dp
@@ -15,7 +15,7 @@ module bw_line_assignment
   public :: assign, best_scatter
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter :: p_foreign = 0.05_dp, p_silent = 0.3_dp    !! chosen: few lines are foreign, many modes silent
+  real(dp), parameter :: p_silent = 0.3_dp       !! chosen: many modes are silent
 
   type, public :: band_type
     !! What prices depend on beside a line and a mode.
@@ -28,6 +28,7 @@ module bw_line_assignment
     real(dp), allocatable :: line(:)     !! frequencies, ascending, > 0, (lines)
     real(dp), allocatable :: deviation(:)  !! relative standard deviations s, (lines)
     logical, allocatable :: foreign(:)   !! a line that is known to be no mode, (lines)
+    real(dp), allocatable :: chance(:)   !! that a line is no mode, before its frequency is looked at, (lines)
     real(dp), allocatable :: mode(:)     !! frequencies, ascending; not > 0: no line can be this mode, (modes)
     integer, allocatable :: mode_of(:)   !! the mode of each line; 0: none, (lines)
   end type pairing
@@ -92,7 +93,7 @@ contains
         if (i + j == 0) cycle
         choices = huge(price)
         if (i > 0 .and. j > 0) choices(pair) = cost(i - 1, j - 1) + pair_price(record, band, tau, i, j)
-        if (i > 0) choices(foreign) = cost(i - 1, j) + 2*band%share*log(band%width) - 2*log(p_foreign)
+        if (i > 0) choices(foreign) = cost(i - 1, j) + 2*band%share*log(band%width) - 2*log(record%chance(i))
         if (j > 0) choices(silent) = cost(i, j - 1) + silent_price(record%mode(j))
         step(i, j) = minloc(choices, dim=1)
         cost(i, j) = choices(step(i, j))
@@ -129,7 +130,7 @@ contains
     if (record%foreign(i) .or. .not. record%mode(j) > 0) return
     variance = record%deviation(i)**2 + tau**2
     price = min(never, ((record%line(i) - record%mode(j))/record%line(i))**2/variance) &
-      + band%share*log(2*pi*variance) - 2*log((1 - p_foreign)*(1 - p_silent))
+      + band%share*log(2*pi*variance) - 2*log((1 - record%chance(i))*(1 - p_silent))
   end function pair_price
 
   elemental real(dp) function silent_price(frequency) result(price)

@@ -1,9 +1,9 @@
 module bw_model_comparison
   !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
-  use bw_beam_fit, only: explain, unlikely
   use bw_beam_state, only: beam_state, state_modes
-  use bw_fit_problem, only: chi_squared_tail, fit_problem
-  use bw_identification, only: problem_of
+  use bw_chi_squared, only: chi_squared_tail
+  use bw_fit_problem, only: fit_problem, problem_of
+  use bw_fit_search, only: explain, unlikely
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -41,11 +41,10 @@ contains
     real(dp) :: price
     logical :: changed
     problem = problem_of([state], none)
-    allocate (problem%free(0))
     if (size(state%lines%frequency) == 0) return
     call problem%match(0.0_dp, price, changed)
     problem%scatter = 0
-    call problem%minimise(residuals)
+    call problem%minimise(residuals, .false.)
     misfit%freedom = problem%count_tested()
     misfit%chi_squared = sum(residuals(:misfit%freedom)**2)
     if (misfit%freedom > 0) misfit%tail = chi_squared_tail(misfit%chi_squared, misfit%freedom)

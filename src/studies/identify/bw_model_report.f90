@@ -1,8 +1,8 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_absent_mends, only: mend_type
-  use bw_beam_fit, only: unlikely
   use bw_columns, only: right
+  use bw_fit_search, only: unlikely
   use bw_identification, only: identification
   use bw_kinds, only: dp
   use bw_missing, only: is_missing

@@ -4,7 +4,7 @@ module bw_run_record
   !! First the record, and those of further scenes, are run like any other, each with its own result. What the beam says is put into
   !! the scene's finished result; one that has it already is left alone.
   use bw_absent_mends, only: find_mends, mend_type
-  use bw_beam_fit, only: unlikely
+  use bw_fit_search, only: unlikely
   use bw_beam_state, only: beam_state, state_of
   use bw_error, only: error_type, fail, status_bad_file, status_stopped
   use bw_files, only: remove_file
@@ -211,7 +211,7 @@ contains
     do c = 1, set%own
       associate (measured => set%lines(c), misfit => findings%misfits(c))
         state = state_of(set%measured(c)%scene, none, set%measured(c)%lines)
-        state%foreign = btest(measured%status, harmonic)
+        state%is_harmonic = btest(measured%status, harmonic)
         call match_lines(state, misfit)
         call compare_case(measured, state, nothing, findings%cases(c))
         if (size(measured%error) == 0 .or. c > shown_cases) cycle
@@ -261,7 +261,7 @@ contains
     integer :: c, i
     call states_of(set%measured, states)
     do c = 1, size(states)
-      states(c)%foreign = btest(set%lines(c)%status, harmonic)
+      states(c)%is_harmonic = btest(set%lines(c)%status, harmonic)
     end do
     call identify(states, scene%unknowns, quantile, found)
     allocate (findings%cases(size(states)), findings%misfits(1))

@@ -1,0 +1,181 @@
+module bw_fit_search
+  !! From one place to the fit nearest by, and from several fits to the one that counts.
+  !!
+  !! Lines are assigned, unknowns fitted, and lines assigned anew until nothing changes, with a scatter τ of the model that is
+  !! large at first. In the end τ is 0 if the noise of the lines explains what is left of them; else it is as large as to explain
+  !! it (Mandel & Paule: the sum of squares is its number of degrees of freedom), so that lines that were measured to many more
+  !! digits than the model has do not outweigh all others.
+  use bw_chi_squared, only: chi_squared_tail
+  use bw_fit_problem, only: fit_problem
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: add_fit, explain, is_near, place, polish, search, settle
+
+  real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
+  real(dp), parameter, public :: first_scatter = 0.05_dp !! τ is not below, where a search begins
+  real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are one
+
+  type, public :: fit_type
+    !! A place that fits.
+    real(dp), allocatable :: v(:)                !! of the unknowns in their ranges, (unknowns)
+    integer, allocatable :: mode_of(:)           !! of the lines of all states, one state after another; 0: no mode
+    real(dp) :: price = huge(1.0_dp)             !! −2 ln of its likelihood, apart from a constant
+    real(dp) :: chi_squared = 0.0_dp             !! Σ((f_line − f)/s)² where that is least, with τ = 0
+    integer :: freedom = 0                       !! residuals less unknowns
+    real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone; 1 without a degree of freedom
+    real(dp) :: scatter = 0.0_dp                 !! τ
+    real(dp) :: sum = 0.0_dp                     !! of squares with τ
+    real(dp), allocatable :: residuals(:)        !! with τ
+  end type fit_type
+
+contains
+
+  subroutine search(problem, fits)
+    !! Assign and fit in turn from where the unknowns are; one more fit.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), allocatable, intent(inout) :: fits(:)
+    real(dp), parameter :: finer(2) = [first_scatter, 0.1_dp*first_scatter]
+    real(dp), allocatable :: residuals(:)
+    real(dp) :: price
+    logical :: changed
+    integer :: round
+    do round = 1, size(finer)
+      call problem%match(finer(round), price, changed)
+      call problem%minimise(residuals, .true.)
+    end do
+    call polish(problem, fits)
+  end subroutine search
+
+  subroutine polish(problem, fits)
+    !! The same from a place where lines are about right.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), allocatable, intent(inout) :: fits(:)
+    integer, parameter :: most_rounds = 6
+    type(fit_type) :: fit
+    real(dp), allocatable :: residuals(:)
+    logical :: changed
+    integer :: round
+    do round = 1, most_rounds
+      call problem%match(0.0_dp, fit%price, changed)
+      if (round > 1 .and. .not. changed) exit
+      call problem%minimise(residuals, .false.)
+    end do
+    call place_at(problem, fit)
+    call add_fit(fits, fit)
+  end subroutine polish
+
+  subroutine settle(problem, fits, fit)
+    !! The fit that costs least, with τ = 0; where noise does not explain what is left, with the τ that does.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), intent(in) :: fits(:)
+    type(fit_type), intent(inout) :: fit
+    integer, parameter :: most_rounds = 8
+    real(dp), parameter :: same = 1.0e-3_dp
+    real(dp) :: before
+    integer :: round
+    fit = fits(minloc(fits%price, dim=1))
+    call place(problem, fit)
+    problem%scatter = 0
+    call take_least(problem, fits, fit)
+    fit%chi_squared = sum(fit%residuals(:problem%count_tested())**2)
+    fit%freedom = problem%count_tested() - size(problem%free)
+    fit%tail = 1
+    if (fit%freedom > 0) fit%tail = chi_squared_tail(fit%chi_squared, fit%freedom)
+    if (fit%tail < unlikely) then
+      do round = 1, most_rounds
+        before = problem%scatter
+        call explain(problem, fit%freedom)
+        call problem%minimise(fit%residuals, .false.)
+        if (round == 1) call take_least(problem, fits, fit)
+        if (abs(problem%scatter - before) <= same*before) exit
+      end do
+    end if
+    call place_at(problem, fit)
+    fit%sum = sum(fit%residuals**2)
+  end subroutine settle
+
+  subroutine take_least(problem, fits, fit)
+    !! Fit at this τ from where the problem is, and from all fits that take the same lines for the same modes.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), intent(in) :: fits(:)
+    type(fit_type), intent(inout) :: fit
+    real(dp), parameter :: same = 1.0e-4_dp      !! of half the range: nothing is gained by another fit from there
+    real(dp), allocatable :: best(:), residuals(:)
+    integer :: i, j
+    call problem%minimise(fit%residuals, .false.)
+    best = problem%v
+    do i = 1, size(fits)
+      if (any(fits(i)%mode_of /= fit%mode_of)) cycle
+      if (any([(maxval(abs(fits(i)%v - fits(j)%v)) < same, j=1, i - 1)]) .or. maxval(abs(fits(i)%v - best)) < same) cycle
+      problem%v = fits(i)%v
+      call problem%minimise(residuals, .true.)
+      if (.not. sum(residuals**2) < sum(fit%residuals**2)) cycle
+      call problem%minimise(fit%residuals, .false.)
+      best = problem%v
+    end do
+    problem%v = best
+  end subroutine take_least
+
+  subroutine explain(problem, freedom)
+    !! Set τ so that the sum of squares of what is tested, where the unknowns are, is its number of degrees of freedom.
+    type(fit_problem), intent(inout) :: problem
+    integer, intent(in) :: freedom
+    integer, parameter :: halvings = 40
+    real(dp) :: low, high, ignored(problem%count())
+    integer :: i
+    low = log(1.0e-12_dp)
+    high = 0
+    do i = 1, halvings
+      problem%scatter = exp(0.5_dp*(low + high))
+      call problem%find_residuals(problem%v(problem%free), ignored)
+      if (sum(ignored(:problem%count_tested())**2) > freedom) low = log(problem%scatter)
+      if (sum(ignored(:problem%count_tested())**2) <= freedom) high = log(problem%scatter)
+    end do
+  end subroutine explain
+
+  subroutine place(problem, fit)
+    !! Bring the problem to a fit: its unknowns and its assignment.
+    type(fit_problem), intent(inout) :: problem
+    type(fit_type), intent(in) :: fit
+    integer :: i, n
+    problem%v = fit%v
+    n = 0
+    do i = 1, size(problem%states)
+      associate (mode_of => problem%states(i)%mode_of)
+        mode_of = fit%mode_of(n + 1:n + size(mode_of))
+        n = n + size(mode_of)
+      end associate
+    end do
+  end subroutine place
+
+  subroutine place_at(problem, fit)
+    !! The fit that the problem is at.
+    type(fit_problem), intent(in) :: problem
+    type(fit_type), intent(inout) :: fit
+    integer :: i
+    fit%v = problem%v
+    fit%mode_of = [(problem%states(i)%mode_of, i=1, size(problem%states))]
+    fit%scatter = problem%scatter
+  end subroutine place_at
+
+  pure logical function is_near(one, other)
+    !! Two fits are the same place.
+    type(fit_type), intent(in) :: one, other
+    is_near = maxval(abs(one%v - other%v)) < merged
+  end function is_near
+
+  subroutine add_fit(fits, fit)
+    !! One more fit in a list. (Array constructors of such types leak in gfortran 12.)
+    type(fit_type), allocatable, intent(inout) :: fits(:)
+    type(fit_type), intent(in) :: fit
+    type(fit_type), allocatable :: more(:)
+    integer :: n
+    n = size(fits)
+    allocate (more(n + 1))
+    more(:n) = fits
+    more(n + 1) = fit
+    call move_alloc(more, fits)
+  end subroutine add_fit
+
+end module bw_fit_search
