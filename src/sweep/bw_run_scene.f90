@@ -20,12 +20,13 @@ module bw_run_scene
   use bw_result_file, only: create_result, result_file
   use bw_result_header, only: source_text
   use bw_result_layout, only: layout_of
+  use bw_result_supplement, only: result_supplement
   use bw_run_sweep, only: run_sweep
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_summary, only: bytes_text, working_bytes
   use bw_stage_report, only: stage_report
-  use bw_stopwatch, only: stage_write, stopwatch
+  use bw_stopwatch, only: stage_spectrum, stage_write, stopwatch, wall_seconds
   use bw_text, only: string, text_of
   use bw_unfinished_work, only: unfinished_work
   implicit none (type, external)
@@ -34,7 +35,7 @@ module bw_run_scene
 
 contains
 
-  subroutine run_scene(scene, directory, overwrite, group, progress, outcome, error)
+  subroutine run_scene(scene, directory, overwrite, group, progress, outcome, error, supplement)
     !! Run all cases of a scene, write DIRECTORY/<scene>.nc, and say how it went. Called by all processes; the leader gets
     !! the outcome.
     !! **Errors**: `status_bad_file` where a file cannot be read or written or is another scene's.
@@ -45,6 +46,7 @@ contains
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
+    class(result_supplement), intent(inout), optional :: supplement    !! what else belongs into the result
     type(unfinished_work) :: work
     type(record_extent), allocatable :: extents(:)
     type(record_type) :: record                 ! the last that was read
@@ -70,9 +72,9 @@ contains
     if (is_sweep) call group%share(go)
     if (size(go) == 0) return
     if (is_sweep) then
-      call run_sweep(work, group, progress, outcome, error)
+      call run_sweep(work, group, progress, outcome, error, supplement)
     else
-      call run_single(work, record, progress, outcome, error)
+      call run_single(work, record, progress, outcome, error, supplement)
     end if
   end subroutine run_scene
 
@@ -143,13 +145,14 @@ contains
                              bytes_text(working_bytes(work%layout)))
   end subroutine ask_for_memory
 
-  subroutine run_single(work, record, progress, outcome, error)
+  subroutine run_single(work, record, progress, outcome, error, supplement)
     !! Run the only case. After an error, or when it is stopped, nothing is left of it.
     type(unfinished_work), intent(inout) :: work          !! locked
     type(record_type), intent(inout) :: record            !! the scene's, used up; without samples where it has none
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
+    class(result_supplement), intent(inout), optional :: supplement
     type(case_result) :: result
     type(case_cache) :: cache
     type(stopwatch) :: watch
@@ -164,14 +167,15 @@ contains
       if (allocated(work%scene%record)) call keep_record(work%scene, record, cache%record)
       call run_case(work%scene, work%layout, watch, progress, cache, result, whole)
       if (allocated(result%error)) call move_alloc(result%error, error)
-      if (whole .and. .not. allocated(error)) call write_result(work, result, watch, progress, outcome, whole, error)
+      if (whole .and. .not. allocated(error)) &
+        & call write_result(work, result, watch, progress, outcome, whole, error, supplement)
       call progress%end()
     end if
     if (.not. whole) call outcome%set_stopped(0_i8, 1_i8)
     call work%discard()
   end subroutine run_single
 
-  subroutine write_result(work, result, watch, progress, outcome, whole, error)
+  subroutine write_result(work, result, watch, progress, outcome, whole, error, supplement)
     !! Write the file, give it its final name, and collect what there is to say of it.
     !! **Errors**: it cannot be written.
     type(unfinished_work), intent(in) :: work
@@ -181,11 +185,13 @@ contains
     type(outcome_type), intent(inout) :: outcome
     logical, intent(out) :: whole                         !! false where the monitor asked to stop
     type(error_type), allocatable, intent(inout) :: error
+    class(result_supplement), intent(inout), optional :: supplement
     type(child_process) :: child
     type(result_file) :: file
     type(notes_type) :: notes
     type(string), allocatable :: texts(:)
     character(:), allocatable :: draft, report
+    real(dp) :: began, added                              ! seconds of the supplement
     report = case_report(work%scene, result)
     call notes%add(1_i8, result%notes)
     call outcome%set_notes(notes%lines(work%layout%cases), work%layout, merge(0_i8, 1_i8, result%status == case_done))
@@ -201,8 +207,13 @@ contains
     end if
     call child%hear(texts, whole, error, progress)
     if (.not. whole .or. allocated(error)) return
+    began = wall_seconds()
+    if (present(supplement)) call supplement%add(draft, progress, outcome%notes, report, whole, error)
+    if (.not. whole .or. allocated(error)) return
+    added = wall_seconds() - began
     call work%publish(draft, error)
     call watch%lap(stage_write)
+    call watch%rebook(stage_write, stage_spectrum, added)
     call watch%add_cpu(stage_write, child%seconds)
     if (.not. allocated(error)) call outcome%set_report(work%scene, work%layout, report, 0_i8, &
       stage_report(watch, sum(watch%seconds), 1, 1_i8))

@@ -12,8 +12,9 @@ module bw_run_sweep
   use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
+  use bw_result_supplement, only: result_supplement
   use bw_stage_report, only: stage_report
-  use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
+  use bw_stopwatch, only: stage_spectrum, stage_write, stopwatch, wall_seconds
   use bw_text, only: append, string, text_of
   use bw_unfinished_work, only: journal_suffix, unfinished_work
   use bw_worker, only: worker_type
@@ -23,7 +24,7 @@ module bw_run_sweep
 
 contains
 
-  subroutine run_sweep(work, group, progress, outcome, error)
+  subroutine run_sweep(work, group, progress, outcome, error, supplement)
     !! Run the cases that are left, and make the result. Called by all processes; the leader, which has the lock of the work,
     !! gets the outcome, and an error if any has one.
     type(unfinished_work), intent(inout) :: work
@@ -31,6 +32,7 @@ contains
     class(progress_type), intent(inout), target :: progress
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(out) :: error
+    class(result_supplement), intent(inout), optional :: supplement    !! what else belongs into the result
     type(worker_type) :: worker
     integer(i4), allocatable :: left(:), run(:)        ! cases that are to be done; letters of a name that no other run has
     real(dp), allocatable :: totals(:)
@@ -57,7 +59,8 @@ contains
     call worker%watch%set_totals(totals(:size(totals) - 1))
     done = nint(totals(size(totals)), i8)
     call add_journals(work, run, group%processes)
-    if (.not. allocated(error) .and. saved + done == cases) call assemble(work, progress, worker%watch, table, outcome, error)
+    if (.not. allocated(error) .and. saved + done == cases) &
+      & call assemble(work, progress, worker%watch, table, outcome, error, supplement)
     call progress%end()
     if (allocated(table)) then
       call outcome%set_report(work%scene, work%layout, table, saved, &
@@ -129,7 +132,7 @@ contains
     end do
   end subroutine add_journals
 
-  subroutine assemble(work, progress, watch, table, outcome, error)
+  subroutine assemble(work, progress, watch, table, outcome, error, supplement)
     !! Make the result of the journals, and give it its final name.
     !! **Errors**: it cannot be written, or journals not be read.
     type(unfinished_work), intent(in) :: work
@@ -138,9 +141,11 @@ contains
     character(:), allocatable, intent(out) :: table   !! of cases, to be printed; only of a result that is in its place
     type(outcome_type), intent(inout) :: outcome
     type(error_type), allocatable, intent(inout) :: error
+    class(result_supplement), intent(inout), optional :: supplement
     type(child_process) :: child
     type(string), allocatable :: texts(:)
     character(:), allocatable :: draft
+    real(dp) :: began, added                          ! seconds of the supplement
     integer(i8) :: not_trusted
     logical :: whole
     draft = work%new_draft()
@@ -152,13 +157,17 @@ contains
     end if
     call child%hear(texts, whole, error, progress)
     if (allocated(error) .or. .not. whole) return
-    call work%publish(draft, error)
-    call watch%lap(stage_write)
-    call watch%add_cpu(stage_write, child%seconds)
-    if (allocated(error)) return
     read (texts(3)%text, *) not_trusted
     call outcome%set_notes(texts(1)%text, work%layout, not_trusted)
-    table = texts(2)%text
+    began = wall_seconds()
+    if (present(supplement)) call supplement%add(draft, progress, outcome%notes, texts(2)%text, whole, error)
+    if (allocated(error) .or. .not. whole) return
+    added = wall_seconds() - began
+    call work%publish(draft, error)
+    call watch%lap(stage_write)
+    call watch%rebook(stage_write, stage_spectrum, added)
+    call watch%add_cpu(stage_write, child%seconds)
+    if (.not. allocated(error)) table = texts(2)%text
   end subroutine assemble
 
   subroutine write_result(draft, work, watch, texts, error)

@@ -1,21 +1,17 @@
 module bw_model_file
-  !! What a beam says of its record, put into the finished result of the record: a copy is made, more is written into it, and it
-  !! takes the place of the first.
-  use bw_child_process, only: child_process
-  use bw_error, only: error_type, fail, status_bad_file
+  !! What a beam says of its record, put into the result of the record.
+  use bw_error, only: error_type
   use bw_identification, only: identification
-  use bw_kinds, only: dp, i1, i8
+  use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_model_comparison, only: compared_lines, misfit_type
   use bw_netcdf_path, only: plain_path
   use bw_study_file, only: study_file
-  use bw_text, only: string
-  use bw_work_directory, only: work_directory
   use netcdf, only: nf90_char, nf90_def_var, nf90_get_att, nf90_global, nf90_inq_dimid, nf90_inquire_attribute, &
     nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_close, nf90_put_var, nf90_write
   implicit none (type, external)
   private
-  public :: read_attribute, write_model
+  public :: read_attribute, put_model
 
   type, public :: model_findings
     !! All that is written.
@@ -28,63 +24,20 @@ module bw_model_file
 
 contains
 
-  subroutine write_model(path, findings, error)
-    !! Put the findings into a result.
-    !! **Errors**: `status_bad_file` where it cannot be read or written; it is as it was then.
+  subroutine put_model(path, findings, error)
+    !! Put the findings into a result that is whole but has not its name yet.
+    !! **Errors**: `status_bad_file` where it cannot be read or written.
     character(*), intent(in) :: path
     type(model_findings), intent(in) :: findings
-    type(error_type), allocatable, intent(out) :: error
-    type(work_directory) :: work
-    type(child_process) :: child
-    type(study_file) :: file
-    type(string), allocatable :: texts(:)
-    character(:), allocatable :: draft
-    logical :: whole
-    call work%plan(path, .true.)
-    call work%begin(error)
-    if (allocated(error)) return
-    draft = work%new_draft()
-    call child%begin()
-    if (child%is_here()) then
-      allocate (texts(0))
-      call copy_file(path, draft, error)
-      file%path = draft
-      if (.not. allocated(error)) call file%check(nf90_open(plain_path(draft), nf90_write, file%id), error)
-      call put_comparison(file, findings, error)
-      if (allocated(findings%found)) call put_identified(file, findings%found, error)
-      call file%put_text('model', findings%identity, error)
-      call file%finish(findings%notes, findings%report, error)
-      call child%tell(texts, error)
-    end if
-    call child%hear(texts, whole, error)
-    if (.not. allocated(error)) call work%publish(draft, error)
-    call work%leave()
-  end subroutine write_model
-
-  subroutine copy_file(from, to, error)
-    !! Byte by byte.
-    character(*), intent(in) :: from, to
     type(error_type), allocatable, intent(inout) :: error
-    integer, parameter :: at_once = 2**20
-    integer(i1), allocatable :: bytes(:)
-    integer(i8) :: left
-    integer :: source, target, problem, n
-    open (newunit=source, file=from, access='stream', form='unformatted', action='read', status='old', iostat=problem)
-    if (problem == 0) open (newunit=target, file=to, access='stream', form='unformatted', action='write', status='new', &
-                            iostat=problem)
-    left = 0
-    if (problem == 0) inquire (unit=source, size=left)
-    do while (left > 0 .and. problem == 0)
-      n = int(min(left, int(at_once, i8)))
-      allocate (bytes(n))
-      read (source, iostat=problem) bytes
-      if (problem == 0) write (target, iostat=problem) bytes
-      deallocate (bytes)
-      left = left - n
-    end do
-    if (problem == 0) close (target, iostat=problem)
-    if (problem /= 0) call fail(error, status_bad_file, from//': cannot be copied to '//to)
-  end subroutine copy_file
+    type(study_file) :: file
+    file%path = path
+    call file%check(nf90_open(plain_path(path), nf90_write, file%id), error)
+    call put_comparison(file, findings, error)
+    if (allocated(findings%found)) call put_identified(file, findings%found, error)
+    call file%put_text('model', findings%identity, error)
+    call file%finish(findings%notes(:max(0, len(findings%notes) - 1)), findings%report, error)
+  end subroutine put_model
 
   subroutine put_comparison(file, findings, error)
     !! The lines beside the modes.

@@ -1,0 +1,257 @@
+module bw_beam_supplement
+  !! The beam of a scene held against the lines of its record, and its unknowns found from them: what the result of a record has
+  !! beside its lines. A process of its own does it, as a fit may take long and is to be stopped at once.
+  use bw_absent_mends, only: find_mends, mend_type
+  use bw_beam_state, only: beam_state, state_of
+  use bw_child_process, only: child_process
+  use bw_error, only: error_type
+  use bw_fit_search, only: unlikely
+  use bw_identification, only: identification, identify
+  use bw_identified_scene, only: identified_text, write_identified
+  use bw_identify_par, only: identify_par
+  use bw_kinds, only: dp, i8
+  use bw_model_comparison, only: compare_case, match_lines, misfit_type
+  use bw_model_file, only: model_findings, put_model
+  use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_mends
+  use bw_monitor, only: monitor_type
+  use bw_quantile, only: normal_quantile
+  use bw_record_lines, only: status_words
+  use bw_result_lines, only: read_result_lines, result_lines
+  use bw_result_supplement, only: result_supplement
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_count, case_scene
+  use bw_scene_states, only: measured_scene, states_of, unknowns_in
+  use bw_text, only: append, string, text_builder, text_of
+  implicit none (type, external)
+  private
+
+  character, parameter :: nl = new_line('a')
+  integer, parameter :: shown_cases = 8          !! of a sweep, in the report
+  integer, parameter :: harmonic = findloc(status_words == 'harmonic', .true., dim=1) - 1   !! bit of a line that is no mode
+
+  type, extends(result_supplement), public :: beam_supplement
+    type(scene_type) :: scene
+    character(:), allocatable :: directory               !! of the results
+    type(scene_type), allocatable :: further(:)          !! scenes of other states of the beam, whose results are there
+    character(:), allocatable :: identity                !! of what it rests on beside the scene and its record
+  contains
+    procedure :: add
+  end type beam_supplement
+
+  type :: record_set
+    !! All that is fitted together: the cases of the scene, then those of further scenes.
+    type(measured_scene), allocatable :: measured(:)     !! (cases of all scenes)
+    type(result_lines), allocatable :: lines(:)          !! (the same)
+    integer :: own = 0                                   !! cases of the scene itself
+  end type record_set
+
+contains
+
+  subroutine add(self, draft, monitor, notes, report, whole, error)
+    !! Put the modes beside the lines, and what was identified, into the result; and write the identified scenes.
+    !! **Errors**: a result cannot be read or written, or an identified scene not be written.
+    class(beam_supplement), intent(inout) :: self
+    character(*), intent(in) :: draft
+    class(monitor_type), intent(inout) :: monitor
+    character(:), allocatable, intent(inout) :: notes, report
+    logical, intent(out) :: whole
+    type(error_type), allocatable, intent(inout) :: error
+    type(child_process) :: child
+    type(string), allocatable :: texts(:)                ! notes, report; then path and text of each identified scene
+    integer :: i
+    call child%begin()
+    if (child%is_here()) then
+      call hold_against(self, draft, notes, report, texts, error)
+      call child%tell(texts, error)
+    end if
+    call child%hear(texts, whole, error, monitor)
+    if (allocated(error) .or. .not. whole) return
+    notes = texts(1)%text
+    report = texts(2)%text
+    do i = 3, size(texts), 2
+      if (.not. allocated(error)) call write_identified(texts(i)%text, texts(i + 1)%text, error)
+    end do
+  end subroutine add
+
+  subroutine hold_against(self, draft, notes, report, texts, error)
+    !! The beam beside the lines that were found.
+    class(beam_supplement), intent(in) :: self
+    character(*), intent(in) :: draft
+    character(*), intent(in) :: notes, report            !! of the result so far, lines
+    type(string), allocatable, intent(out) :: texts(:)
+    type(error_type), allocatable, intent(inout) :: error
+    type(record_set) :: set
+    type(model_findings) :: findings
+    type(text_builder) :: lines
+    type(string), allocatable :: scenes(:)
+    character(:), allocatable :: more
+    real(dp) :: quantile
+    allocate (texts(0), scenes(0))
+    quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
+    call read_all(self, draft, quantile, set, error)
+    if (allocated(error)) return
+    more = ''
+    if (size(self%scene%unknowns) > 0) then
+      call identify_beam(self%scene, quantile, set, findings, lines, more)
+      call list_scenes(self%directory, set, findings%found, lines, scenes)
+    else
+      call compare(set, findings, lines, more)
+    end if
+    findings%identity = self%identity
+    findings%notes = notes//more
+    findings%report = report//lines%text()
+    call append(texts, findings%notes)
+    call append(texts, findings%report)
+    texts = [texts, scenes]
+    call put_model(draft, findings, error)
+  end subroutine hold_against
+
+  subroutine read_all(self, draft, quantile, set, error)
+    !! The scenes and lines of all cases.
+    class(beam_supplement), intent(in) :: self
+    character(*), intent(in) :: draft            !! the result of the scene itself
+    real(dp), intent(in) :: quantile             !! how many standard deviations half an interval is
+    type(record_set), intent(out) :: set
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: i, n
+    n = int(case_count(self%scene))
+    set%own = n
+    do i = 1, size(self%further)
+      n = n + int(case_count(self%further(i)))
+    end do
+    allocate (set%measured(n), set%lines(n))
+    n = 0
+    call read_cases(self%scene, draft)
+    do i = 1, size(self%further)
+      call read_cases(self%further(i), self%directory//'/'//self%further(i)%name//'.nc')
+    end do
+  contains
+    subroutine read_cases(one, path)
+      type(scene_type), intent(in) :: one
+      character(*), intent(in) :: path           !! of its result
+      type(result_lines), allocatable :: cases(:)
+      integer :: c
+      if (allocated(error)) return
+      call read_result_lines(path, quantile, cases, error)
+      do c = 1, int(case_count(one))
+        if (allocated(error)) return
+        n = n + 1
+        set%lines(n) = cases(c)
+        set%measured(n)%lines = cases(c)%lines
+        call case_scene(one, int(c, i8), set%measured(n)%scene, error)
+      end do
+    end subroutine read_cases
+  end subroutine read_all
+
+  subroutine compare(set, findings, lines, notes)
+    !! Lines beside modes, case by case: nothing is unknown.
+    type(record_set), intent(inout) :: set
+    type(model_findings), intent(inout) :: findings
+    type(text_builder), intent(inout) :: lines
+    character(:), allocatable, intent(inout) :: notes
+    type(beam_state) :: state
+    type(identify_par) :: none(0)
+    type(identification) :: found                !! without unknowns
+    type(mend_type), allocatable :: mends(:)
+    real(dp) :: nothing(0)
+    integer :: c
+    allocate (findings%cases(set%own), findings%misfits(set%own))
+    do c = 1, set%own
+      associate (measured => set%lines(c), misfit => findings%misfits(c))
+        state = state_of(set%measured(c)%scene, none, set%measured(c)%lines)
+        state%is_harmonic = btest(measured%status, harmonic)
+        call match_lines(state, misfit)
+        call compare_case(measured, state, nothing, findings%cases(c))
+        if (size(measured%error) == 0 .or. c > shown_cases) cycle
+        call report_comparison('Lines beside the modes of the beam'//case_text(set, c), measured, findings%cases(c), lines)
+        call lines%append_line('  Misfit: '//explained_text(misfit))
+        call note_misfit(misfit, case_text(set, c), notes)
+        if (.not. misfit%tail < unlikely) cycle
+        found%fit%mode_of = state%mode_of
+        call find_mends(set%measured(c:c), found, mends)
+        call report_mends(mends, lines)
+      end associate
+    end do
+  end subroutine compare
+
+  pure function case_text(set, c) result(text)
+    !! Which case, where there are several.
+    type(record_set), intent(in) :: set
+    integer, intent(in) :: c
+    character(:), allocatable :: text
+    text = ''
+    if (size(set%measured) == 1) return
+    text = ', case '//text_of(c)
+    if (c > set%own) text = ', '//set%measured(c)%scene%name
+  end function case_text
+
+  subroutine note_misfit(misfit, which, notes)
+    !! A model that does not explain the lines is told so.
+    type(misfit_type), intent(in) :: misfit
+    character(*), intent(in) :: which
+    character(:), allocatable, intent(inout) :: notes
+    character(:), allocatable :: text
+    text = explained_text(misfit)
+    if (index(text, 'does not') > 0) notes = notes//'misfit'//which//': '//text//nl
+  end subroutine note_misfit
+
+  subroutine identify_beam(scene, quantile, set, findings, lines, notes)
+    !! All cases together.
+    type(scene_type), intent(in) :: scene
+    real(dp), intent(in) :: quantile
+    type(record_set), intent(inout) :: set
+    type(model_findings), intent(inout) :: findings
+    type(text_builder), intent(inout) :: lines
+    character(:), allocatable, intent(inout) :: notes
+    type(beam_state), allocatable :: states(:)
+    type(mend_type), allocatable :: mends(:)
+    type(identification) :: found
+    integer :: c, i
+    call states_of(set%measured, states)
+    do c = 1, size(states)
+      states(c)%is_harmonic = btest(set%lines(c)%status, harmonic)
+    end do
+    call identify(states, scene%unknowns, quantile, found)
+    allocate (findings%cases(size(states)), findings%misfits(1))
+    findings%misfits(1) = misfit_type(found%fit%chi_squared, found%fit%freedom, found%fit%tail, found%fit%scatter)
+    do c = 1, size(states)
+      call compare_case(set%lines(c), states(c), found%values, findings%cases(c))
+      if (c > shown_cases .or. size(set%lines(c)%error) == 0) cycle
+      call report_comparison('Lines beside the modes of the identified beam'//case_text(set, c), set%lines(c), &
+                             findings%cases(c), lines)
+    end do
+    findings%cases = findings%cases(:set%own)
+    call report_identified(found, scene%spectrum%confidence, lines)
+    call lines%append_line('  Misfit: '//explained_text(findings%misfits(1)))
+    call note_misfit(findings%misfits(1), '', notes)
+    do i = 1, size(found%loose)
+      notes = notes//'not fixed: '//loose_text(found, i)//nl
+    end do
+    if (.not. found%explained) then
+      call find_mends(set%measured, found, mends)
+      call report_mends(mends, lines)
+    end if
+    findings%found = found
+  end subroutine identify_beam
+
+  subroutine list_scenes(directory, set, found, lines, scenes)
+    !! The identified scenes, the scene's own and the further ones.
+    character(*), intent(in) :: directory
+    type(record_set), intent(in) :: set
+    type(identification), intent(in) :: found
+    type(text_builder), intent(inout) :: lines
+    type(string), allocatable, intent(inout) :: scenes(:)    !! path and text of each
+    character(:), allocatable :: path
+    integer :: c
+    do c = 1, size(set%measured)
+      if (c > 1) then
+        if (set%measured(c)%scene%name == set%measured(c - 1)%scene%name) cycle
+      end if
+      path = directory//'/'//set%measured(c)%scene%name//'.identified.nml'
+      call append(scenes, path)
+      call append(scenes, identified_text(set%measured(c)%scene, unknowns_in(set%measured(1)%scene, set%measured(c)%scene), found))
+      call lines%append_line('  identified '//path)
+    end do
+  end subroutine list_scenes
+
+end module bw_beam_supplement
