@@ -31,6 +31,7 @@ module bw_sensor_waves
     character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
     logical :: rotates = .false.               !! in the plane of bending, so that ω enters the dispersion
     real(dp) :: confidence = 0.95_dp           !! of the intervals
+    integer :: alone = 0                       !! with 'tip', the mode that a line by itself is; 0: not known
   end type sensor_facts
 
   type, public :: measured_lines
@@ -84,7 +85,7 @@ contains
       return
     end if
     call find_motions(facts, lines, motions)
-    call find_choices(sensors, motions, square_of(lines), facts%rotates, choices)
+    call find_choices(sensors, motions, square_of(lines), facts, choices)
     do k = 1, size(choices)
       call settle(facts, sensors, motions(k), choices(k), found(k), reason)
       if (reason /= '') call append(waves%notes, 'measured waves: the line at '//hertz(lines, k)//' has no wave number: '//reason)
@@ -168,12 +169,12 @@ contains
 
   end subroutine find_motions
 
-  subroutine find_choices(sensors, motions, square, rotates, choices)
+  subroutine find_choices(sensors, motions, square, facts, choices)
     !! What wave number each line may have, how well the shape fits, and which is the line's.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), intent(in) :: square(:)          !! β², (line)
-    logical, intent(in) :: rotates
+    type(sensor_facts), intent(in) :: facts
     type(choice_type), intent(inout) :: choices(:)
     type(candidate_type), allocatable :: candidates(:)
     real(dp), allocatable :: alpha(:), misfit(:, :)
@@ -199,7 +200,7 @@ contains
       choices(k)%candidates%deviation = choices(k)%candidates%deviation*choices(k)%scale &
         & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
     end do
-    call choose_waves(square, rotates, sensors%ends == 'tip', choices)
+    call choose_waves(square, facts%rotates, sensors%ends == 'tip', facts%alone, choices)
     where (choices%chosen > 0 .and. .not. choices%on_curve .and. count(choices%on_curve) > 1 .and. fits_anything(sensors)) &
       & choices%chosen = 0
   end subroutine find_choices
@@ -304,13 +305,12 @@ contains
     type(sensor_waves), intent(inout) :: waves
     type(dispersion_type) :: curve
     real(dp), dimension(size(found)) :: square, variance, velocity, deviation
-    real(dp) :: quantile, reach
+    real(dp) :: quantile, reach, unit
     if (.not. any(on_curve)) return
-    square = square_of(lines)
-    variance = (found%deviation/facts%length)**2 &
-      & + (found%alpha/facts%length*lines%frequency_deviation/(2*lines%angular_frequency))**2
-    curve = fit_dispersion(pack(square, on_curve), pack(found%alpha/facts%length, on_curve), pack(variance, on_curve), &
-      & facts%rotates)
+    unit = scale(1.0_dp, 2*(exponent(maxval(square_of(lines)))/4))  ! of frequencies, as the beam's length is of lengths
+    square = square_of(lines)/unit/unit
+    variance = found%deviation**2 + (found%alpha*lines%frequency_deviation/(2*lines%angular_frequency))**2
+    curve = fit_dispersion(pack(square, on_curve), pack(found%alpha, on_curve), pack(variance, on_curve), facts%rotates)
     if (.not. curve%exists) then
       call append(waves%notes, 'measured waves: group velocities are missing, since '// &
         & 'the wave numbers fix no dispersion; where the beam rotates that takes two')
@@ -327,18 +327,18 @@ contains
         curve%covariance = curve%covariance*curve%misfit/curve%freedom
       end if
     end if
-    call group_velocity_of(curve, square, 2*lines%angular_frequency*lines%frequency_deviation, velocity, deviation)
+    call group_velocity_of(curve, square, 2*(lines%angular_frequency/unit)*(lines%frequency_deviation/unit), velocity, deviation)
     where (on_curve)
-      waves%group_velocity = velocity
-      waves%group_velocity_error = quantile*deviation + 2*rounding*velocity
+      waves%group_velocity = velocity*facts%length*unit
+      waves%group_velocity_error = (quantile*deviation + 2*rounding*velocity)*facts%length*unit
     end where
-    waves%stiffness_root = 1/curve%q**2
-    waves%stiffness_root_error = quantile*2*sqrt(curve%covariance(1, 1))/curve%q**3
+    waves%stiffness_root = facts%length**2*unit/curve%q**2
+    waves%stiffness_root_error = waves%stiffness_root*quantile*2*sqrt(curve%covariance(1, 1))/curve%q
     if (.not. facts%rotates) return
     reach = quantile*sqrt(curve%covariance(2, 2))
-    waves%angular_velocity = sqrt(max(curve%turning, 0.0_dp))
-    waves%angular_velocity_error = max(sqrt(max(curve%turning + reach, 0.0_dp)) - waves%angular_velocity, &
-      & waves%angular_velocity - sqrt(max(curve%turning - reach, 0.0_dp)))
+    waves%angular_velocity = unit*sqrt(max(curve%turning, 0.0_dp))
+    waves%angular_velocity_error = max(unit*sqrt(max(curve%turning + reach, 0.0_dp)) - waves%angular_velocity, &
+      & waves%angular_velocity - unit*sqrt(max(curve%turning - reach, 0.0_dp)))
   end subroutine fill_dispersion
 
 end module bw_sensor_waves

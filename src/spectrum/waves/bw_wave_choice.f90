@@ -3,7 +3,7 @@ module bw_wave_choice
   !! a uniform beam, A > 0 and B ≥ 0, which is 0 without rotation (Eq. 3); and with a mass at the tip all imply the same mass
   !! (Eq. 19). What is chosen fits much better than every choice that contradicts it; otherwise nothing is.
   use bw_kinds, only: dp
-  use bw_mode_ratio, only: alpha_range, mass_angle, mode_near
+  use bw_tip_mass, only: alpha_range, mass_angle, mode_near
   use bw_shape_fit, only: candidate_type, worse
   implicit none (type, external)
   private
@@ -62,11 +62,12 @@ contains
     possible = pack(candidates, allowed)
   end function possible_tips
 
-  subroutine choose_waves(square, rotates, tip, choices)
+  subroutine choose_waves(square, rotates, tip, alone, choices)
     !! Choose a candidate for each line, or name the two best where nothing tells.
     real(dp), intent(in) :: square(:)          !! β² of the undamped line, (line)
     logical, intent(in) :: rotates             !! in the plane of bending
     logical, intent(in) :: tip                 !! a mass at the tip is the only unknown of the ends
+    integer, intent(in) :: alone               !! the mode that a line by itself is, with a mass at the tip; 0: not known
     type(choice_type), intent(inout) :: choices(:)
     type(problem_type) :: problem
     real(dp), allocatable :: least(:, :)
@@ -89,6 +90,7 @@ contains
         others(choice%best) = .false.
         choice%rival = minloc(least(:, k), dim=1, mask=others)
         if (best(k) > 0 .and. least(choice%rival, k) >= least(choice%best, k) + clear) choice%chosen = choice%best
+        if (alone > 0 .and. size(choices) == 1) choice%chosen = findloc(problem%mode(:problem%count(k), k) == alone, .true., dim=1)
       end associate
     end do
   end subroutine choose_waves
