@@ -11,7 +11,8 @@ module bw_measured
   use bw_mode_check, only: check_peaks, is_mode, not_known, record_facts, verdict_type
   use bw_monitor, only: monitor_type, stops
   use bw_samples, only: samples_type
-  use bw_sensor_waves, only: measure_sensor_waves, measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_waves, only: measure_sensor_waves
   use bw_text, only: string
   use bw_tip_mass, only: mode_near
   implicit none (type, external)
