@@ -78,6 +78,8 @@ contains
     facts%length = scene%beam%length
     facts%max_peaks = scene%spectrum%max_peaks
     facts%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
+    facts%rotates = .false.
+    if (allocated(scene%rotation)) facts%rotates = scene%rotation%plane == 'in'
     if (status == case_done .and. first <= samples) call know_modes(scene, motion, facts%known)
     call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), facts, &
                        spectrum%measured, monitor)

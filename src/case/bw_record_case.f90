@@ -74,7 +74,7 @@ contains
     call view_fit(record, layout, found, result%record)
     if (monitor%stop_requested()) return
     call find_record_waves(scene, layout, result)
-    call note_lines(scene, result)
+    call note_lines(scene, layout, result)
     call watch%lap(stage_spectrum)
     whole = .true.
   end subroutine run_record_case
@@ -121,15 +121,18 @@ contains
     call move_alloc(values, to%values)
   end subroutine move_record
 
-  subroutine note_lines(scene, result)
+  subroutine note_lines(scene, layout, result)
     !! What there is to say of the lines.
     type(scene_type), intent(in) :: scene
+    type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result
     associate (lines => result%record%lines)
       if (size(lines%angular_frequency) == 0) call append(result%notes, 'no line: nothing stands out of the noise by more '// &
         'than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
     end associate
+    if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &
+      'another &sweep goes through them; each file is a case by itself for every value of it')
   end subroutine note_lines
 
 end module bw_record_case

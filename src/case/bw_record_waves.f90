@@ -9,7 +9,8 @@ module bw_record_waves
   use bw_note, only: remark
   use bw_result_layout, only: has, result_layout
   use bw_scene, only: changes_shapes, scene_type
-  use bw_sensor_waves, only: measure_sensor_waves, measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_waves, only: measure_sensor_waves
   use bw_text, only: append, string
   implicit none (type, external)
   private

@@ -6,13 +6,14 @@ module bw_netcdf_source
   use bw_kinds, only: dp, i4, i8
   use bw_missing, only: is_missing, missing
   use bw_netcdf_path, only: has_backslash, plain_path
-  use bw_record, only: bare_name, column_type
+  use bw_record, only: column_type
   use bw_record_source, only: record_source
   use bw_sensor_unit, only: quantity_of
   use bw_text, only: lower, text_of
   use netcdf, only: nf90_char, nf90_close, nf90_float, nf90_get_att, nf90_get_var, nf90_inq_varid, nf90_inquire, &
     nf90_inquire_attribute, nf90_inquire_dimension, nf90_inquire_variable, nf90_max_name, nf90_max_var_dims, nf90_noerr, &
     nf90_nowrite, nf90_open, nf90_strerror, nf90_string
+  use bw_time_column, only: mark_time
   implicit none (type, external)
   private
 
@@ -149,7 +150,7 @@ contains
     if (index(quantities, ' '//column%quantity//' ') == 0) column%quantity = ''
     if (column%quantity /= '') self%is_labelled = .true.
     if (column%quantity == '') column%quantity = quantity_of(column%unit)
-    column%is_time = bare_name(name) == 'time' .or. bare_name(name) == 't'
+    call mark_time(column)
     column%position = sensor_position(self%file, found)
     n = size(self%columns)
     allocate (more(n + 1))

@@ -8,6 +8,7 @@ module bw_record_columns
   use bw_record_source, only: record_source
   use bw_scene, only: scene_type
   use bw_text, only: shortened, text_of
+  use bw_time_column, only: named_time
   implicit none (type, external)
   private
   public :: choose_columns, sensors_of
@@ -30,7 +31,7 @@ contains
       if (allocated(record%time)) then
         call choose(scene, source, 'time', record%time, time, error)
       else
-        time = named_time(source)
+        time = named_time(source%columns)
       end if
       if (is_missing(record%sample_rate)) call check_time(scene, source, time, error)
       if (allocated(error)) return
@@ -49,16 +50,6 @@ contains
     call check_choice(scene, source, time, columns, error)
   end subroutine choose_columns
 
-  pure integer function named_time(source) result(time)
-    !! The only column that is named time or t; of several the only one with numbers; else 0.
-    class(record_source), intent(in) :: source
-    time = 0
-    associate (named => source%columns%is_time, numeric => source%columns%is_numeric)
-      if (count(named) == 1) time = findloc(named, .true., dim=1)
-      if (count(named .and. numeric) == 1) time = findloc(named .and. numeric, .true., dim=1)
-    end associate
-  end function named_time
-
   subroutine check_time(scene, source, time, error)
     !! There is a column of times, and it holds numbers. **Errors**: `status_bad_input`.
     type(scene_type), intent(in) :: scene
@@ -67,8 +58,8 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
     if (time == 0) then
-      problem = 'no column of '//source%path//' is named time or t'
-      if (count(source%columns%is_time) > 1) problem = 'several columns of '//source%path//' are named time or t'
+      problem = 'no column of '//source%path//' is named time or t, or as loggers call it'
+      if (count(source%columns%is_time) > 1) problem = 'several columns of '//source%path//' are named as times are'
       call refuse(scene, 'time', 'is missing, and '//problem//'; accepted: '//listed(source)//'; or sample_rate', error)
     else if (.not. source%columns(time)%is_numeric) then
       call refuse(scene, 'time', shown(source, time)//' of '//source%path//' holds no numbers, but dates, clocks or words; '// &

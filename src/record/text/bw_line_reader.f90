@@ -13,6 +13,8 @@ module bw_line_reader
   integer, parameter :: piece = 2**20                      !! bytes read at a time
   integer, parameter :: longest_line = 2**24               !! bytes
   integer(i1), parameter :: line_feed = 10_i1, carriage_return = 13_i1
+  integer(i1), parameter :: blank = 32_i1, no_break = int(-96, i1), before_no_break = int(-62, i1)
+    !! a no-break space is the second of these by itself in Latin 1, and behind the third in UTF-8
   integer(i1), parameter :: byte_order_mark(3) = int([-17, -69, -65], i1)
 
   type, public :: line_reader
@@ -133,8 +135,24 @@ contains
     if (problem /= 0) call cannot_be_read(error, self%path, problem)
     self%offset = self%offset + got
     self%have = kept + int(got)
+    call make_blank(self%bytes(max(1, kept):self%have))
     self%ended = got < piece
   end subroutine refill
+
+  pure subroutine make_blank(bytes)
+    !! Blanks instead of no-break spaces, which look alike. Behind any other byte above 127 the same byte is a part of a letter.
+    integer(i1), intent(inout) :: bytes(:)
+    integer :: at
+    if (.not. any(bytes == no_break)) return
+    do at = 1, size(bytes)
+      if (bytes(at) /= no_break) cycle
+      if (at > 1) then
+        if (bytes(at - 1) < 0 .and. bytes(at - 1) /= before_no_break) cycle
+        if (bytes(at - 1) == before_no_break) bytes(at - 1) = blank
+      end if
+      bytes(at) = blank
+    end do
+  end subroutine make_blank
 
   pure function text_between(bytes, first, last) result(text)
     !! Bytes as the characters that they are.

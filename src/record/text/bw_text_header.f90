@@ -4,6 +4,7 @@ module bw_text_header
   use bw_sensor_unit, only: is_unit, quantity_of
   use bw_text, only: lower, string
   use bw_text_fields, only: fields_of, tab
+  use bw_time_column, only: mark_time
   implicit none (type, external)
   private
   public :: is_comment, name_columns
@@ -36,7 +37,7 @@ contains
         column%unit = unit_in(column%name)
         if (size(units) > 0) column%unit = plain_unit(units(i)%text)
         column%quantity = quantity_of(column%unit)
-        column%is_time = bare_name(column%name) == 'time' .or. bare_name(column%name) == 't'
+        call mark_time(column)
       end associate
     end do
   end subroutine name_columns
@@ -172,7 +173,8 @@ contains
     character(*), intent(in) :: text
     character(:), allocatable :: unit
     unit = text
-    if (len(text) == 0) return
+    if (verify(text, '-=()[]') == 0) unit = ''                 ! a line under the names is none
+    if (unit == '') return
     if ((text(1:1) == '[' .or. text(1:1) == '(') .and. unit_in(text) /= '') unit = unit_in(text)
   end function plain_unit
 

@@ -1,24 +1,27 @@
 module bw_measured
-  !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam.
+  !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam. Their
+  !! lines are those of a record without noise, and what two amplitudes tell of a wave is what any sensors tell (bw_sensor_waves);
+  !! errors are bounds, which stand where a record has standard deviations.
   use bw_damped_search, only: find_damped_lines
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
+  use bw_line_group, only: resolution
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
   use bw_measured_notes, only: measured_notes
   use bw_missing, only: is_missing, missing
   use bw_mode_check, only: check_peaks, is_mode, not_known, record_facts, verdict_type
-  use bw_mode_curve, only: mode_type, slope_of
-  use bw_mode_numbering, only: number_modes
   use bw_monitor, only: monitor_type, stops
   use bw_samples, only: samples_type
+  use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_waves, only: measure_sensor_waves
   use bw_text, only: string
+  use bw_tip_mass, only: mode_near
   implicit none (type, external)
   private
   public :: measure_waves
 
   integer, parameter :: fewest_samples = 16
-  real(dp), parameter :: chance = 1.0e-4_dp, chance_if_checked = 1.0e-2_dp  !! that peaks are numbered as they are by chance
-  integer, parameter :: fewest_lines = 3       !! two lie on a curve whatever they are folded from
+  real(dp), parameter :: one_deviation = erf(sqrt(0.5_dp))  !! confidence of an interval of one standard deviation to either side
   real(dp), parameter :: no_noise = 0          !! chance that noise is taken for a line
   real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
 
@@ -48,26 +51,25 @@ contains
     type(measured_type), intent(out) :: measured        !! of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     type(peak_type), allocatable :: peaks(:)
-    type(mode_type), allocatable :: modes(:)
     type(verdict_type), allocatable :: verdict(:)
+    logical, allocatable :: is_wave(:)
     integer, allocatable :: listed(:)
     integer :: faint
     call find_peaks(tip, midpoint, peaks, monitor)
     if (stops(monitor)) return
     faint = count(.not. peaks%stands_out)
     peaks = pack(peaks, peaks%stands_out)
-    allocate (modes(size(peaks)), verdict(size(peaks)))
+    allocate (verdict(size(peaks)))
     if (allocated(facts%known)) then
       call check_peaks(facts%known, size(tip), facts%duration, peaks, verdict)
     else
       peaks = with_hidden(peaks, merge(peaks%hidden, 0.0_dp, peaks%doubtful))
     end if
-    if (facts%uniform) call number_modes(peaks, verdict%kind == is_mode .or. verdict%kind == not_known, &
-      & merge(chance_if_checked, chance, allocated(facts%known)), modes)
-    where (modes%number /= verdict%number .and. verdict%kind /= not_known) modes%number = 0
-    allocate (listed, source=listed_peaks(peaks, modes, verdict, facts))
-    call fill(measured, peaks(listed), modes(listed), modes, facts)
-    measured%notes = measured_notes(peaks, modes, verdict, listed, faint, facts, size(tip))
+    call find_waves(peaks, verdict, facts, measured)
+    is_wave = .not. is_missing(measured%wavenumber)
+    allocate (listed, source=listed_peaks(peaks, is_wave, verdict, facts))
+    call keep(measured, peaks(listed), listed, facts)
+    measured%notes = measured_notes(peaks, is_wave, verdict, listed, faint, facts, size(tip))
   end subroutine measure_waves
 
   subroutine find_peaks(tip, midpoint, peaks, monitor)
@@ -98,10 +100,10 @@ contains
     if (is_usable) is_usable = any(abs(tip) > 0) .or. any(abs(midpoint) > 0)
   end function is_usable
 
-  pure function listed_peaks(peaks, modes, verdict, facts) result(listed)
+  pure function listed_peaks(peaks, is_wave, verdict, facts) result(listed)
     !! The indices of peaks that are modes or may be, up to `max_peaks` of the strongest.
     type(peak_type), intent(in) :: peaks(:)
-    type(mode_type), intent(in) :: modes(:)
+    logical, intent(in) :: is_wave(:)            !! it has a wave number
     type(verdict_type), intent(in) :: verdict(:)
     type(record_facts), intent(in) :: facts
     integer, allocatable :: listed(:)
@@ -110,48 +112,85 @@ contains
     if (allocated(facts%known)) then
       qualified = verdict%kind == is_mode .or. verdict%kind == not_known
     else
-      qualified = all(modes%number == 0) .or. modes%number > 0 .or. peaks%members > 1 .or. peaks%at_edge
+      qualified = .not. any(is_wave) .or. is_wave .or. peaks%members > 1 .or. peaks%at_edge
     end if
     qualified = qualified .and. peaks%located
     allocate (listed, source=pack([(i, i=1, size(peaks))], qualified .and. &
       & [(count(qualified .and. peaks%strength > peaks(i)%strength) < facts%max_peaks, i=1, size(peaks))]))
   end function listed_peaks
 
-  pure subroutine fill(measured, peaks, modes, all_modes, facts)
-    !! Fill in the quantities of the listed peaks, turned from periods in the record to physical units.
-    type(measured_type), intent(inout) :: measured
+  subroutine find_waves(peaks, verdict, facts, measured)
+    !! The waves of all peaks that may be modes, a line by itself being the first that oscillates. Where a wave number is that of
+    !! another mode than the known one of the same frequency, the peak is left out, and the others are measured without it.
     type(peak_type), intent(in) :: peaks(:)
-    type(mode_type), intent(in) :: modes(:)
-    type(mode_type), intent(in) :: all_modes(:)    !! those of peaks that are not listed too
+    type(verdict_type), intent(in) :: verdict(:)
     type(record_facts), intent(in) :: facts
-    real(dp), dimension(size(peaks)) :: undamped, relative
-    logical :: is_wave(size(peaks))
-    real(dp) :: none(size(peaks)), slope, slope_error
+    type(measured_type), intent(inout) :: measured
+    type(sensor_facts) :: sensors
+    type(sensor_waves) :: waves
+    real(dp) :: none(size(peaks))
+    logical :: possible(size(peaks))
+    logical, allocatable :: right(:)
+    integer, allocatable :: chosen(:)
+    integer :: i
     none = missing
-    is_wave = modes%number > 0
+    possible = facts%uniform .and. (verdict%kind == is_mode .or. verdict%kind == not_known)
+    sensors%position = [1.0_dp, 0.5_dp]
+    allocate (sensors%quantity(2), source=string('displacement'))
+    sensors%length = facts%length
+    sensors%ends = 'tip'
+    sensors%rotates = facts%rotates
+    sensors%confidence = one_deviation
+    if (count(possible .and. .not. peaks%at_edge) == 1) &
+      & sensors%alone = 1 + count(possible .and. peaks%at_edge .and. peaks%position < resolution)
+    possible = possible .and. peaks%located .and. peaks%ratio_error < sqrt(huge(1.0_dp))
+    chosen = pack([(i, i=1, size(peaks))], possible)
+    do
+      call measure_sensor_waves(sensors, lines_of(peaks(chosen), facts%duration), waves)
+      right = is_missing(waves%wavenumber) .or. verdict(chosen)%kind == not_known &
+        & .or. mode_near(waves%wavenumber*facts%length) == verdict(chosen)%number
+      if (all(right)) exit
+      chosen = pack(chosen, right)
+    end do
+    allocate (measured%wavenumber, measured%wavenumber_error, measured%phase_velocity, measured%phase_velocity_error, &
+      & measured%group_velocity, measured%group_velocity_error, source=none)
+    measured%wavenumber(chosen) = waves%wavenumber
+    measured%wavenumber_error(chosen) = waves%wavenumber_error
+    measured%phase_velocity(chosen) = waves%phase_velocity
+    measured%phase_velocity_error(chosen) = waves%phase_velocity_error
+    measured%group_velocity(chosen) = waves%group_velocity
+    measured%group_velocity_error(chosen) = waves%group_velocity_error
+  end subroutine find_waves
+
+  pure function lines_of(peaks, duration) result(lines)
+    !! The peaks as lines at tip and midpoint, of size 1, with their ratio. An error e of the ratio R turns the line by e/(1 + R²).
+    type(peak_type), intent(in) :: peaks(:)
+    real(dp), intent(in) :: duration             !! of the record, s
+    type(measured_lines) :: lines
+    lines%angular_frequency = two_pi*peaks%position/duration
+    lines%frequency_deviation = two_pi*peaks%position_error/duration
+    lines%decay_rate = -peaks%growth/duration
+    associate (length => hypot(1.0_dp, peaks%ratio), least => hypot(1.0_dp, max(0.0_dp, abs(peaks%ratio) - peaks%ratio_error)))
+      lines%amplitude = cmplx(reshape([1/length, peaks%ratio/length], [2, size(peaks)], order=[2, 1]), kind=dp)
+      lines%deviation = spread(peaks%ratio_error/(length*least), 1, 2)
+    end associate
+  end function lines_of
+
+  pure subroutine keep(measured, peaks, listed, facts)
+    !! What there is of the listed peaks.
+    type(measured_type), intent(inout) :: measured
+    type(peak_type), intent(in) :: peaks(:)      !! the listed ones
+    integer, intent(in) :: listed(:)
+    type(record_facts), intent(in) :: facts
     measured%peak_count = size(peaks)
     measured%angular_frequency = two_pi*peaks%position/facts%duration
     measured%angular_frequency_error = two_pi*peaks%position_error/facts%duration
-    allocate (measured%wavenumber, measured%wavenumber_error, measured%phase_velocity, measured%phase_velocity_error, &
-      & measured%group_velocity, measured%group_velocity_error, source=none)
-    undamped = 1
-    relative = 0
-    where (is_wave)
-      undamped = sqrt(modes%square)
-      relative = modes%square_error/(2*modes%square) + modes%alpha_error/modes%alpha + 8*epsilon(1.0_dp)
-      measured%wavenumber = modes%alpha/facts%length
-      measured%wavenumber_error = modes%alpha_error/facts%length
-      measured%phase_velocity = two_pi*undamped/facts%duration*facts%length/modes%alpha
-      measured%phase_velocity_error = measured%phase_velocity*relative
-    end where
-    if (.not. allocated(facts%known) .and. count(all_modes%number > 0) < fewest_lines) return
-    call slope_of(all_modes, slope, slope_error)
-    if (.not. slope > 0) return
-    where (is_wave)
-      measured%group_velocity = two_pi/facts%duration*facts%length*2*slope*modes%alpha**3/undamped
-      measured%group_velocity_error = measured%group_velocity* &
-        & (slope_error/slope + 2*modes%alpha_error/modes%alpha + relative)
-    end where
-  end subroutine fill
+    measured%wavenumber = measured%wavenumber(listed)
+    measured%wavenumber_error = measured%wavenumber_error(listed)
+    measured%phase_velocity = measured%phase_velocity(listed)
+    measured%phase_velocity_error = measured%phase_velocity_error(listed)
+    measured%group_velocity = measured%group_velocity(listed)
+    measured%group_velocity_error = measured%group_velocity_error(listed)
+  end subroutine keep
 
 end module bw_measured

@@ -3,7 +3,6 @@ module bw_measured_notes
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type
   use bw_mode_check, only: is_folded, is_none, record_facts, not_known, verdict_type
-  use bw_mode_curve, only: mode_type
   use bw_note, only: remark
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
@@ -16,10 +15,10 @@ module bw_measured_notes
 
 contains
 
-  pure function measured_notes(peaks, modes, verdict, listed, faint, facts, samples) result(notes)
+  pure function measured_notes(peaks, is_wave, verdict, listed, faint, facts, samples) result(notes)
     !! The notes on a measurement, one for each kind of thing found.
     type(peak_type), intent(in) :: peaks(:)
-    type(mode_type), intent(in) :: modes(:)
+    logical, intent(in) :: is_wave(:)          !! it has a wave number
     type(verdict_type), intent(in) :: verdict(:)
     integer, intent(in) :: listed(:)           !! peaks in the result
     integer, intent(in) :: faint               !! groups left out because the residual or rounding explains them
@@ -30,13 +29,13 @@ contains
     logical, dimension(size(peaks)) :: folded, stray, shown
     allocate (notes(0))
     folded = verdict%kind == is_folded .and. peaks%located
-    stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(modes%number > 0) .and. modes%number == 0 &
+    stray = verdict%kind == is_none .or. (verdict%kind == not_known .and. any(is_wave) .and. .not. is_wave &
       & .and. peaks%members == 1 .and. .not. peaks%at_edge)
     stray = stray .and. peaks%located
     shown = peaks%located .and. .not. (folded .or. stray)
     if (.not. facts%uniform .and. any(shown)) call remark(notes, 'measured waves: frequencies alone are given, since '// &
       & 'Eqs 18 and 20 do not hold for this motion')
-    if (facts%uniform .and. all(modes%number == 0) .and. size(peaks) > 0) call remark(notes, &
+    if (facts%uniform .and. .not. any(is_wave) .and. size(peaks) > 0) call remark(notes, &
       & 'measured waves: the peaks cannot be numbered as modes, so wave numbers and velocities are missing')
     left_out = left_out_text()
     if (left_out /= '') call remark(notes, 'left out of the measured peaks: '//left_out)
@@ -47,7 +46,7 @@ contains
     if (size(listed) < count(shown)) call remark(notes, 'max_peaks: of '//text_of(count(shown))//' peaks the '// &
       & text_of(size(listed))//' strongest are listed')
     if (allocated(facts%known)) return          ! who knows the modes knows how they fold, and which of them grow or decay
-    if (any(shown .and. verdict%kind == not_known) .and. all(modes%number == 0)) call remark(notes, &
+    if (any(shown .and. verdict%kind == not_known) .and. .not. any(is_wave)) call remark(notes, &
       & 'folding: nothing tells which lines are folded back from above half the sampling rate')
     if (any(shown .and. abs(peaks%growth) > worth_a_note)) call remark(notes, &
       & 'lines that grow or decay: '//frequencies(shown .and. abs(peaks%growth) > worth_a_note))

@@ -28,6 +28,7 @@ module bw_mode_check
     real(dp) :: length = 1                     !! of the beam, > 0, m
     integer :: max_peaks = 20                  !! ≥ 0
     logical :: uniform = .true.                !! Eqs 18 to 20 hold; otherwise wave numbers and velocities are missing
+    logical :: rotates = .true.                !! in the plane of bending, or may do so
     type(known_modes), allocatable :: known    !! to check what was measured; unallocated: not known
   end type record_facts
 

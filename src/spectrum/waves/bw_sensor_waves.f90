@@ -1,20 +1,20 @@
 module bw_sensor_waves
   !! Waves along a beam from the complex amplitudes of lines at two or more sensors: wave number and phase velocity of each line
   !! from what the sensors say of its shape, group velocity, √(EI/ρA) and ω from the dispersion of all.
-  use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_quantile, only: normal, squares_deviation, student_quantile
+  use bw_sensor_lines, only: hertz, measured_lines, sensor_facts, sensor_waves, square_of
   use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
     & reason_against, rounding, scanned, sensor_type, worse
   use bw_text, only: append, shortest, string
-  use bw_wave_choice, only: choice_type, choose_waves, possible_tips
+  use bw_wave_candidates, only: choice_type, possible_tips
+  use bw_wave_choice, only: choose_waves
+  use bw_wave_velocities, only: fill_dispersion, fill_waves, unlikely, wave_type
   implicit none (type, external)
   private
   public :: measure_sensor_waves
 
-  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
-  real(dp), parameter :: unlikely = 3.0902_dp  !! a normal number is above it once in a thousand times
   real(dp), parameter :: seen = 3              !! deviations that a line must have at some sensor
   real(dp), parameter :: vague = 0.5_dp        !! of a wave number; an interval of ± more says nothing
   real(dp), parameter :: lopsided = 1.5_dp     !! one side of an interval over the other, beyond which the longer is the error
@@ -22,42 +22,6 @@ module bw_sensor_waves
   real(dp), parameter :: low = 3               !! α of a first mode at most
   real(dp), parameter :: unknown = 3           !! deviation of an α that may be anything from 0 on
   real(dp), parameter :: usual = 0.95_dp       !! confidence at which Student's deviations are made those of normal numbers
-
-  type, public :: sensor_facts
-    !! What is known beside the lines.
-    real(dp), allocatable :: position(:)       !! ξ of the sensors, (S)
-    type(string), allocatable :: quantity(:)   !! displacement, velocity, acceleration or strain, (S)
-    real(dp) :: length = 0                     !! of the beam, m; 0: not known
-    character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
-    logical :: rotates = .false.               !! in the plane of bending, so that ω enters the dispersion
-    real(dp) :: confidence = 0.95_dp           !! of the intervals
-  end type sensor_facts
-
-  type, public :: measured_lines
-    !! Lines common to all sensors.
-    real(dp), allocatable :: angular_frequency(:), frequency_deviation(:)  !! rad/s, > 0, and its standard deviation, (line)
-    real(dp), allocatable :: decay_rate(:)     !! of e^(−δt), 1/s, (line)
-    complex(dp), allocatable :: amplitude(:, :)  !! of e^(iβt), (S, line)
-    real(dp), allocatable :: deviation(:, :)   !! standard deviation of real and of imaginary part at known frequency and decay;
-                                               !! 0: not known, the same for all sensors of a line, (S, line)
-  end type measured_lines
-
-  type, public :: sensor_waves
-    !! What does not exist is `missing`; errors are half the widths of intervals.
-    real(dp), allocatable :: wavenumber(:), wavenumber_error(:)          !! 1/m, (line)
-    real(dp), allocatable :: phase_velocity(:), phase_velocity_error(:)  !! m/s
-    real(dp), allocatable :: group_velocity(:), group_velocity_error(:)  !! m/s
-    real(dp) :: stiffness_root = missing, stiffness_root_error = missing !! √(EI/ρA), m²/s
-    real(dp) :: angular_velocity = missing, angular_velocity_error = missing  !! |ω|, rad/s
-    type(string), allocatable :: notes(:)      !! reasons for what is missing, and what must not be overlooked
-  end type sensor_waves
-
-  type :: wave_type
-    !! The wave number of a line over the beam's length.
-    real(dp) :: alpha = 1, error = 0
-    real(dp) :: deviation = 0                  !! of a normal number with that error
-    logical :: exists = .false.
-  end type wave_type
 
 contains
 
@@ -84,7 +48,7 @@ contains
       return
     end if
     call find_motions(facts, lines, motions)
-    call find_choices(sensors, motions, square_of(lines), facts%rotates, choices)
+    call find_choices(sensors, motions, square_of(lines), facts, choices)
     do k = 1, size(choices)
       call settle(facts, sensors, motions(k), choices(k), found(k), reason)
       if (reason /= '') call append(waves%notes, 'measured waves: the line at '//hertz(lines, k)//' has no wave number: '//reason)
@@ -104,21 +68,6 @@ contains
       & waves%group_velocity, waves%group_velocity_error, source=none)
     allocate (waves%notes(0))
   end subroutine start
-
-  pure function hertz(lines, k) result(words)
-    !! A line by its frequency.
-    type(measured_lines), intent(in) :: lines
-    integer, intent(in) :: k
-    character(:), allocatable :: words
-    words = shortest(lines%angular_frequency(k)/two_pi, 6)//' Hz'
-  end function hertz
-
-  pure function square_of(lines) result(square)
-    !! The squared angular frequencies β² of the undamped lines.
-    type(measured_lines), intent(in) :: lines
-    real(dp) :: square(size(lines%angular_frequency))
-    square = lines%angular_frequency**2 + lines%decay_rate**2
-  end function square_of
 
   pure subroutine find_motions(facts, lines, motions)
     !! Amplitudes of displacement, or strain, over their deviations: velocity is −δ + iβ times displacement, acceleration the
@@ -168,12 +117,12 @@ contains
 
   end subroutine find_motions
 
-  subroutine find_choices(sensors, motions, square, rotates, choices)
+  subroutine find_choices(sensors, motions, square, facts, choices)
     !! What wave number each line may have, how well the shape fits, and which is the line's.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), intent(in) :: square(:)          !! β², (line)
-    logical, intent(in) :: rotates
+    type(sensor_facts), intent(in) :: facts
     type(choice_type), intent(inout) :: choices(:)
     type(candidate_type), allocatable :: candidates(:)
     real(dp), allocatable :: alpha(:), misfit(:, :)
@@ -199,7 +148,7 @@ contains
       choices(k)%candidates%deviation = choices(k)%candidates%deviation*choices(k)%scale &
         & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
     end do
-    call choose_waves(square, rotates, sensors%ends == 'tip', choices)
+    call choose_waves(square, facts%rotates, sensors%ends == 'tip', facts%alone, choices)
     where (choices%chosen > 0 .and. .not. choices%on_curve .and. count(choices%on_curve) > 1 .and. fits_anything(sensors)) &
       & choices%chosen = 0
   end subroutine find_choices
@@ -279,66 +228,5 @@ contains
     if (words /= '') call append(notes, 'measured waves: by more than the noise, these shapes are none of a uniform beam with '// &
       & 'ends = '''//facts%ends//''', and their intervals are wider for it: '//words(3:))
   end subroutine note_misfits
-
-  pure subroutine fill_waves(facts, lines, found, waves)
-    !! Wave numbers, and phase velocities of the undamped lines.
-    type(sensor_facts), intent(in) :: facts
-    type(measured_lines), intent(in) :: lines
-    type(wave_type), intent(in) :: found(:)
-    type(sensor_waves), intent(inout) :: waves
-    where (found%exists)
-      waves%wavenumber = found%alpha/facts%length
-      waves%wavenumber_error = found%error/facts%length
-      waves%phase_velocity = sqrt(square_of(lines))/waves%wavenumber
-      waves%phase_velocity_error = waves%phase_velocity*(hypot(found%error/found%alpha, &
-        & student_quantile(facts%confidence, normal)*lines%frequency_deviation/lines%angular_frequency) + rounding)
-    end where
-  end subroutine fill_waves
-
-  pure subroutine fill_dispersion(facts, lines, found, on_curve, waves)
-    !! √(EI/ρA), ω and group velocities from the lines that lie on one curve.
-    type(sensor_facts), intent(in) :: facts
-    type(measured_lines), intent(in) :: lines
-    type(wave_type), intent(in) :: found(:)
-    logical, intent(in) :: on_curve(:)         !! (line)
-    type(sensor_waves), intent(inout) :: waves
-    type(dispersion_type) :: curve
-    real(dp), dimension(size(found)) :: square, variance, velocity, deviation
-    real(dp) :: quantile, reach
-    if (.not. any(on_curve)) return
-    square = square_of(lines)
-    variance = (found%deviation/facts%length)**2 &
-      & + (found%alpha/facts%length*lines%frequency_deviation/(2*lines%angular_frequency))**2
-    curve = fit_dispersion(pack(square, on_curve), pack(found%alpha/facts%length, on_curve), pack(variance, on_curve), &
-      & facts%rotates)
-    if (.not. curve%exists) then
-      call append(waves%notes, 'measured waves: group velocities are missing, since '// &
-        & 'the wave numbers fix no dispersion; where the beam rotates that takes two')
-      return
-    end if
-    if (any(found%exists .and. .not. on_curve)) call append(waves%notes, 'measured waves: lines that do not lie on the '// &
-      & 'dispersion of the others have no group velocity')
-    quantile = student_quantile(facts%confidence, normal)
-    if (curve%freedom > 0) then
-      if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
-        call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
-          & 'a uniform beam; intervals of group velocities are wider for it')
-        quantile = student_quantile(facts%confidence, curve%freedom)
-        curve%covariance = curve%covariance*curve%misfit/curve%freedom
-      end if
-    end if
-    call group_velocity_of(curve, square, 2*lines%angular_frequency*lines%frequency_deviation, velocity, deviation)
-    where (on_curve)
-      waves%group_velocity = velocity
-      waves%group_velocity_error = quantile*deviation + 2*rounding*velocity
-    end where
-    waves%stiffness_root = 1/curve%q**2
-    waves%stiffness_root_error = quantile*2*sqrt(curve%covariance(1, 1))/curve%q**3
-    if (.not. facts%rotates) return
-    reach = quantile*sqrt(curve%covariance(2, 2))
-    waves%angular_velocity = sqrt(max(curve%turning, 0.0_dp))
-    waves%angular_velocity_error = max(sqrt(max(curve%turning + reach, 0.0_dp)) - waves%angular_velocity, &
-      & waves%angular_velocity - sqrt(max(curve%turning - reach, 0.0_dp)))
-  end subroutine fill_dispersion
 
 end module bw_sensor_waves

@@ -10,7 +10,7 @@ module bw_shape_fit
   public :: candidates_of, costs_of, fits_anything, freedom_of, interval_of, reason_against, scanned
 
   real(dp), parameter :: lowest = 0.1_dp       !! α; a beam that bends less over its length is straight to any sensor
-  real(dp), parameter :: highest = 200         !! α; about the 64th mode
+  real(dp), parameter :: highest = 200         !! α; about the 64th mode. Of many lines modes twice as high as there are lines
   real(dp), parameter :: step = 0.15_dp        !! of a scan; misfits change over π
   real(dp), parameter :: dependent = 1.0e-8_dp !! part of a function that the others and the places leave: less is rounding
   integer, parameter :: most_steps = 60
@@ -119,8 +119,10 @@ contains
     real(dp), allocatable, intent(out) :: alpha(:), misfit(:, :)  !! (n), (n, line)
     complex(dp) :: functions(size(sensors%position), columns_of(sensors))
     type(projection_type) :: projection
+    real(dp) :: top
     integer :: i, k
-    allocate (alpha, source=[(lowest + step*i, i=0, floor((highest - lowest)/step))])
+    top = max(highest, 2*acos(-1.0_dp)*size(motions))
+    allocate (alpha, source=[(lowest + step*i, i=0, floor((top - lowest)/step))])
     allocate (misfit(size(alpha), size(motions)))
     do i = 1, size(alpha)
       functions = functions_at(sensors, cmplx(alpha(i), kind=dp))
@@ -286,7 +288,7 @@ contains
       move = max(min(candidate%deviation*sqrt(rise), step), 4*epsilon(1.0_dp)*candidate%alpha)
       do
         outside = inside + side*move
-        if (outside < lowest/2 .or. outside > highest + 1) then
+        if (outside < lowest/2 .or. outside > max(highest, candidate%alpha) + 1) then
           outside = merge(0.0_dp, huge(1.0_dp), side < 0)
           return
         end if

@@ -1,72 +1,27 @@
 module bw_wave_choice
-  !! Which of the wave numbers that fit a line alike is the line's: those of all lines lie on one curve α⁴ = A β² + B of
-  !! a uniform beam, A > 0 and B ≥ 0, which is 0 without rotation (Eq. 3); and with a mass at the tip all imply the same mass
-  !! (Eq. 19). What is chosen fits much better than every choice that contradicts it; otherwise nothing is.
+  !! Which of the wave numbers that fit a line alike is the line's: those of all lines lie on one curve of a uniform beam, and with a
+  !! mass at the tip all imply the same mass. What is chosen fits much better than every choice that contradicts it; otherwise
+  !! nothing is.
   use bw_kinds, only: dp
-  use bw_mode_ratio, only: alpha_range, mass_angle, mode_near
-  use bw_shape_fit, only: candidate_type, worse
+  use bw_shape_fit, only: worse
+  use bw_wave_candidates, only: choice_type, problem_of, problem_type
+  use bw_wave_curve, only: apart, begun, curve_type, foreseen_variance, is_curve, mass_cost, take
   implicit none (type, external)
   private
-  public :: choose_waves, possible_tips
+  public :: choose_waves
 
-  real(dp), parameter :: first = 3             !! α of a first mode at most; what is known of it may be that alone
   integer, parameter :: most_anchors = 6       !! lines that a curve is begun with
   real(dp), parameter :: clear = 2*log(1.0e4_dp)  !! that much better than any contradiction
   real(dp), parameter :: gap_costs = 2*log(10.0_dp)  !! of a mode without a line, below the highest that has one
 
-  type, public :: choice_type
-    !! The wave numbers that one line may have.
-    type(candidate_type), allocatable :: candidates(:)
-    real(dp) :: scale = 1                      !! deviation of the data over what it was said to be
-    integer :: freedom = huge(1)               !! degrees of freedom that tell the scale
-    logical :: misfits = .false.               !! the shape does not fit, by which the scale is told
-    integer :: chosen = 0                      !! of the candidates; 0: none
-    integer :: rival = 0                       !! where none is chosen: the next best beside the first, `best`
-    integer :: best = 0
-    logical :: on_curve = .false.              !! it lies on the curve of all
-  end type choice_type
-
-  type :: problem_type
-    !! All lines and their candidates as the search sees them.
-    real(dp), allocatable :: square(:)         !! β² over the largest, (line)
-    real(dp), allocatable :: power(:, :), variance(:, :)  !! α⁴ and its variance, (candidate, line)
-    real(dp), allocatable :: cost(:, :)        !! misfit above the least, (candidate, line)
-    real(dp), allocatable :: angle(:, :), angle_variance(:, :)  !! of the mass that is implied
-    integer, allocatable :: mode(:, :)         !! its number, with a mass at the tip; else about its number
-    integer, allocatable :: count(:)           !! of candidates, (line)
-    logical :: rotates = .false., tip = .false.
-  end type problem_type
-
-  type :: curve_type
-    !! α⁴ = sum(value·[β², 1]) with its covariance, and the mass so far.
-    real(dp) :: value(2) = 0, covariance(2, 2) = 0
-    real(dp) :: angle = 0, angle_variance = huge(1.0_dp)
-    real(dp) :: cost = 0
-  end type curve_type
-
 contains
 
-  pure function possible_tips(candidates) result(possible)
-    !! Those candidates that a mass at the tip allows within five deviations: α between those of an infinite mass and of none.
-    type(candidate_type), intent(in) :: candidates(:)
-    type(candidate_type), allocatable :: possible(:)
-    logical :: allowed(size(candidates))
-    real(dp) :: range(2)
-    integer :: i
-    do i = 1, size(candidates)
-      range = alpha_range(mode_near(candidates(i)%alpha))
-      associate (alpha => candidates(i)%alpha, reach => sqrt(worse)*min(candidates(i)%deviation, 1.0_dp))
-        allowed(i) = alpha >= range(1) - reach .and. alpha <= range(2) + reach
-      end associate
-    end do
-    possible = pack(candidates, allowed)
-  end function possible_tips
-
-  subroutine choose_waves(square, rotates, tip, choices)
+  subroutine choose_waves(square, rotates, tip, alone, choices)
     !! Choose a candidate for each line, or name the two best where nothing tells.
     real(dp), intent(in) :: square(:)          !! β² of the undamped line, (line)
     logical, intent(in) :: rotates             !! in the plane of bending
     logical, intent(in) :: tip                 !! a mass at the tip is the only unknown of the ends
+    integer, intent(in) :: alone               !! the mode that a line by itself is, with a mass at the tip; 0: not known
     type(choice_type), intent(inout) :: choices(:)
     type(problem_type) :: problem
     real(dp), allocatable :: least(:, :)
@@ -89,42 +44,10 @@ contains
         others(choice%best) = .false.
         choice%rival = minloc(least(:, k), dim=1, mask=others)
         if (best(k) > 0 .and. least(choice%rival, k) >= least(choice%best, k) + clear) choice%chosen = choice%best
+        if (alone > 0 .and. size(choices) == 1) choice%chosen = findloc(problem%mode(:problem%count(k), k) == alone, .true., dim=1)
       end associate
     end do
   end subroutine choose_waves
-
-  pure type(problem_type) function problem_of(square, rotates, tip, choices) result(problem)
-    !! The candidates as points of the plane of β² and α⁴, with their deviations.
-    real(dp), intent(in) :: square(:)
-    logical, intent(in) :: rotates, tip
-    type(choice_type), intent(in) :: choices(:)
-    real(dp) :: deviation, step
-    integer :: j, k, most
-    most = maxval([(size(choices(k)%candidates), k=1, size(choices))])
-    problem%count = [(size(choices(k)%candidates), k=1, size(choices))]
-    problem%square = square/maxval(square)
-    problem%rotates = rotates .and. count(problem%count > 0) > 1
-    problem%tip = tip
-    allocate (problem%power(most, size(square)), problem%variance(most, size(square)), problem%cost(most, size(square)), &
-      & problem%angle(most, size(square)), problem%angle_variance(most, size(square)), source=huge(1.0_dp))
-    allocate (problem%mode(most, size(square)), source=0)
-    do k = 1, size(square)
-      associate (candidates => choices(k)%candidates)
-        do j = 1, size(candidates)
-          deviation = min(candidates(j)%deviation, max(1.0_dp, first - candidates(j)%alpha)) + 1.0e-9_dp*candidates(j)%alpha
-          problem%power(j, k) = candidates(j)%alpha**4
-          problem%variance(j, k) = ((candidates(j)%alpha + deviation)**4 - candidates(j)%alpha**4)**2
-          problem%cost(j, k) = candidates(j)%cost
-          problem%mode(j, k) = floor(candidates(j)%alpha/acos(-1.0_dp))
-          if (.not. tip) cycle
-          problem%mode(j, k) = mode_near(candidates(j)%alpha)
-          problem%angle(j, k) = mass_angle(candidates(j)%alpha, problem%mode(j, k))
-          step = min(deviation, candidates(j)%alpha/2)
-          problem%angle_variance(j, k) = (problem%angle(j, k) - mass_angle(candidates(j)%alpha - step, problem%mode(j, k)))**2
-        end do
-      end associate
-    end do
-  end function problem_of
 
   subroutine search(problem, least, best)
     !! Begin a curve with each candidate of a few lines, or each pair where the beam rotates, and go on with the others.
@@ -192,64 +115,6 @@ contains
       doubt(anchors(i)) = huge(1.0_dp)
     end do
   end function anchors_of
-
-  pure logical function is_curve(curve)
-    !! Whether a curve is one of a beam: A > 0 and, within five deviations, B ≥ 0.
-    type(curve_type), intent(in) :: curve
-    is_curve = curve%value(1) > 0 .and. curve%value(2) >= -sqrt(worse*curve%covariance(2, 2)) &
-      & .and. curve%cost < huge(1.0_dp)/8
-  end function is_curve
-
-  pure type(curve_type) function begun(problem, lines, own) result(curve)
-    !! The curve through one candidate and the origin, or through two.
-    type(problem_type), intent(in) :: problem
-    integer, intent(in) :: lines(:), own(:)
-    real(dp) :: slope(2, 2), far
-    integer :: i
-    if (size(lines) == 1) then
-      curve%value(1) = problem%power(own(1), lines(1))/problem%square(lines(1))
-      curve%covariance(1, 1) = problem%variance(own(1), lines(1))/problem%square(lines(1))**2
-    else
-      far = problem%square(lines(2)) - problem%square(lines(1))
-      slope(1, :) = [-1.0_dp, 1.0_dp]/far
-      slope(2, :) = [problem%square(lines(2)), -problem%square(lines(1))]/far
-      do i = 1, 2
-        curve%value = curve%value + slope(:, i)*problem%power(own(i), lines(i))
-        curve%covariance = curve%covariance + problem%variance(own(i), lines(i))*spread(slope(:, i), 2, 2)*spread(slope(:, i), 1, 2)
-      end do
-    end if
-    do i = 1, size(lines)
-      curve%cost = curve%cost + problem%cost(own(i), lines(i))
-      if (problem%tip) call add_mass(problem, own(i), lines(i), curve)
-    end do
-    if (size(lines) == 1) return
-    if (problem%tip .and. problem%mode(own(1), lines(1)) == problem%mode(own(size(own)), lines(size(lines)))) &
-      & curve%cost = huge(1.0_dp)/4
-  end function begun
-
-  pure subroutine add_mass(problem, own, line, curve)
-    !! Take the mass that a candidate implies into the mean of all, and what it is away from it into the cost.
-    type(problem_type), intent(in) :: problem
-    integer, intent(in) :: own, line
-    type(curve_type), intent(inout) :: curve
-    real(dp) :: share
-    curve%cost = curve%cost + mass_cost(problem, own, line, curve)
-    share = 1
-    if (curve%angle_variance < huge(1.0_dp)) share = curve%angle_variance/(curve%angle_variance + problem%angle_variance(own, line))
-    curve%angle = curve%angle + share*(problem%angle(own, line) - curve%angle)
-    curve%angle_variance = share*problem%angle_variance(own, line)
-  end subroutine add_mass
-
-  pure real(dp) function mass_cost(problem, own, line, curve)
-    !! What it costs that a candidate implies another mass; at most half of what a line costs that is on no curve.
-    type(problem_type), intent(in) :: problem
-    integer, intent(in) :: own, line
-    type(curve_type), intent(in) :: curve
-    mass_cost = 0
-    if (.not. problem%tip .or. .not. curve%angle_variance < huge(1.0_dp)) return
-    mass_cost = min(worse/2, (problem%angle(own, line) - curve%angle)**2/ &
-      & (curve%angle_variance + problem%angle_variance(own, line) + tiny(1.0_dp)))
-  end function mass_cost
 
   pure subroutine go_on(problem, limit, chosen, curve)
     !! Take in the remaining lines, that first whose wave number the curve foresees best (recursive least squares). A line that
@@ -323,40 +188,5 @@ contains
       best = k
     end do
   end function foreseen_best
-
-  pure real(dp) function foreseen_variance(problem, line, curve) result(variance)
-    !! The variance of the curve's α⁴ at a line.
-    type(problem_type), intent(in) :: problem
-    integer, intent(in) :: line
-    type(curve_type), intent(in) :: curve
-    variance = max(0.0_dp, dot_product([problem%square(line), 1.0_dp], matmul(curve%covariance, [problem%square(line), 1.0_dp])))
-  end function foreseen_variance
-
-  pure real(dp) function apart(problem, own, line, curve)
-    !! The squared distance of a candidate from the curve in deviations.
-    type(problem_type), intent(in) :: problem
-    integer, intent(in) :: own, line
-    type(curve_type), intent(in) :: curve
-    apart = (problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))**2/ &
-      & (problem%variance(own, line) + foreseen_variance(problem, line, curve))
-  end function apart
-
-  pure subroutine take(problem, own, line, curve)
-    !! Take a candidate into the curve.
-    type(problem_type), intent(in) :: problem
-    integer, intent(in) :: own, line
-    type(curve_type), intent(inout) :: curve
-    real(dp) :: gain(2), left(2, 2), variance
-    variance = problem%variance(own, line) + foreseen_variance(problem, line, curve)
-    gain = matmul(curve%covariance, [problem%square(line), 1.0_dp])/variance
-    curve%cost = curve%cost + problem%cost(own, line) + apart(problem, own, line, curve)
-    curve%value = curve%value + gain*(problem%power(own, line) - dot_product(curve%value, [problem%square(line), 1.0_dp]))
-    left = -spread(gain, 2, 2)*spread([problem%square(line), 1.0_dp], 1, 2)
-    left(1, 1) = left(1, 1) + 1
-    left(2, 2) = left(2, 2) + 1
-    curve%covariance = matmul(matmul(left, curve%covariance), transpose(left)) &
-      & + problem%variance(own, line)*spread(gain, 2, 2)*spread(gain, 1, 2)  ! Joseph's form, which stays positive
-    if (problem%tip) call add_mass(problem, own, line, curve)
-  end subroutine take
 
 end module bw_wave_choice

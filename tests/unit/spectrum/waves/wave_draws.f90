@@ -3,7 +3,8 @@ module wave_draws
   !! true. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
   use bw_kinds, only: dp, qp
   use bw_missing, only: is_missing
-  use bw_sensor_waves, only: measure_sensor_waves, measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
+  use bw_sensor_waves, only: measure_sensor_waves
   use bw_text, only: string
   implicit none (type, external)
   private

@@ -1,0 +1,57 @@
+module bw_time_column
+  !! Which column of a file holds the times, as far as its name and its unit tell: what people's loggers call it.
+  use bw_record, only: bare_name, column_type
+  use bw_sensor_unit, only: factor_of
+  implicit none (type, external)
+  private
+  public :: mark_time, named_time
+
+  character(*), parameter :: plain(*) = [character(4) :: 't', 'time']     !! a column called so comes before the others
+  character(*), parameter :: words(*) = [character(12) :: plain, 'times', 'timestamp', 'time stamp', 'elapsed', 'elapsed time', &
+    'time elapsed', 'relative time', 'rel time', 'x value', 'xvalue', 'secs', 'seconds', 'zeit', 'zeitpunkt', &
+    'messzeit', 'temps', 'tempo', 'tiempo', 'tijd', 'tid']
+  character(*), parameter :: joints = '/_ '    !! between a name and its unit that stands in no brackets, as in `t/s`
+
+contains
+
+  pure subroutine mark_time(column)
+    !! Say whether a column holds times. A unit that its name ends in, as in `Zeit/ms` or `time_s`, becomes its unit.
+    type(column_type), intent(inout) :: column
+    character(:), allocatable :: word
+    integer :: joint
+    word = spaced(bare_name(column%name))
+    column%is_time = any(words == word)
+    joint = scan(word, joints, back=.true.)
+    if (column%is_time .or. joint < 2) return
+    if (.not. factor_of(word(joint + 1:), 'time') > 0) return
+    column%is_time = any(words == word(:max(1, verify(word(:joint), joints, back=.true.))))
+    if (column%is_time .and. column%unit == '') column%unit = word(joint + 1:)
+  end subroutine mark_time
+
+  pure function spaced(name) result(word)
+    !! A name with blanks for underscores: `x_value` → `x value`.
+    character(*), intent(in) :: name
+    character(len(name)) :: word
+    integer :: i
+    do i = 1, len(name)
+      word(i:i) = merge(' ', name(i:i), name(i:i) == '_')
+    end do
+  end function spaced
+
+  pure integer function named_time(columns) result(time)
+    !! The only column that is called as times are, of several the only one with numbers, or the only one of these called time or t;
+    !! where none is called so, the first column if it has numbers in a unit of time; else 0.
+    type(column_type), intent(in) :: columns(:)
+    logical, dimension(size(columns)) :: named, numeric
+    integer :: i
+    time = 0
+    named = columns%is_time
+    numeric = named .and. columns%is_numeric
+    if (count(numeric) > 0) named = numeric
+    if (count(named) > 1) named = [(named(i) .and. any(plain == bare_name(columns(i)%name)), i=1, size(columns))]
+    if (count(named) == 1) time = findloc(named, .true., dim=1)
+    if (any(columns%is_time) .or. size(columns) == 0) return
+    if (columns(1)%is_numeric .and. factor_of(columns(1)%unit, 'time') > 0) time = 1
+  end function named_time
+
+end module bw_time_column

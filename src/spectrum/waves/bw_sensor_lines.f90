@@ -1,0 +1,59 @@
+module bw_sensor_lines
+  !! What measuring waves begins with and what it ends with: lines at sensors of known places, and the waves of each.
+  use bw_kinds, only: dp
+  use bw_missing, only: missing
+  use bw_text, only: shortest, string
+  implicit none (type, external)
+  private
+  public :: hertz, square_of
+
+  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
+
+  type, public :: sensor_facts
+    !! What is known beside the lines.
+    real(dp), allocatable :: position(:)       !! ξ of the sensors, (S)
+    type(string), allocatable :: quantity(:)   !! displacement, velocity, acceleration or strain, (S)
+    real(dp) :: length = 0                     !! of the beam, m; 0: not known
+    character(:), allocatable :: ends          !! 'tip', 'clamped' or 'any'
+    logical :: rotates = .false.               !! in the plane of bending, so that ω enters the dispersion
+    real(dp) :: confidence = 0.95_dp           !! of the intervals
+    integer :: alone = 0                       !! with 'tip', the mode that a line by itself is; 0: not known
+  end type sensor_facts
+
+  type, public :: measured_lines
+    !! Lines common to all sensors.
+    real(dp), allocatable :: angular_frequency(:), frequency_deviation(:)  !! rad/s, > 0, and its standard deviation, (line)
+    real(dp), allocatable :: decay_rate(:)     !! of e^(−δt), 1/s, (line)
+    complex(dp), allocatable :: amplitude(:, :)  !! of e^(iβt), (S, line)
+    real(dp), allocatable :: deviation(:, :)   !! standard deviation of real and of imaginary part at known frequency and decay;
+                                               !! 0: not known, the same for all sensors of a line, (S, line)
+  end type measured_lines
+
+  type, public :: sensor_waves
+    !! What does not exist is `missing`; errors are half the widths of intervals.
+    real(dp), allocatable :: wavenumber(:), wavenumber_error(:)          !! 1/m, (line)
+    real(dp), allocatable :: phase_velocity(:), phase_velocity_error(:)  !! m/s
+    real(dp), allocatable :: group_velocity(:), group_velocity_error(:)  !! m/s
+    real(dp) :: stiffness_root = missing, stiffness_root_error = missing !! √(EI/ρA), m²/s
+    real(dp) :: angular_velocity = missing, angular_velocity_error = missing  !! |ω|, rad/s
+    type(string), allocatable :: notes(:)      !! reasons for what is missing, and what must not be overlooked
+  end type sensor_waves
+
+contains
+
+  pure function hertz(lines, k) result(words)
+    !! A line by its frequency.
+    type(measured_lines), intent(in) :: lines
+    integer, intent(in) :: k
+    character(:), allocatable :: words
+    words = shortest(lines%angular_frequency(k)/two_pi, 6)//' Hz'
+  end function hertz
+
+  pure function square_of(lines) result(square)
+    !! The squared angular frequencies β² of the undamped lines.
+    type(measured_lines), intent(in) :: lines
+    real(dp) :: square(size(lines%angular_frequency))
+    square = lines%angular_frequency**2 + lines%decay_rate**2
+  end function square_of
+
+end module bw_sensor_lines

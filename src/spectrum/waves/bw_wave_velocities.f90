@@ -1,0 +1,85 @@
+module bw_wave_velocities
+  !! Wave numbers and velocities in SI from what is found of each line over the beam's length: phase velocities line by line, group
+  !! velocities, √(EI/ρA) and ω from the dispersion of all.
+  use bw_dispersion, only: dispersion_type, fit_dispersion, group_velocity_of
+  use bw_kinds, only: dp
+  use bw_quantile, only: normal, squares_deviation, student_quantile
+  use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves, square_of
+  use bw_shape_fit, only: rounding
+  use bw_text, only: append
+  implicit none (type, external)
+  private
+  public :: fill_dispersion, fill_waves
+
+  real(dp), parameter, public :: unlikely = 3.0902_dp  !! a normal number is above it once in a thousand times
+
+  type, public :: wave_type
+    !! The wave number of a line over the beam's length.
+    real(dp) :: alpha = 1, error = 0
+    real(dp) :: deviation = 0                  !! of a normal number with that error
+    logical :: exists = .false.
+  end type wave_type
+
+contains
+
+  pure subroutine fill_waves(facts, lines, found, waves)
+    !! Wave numbers, and phase velocities of the undamped lines.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    type(wave_type), intent(in) :: found(:)
+    type(sensor_waves), intent(inout) :: waves
+    where (found%exists)
+      waves%wavenumber = found%alpha/facts%length
+      waves%wavenumber_error = found%error/facts%length
+      waves%phase_velocity = sqrt(square_of(lines))/waves%wavenumber
+      waves%phase_velocity_error = waves%phase_velocity*(hypot(found%error/found%alpha, &
+        & student_quantile(facts%confidence, normal)*lines%frequency_deviation/lines%angular_frequency) + rounding)
+    end where
+  end subroutine fill_waves
+
+  pure subroutine fill_dispersion(facts, lines, found, on_curve, waves)
+    !! √(EI/ρA), ω and group velocities from the lines that lie on one curve.
+    type(sensor_facts), intent(in) :: facts
+    type(measured_lines), intent(in) :: lines
+    type(wave_type), intent(in) :: found(:)
+    logical, intent(in) :: on_curve(:)         !! (line)
+    type(sensor_waves), intent(inout) :: waves
+    type(dispersion_type) :: curve
+    real(dp), dimension(size(found)) :: square, variance, velocity, deviation
+    real(dp) :: quantile, reach, unit
+    if (.not. any(on_curve)) return
+    unit = scale(1.0_dp, 2*(exponent(maxval(square_of(lines)))/4))  ! of frequencies, as the beam's length is of lengths
+    square = square_of(lines)/unit/unit
+    variance = found%deviation**2 + (found%alpha*lines%frequency_deviation/(2*lines%angular_frequency))**2
+    curve = fit_dispersion(pack(square, on_curve), pack(found%alpha, on_curve), pack(variance, on_curve), facts%rotates)
+    if (.not. curve%exists) then
+      call append(waves%notes, 'measured waves: group velocities are missing, since '// &
+        & 'the wave numbers fix no dispersion; where the beam rotates that takes two')
+      return
+    end if
+    if (any(found%exists .and. .not. on_curve)) call append(waves%notes, 'measured waves: lines that do not lie on the '// &
+      & 'dispersion of the others have no group velocity')
+    quantile = student_quantile(facts%confidence, normal)
+    if (curve%freedom > 0) then
+      if (squares_deviation(curve%misfit, curve%freedom) > unlikely) then
+        call append(waves%notes, 'measured waves: by more than their errors, the wave numbers do not lie on the dispersion of '// &
+          & 'a uniform beam; intervals of group velocities are wider for it')
+        quantile = student_quantile(facts%confidence, curve%freedom)
+        curve%covariance = curve%covariance*curve%misfit/curve%freedom
+      end if
+    end if
+    call group_velocity_of(curve, square, 2*(lines%angular_frequency/unit)*(lines%frequency_deviation/unit), velocity, deviation)
+    where (on_curve)
+      waves%group_velocity = velocity*facts%length*unit
+      waves%group_velocity_error = (quantile*deviation + 2*rounding*velocity)*facts%length*unit
+    end where
+    waves%stiffness_root = facts%length**2*unit/curve%q**2
+    waves%stiffness_root_error = waves%stiffness_root*quantile*2*sqrt(curve%covariance(1, 1))/curve%q
+    if (.not. facts%rotates) return
+    reach = quantile*sqrt(curve%covariance(2, 2))
+    waves%angular_velocity = unit*sqrt(max(curve%turning, 0.0_dp))
+    waves%angular_velocity_error = max(unit*sqrt(max(curve%turning + reach, 0.0_dp)) - waves%angular_velocity, &
+      & waves%angular_velocity - unit*sqrt(max(curve%turning - reach, 0.0_dp)))
+  end subroutine fill_dispersion
+
+end module bw_wave_velocities
