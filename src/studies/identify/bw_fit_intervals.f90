@@ -143,7 +143,7 @@ contains
       if (step == 1) problem%v = max(-1.0_dp, min(1.0_dp, fit%v + way*distance*belief%correlation(:, i)* &
                                                   belief%deviation/belief%deviation(i)))
       problem%v(i) = max(-1.0_dp, min(1.0_dp, fit%v(i) + way*distance))
-      call problem%minimise(residuals, .false.)
+      call problem%minimise(residuals, .true.)
       growth = sqrt(max(0.0_dp, sum(residuals**2) - fit%sum))
       if (sum(residuals**2) < fit%sum - lower) belief%better = problem%v
     end function growth_at

@@ -272,7 +272,7 @@ contains
     class(fit_problem), intent(inout) :: self
     real(dp), allocatable, intent(out) :: residuals(:)
     logical, intent(in) :: quick                 !! to a thousandth of the sum, else to all digits
-    real(dp), parameter :: rough = 1.0e-3_dp, fine = 1.0e-9_dp
+    real(dp), parameter :: rough = 1.0e-4_dp, fine = 1.0e-9_dp
     real(dp) :: v(size(self%free))
     integer :: evaluations
     v = self%v(self%free)

@@ -59,7 +59,7 @@ contains
     do round = 1, most_rounds
       call problem%match(0.0_dp, fit%price, changed)
       if (round > 1 .and. .not. changed) exit
-      call problem%minimise(residuals, .false.)
+      call problem%minimise(residuals, .true.)
     end do
     call place_at(problem, fit)
     call add_fit(fits, fit)

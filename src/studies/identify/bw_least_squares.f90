@@ -131,7 +131,7 @@ contains
   subroutine find_derivatives(x, f)
     !! Mend the derivatives of the last place, or take differences where there are none, or where these foretold the step ill.
     real(dp), intent(in) :: x(:), f(:)           !! residuals there
-    real(dp), parameter :: ill = 0.2_dp          !! error of what was foretold, over the change of the residuals
+    real(dp), parameter :: ill = 0.3_dp          !! error of what was foretold, over the change of the residuals
     real(dp), parameter :: least = 0.1_dp        !! variable that a step of differences is a share of
     real(dp) :: step(size(x)), error(size(f)), moved(size(x)), there(size(f))
     integer :: i
