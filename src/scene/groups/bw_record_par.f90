@@ -38,8 +38,9 @@ module bw_record_par
     rules='A file is looked for beside the scene. It is text (columns separated by commas, semicolons, tabs or blanks; header '// &
     'lines; comments behind # or %) or NetCDF, as a result of beamwave is; its content tells which. Several files are repeats '// &
     'of one measurement, each a case. Give `time` or `sample_rate`; without both the time is the column, or the '// &
-    'variable, named time or t. Times are taken as they are, even or not, and have to rise. Without `columns` all columns but '// &
-    'the time are sensors. Without `points` there are frequencies and decay only. `&beam` may be absent.')
+    'variable, named time or t, or as loggers call it (X_Value, Zeit, elapsed time). Times are taken as they are, even or not, '// &
+    'and have to rise. Without `columns` all columns but the time are sensors. Without `points` there are frequencies and '// &
+    'decay only. `&beam` may be absent.')
 
   type(input_name), parameter, public :: record_names(*) = [ &
     input_name('record', 'file', texts_input, required=.true., most=most_files, meaning='one file, or repeats'), &

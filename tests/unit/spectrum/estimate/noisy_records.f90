@@ -6,6 +6,7 @@ module noisy_records
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, qp
   use bw_samples, only: samples_type
+  use seeded_draws, only: draws_of, normal, start_draws
   implicit none (type, external)
   private
   public :: analysed, draws_of, judge, made, start_draws, uniform
@@ -38,39 +39,9 @@ module noisy_records
 
 contains
 
-  subroutine start_draws(seed)
-    integer, intent(in) :: seed
-    integer, allocatable :: seeds(:)
-    integer :: n, i
-    real(dp) :: drop
-    call random_seed(size=n)
-    allocate (seeds(n), source=7919*seed + 13)
-    call random_seed(put=seeds)
-    do i = 1, 40
-      call random_number(drop)
-    end do
-  end subroutine start_draws
-
-  integer function draws_of(few)
-    !! A number of draws, times BEAMWAVE_DRAWS.
-    integer, intent(in) :: few
-    character(12) :: text
-    integer :: status, factor
-    call get_environment_variable('BEAMWAVE_DRAWS', text, status=status)
-    factor = 1
-    if (status == 0) read (text, *) factor
-    draws_of = few*factor
-  end function draws_of
-
   real(dp) function uniform()
     call random_number(uniform)
   end function uniform
-
-  real(dp) function normal()
-    real(dp) :: one
-    one = 1 - uniform()
-    normal = sqrt(-2*log(one))*cos(2*pi*uniform())
-  end function normal
 
   function made(recipe) result(samples)
     !! The samples; phases are reduced before they are rounded.

@@ -7,51 +7,22 @@ module measured_beams
   use bw_kinds, only: dp
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene_text
+  use seeded_draws, only: draws_of, normal, start_draws
   implicit none (type, external)
   private
   public :: draws_of, find_unknowns, lines_of, normal, scene_from, start_draws, true_modes, uniform
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: quantile = 1.959963984540054_dp      !! of 95 %
   character, parameter, public :: nl = new_line('a')
   character(*), parameter, public :: measured = "&record file='a.csv' sample_rate=1000 /&spectrum /&modes before=12 /"//nl
 
 contains
 
-  subroutine start_draws(seed)
-    integer, intent(in) :: seed
-    integer, allocatable :: seeds(:)
-    integer :: n, i
-    real(dp) :: drop
-    call random_seed(size=n)
-    allocate (seeds(n), source=7919*seed + 13)
-    call random_seed(put=seeds)
-    do i = 1, 40
-      call random_number(drop)
-    end do
-  end subroutine start_draws
-
-  integer function draws_of(few)
-    !! A number of draws, times BEAMWAVE_DRAWS.
-    integer, intent(in) :: few
-    character(12) :: text
-    integer :: status, factor
-    call get_environment_variable('BEAMWAVE_DRAWS', text, status=status)
-    factor = 1
-    if (status == 0) read (text, *) factor
-    draws_of = factor*few
-  end function draws_of
-
   real(dp) function uniform(low, high)
     real(dp), intent(in) :: low, high
     call random_number(uniform)
     uniform = low + (high - low)*uniform
   end function uniform
-
-  real(dp) function normal()
-    !! Box and Muller's.
-    normal = sqrt(-2*log(1 - uniform(0.0_dp, 1.0_dp)))*cos(uniform(0.0_dp, 2*pi))
-  end function normal
 
   function scene_from(text) result(scene)
     !! A scene that is known to be accepted.
