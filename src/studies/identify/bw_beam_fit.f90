@@ -10,6 +10,7 @@ module bw_beam_fit
   public :: fit_beam, refit_from
 
   integer, parameter :: searched = 4             !! starts from which is searched: those that cost least at once
+  integer, parameter :: searched_on = 12         !! where what is found from these is in doubt
   integer, parameter :: most_escapes = 3         !! from fits that noise does not explain
 
 contains
@@ -22,24 +23,32 @@ contains
     type(fit_type), intent(out) :: fit
     type(fit_type), allocatable, intent(out) :: others(:)
     type(fit_type), allocatable :: fits(:)
-    real(dp) :: starts(size(problem%unknowns), searched)
+    real(dp) :: starts(size(problem%unknowns), searched_on)
     integer :: i
     problem%free = [(i, i=1, size(problem%unknowns))]
     call choose_starts(problem, first_scatter, starts)
     allocate (fits(0))
-    do i = 1, searched
+    do i = 1, searched_on
       problem%v = starts(:, i)
       call search(problem, fits)
+      if (i < searched) cycle
+      if (i == searched .or. all(fits(:i - 1)%price > fits(i)%price)) call settle(problem, fits, fit)
+      if (.not. (is_doubtful(fit) .and. thorough)) exit
     end do
-    call settle(problem, fits, fit)
     if (thorough) call escape(problem, fits, fit)
     call find_others(problem, fits, fit, as_good, others)
     call place(problem, fit)
     problem%scatter = fit%scatter
   end subroutine fit_beam
 
+  pure logical function is_doubtful(fit)
+    !! Noise does not explain it, or it explains no more lines than it has unknowns, and leaves others out.
+    type(fit_type), intent(in) :: fit
+    is_doubtful = fit%tail < unlikely .or. (fit%freedom < 1 .and. any(fit%mode_of == 0))
+  end function is_doubtful
+
   subroutine escape(problem, fits, fit)
-    !! Look further from a fit that noise does not explain, as long as that brings a better one.
+    !! Look further from a fit in doubt, as long as that brings a better one.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), allocatable, intent(inout) :: fits(:)
     type(fit_type), intent(inout) :: fit
@@ -47,7 +56,7 @@ contains
     real(dp) :: price
     integer :: i
     do i = 1, most_escapes
-      if (.not. fit%tail < unlikely) return
+      if (.not. is_doubtful(fit)) return
       price = minval(fits%price)
       call fit_with_one_held(problem, fit, fits)
       call fit_without_lines(problem, fit, fits)
