@@ -11,7 +11,7 @@
 #SBATCH --signal=B:USR1@120
 #SBATCH --output=%x-%A_%a.log
 
-# module load gcc openblas fftw netcdf-fortran
+# module load gcc openblas fftw minpack netcdf-fortran
 set -eu
 export OPENBLAS_NUM_THREADS=1
 

@@ -14,7 +14,7 @@
 #SBATCH --open-mode=append
 #SBATCH --output=%x-%j.log
 
-# module load gcc openmpi openblas fftw netcdf-fortran
+# module load gcc openmpi openblas fftw minpack netcdf-fortran
 set -eu
 export OPENBLAS_NUM_THREADS=1
 margin=${BEAMWAVE_MARGIN:-120}    # s between the order to stop and the time limit

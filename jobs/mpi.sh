@@ -10,7 +10,7 @@
 #SBATCH --signal=B:USR1@120
 #SBATCH --output=%x-%j.log
 
-# module load gcc openmpi openblas fftw netcdf-fortran
+# module load gcc openmpi openblas fftw minpack netcdf-fortran
 set -eu
 export OPENBLAS_NUM_THREADS=1
 exec mpirun beamwave-mpi run "$@"

@@ -11,7 +11,7 @@
 #SBATCH --signal=B:USR1@120
 #SBATCH --output=%x-%j.log
 
-# module load gcc openmpi openblas fftw netcdf-fortran
+# module load gcc openmpi openblas fftw minpack netcdf-fortran
 set -eu
 export OPENBLAS_NUM_THREADS=1
 
@@ -25,11 +25,17 @@ for file in "$directory"/*; do
   if [ -f "$file" ] && [ "${name##*.}" != nml ]; then files+=("'${name//\'/\'\'}'"); fi
 done
 [ ${#files[@]} -gt 0 ] || { echo "records.sh: no records in $directory" >&2; exit 2; }
-grep -qi '^ *&record' "$scene" || { echo "records.sh: no line of $scene begins with &record" >&2; exit 2; }
-
+# behind the name of the group, which may end on the same line
 copy=$directory/${scene##*/}
 list=$(printf '%s, ' "${files[@]}")
-LIST=${list%, } awk '{ print } tolower($0) ~ /^ *&record/ && !done { print "  file = " ENVIRON["LIST"]; done = 1 }' \
-  "$scene" > "$copy.new"
-cmp -s "$copy.new" "$copy" && rm "$copy.new" || mv "$copy.new" "$copy"
+text=$(LIST=${list%, } awk '
+  !done && match(tolower($0), /^[ \t]*&record([ \t\r\/!]|$)/) {
+    place = index($0, "&") + 7
+    print substr($0, 1, place - 1) " file = " ENVIRON["LIST"]
+    $0 = substr($0, place)
+    done = 1
+  }
+  { print }
+  END { exit !done }' "$scene") || { echo "records.sh: no line of $scene begins with &record" >&2; exit 2; }
+[ "$(cat "$copy" 2> /dev/null)" = "$text" ] || printf '%s\n' "$text" > "$copy"
 exec mpirun beamwave-mpi run "$copy" "$@"
