@@ -16,7 +16,7 @@ module bw_record_flaws
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
-  public :: find_flaws
+  public :: find_flaws, smallest_step
 
   real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, of each sensor
   real(dp), parameter :: reach = 30.0_dp         !! steps
@@ -65,7 +65,7 @@ contains
   end function find_flaws
 
   pure real(dp) function smallest_step(values) result(step)
-    !! The smallest step between neighbours that differ.
+    !! The smallest step between neighbours that differ; the largest number of all where none do.
     real(dp), intent(in) :: values(:)
     real(dp) :: change
     integer(i8) :: j

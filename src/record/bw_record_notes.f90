@@ -6,6 +6,7 @@ module bw_record_notes
   use bw_note, only: remark
   use bw_record, only: record_type
   use bw_record_flaws, only: find_flaws, flaws_type
+  use bw_record_onset, only: onset
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, nearest_even
   use bw_scene, only: scene_type
@@ -32,6 +33,7 @@ contains
       call note_flaws(find_flaws(record%values(:, s)), s, record)
       call note_counter(record, s)
     end do
+    call note_quiet(record)
     call note_left_out(source, time, columns, record%notes)
   end subroutine add_notes
 
@@ -80,6 +82,19 @@ contains
     call append(record%notes, 'counter: '//record%sensors(s)%name// &
                 ' rises by the same step all the time, as a time or a counter does; columns names those of sensors')
   end subroutine note_counter
+
+  subroutine note_quiet(record)
+    !! A recorder that was started before the blow: no decaying line fits what is quiet first.
+    type(record_type), intent(inout) :: record
+    character(:), allocatable :: time
+    integer(i8) :: latest
+    integer :: s
+    latest = maxval([(onset(record%values(:, s)), s=1, size(record%sensors))])
+    if (latest == 0) return
+    time = shortest(record%origin + record%times(latest), 12)
+    call append(record%notes, 'quiet: the motion begins at '//time//' s, and lines are fitted from the first sample on; '// &
+                'start = '//time//', or a little later, leaves out what is before the blow')
+  end subroutine note_quiet
 
   subroutine note_unit(scene, unit, s, record)
     !! A sensor's unit is not that of its quantity, and no scale brings it there; or it is another quantity's.
