@@ -15,13 +15,14 @@ module bw_line_or_colour
 
   real(dp), parameter :: without_doubt = 15    !! times the threshold; no colour of the noise pays so much
   real(dp), parameter :: raised = 4            !! ordinates: where so many tell the noise's level a line must pay twice the threshold
-  real(dp), parameter :: most_raised = 0.8_dp  !! beyond it; a strong line draws a resonance to it, whose level is told by few
+  real(dp), parameter :: most_raised = 0.8_dp  !! beyond it
 
 contains
 
   function are_lines(samples, lines, pays, threshold) result(stays)
     !! Whether each of the lines of even samples pays more than the threshold. Those that pay enough by the level of the noise are
-    !! taken out at once, and the others, while they pay, one after the other, the one that pays most first.
+    !! taken out at once, and the others, while they pay, one after the other, the one that pays most first. How well the level is
+    !! known is asked of the colour without the line: left in, a line draws a resonance to it, whose level few ordinates tell.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: pays(:)            !! of each line over the noise's level, by which they are ordered
@@ -47,7 +48,7 @@ contains
           call subtract_lines(lines(k:k), s, without(:, s))
           call judge_noise(without_trend(without(:, s)), colour_without(s), cost_without(s))
         end do
-        freedom = minval([(freedom_of_level(colour(s), lines(k)%frequency, samples%count), s=1, size(colour))])
+        freedom = minval([(freedom_of_level(colour_without(s), lines(k)%frequency, samples%count), s=1, size(colour))])
         stays(k) = sum(cost - cost_without)/2 > threshold*(1 + min(most_raised, raised/freedom))
         if (.not. stays(k)) cycle
         left = without

@@ -9,10 +9,11 @@ module noisy_records
   use seeded_draws, only: draws_of, normal, start_draws
   implicit none (type, external)
   private
-  public :: analysed, draws_of, judge, made, start_draws, uniform
+  public :: analysed, draws_of, judge, made, most_of, start_draws, uniform
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: confidence = 0.95_dp, false_alarm = 0.01_dp
+  real(dp), parameter, public :: sigmas = 3    !! of what chance does to a count or a mean of so many draws
 
   type, public :: recipe_type
     !! Lines, and how they are sampled. The noise's deviation is that of each sample.
@@ -38,6 +39,13 @@ module noisy_records
   end type tally_type
 
 contains
+
+  real(dp) function most_of(part, numbers)
+    !! The largest count of what happens to so large a part at most.
+    real(dp), intent(in) :: part
+    integer, intent(in) :: numbers
+    most_of = part*numbers + sigmas*sqrt(part*numbers) + 1
+  end function most_of
 
   real(dp) function uniform()
     call random_number(uniform)
