@@ -18,7 +18,8 @@ module bw_tail
   real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
   integer, parameter :: short_runs(2) = [12, 8]
-    !! likewise, of the first window and of others, where modes take long to find: of a displacement the others hold a few per cent
+    !! likewise, of the first window and of others, where modes take long to find and shapes repeat, since section and material are
+    !! the same all along: of a displacement the others hold a few per cent
   real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
   real(dp), parameter :: tells = 0.25_dp
@@ -155,7 +156,9 @@ contains
     integer :: run
     sparse = source%quickly < huge(1)
     run = run_length
-    if (sparse .and. .not. (seen%velocity .or. present(shown) .or. allocated(source%damping))) run = short_runs(merge(2, 1, later))
+    if (sparse .and. source%quadratic .and. .not. (seen%velocity .or. present(shown) .or. allocated(source%damping))) then
+      run = short_runs(merge(2, 1, later))
+    end if
     call sample_window(first, last, number, weight, sparse, run)
     if (present(shown)) then
       call source%find(number, modes)
