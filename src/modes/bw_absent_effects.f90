@@ -44,7 +44,7 @@ module bw_absent_effects
 
 contains
 
-  subroutine absent_changes(scene, number, change, steadies)
+  subroutine absent_changes(scene, number, change, steadies, square, inward)
     !! By how much each effect would change the frequencies, relatively, of the modes in force after t = 0: those with the mass at
     !! the tip where it is captured.
     type(scene_type), intent(in) :: scene                              !! without sweeps
@@ -52,12 +52,18 @@ contains
     real(dp), intent(out) :: change(size(number), size(absent_words))
       !! 0 where the effect is on or cannot be, and of modes of a built-up beam beyond `highest_estimated`
     logical, intent(out) :: steadies(size(absent_words))               !! the first mode grows, and would not
+    real(dp), intent(out) :: square(size(number))                      !! β², about; 0 where it is not known
+    real(dp), intent(out) :: inward(size(number))
+      !! relative change of the frequency over the length by which a mass that a built-up beam, or a beam inboard, has captured would
+      !! be further in; 0 elsewhere
     type(shape_type) :: shape(size(number))
-    real(dp) :: square(size(number)), shift(size(number), size(absent_words))
+    real(dp) :: shift(size(number), size(absent_words)), moved(size(number))
     integer :: e, known
     change = 0.0_dp
     steadies = .false.
     shift = 0.0_dp
+    moved = 0.0_dp
+    inward = 0.0_dp
     if (is_papers_beam(scene)) then
       known = size(number)
       shape = shapes_of(solve_roots(number, tip_mass(scene)))
@@ -67,7 +73,8 @@ contains
     else
       known = count(number <= highest_estimated)
       square = 0.0_dp
-      call shifts_of_pieces(scene, number(:known), square(:known), shift(:known, absent_stiffening), shift(:known, absent_shear))
+      call shifts_of_pieces(scene, number(:known), square(:known), shift(:known, absent_stiffening), &
+                            shift(:known, absent_shear), moved(:known))
     end if
     if (known == 0) return
     if (allocated(scene%stiffening)) then
@@ -82,6 +89,7 @@ contains
       change(:, e) = relative_change(square, shift(:, e))
       steadies(e) = square(1) <= 0.0_dp .and. square(1) + shift(1, e) > 0.0_dp
     end do
+    where (square > 0.0_dp) inward = 0.5_dp*moved/square
   end subroutine absent_changes
 
   pure logical function is_papers_beam(scene) result(is)
@@ -146,7 +154,6 @@ contains
     numbers = shear_of(shear, scene%beam)
     shifts = [(shear_shift(shape(i), numbers%compliance, numbers%rotary), i=1, size(shape))]
   end function shear_shifts
-
 
   pure real(dp) function tension_shift(shape, tension) result(shift)
     !! What a tension T(ξ) = t_0 + t_1ξ + t_2ξ² adds to β²: ∫TΦ'²/M, an upper bound for the lowest mode.
@@ -224,7 +231,6 @@ contains
     moments(2) = slope - 2.0_dp*(product - of_values)
   end function product_moments
 
-
   function model_errors(scene, modes, velocity, displacement) result(errors)
     !! By each absent effect, over the peak of the displacement: mode by mode its amplitude times what a frequency that is
     !! off by δβ adds up to over the record, min(2, δβ T); all of it where a mode grows that would not. An estimate, within a
@@ -234,7 +240,8 @@ contains
     real(dp), intent(in) :: velocity(:)            !! (modes), what they start with, m/s
     real(dp), intent(in) :: displacement(:, :)     !! (samples, points), m
     real(dp) :: errors(size(absent_words))
-    real(dp) :: change(modes%count, size(absent_words)), amplitude(modes%count), beta(modes%count)
+    real(dp) :: change(modes%count, size(absent_words))
+    real(dp), dimension(modes%count) :: amplitude, beta, estimated, inward
     logical :: steadies(size(absent_words))
     type(beam_units) :: units
     real(dp) :: peak
@@ -243,7 +250,7 @@ contains
     peak = maxval(abs(displacement))
     if (peak == 0.0_dp) return
     units = units_of(scene%beam)
-    call absent_changes(scene, [(k, k=1, modes%count)], change, steadies)
+    call absent_changes(scene, [(k, k=1, modes%count)], change, steadies, estimated, inward)
     beta = sqrt(max(0.0_dp, modes%beta_squared%hi))/units%time%hi
     amplitude = abs(velocity)*maxval(abs(modes%shapes(scene%response%points)), dim=2)
     where (beta > 0.0_dp) amplitude = amplitude/beta/peak

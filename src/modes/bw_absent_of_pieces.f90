@@ -13,18 +13,18 @@ module bw_absent_of_pieces
   use bw_shear_par, only: usual_shear
   implicit none (type, external)
   private
-  public :: shifts_of_pieces
+  public :: place_shifts, shifts_of_pieces
 
   integer, parameter, public :: highest_estimated = 200   !! mode; shapes of higher ones would take too many points
 
 contains
 
-  subroutine shifts_of_pieces(scene, number, square, tension, shear)
+  subroutine shifts_of_pieces(scene, number, square, tension, shear, place)
     !! β² of the beam without either, and what each would add to it, (modes): by the rotation and shear of the scene, a hub without
-    !! radius and the usual shear where it names none.
+    !! radius and the usual shear where it names none. And what it would gain were a captured mass further in (`place_shifts`).
     type(scene_type), intent(in) :: scene                  !! without sweeps
     integer, intent(in) :: number(:)                       !! of the modes, ascending, ≤ `highest_estimated`
-    real(dp), intent(out) :: square(:), tension(:), shear(:)
+    real(dp), intent(out) :: square(:), tension(:), shear(:), place(:)
     type(scene_type) :: plain, sheared
     type(beam_units) :: units
     type(piece_source) :: source
@@ -48,14 +48,39 @@ contains
     pull = full%spin_squared%hi*tension_in_pieces(full, hub)
     tension = 0.0_dp
     shear = 0.0_dp
+    place = 0.0_dp
     call source%find(number, modes)
     square = modes%beta_squared%hi
     if (.not. modes%resolved) return
     select type (modes)
     type is (piece_set)
       call add_integrals(modes, full, pull, tension, shear)
+      place = place_shifts(modes, source%gamma)
     end select
   end subroutine shifts_of_pieces
+
+  pure function place_shifts(modes, gamma) result(shifts)
+    !! What β² gains for each length of the beam by which a captured body is moved inwards: (Λγ(Φ²)' + β²J(Ψ²)')/M at its place,
+    !! Ψ' the mean on both sides of the body. Moments elsewhere are those of the piece inside.
+    type(piece_set), intent(in) :: modes
+    real(dp), intent(in) :: gamma                          !! mass of the body; 0 where there is none
+    real(dp) :: shifts(modes%count)
+    real(dp), dimension(modes%count) :: curvature, square
+    real(dp) :: state(4, modes%count, 1)
+    shifts = 0.0_dp
+    if (gamma == 0.0_dp) return
+    square = modes%beta_squared%hi
+    associate (turning => modes%modes%turning(modes%struck_joint, :), inertia => modes%body_inertia)
+      shifts = modes%modes%lambda%hi*gamma*2.0_dp*modes%struck*turning
+      if (inertia > 0.0_dp) then
+        state = modes%states(1, modes%count, [modes%struck_at])
+        curvature = (state(3, :, 1) - 0.5_dp*square*inertia*turning) &
+          /modes%modes%system%piece(modes%struck_joint)%stiffness%hi
+        shifts = shifts + square*inertia*2.0_dp*turning*curvature
+      end if
+    end associate
+    shifts = shifts/modes%modal_mass
+  end function place_shifts
 
   subroutine add_integrals(modes, full, pull, tension, shear)
     !! By the midpoint rule, in several points of each half wave.

@@ -1,10 +1,12 @@
 module bw_hint
-  !! The line of a report that names what was left out: which absent effect would change the frequencies most, and whether
-  !! a mass that rebounded would be back. It is estimated; `beamwave effects` runs both scenes. Nothing is ever switched
-  !! on by itself.
+  !! The line of a report that names what was left out: which absent effect would change the frequencies most, what damping would
+  !! leave of the motion, how well the place of a blow must be known, and whether a mass that rebounded would be back. It is
+  !! estimated; `beamwave effects` runs both scenes. Nothing is ever switched on by itself.
   use bw_kinds, only: dp, i8
   use bw_absent_effects, only: absent_changes, absent_words
   use bw_absent_return, only: return_time
+  use bw_beam_units, only: beam_units, units_of
+  use bw_damping_par, only: usual_ratio
   use bw_error, only: error_type
   use bw_missing, only: is_missing, missing
   use bw_modes_par, only: by_tolerance, default_tolerance
@@ -28,6 +30,16 @@ module bw_hint
     integer(i8) :: case = 0              !! of a sweep: the case that this is said of
   end type estimate_type
 
+  type, public :: aside_type
+    !! What else a scene leaves open.
+    real(dp) :: left = 1.0_dp            !! of the amplitude of mode 1 at the end of the record, were every mode damped as usual
+    integer :: mode = 0                  !! of the first `compared_modes`, the one that the place of a captured mass changes most
+    real(dp) :: moved = 0.0_dp           !! the relative change of its frequency by `place_step`
+    integer(i8) :: left_case = 0, moved_case = 0             !! of a sweep: the cases that these are said of
+  end type aside_type
+
+  real(dp), parameter :: place_step = 0.01_dp      !! of the length, inwards
+
 contains
 
   function hint_line(scene) result(text)
@@ -38,6 +50,7 @@ contains
     type(estimate_type) :: found(size(absent_words)), now(size(absent_words))
     type(scene_type) :: one
     type(error_type), allocatable :: error
+    type(aside_type) :: asides, aside
     real(dp) :: tolerance, back, again
     integer(i8) :: case, back_case
     integer :: i, e
@@ -49,8 +62,9 @@ contains
       call case_scene(scene, case, one, error)
       if (allocated(error)) cycle
       if (by_tolerance(one%modes)) tolerance = one%modes%tolerance
-      now = estimate_absent(one)
+      now = estimate_absent(one, aside)
       if (size(scene%sweeps) > 0) now%case = case
+      call keep_larger(aside, now(1)%case, asides)
       do e = 1, size(found)
         if (weight(now(e)) > weight(found(e))) found(e) = now(e)
       end do
@@ -61,11 +75,52 @@ contains
       back_case = now(1)%case
     end do
     text = frequency_words(found, tolerance)
-    if (text /= '' .and. .not. is_missing(back)) text = text//'; '
-    if (.not. is_missing(back)) text = text//'recontact: the mass would be back '//time_words(back)
-    if (back_case > 0) text = text//' in case '//text_of(back_case)
+    if (asides%left < 1.0_dp - tolerance) call add_words(damping_words(asides), asides%left_case, text)
+    if (abs(asides%moved) > tolerance) call add_words(place_words(asides), asides%moved_case, text)
+    if (.not. is_missing(back)) call add_words('recontact: the mass would be back '//time_words(back), back_case, text)
     if (text /= '') text = '  left out   '//text//new_line('a')
   end function hint_line
+
+  pure subroutine keep_larger(aside, case, asides)
+    !! Of the ends of a sweep what matters more.
+    type(aside_type), intent(in) :: aside
+    integer(i8), intent(in) :: case                !! 0: there is no sweep
+    type(aside_type), intent(inout) :: asides
+    if (aside%left < asides%left) then
+      asides%left = aside%left
+      asides%left_case = case
+    end if
+    if (abs(aside%moved) <= abs(asides%moved)) return
+    asides%mode = aside%mode
+    asides%moved = aside%moved
+    asides%moved_case = case
+  end subroutine keep_larger
+
+  pure subroutine add_words(words, case, text)
+    !! One thing more that is left out.
+    character(*), intent(in) :: words
+    integer(i8), intent(in) :: case                !! of a sweep; 0: there is none
+    character(:), allocatable, intent(inout) :: text
+    if (text /= '') text = text//'; '
+    text = text//words
+    if (case > 0) text = text//' in case '//text_of(case)
+  end subroutine add_words
+
+  pure function damping_words(aside) result(text)
+    type(aside_type), intent(in) :: aside
+    character(:), allocatable :: text
+    real(dp), parameter :: nothing = 1.0e-4_dp
+    text = 'hardly anything'
+    if (aside%left > nothing) text = shortest(100.0_dp*aside%left, 2)//' %'
+    text = 'damping: a ratio of '//shortest(usual_ratio, 2)//' would leave '//text//' of mode 1 at the end'
+  end function damping_words
+
+  pure function place_words(aside) result(text)
+    type(aside_type), intent(in) :: aside
+    character(:), allocatable :: text
+    text = 'position: a mass '//shortest(100.0_dp*place_step, 2)//' % of the length further in would change '// &
+      change_words(aside%mode, aside%moved)
+  end function place_words
 
   pure function frequency_words(estimates, tolerance) result(text)
     !! The two effects that would matter most, as far as they do.
@@ -90,17 +145,23 @@ contains
     if (seconds > 0.0_dp) text = 'after '//shortest(1.0e3_dp*seconds, 2)//' ms (estimated)'
   end function time_words
 
-  function estimate_absent(scene) result(estimates)
+  function estimate_absent(scene, aside) result(estimates)
     !! In the order of `absent_words`.
     type(scene_type), intent(in) :: scene          !! without sweeps
+    type(aside_type), intent(out), optional :: aside
     type(estimate_type) :: estimates(size(absent_words))
-    real(dp), allocatable :: change(:, :)
+    real(dp), allocatable :: change(:, :), square(:), inward(:)
     integer :: i, n, last
     last = scene%modes%before
     if (allocated(scene%capture)) last = scene%modes%after
     n = min(compared_modes, last)
-    allocate (change(n + 1, size(absent_words)))
-    call absent_changes(scene, [(i, i=1, n), last], change, estimates%steadies)
+    allocate (change(n + 1, size(absent_words)), square(n + 1), inward(n + 1))
+    call absent_changes(scene, [(i, i=1, n), last], change, estimates%steadies, square, inward)
+    if (present(aside)) then
+      aside%left = damped_part(scene, square(1))
+      aside%mode = maxloc(abs(inward(:n)), dim=1)
+      aside%moved = place_step*inward(aside%mode)
+    end if
     do i = 1, size(estimates)
       estimates(i)%effect = i
       estimates(i)%mode = maxloc(abs(change(:n, i)), dim=1)
@@ -109,6 +170,19 @@ contains
       estimates(i)%last_change = change(n + 1, i)
     end do
   end function estimate_absent
+
+  pure real(dp) function damped_part(scene, square) result(part)
+    !! What damping of every mode by the usual ratio would leave of the amplitude of mode 1 at the end of the record: e^(−ζβT). All,
+    !! where the scene has damping, nothing moves, or the mode grows.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    real(dp), intent(in) :: square                 !! β² of mode 1
+    type(beam_units) :: units
+    part = 1.0_dp
+    if (allocated(scene%damping) .or. .not. (allocated(scene%response) .and. allocated(scene%impact))) return
+    if (scene%impact%mass_ratio == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
+    units = units_of(scene%beam)
+    part = exp(-usual_ratio*sqrt(max(0.0_dp, square))*(scene%response%duration/units%time%hi))
+  end function damped_part
 
   elemental real(dp) function weight(estimate)
     !! A mode that would no longer grow weighs more than any change.

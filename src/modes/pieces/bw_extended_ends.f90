@@ -14,8 +14,13 @@ module bw_extended_ends
   integer :: m                               !! counts in lists of constants
   type(dd), parameter :: reciprocal(terms) = [(dd(1.0_dp/m, real(1.0_qp/m - 1.0_dp/m, dp)), m=1, terms)]
   integer, parameter :: parts = 32, wholes = 26      !! of 1, and of π/4
-  real(qp), parameter :: whole_sines(0:wholes) = [(sin(m/real(parts, qp)), m=0, wholes)]
-  real(qp), parameter :: whole_cosines(0:wholes) = [(cos(m/real(parts, qp)), m=0, wholes)]
+  type(dd), parameter :: whole_sines(0:wholes) = [(dd(real(sin(m/real(parts, qp)), dp), &
+    real(sin(m/real(parts, qp)) - real(sin(m/real(parts, qp)), dp), dp)), m=0, wholes)]
+  type(dd), parameter :: whole_cosines(0:wholes) = [(dd(real(cos(m/real(parts, qp)), dp), &
+    real(cos(m/real(parts, qp)) - real(cos(m/real(parts, qp)), dp), dp)), m=0, wholes)]
+  type(dd), parameter :: whole_exponentials(-wholes:wholes) = [(dd(real(exp(m/real(parts, qp)), dp), &
+    real(exp(m/real(parts, qp)) - real(exp(m/real(parts, qp)), dp), dp)), m=-wholes, wholes)]
+  type(dd), parameter :: log_2 = dd(log(2.0_dp), real(log(2.0_qp) - log(2.0_dp), dp))
   type(dd), parameter :: inverse(2:6) = [(dd(1.0_dp/gamma(m + 1.0_dp), &
     real(1.0_qp/gamma(m + 1.0_qp) - 1.0_dp/gamma(m + 1.0_dp), dp)), m=2, 6)]      !! 1/m!
   real(dp), parameter :: nothing = 40.0_dp   !! qh from which tanh qh is 1 to 34 digits
@@ -94,7 +99,7 @@ contains
       if (angle%hi > hardly) then
         e = to_dd(exp(-2.0_dp*angle%hi))
       else
-        e = to_dd(exp(-2.0_qp*to_quad(angle)))
+        e = exponential(angle*(-2.0_dp))
       end if
       s = (c - e)/((c + e)*p)
     end if
@@ -138,11 +143,32 @@ contains
     s = ((inverse(5) + x*(-1.0_dp/5040 + x*(1.0_dp/362880 - x/39916800)))*square + (-inverse(3)))*square*rest + rest
     versine = (((-inverse(6)) + x*(1.0_dp/40320 - x/3628800))*square + inverse(4))*square
     versine = (inverse(2) - versine)*square
-    whole = to_dd(sign(1, i)*whole_sines(abs(i)))
-    whole_cosine = to_dd(whole_cosines(abs(i)))
+    whole = whole_sines(abs(i))*real(sign(1, i), dp)
+    whole_cosine = whole_cosines(abs(i))
     sine = whole + (whole_cosine*s - whole*versine)
     cosine = whole_cosine - (whole_cosine*versine + whole*s)
   end subroutine sine_and_cosine
+
+  pure type(dd) function exponential(x)
+    !! From the next whole 32nd beside a power of two by Taylor's series, of which the last terms are taken in binary64.
+    type(dd), intent(in) :: x
+    type(dd) :: rest, square
+    real(dp) :: r
+    integer :: i, power
+    power = nint(x%hi/log_2%hi)
+    rest = x - log_2*real(power, dp)
+    i = nint(rest%hi*parts)
+    rest = rest + (-i/real(parts, dp))
+    square = rest*rest
+    r = rest%hi
+    r = r*(1.0_dp/5040 + r*(1.0_dp/40320 + r*(1.0_dp/362880 + r*(1.0_dp/3628800 &
+      + r*(1.0_dp/39916800 + r*(1.0_dp/479001600 + r*(1.0_dp/6227020800.0_dp)))))))
+    exponential = (inverse(6) + r)*square + inverse(5)*rest + inverse(4)
+    exponential = (exponential*rest + inverse(3))*rest + inverse(2)
+    exponential = (exponential*square + rest) + 1.0_dp
+    exponential = exponential*whole_exponentials(i)
+    exponential = dd(scale(exponential%hi, power), scale(exponential%lo, power))
+  end function exponential
 
   pure function short_ends(piece, frequency) result(outer)
     !! The power series of bw_short_piece.
@@ -172,6 +198,7 @@ contains
     type(dd), intent(in) :: a, b, c
     real(dp), intent(in) :: start(4)
     type(dd) :: state(4)
+    real(dp), parameter :: nothing_more = 1.0e-34_dp
     type(dd) :: term(4)
     integer :: m, j
     logical :: even                            ! the last power: it has v and M
@@ -189,6 +216,7 @@ contains
         state(1:3:2) = state(1:3:2) + term(1:3:2)
       end if
       even = .not. even
+      if (all(abs(term%hi) <= nothing_more*abs(state%hi))) exit
     end do
   end function sum_of_series
 

@@ -30,9 +30,10 @@ module bw_mode_search
   real(dp), parameter :: rough_until = 1.0e-3_dp   !! likewise: the step after one so small may be the last
   real(dp), parameter :: rounding = 1.0e-8_dp      !! likewise: from here a step that does not get smaller is rounding
   real(dp), parameter :: settled = 2.0e-14_dp      !! likewise: a step that changes neither frequency nor motion
-  real(dp), parameter :: three_digits = 1.0e-3_dp  !! likewise: motions are off by about as much
+  real(dp), parameter :: three_digits = 3.0e-4_dp
+    !! likewise: motions are off by about as much, and by some times more where another mode is near
   real(dp), parameter :: apart = 0.05_dp           !! likewise: from here modes hardly show in each other's motions by rounding
-  real(dp), parameter :: nearby = 0.6_dp           !! likewise: a motion from so far is about that of the mode (tuned)
+  real(dp), parameter :: nearby = 0.6_dp         !! likewise: a motion from so far is about that of the mode (tuned)
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here binary64 does not tell motions apart
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
 
@@ -59,7 +60,6 @@ contains
 
   pure type(mode_search) function search_in(beam) result(search)
     type(piece_beam), intent(in) :: beam
-    integer :: c, i
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
     search%uneven = is_uneven(beam)
@@ -69,11 +69,17 @@ contains
     search%probe = probe_for(search%system)
     search%scout = search%probe
     search%any_drive = search%probe%drive
-    do c = 1, cuts
-      search%finer(c) = system_of(cut_all(search%system%beam, [(c + 1, i=1, size(search%system%piece))]))
-      search%finer_probe(c) = probe_for(search%finer(c))
-    end do
   end function search_in
+
+  pure subroutine cut_finer(search, c)
+    !! The same beam in more pieces, when it is first asked for.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: c
+    integer :: i
+    if (allocated(search%finer_probe(c)%ends)) return
+    search%finer(c) = system_of(cut_all(search%system%beam, [(c + 1, i=1, size(search%system%piece))]))
+    search%finer_probe(c) = probe_for(search%finer(c))
+  end subroutine cut_finer
 
   pure logical function is_uneven(beam)
     !! Pieces or bodies differ so much that motions in which the lighter ones take part lose digits to the others.
@@ -128,10 +134,10 @@ contains
         if (alone) alone = is_apart(search, k, lambda, merged)
         rigid = is_rigid(search, k, lambda)
         if (alone .and. rigid) alone = is_motion(search%system, search%probe)
-        if (alone) then
+        if (alone .and. .not. search%roughly) then
           far = is_apart(search, k, lambda, apart)
           if (search%uneven .or. rigid .or. .not. far) call polish(search%system, search%probe, lambda)
-        else
+        else if (.not. alone) then
           call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
         end if
       end if
@@ -172,10 +178,10 @@ contains
     logical, intent(out) :: alone, found
     type(dd) :: x
     real(dp) :: correction, step, before, room
-    logical :: final, gains
+    logical :: exact, final, foreseen, gains
     integer :: i, n, strays
     call open_for(search%bracket, k, search%growing, search%growing + search%resting, search%system%beam%spin_squared)
-    call begin(search, k, x)
+    call begin(search, k, x, foreseen)
     before = huge(before)
     strays = 0
     alone = .false.
@@ -187,17 +193,19 @@ contains
       room = min(mode_distance(k, x), width(search%bracket))
       step = abs(correction)/room
       gains = abs(correction) < 0.5_dp*before
-      final = (abs(correction) < settled*mode_distance(k, x) .or. (step < rounding .and. .not. gains)) &
-        .and. .not. search%probe%frequency%rough
-      if (search%roughly .and. i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
+      exact = abs(correction) < settled*mode_distance(k, x)
+      final = (exact .or. (step < rounding .and. .not. gains)) .and. .not. search%probe%frequency%rough
+      if (search%roughly) then
+        if (i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
+        if (foreseen) final = final .or. abs(correction) < 0.3_dp*three_digits*mode_distance(k, x)
+      end if
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
       else if (final) then
         call enclose(search, k, lambda, alone)
-        gains = abs(correction) < settled*mode_distance(k, x) .or. search%roughly
-        if (alone .and. .not. gains) call refine(search%system, search%probe, lambda)
+        if (alone .and. .not. (exact .or. search%roughly)) call refine(search%system, search%probe, lambda)
         found = alone
         if (found) return
         call start_bodies(i, search%probe)
@@ -220,24 +228,27 @@ contains
     end do
   end subroutine locate
 
-  pure subroutine begin(search, k, x)
+  pure subroutine begin(search, k, x, foreseen)
     !! About where mode k is, and a drive that is about its own, as the phases at the tip tell nearby; where they do not, a drive
     !! that no mode escapes.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(out) :: x
+    logical, intent(out) :: foreseen               !! the drive is about that of mode k
     integer, parameter :: far = 4                  !! modes
     real(dp) :: step
     integer :: n
     x = first_guess(search, k)
     search%probe%drive = search%any_drive
+    foreseen = .false.
     if (.not. x%hi > 0.0_dp) return
     call look(search, k, x, n)
     if (abs(k - n) > far) return
     call foresee(search%system, search%scout, k - n, step)
     if (.not. inside(search%bracket, x + step, 0.0_dp)) return
     x = x + step
-    if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
+    foreseen = abs(step) < nearby*mode_distance(k, x)
+    if (foreseen) search%probe%drive = search%scout%drive
   end subroutine begin
 
   subroutine enclose(search, k, x, found)
@@ -310,6 +321,7 @@ contains
     call count_below(search%system, probe, n, best)
     do c = 1, cuts
       if (best >= regular_enough) exit
+      call cut_finer(search, c)
       call probe_at(search%finer(c), probe%frequency%lambda, search%finer_probe(c), rough=.true.)
       call count_below(search%finer(c), search%finer_probe(c), other, regular)
       if (regular <= best) cycle

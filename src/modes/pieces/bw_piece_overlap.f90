@@ -43,18 +43,20 @@ contains
     real(dp) :: sums(size(onto%lambda))
     real(dp) :: lost(size(sums)), terms(size(sums))
     type(piece_part), allocatable :: parts(:, :)
+    logical :: known(size(sums))
     integer, allocatable :: changed(:)
     integer :: i, j
     changed = [integer ::]
     do j = 1, size(onto%system%beam%joint)
       if (change_at(onto, from, j, 1) /= 0.0_dp .or. change_at(onto, from, j, 2) /= 0.0_dp) changed = [changed, j]
     end do
-    parts = parts_of(onto)
+    allocate (parts(size(onto%system%piece), size(sums)))
+    known = .false.
     sums = 0.0_dp
     lost = 0.0_dp
     do i = 1, size(amplitude)
       if (stops(monitor)) return
-      call products_with(onto, parts, from, i, changed, with_mass, terms)
+      call products_with(onto, from, i, changed, with_mass, parts, known, terms)
       call add_exactly(terms*amplitude(i), sums, lost)
     end do
     sums = sums + lost
@@ -71,21 +73,21 @@ contains
     end if
   end function change_at
 
-  pure subroutine products_with(onto, parts, from, i, changed, with_mass, products)
+  pure subroutine products_with(onto, from, i, changed, with_mass, parts, known, products)
     !! ⟨Φ_k, φ_i⟩ for all k.
     type(piece_modes), intent(in) :: onto, from
-    type(piece_part), intent(in) :: parts(:, :)  !! of `onto`, (pieces, k)
     integer, intent(in) :: i
     integer, intent(in) :: changed(:)            !! joints at which the beams differ
     logical, intent(in) :: with_mass
+    type(piece_part), intent(inout) :: parts(:, :)   !! motions of `onto` that have been integrated, (pieces, k)
+    logical, intent(inout) :: known(:)           !! these, (k)
     real(dp), intent(out) :: products(:)         !! (k)
     real(dp), dimension(size(products)) :: gap, numerator, moved
     type(piece_part) :: own(size(parts, 1))      ! of φ_i
     real(dp) :: mass, inertia
+    logical :: own_known
     integer :: c, j, k
-    do j = 1, size(own)
-      own(j) = part_of(from%system%piece(j), frequency_at(from%system%beam, from%lambda(i)), from%amplitude(:, j, i))
-    end do
+    own_known = .false.
     gap = (from%square(i)%hi - onto%square%hi) + (from%square(i)%lo - onto%square%lo)
     numerator = 0.0_dp
     moved = 0.0_dp
@@ -105,6 +107,10 @@ contains
     end do
     do k = 1, size(products)
       if (abs(numerator(k)) > alike*abs(gap(k))*sqrt(onto%mass(k)*from%mass(i)) .or. gap(k) == 0.0_dp) then
+        if (.not. own_known) own = parts_of(from, i)
+        own_known = .true.
+        if (.not. known(k)) parts(:, k) = parts_of(onto, k)
+        known(k) = .true.
         products(k) = product_of(onto, k, parts(:, k), from, i, own) + moved(k)
       else
         products(k) = numerator(k)/gap(k)
@@ -112,17 +118,16 @@ contains
     end do
   end subroutine products_with
 
-  pure function parts_of(modes) result(parts)
-    !! The motions of all pieces in all modes.
+  pure function parts_of(modes, k) result(parts)
+    !! The motions of all pieces in a mode.
     type(piece_modes), intent(in) :: modes
-    type(piece_part) :: parts(size(modes%system%piece), size(modes%lambda))
+    integer, intent(in) :: k
+    type(piece_part) :: parts(size(modes%system%piece))
     type(piece_frequency) :: frequency
-    integer :: j, k
-    do k = 1, size(modes%lambda)
-      frequency = frequency_at(modes%system%beam, modes%lambda(k))
-      do j = 1, size(modes%system%piece)
-        parts(j, k) = part_of(modes%system%piece(j), frequency, modes%amplitude(:, j, k))
-      end do
+    integer :: j
+    frequency = frequency_at(modes%system%beam, modes%lambda(k))
+    do j = 1, size(parts)
+      parts(j) = part_of(modes%system%piece(j), frequency, modes%amplitude(:, j, k))
     end do
   end function parts_of
 
@@ -130,13 +135,7 @@ contains
     !! ⟨Φ_k, φ_i⟩ by integration: with the mass and inertia that both beams have.
     type(piece_modes), intent(in) :: one, other
     integer, intent(in) :: k, i
-    type(piece_part), dimension(size(one%system%piece)) :: part, part_too
-    integer :: j
-    do j = 1, size(part)
-      part(j) = part_of(one%system%piece(j), frequency_at(one%system%beam, one%lambda(k)), one%amplitude(:, j, k))
-      part_too(j) = part_of(other%system%piece(j), frequency_at(other%system%beam, other%lambda(i)), other%amplitude(:, j, i))
-    end do
-    product = product_of(one, k, part, other, i, part_too)
+    product = product_of(one, k, parts_of(one, k), other, i, parts_of(other, i))
   end function mass_product
 
   pure real(dp) function product_of(one, k, part, other, i, part_too) result(product)

@@ -1,6 +1,6 @@
 module bw_piece_shape
   !! What a motion of a piece looks like inside: the state (v, ψ, M, N) at places between its ends, from the amplitudes.
-  use bw_double_double, only: dd, to_dd, operator(-), operator(*)
+  use bw_double_double, only: dd, rounder, to_dd, operator(-), operator(*)
   use bw_kinds, only: dp
   use bw_piece_beam, only: joint_position, piece_beam
   use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
@@ -130,32 +130,24 @@ contains
     if (maxval(abs(angle)) > most) then
       call circular(exact, c, s)
     else
-      turns = anint(angle/quarter(1))
+      turns = (angle/quarter(1) + rounder) - rounder
       angle = ((angle - turns*quarter(1)) - turns*quarter(2)) + (low - turns*quarter(3))
       c = cos(angle)
       s = sin(angle)
-      call turn_quarters(nint(turns), c, s)
+      call turn_quarters(iand(int(turns), 3), c, s)
     end if
     s = s*(1.0_dp/p%hi)
   end subroutine find_circular
 
   elemental subroutine turn_quarters(turns, c, s)
-    !! Cosine and sine of an angle more.
-    integer, intent(in) :: turns
+    !! Cosine and sine of an angle more, without branches.
+    integer, intent(in) :: turns                   !! 0 … 3
     real(dp), intent(inout) :: c, s
-    real(dp) :: cosine
-    cosine = c
-    select case (modulo(turns, 4))
-    case (1)
-      c = -s
-      s = cosine
-    case (2)
-      c = -c
-      s = -s
-    case (3)
-      c = s
-      s = -cosine
-    end select
+    real(dp) :: cosine, sine
+    cosine = merge(s, c, iand(turns, 1) == 1)
+    sine = merge(c, s, iand(turns, 1) == 1)
+    c = merge(-cosine, cosine, turns == 1 .or. turns == 2)
+    s = merge(-sine, sine, turns >= 2)
   end subroutine turn_quarters
 
   pure function wave_states(piece, frequency, amplitude, offset) result(state)

@@ -30,14 +30,14 @@ contains
     associate (tip => system%beam%joint(n))
       call tip_phases(probe%factors%state(:, :, n), probe%loads(n), probe%unit(:, n), phase, share, turned)
       carried = [tip%mass%hi, tip%inertia%hi]
-      do j = 1, 2
+      do j = 2, 1, -1                              ! most often the first is the nearer
         call move_freely(system, share(:, j), probe)
         fall(j) = probe%mass + sum(carried*(turned(:, j) - probe%motion(:, n)**2))
         fall(j) = max(fall(j), epsilon(1.0_dp)*probe%mass)     ! of an immense body nothing else may be left
       end do
     end associate
     call mode_steps(phase, fall, more, step, which)
-    if (which == 1) call move_freely(system, share(:, 1), probe)
+    if (which == 2) call move_freely(system, share(:, 2), probe)
     call improve_drive(probe)
   end subroutine foresee
 

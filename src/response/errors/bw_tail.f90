@@ -17,6 +17,9 @@ module bw_tail
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
+  integer, parameter :: short_runs(2) = [12, 8]
+    !! likewise, of the first window and of others, where modes take long to find and shapes repeat, since section and material are
+    !! the same all along: of a displacement the others hold a few per cent
   real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
   real(dp), parameter :: tells = 0.25_dp
@@ -39,6 +42,7 @@ module bw_tail
     real(dp) :: struck_at = 1.0_dp                !! ξ₀
     logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
     logical :: clamped = .true.                   !! the root is
+    integer :: run = run_length                   !! of neighbours among them
   end type moving_modes
 
 contains
@@ -63,7 +67,7 @@ contains
     do while (first <= source%highest)
       last = window_end(first, source, seen%stretch%start)
       before = sums
-      call add_window(source, force, first, last, seen, sums, shown)
+      call add_window(source, force, first, last, first > count + 1, seen, sums, shown)
       if (first > rising .and. adds_nothing(before, sums, seen%velocity, negligible)) exit
       if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping) &
           .and. .not. (seen%velocity .and. source%quadratic)) then
@@ -76,7 +80,7 @@ contains
     end do
     if (source%decay > 0.0_dp .and. first > source%highest) then
       octave = deviation_type()
-      call add_window(source, force, source%highest/2 + 1, source%highest, seen, octave, shown)
+      call add_window(source, force, source%highest/2 + 1, source%highest, .true., seen, octave, shown)
       call extrapolate(source%decay, real(usual_ratio, dp), octave, seen%velocity, at_struck, sums)
     end if
   end subroutine add_tail
@@ -116,8 +120,8 @@ contains
   end function adds_nothing
 
   integer function window_end(first, source, elapsed) result(last)
-    !! Twice the first mode, four times where it is known how amplitudes fall, or where damping has left much less of the last mode than of the first, no further than all modes
-    !! are looked at: a few runs of them would not see where the others end.
+    !! Twice the first mode, four times where it is known how amplitudes fall; or where damping has left much less of the last mode
+    !! than of the first, no further than all modes are looked at: a few runs of them would not see where the others end.
     integer, intent(in) :: first
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: elapsed               !! since all modes began
@@ -136,18 +140,26 @@ contains
     end do
   end function window_end
 
-  subroutine add_window(source, force, first, last, seen, sums, shown)
+  subroutine add_window(source, force, first, last, later, seen, sums, shown)
     !! Modes `first` … `last`: of undamped ones no more is found than is needed.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: first, last
+    logical, intent(in) :: later                  !! another window was before this one
     type(observation_type), intent(in) :: seen
     type(deviation_type), intent(inout) :: sums(:)
     class(mode_source), intent(in), optional :: shown
     class(mode_set), allocatable :: modes, others
     integer, allocatable :: number(:)
     real(dp), allocatable :: weight(:)
-    call sample_window(first, last, number, weight, sparse=source%quickly < huge(1))
+    logical :: sparse
+    integer :: run
+    sparse = source%quickly < huge(1)
+    run = run_length
+    if (sparse .and. source%quadratic .and. .not. (seen%velocity .or. present(shown) .or. allocated(source%damping))) then
+      run = short_runs(merge(2, 1, later))
+    end if
+    call sample_window(first, last, number, weight, sparse, run)
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
@@ -156,15 +168,16 @@ contains
       call source%find(number, modes)
       call add_modes(modes, force*modes%struck/modes%modal_mass, seen, weight, sums)
     else
-      call add_terms(source, force, number, seen, weight, sums)
+      call add_terms(source, force, number, run, seen, weight, sums)
     end if
   end subroutine add_window
 
-  subroutine add_terms(source, force, number, seen, weight, sums)
+  subroutine add_terms(source, force, number, run, seen, weight, sums)
     !! Undamped modes.
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: force
     integer, intent(in) :: number(:)
+    integer, intent(in) :: run                    !! neighbours among them
     type(observation_type), intent(in) :: seen
     real(dp), intent(in) :: weight(:)
     type(deviation_type), intent(inout) :: sums(:)
@@ -180,6 +193,7 @@ contains
     moving%struck_at = source%struck_at
     moving%uniform = source%uniform
     moving%clamped = source%clamped
+    moving%run = run
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
@@ -207,31 +221,34 @@ contains
     sums%alpha = min(sums%alpha, window%alpha)
   end subroutine extrapolate
 
-  pure subroutine sample_window(first, last, number, weight, sparse)
+  pure subroutine sample_window(first, last, number, weight, sparse, run)
     !! All mode numbers of a short window, runs of neighbours of a long one.
     integer, intent(in) :: first, last
     integer, allocatable, intent(out) :: number(:)
     real(dp), allocatable, intent(out) :: weight(:)        !! for how many modes each stands
     logical, intent(in), optional :: sparse                !! modes take so long to find that no more are asked for than a few runs
-    integer :: most                                        ! modes of a short window
+    integer, intent(in), optional :: run                   !! modes of a run; absent: `run_length`
+    integer :: length, most                                ! of a run; modes of a short window
     real(dp) :: width, outermost, outer, each(runs)
     integer :: i, k, start
-    most = 2*runs*run_length
-    if (present(sparse)) most = merge(3*runs*run_length/2, most, sparse)     ! from here on runs do not overlap
+    length = run_length
+    if (present(run)) length = run
+    most = 2*runs*length
+    if (present(sparse)) most = merge(3*runs*length/2, most, sparse)         ! from here on runs do not overlap
     if (last - first + 1 <= most) then
       number = [(k, k=first, last)]
       weight = spread(1.0_dp, 1, size(number))
       return
     end if
-    allocate (number(runs*run_length), weight(runs*run_length))
+    allocate (number(runs*length), weight(runs*length))
     width = last - first + 1
-    outermost = 1.0_dp - run_length/width        ! middle of the last run, of a window from −1 to 1
+    outermost = 1.0_dp - length/width            ! middle of the last run, of a window from −1 to 1
     outer = (1.0_dp/3.0_dp - 0.2_dp*outermost**2)/(0.8_dp*outermost**2)
-    each = 0.5_dp*[outer, 1.0_dp - outer, 1.0_dp - outer, outer]*(1.0_dp + unseen)*width/run_length
+    each = 0.5_dp*[outer, 1.0_dp - outer, 1.0_dp - outer, outer]*(1.0_dp + unseen)*width/length
     do i = 1, runs
-      start = first + nint(0.5_dp*(1.0_dp + nodes(i))*(width - run_length))
-      number((i - 1)*run_length + 1:i*run_length) = [(k, k=start, start + run_length - 1)]
-      weight((i - 1)*run_length + 1:i*run_length) = each(i)
+      start = first + nint(0.5_dp*(1.0_dp + nodes(i))*(width - length))
+      number((i - 1)*length + 1:i*length) = [(k, k=start, start + length - 1)]
+      weight((i - 1)*length + 1:i*length) = each(i)
     end do
   end subroutine sample_window
 
@@ -282,7 +299,7 @@ contains
     do p = 1, size(sums)
       path = path_to(seen%points(p), moving%struck_at, moving%uniform, 0.0_dp)
       distance = path%distance
-      slow = run_length*min(seen%points(p), 1.0_dp - seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
+      slow = moving%run*min(seen%points(p), 1.0_dp - seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
       if (.not. moving%uniform) slow = slow .and. seen%points(p) /= moving%struck_at
       sum = sums(p)
       do k = 1, size(moving%reach)

@@ -9,6 +9,8 @@ module bw_damping_par
   private
   public :: build_damping, by_ratio, check_damping, damping_text, settle_damping
 
+  real(dp), parameter, public :: usual_ratio = 0.01_dp   !! tried where a scene does not say how much is damped
+
   type, public :: damping_par
     real(dp) :: ratio = missing                    !! ζ of every mode, ≥ 0; `missing` with Rayleigh's constants
     real(dp) :: mass_proportional = 0.0_dp         !! a [1/s], ≥ 0

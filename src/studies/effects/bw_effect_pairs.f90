@@ -7,6 +7,7 @@ module bw_effect_pairs
   use bw_beam_units, only: beam_units, units_of
   use bw_case_modes, only: find_modes
   use bw_case_result, only: case_modes
+  use bw_damping_par, only: usual_ratio
   use bw_effect_list, only: effect_off, effect_on, effect_row
   use bw_missing, only: rounded
   use bw_mode_set, only: mode_sources
@@ -21,7 +22,6 @@ module bw_effect_pairs
   public :: pairs_of
 
   real(dp), parameter :: tried_speed = 0.4_dp      !! of the speed at which mode 1 would be unstable
-  real(dp), parameter :: tried_damping = 0.01_dp   !! ratio
   real(dp), parameter :: tried_release = 0.5_dp    !! of the duration
   real(dp), parameter :: tried_mass = 0.01_dp      ! of the beam's
   real(dp), parameter :: tried_shear = 0.85_dp     !! coefficient of a section whose shape is not known: a rectangle's
@@ -47,8 +47,8 @@ contains
     call pair_rotation(scene, text, list)
     call pair_stiffening(text, list)
     call pair_shear(scene, text, list)
-    call pair_group(text, 'damping', 'ratio = '//text_of(tried_damping), list, &
-                    'tried with ratio = '//text_of(tried_damping))
+    call pair_group(text, 'damping', 'ratio = '//text_of(usual_ratio), list, &
+                    'tried with ratio = '//text_of(usual_ratio))
     call pair_body(scene, text, list)
     call pair_capture(scene, text, list)
     call pair_release(scene, text, list)
