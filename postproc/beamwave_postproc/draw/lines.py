@@ -52,6 +52,8 @@ def _draw_amplitudes(axes: Axes, curve: Curve, cases: int) -> list[float]:
         known = np.isfinite(frequency) & (size > 0.0)
         style = curve_style(point) if cases == 1 else curve.style
         label = sensor_name(case, point) if cases == 1 else curve.label
+        if cases == 1 and case.sizes["point"] == 1:
+            label = None  # nothing to tell it from
         axes.vlines(
             frequency[known] / (2 * np.pi),
             np.finfo(float).tiny,
@@ -78,12 +80,14 @@ def _draw_decay(axes: Axes, curve: Curve, cases: int) -> None:
     frequency, decay = _values(case, FREQUENCY), _values(case, DECAY)
     there = "peak_status" in case
     status = case["peak_status"].values if there else np.ones(frequency.size)
-    for number, value in enumerate(np.unique(status[np.isfinite(frequency)])):
+    kinds = np.unique(status[np.isfinite(frequency)])
+    for number, value in enumerate(kinds):
         mine = np.isfinite(frequency) & np.isfinite(decay) & (status == value)
         across, along = (_bars(_values(case, f"{name}_error"), mine) for name in (FREQUENCY, DECAY))
         style = {**curve.style, "linestyle": "", "marker": MARKERS[int(number) % len(MARKERS)]}
         words = status_words(case["peak_status"], int(value)) if there else "lines"
-        label = words if cases == 1 else None
+        plain = words in ("line", "lines") and kinds.size == 1  # nothing to tell it from
+        label = words if cases == 1 and not plain else None
         axes.errorbar(
             frequency[mine] / (2 * np.pi),
             decay[mine],

@@ -30,7 +30,7 @@ def record_model(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         _draw_differences(above, curve, 0.12 * (number - 0.5 * (len(drawn.curves) - 1)))
         _draw_decays(below, curve, 0.12 * (number - 0.5 * (len(drawn.curves) - 1)))
     above.axhline(0.0, color=GREY, linewidth=0.8, zorder=0)
-    above.set_ylabel("measured − modelled\nfrequency (%)")
+    above.set_ylabel("Measured − modelled\nfrequency (%)")
     below.set(xlabel="Mode", ylabel="Decay rate (1/s)")
     below.xaxis.get_major_locator().set_params(integer=True)
     return sheet.finish(ds, [*drawn.notes, "bars: intervals of the lines", *_verdict(ds)])

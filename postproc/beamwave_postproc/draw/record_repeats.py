@@ -36,7 +36,7 @@ def record_repeats(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         _draw(row[0], ds, "angular_frequency", line, factor / (2.0 * np.pi), factor * middle)
         row[0].set_ylabel(f"$f$ − {middle:.6g} Hz ({prefix}Hz)")
         _draw(row[1], ds, "decay_rate", line, 1.0, 0.0)
-        row[1].set_ylabel("decay rate (1/s)")
+        row[1].set_ylabel("Decay rate (1/s)")
     for axes in sheet.grid[-1]:
         axes.set_xlabel("Repeat")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))

@@ -22,7 +22,8 @@ def record_spectrum(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw `amplitude` and `noise_level` (point, frequency) with the lines found and the candidates rejected.
 
     The marker tells what a line is: one of a close pair, a harmonic, drifting. Crosses are places that were looked at and
-    are no lines; the head counts them by their reasons. Of a sweep the first case is drawn.
+    are no lines, but for those at a line, where no second one is; the head counts all by their reasons. Of a sweep the first
+    case is drawn.
     """
     case, note = one_record(ds)
     require(case, "amplitude", "noise_level", "frequency", "measured_angular_frequency")
@@ -51,6 +52,10 @@ def _draw_sensor(axes: Axes, case: xr.Dataset, frequency: np.ndarray, sensor: in
     _mark_lines(axes, case, frequency, amplitude)
     rejected = case["candidate_angular_frequency"].values / (2.0 * np.pi) if "candidate_angular_frequency" in case else []
     rejected = np.array([place for place in rejected if np.isfinite(place) and place <= frequency[shown][-1]])
+    found = case["measured_angular_frequency"].values / (2.0 * np.pi)
+    if found.size and rejected.size:
+        away = np.abs(rejected[:, None] - np.where(np.isfinite(found), found, np.inf)).min(axis=1)
+        rejected = rejected[away > 1.5 * (frequency[1] - frequency[0])]
     if rejected.size:
         axes.plot(rejected, _height(frequency, amplitude, rejected), label="looked at, no line", **REJECTED)
 

@@ -72,7 +72,7 @@ def _draw_damping(axes: Axes, case: xr.Dataset, line: int) -> None:
     axes.axhspan(whole - error, whole + error, color=GREY, alpha=0.25, linewidth=0.0)
     axes.axhline(whole, color=GREY, linewidth=0.8)
     _draw_parts(axes, case, values, bounds)
-    axes.set_ylabel("damping ratio (%)")
+    axes.set_ylabel("Damping ratio (%)")
 
 
 def _draw_parts(axes: Axes, case: xr.Dataset, values: np.ndarray, bounds: np.ndarray) -> None:

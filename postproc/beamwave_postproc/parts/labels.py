@@ -46,6 +46,7 @@ QUANTITIES = {
     "event_impulse": "Impulse on the beam",
     "time": "Time $t$",
     "frequency": "Frequency",
+    "point_position": r"Position along the beam $\xi = x/l$",
     "profile_position": r"Position along the beam $\xi = x/l$",
 }
 MATHEMATICS = {r"\omega": "ω", r"\gamma": "γ", r"\xi": "ξ", r"\rho": "ρ", r"\bar{n}": "n̄", "_j": "ⱼ", "_0": "₀"}

@@ -141,6 +141,34 @@ def test_a_dispersion_shows_lines_and_the_curve_through_them(record):
     np.testing.assert_allclose(wave.get_ydata(), HERTZ)
     np.testing.assert_allclose(np.interp(wave.get_xdata(), *curve.get_data()), HERTZ, rtol=1e-3)
     assert "8 ± 0.1 m²/s" in words_of(fig)
+    off, _, bars = fig.axes[1].containers[0].lines
+    np.testing.assert_allclose(off.get_ydata(), 0.0, atol=1e-12)
+    wavenumber = record["measured_wavenumber"].values[0]
+    assert np.ptp(bars[0].get_segments()[0][:, 1]) == pytest.approx(100 * 2 * 0.01 / wavenumber)
+
+
+def test_the_shape_of_a_wave_number_goes_through_the_amplitudes(record):
+    alpha = np.array([1.8751040687119611, 4.694091132974174])  # of a clamped and free beam, whose ratios are table values
+    known = record.assign(
+        beam_length=((), 0.5),
+        measured_wavenumber=("peak", np.append(alpha / 0.5, np.nan)),
+        measured_amplitude=(("point", "peak"), [[0.339523, 0.713666, np.nan], [1.0, 1.0, np.nan]]),
+        measured_phase=(("point", "peak"), [[0.0, np.pi, np.nan], [0.0, 0.0, np.nan]]),
+    )
+    assert len(record_shapes(known).axes[0].lines) == len(record_shapes(record).axes[0].lines)  # its ends are not known
+    axes = record_shapes(known.assign_attrs(scene="&spectrum\n  ends = 'tip'\n/")).axes[0]
+    shapes = [line for line in axes.lines if line.get_label() == "shape of its wave number"]
+    assert len(shapes) == 2
+    for row, (shape, middle) in enumerate(zip(shapes, [0.339523, -0.713666])):
+        along, height = shape.get_data()
+        tip = height[-1] - row
+        assert height[0] == row and (height[along == 0.5][0] - row) / tip == pytest.approx(middle, abs=1e-5)
+
+
+def test_a_place_rejected_at_a_line_is_not_marked(record):
+    record["candidate_angular_frequency"].values[:] = 2 * np.pi * (HERTZ + 0.2)
+    labels = [line.get_label() for line in record_spectrum(record).axes[0].lines]
+    assert "looked at, no line" not in labels and "line" in labels
 
 
 def test_of_a_sweep_the_first_case_with_lines_is_drawn(record):
