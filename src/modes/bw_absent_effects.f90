@@ -54,8 +54,7 @@ contains
     logical, intent(out) :: steadies(size(absent_words))               !! the first mode grows, and would not
     real(dp), intent(out) :: square(size(number))                      !! β², about; 0 where it is not known
     real(dp), intent(out) :: inward(size(number))
-      !! relative change of the frequency over the length by which a mass that a built-up beam, or a beam inboard, has captured would
-      !! be further in; 0 elsewhere
+      !! relative change of the frequency over the length by which a captured mass would be further in; 0 of the paper's beam
     type(shape_type) :: shape(size(number))
     real(dp) :: shift(size(number), size(absent_words)), moved(size(number))
     integer :: e, known

@@ -22,7 +22,10 @@ ABSENT = {
         *("bw_next_zero", "bw_signal", "bw_safe_step"),
         *("bw_oscillators", "bw_precise_flow", "bw_perturbations"),
     ],
-    "pieces": ["bw_piece_beam", "bw_scene_pieces", "bw_piece_source", "bw_piece_set", "bw_mode_search", "bw_mode_probe", "bw_tip_phase"],
+    "pieces": [
+        *("bw_piece_beam", "bw_scene_pieces", "bw_piece_source", "bw_piece_set"),
+        *("bw_mode_search", "bw_mode_probe", "bw_tip_phase"),
+    ],
     "Galerkin": ["bw_galerkin", "bw_galerkin_set", "bw_galerkin_source", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
 }
 COMMON = ["bw_beam_units", "bw_rotation", "bw_beam_operator"]

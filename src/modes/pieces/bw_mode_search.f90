@@ -7,13 +7,13 @@ module bw_mode_search
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_modes, only: extended_search, find_at_rest, find_extended
   use bw_extended_residual, only: is_motion, polish, refine
-  use bw_extended_stiffness, only: extended_stiffness, find_stiffness, size_stiffness
   use bw_kinds, only: dp
   use bw_mode_cluster, only: take
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, &
     start_bodies, system_of
   use bw_piece_beam, only: cut_all, modes_at_rest, piece_beam
+  use bw_modes_below_rest, only: growing_modes, may_grow
   use bw_piece_dispersion, only: mean_waves, next_half_wave
   use bw_piece_waves, only: frequency_at, parts_at_rest
   use bw_tip_phase, only: foresee
@@ -94,27 +94,6 @@ contains
     end associate
   end function is_uneven
 
-  pure integer function growing_modes(beam, floats) result(number)
-    !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
-    type(piece_beam), intent(in) :: beam
-    logical, intent(in) :: floats                  !! nothing holds its deflection
-    type(piece_beam) :: fine
-    type(piece_system) :: system
-    type(extended_stiffness) :: stiffness
-    fine = cut_all(beam, parts_at_rest(beam))
-    if (floats) fine%root%holds_deflection = .true.
-    system = system_of(fine)
-    call size_stiffness(size(system%piece), stiffness)
-    call find_stiffness(system, frequency_at(fine, beam%spin_squared*(-1.0e-24_dp)), stiffness)
-    number = stiffness%below
-  end function growing_modes
-
-  pure logical function may_grow(beam)
-    !! Out of plane, by rotary inertia.
-    type(piece_beam), intent(in) :: beam
-    may_grow = .not. beam%in_plane .and. beam%spin_squared%hi > 0.0_dp .and. any(beam%piece%rotary%hi > 0.0_dp)
-  end function may_grow
-
   subroutine find_mode(search, k, lambda, found)
     !! The frequency of mode k; its motion is the probe's.
     type(mode_search), intent(inout) :: search
@@ -134,10 +113,10 @@ contains
         if (alone) alone = is_apart(search, k, lambda, merged)
         rigid = is_rigid(search, k, lambda)
         if (alone .and. rigid) alone = is_motion(search%system, search%probe)
-        if (alone .and. .not. search%roughly) then
+        if (alone) then
           far = is_apart(search, k, lambda, apart)
           if (search%uneven .or. rigid .or. .not. far) call polish(search%system, search%probe, lambda)
-        else if (.not. alone) then
+        else
           call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
         end if
       end if
@@ -178,10 +157,10 @@ contains
     logical, intent(out) :: alone, found
     type(dd) :: x
     real(dp) :: correction, step, before, room
-    logical :: exact, final, foreseen, gains
+    logical :: exact, final, gains
     integer :: i, n, strays
     call open_for(search%bracket, k, search%growing, search%growing + search%resting, search%system%beam%spin_squared)
-    call begin(search, k, x, foreseen)
+    call begin(search, k, x)
     before = huge(before)
     strays = 0
     alone = .false.
@@ -195,10 +174,7 @@ contains
       gains = abs(correction) < 0.5_dp*before
       exact = abs(correction) < settled*mode_distance(k, x)
       final = (exact .or. (step < rounding .and. .not. gains)) .and. .not. search%probe%frequency%rough
-      if (search%roughly) then
-        if (i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
-        if (foreseen) final = final .or. abs(correction) < 0.3_dp*three_digits*mode_distance(k, x)
-      end if
+      if (search%roughly .and. i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
@@ -228,27 +204,24 @@ contains
     end do
   end subroutine locate
 
-  pure subroutine begin(search, k, x, foreseen)
+  pure subroutine begin(search, k, x)
     !! About where mode k is, and a drive that is about its own, as the phases at the tip tell nearby; where they do not, a drive
     !! that no mode escapes.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(out) :: x
-    logical, intent(out) :: foreseen               !! the drive is about that of mode k
     integer, parameter :: far = 4                  !! modes
     real(dp) :: step
     integer :: n
     x = first_guess(search, k)
     search%probe%drive = search%any_drive
-    foreseen = .false.
     if (.not. x%hi > 0.0_dp) return
     call look(search, k, x, n)
     if (abs(k - n) > far) return
     call foresee(search%system, search%scout, k - n, step)
     if (.not. inside(search%bracket, x + step, 0.0_dp)) return
     x = x + step
-    foreseen = abs(step) < nearby*mode_distance(k, x)
-    if (foreseen) search%probe%drive = search%scout%drive
+    if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
   end subroutine begin
 
   subroutine enclose(search, k, x, found)

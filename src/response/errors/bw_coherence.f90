@@ -35,7 +35,7 @@ module bw_coherence
   real(dp), parameter :: revival = 2.0_dp        !! of N^(1/4), to which phases that are nearly quadratic add up
   real(dp), parameter :: returns = 3.0_dp        !! empirical, times a first passage
   real(dp), parameter :: at_blow = 2.0_dp
-    !! of α|A|, nearer to the blow than a wave, where distances tell nothing: velocities of a mass that has left fall as 1/k
+    !! of α|A|, nearer to the blow than a wave and when the mass has left: velocities there fall as 1/k, and Σ|A| has no bound
   real(dp), parameter :: normal = 1.4_dp         !! empirical, of the largest of N numbers that fall as Gauss' do, √(2 ln 2N)
   real(dp), parameter, public :: pinned = 3.0_dp !! αγ from which a mass is as good as a pin
   integer, parameter :: most_families = 64       !! so many are as good as random
@@ -160,7 +160,9 @@ contains
     motion = passage*sums%passing*2.0_dp/(2.0_dp - distance) + sums%largest*edge
     if (.not. path%uniform) then
       motion = returns*motion
-      if (path%distance*sums%alpha < 1.0_dp) motion = min(motion, returns*at_blow*sums%largest*sums%alpha)
+      if (path%distance*sums%alpha < 1.0_dp .and. path%gamma <= 0.0_dp) then
+        motion = min(motion, returns*at_blow*sums%largest*sums%alpha)
+      end if
       return
     end if
     gone = 2.0_dp*sums%alpha*stretch%start - distance      ! beyond the point at the first sample

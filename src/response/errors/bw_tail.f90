@@ -17,9 +17,7 @@ module bw_tail
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
   integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
-  integer, parameter :: short_runs(2) = [12, 8]
-    !! likewise, of the first window and of others, where modes take long to find and shapes repeat, since section and material are
-    !! the same all along: of a displacement the others hold a few per cent
+  integer, parameter :: short_runs(2) = [12, 8]   !! of the first window and of others, where modes take long and sections are even
   real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
   real(dp), parameter :: tells = 0.25_dp
@@ -120,8 +118,8 @@ contains
   end function adds_nothing
 
   integer function window_end(first, source, elapsed) result(last)
-    !! Twice the first mode, four times where it is known how amplitudes fall; or where damping has left much less of the last mode
-    !! than of the first, no further than all modes are looked at: a few runs of them would not see where the others end.
+    !! Twice the first mode, four times where it is known how amplitudes fall; where damping has left much less of the last than
+    !! of the first, no further than all modes are looked at: a few runs of them would not see where the others end.
     integer, intent(in) :: first
     class(mode_source), intent(in) :: source
     real(dp), intent(in) :: elapsed               !! since all modes began
@@ -156,9 +154,8 @@ contains
     integer :: run
     sparse = source%quickly < huge(1)
     run = run_length
-    if (sparse .and. source%quadratic .and. .not. (seen%velocity .or. present(shown) .or. allocated(source%damping))) then
-      run = short_runs(merge(2, 1, later))
-    end if
+    if (source%quadratic .and. .not. (seen%velocity .or. present(shown) .or. allocated(source%damping))) &
+      run = merge(short_runs(merge(2, 1, later)), run, sparse)
     call sample_window(first, last, number, weight, sparse, run)
     if (present(shown)) then
       call source%find(number, modes)
@@ -228,9 +225,8 @@ contains
     real(dp), allocatable, intent(out) :: weight(:)        !! for how many modes each stands
     logical, intent(in), optional :: sparse                !! modes take so long to find that no more are asked for than a few runs
     integer, intent(in), optional :: run                   !! modes of a run; absent: `run_length`
-    integer :: length, most                                ! of a run; modes of a short window
     real(dp) :: width, outermost, outer, each(runs)
-    integer :: i, k, start
+    integer :: i, k, start, length, most
     length = run_length
     if (present(run)) length = run
     most = 2*runs*length

@@ -3,8 +3,8 @@ module doubled_pieces
   !! used.
   !!
   !! Half of a piece is cut in halves until its waves hardly turn in it. There the four motions that start in its middle are power
-  !! series, and none is a mode of clamped ends. Two such elements make one twice as long: in its even motions the joint between them
-  !! deflects without turning, in its odd ones it turns without deflecting, and letting it go adds a mode wherever its
+  !! series, and none is a mode of clamped ends. Two such elements make one twice as long: in its even motions the joint between
+  !! them deflects without turning, in its odd ones it turns without deflecting, and letting it go adds a mode wherever its
   !! stiffness is negative (Wittrick and Williams 1971). What is left are the joints of the beam, whose matrix has as many negative
   !! pivots as modes are to be added.
   use bw_double_double, only: dd, to_quad

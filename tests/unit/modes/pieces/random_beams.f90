@@ -82,8 +82,8 @@ contains
   end function nearly_uncoupled
 
   type(piece_beam) function noded_beam() result(beam)
-    !! A uniform beam, hinged or clamped at the root, hinged or free at the tip, with bodies and springs of all sizes at twelfths of its
-    !! length, in nodes of many modes; half of them with shear, whose cutoff is among the first hundreds.
+    !! A uniform beam, hinged or clamped at the root, hinged or free at the tip, with bodies and springs of all sizes at twelfths
+    !! of its length, in nodes of many modes; half of them with shear, whose cutoff is among the first hundreds.
     integer, parameter :: parts = 12
     logical :: cut(parts)
     integer :: last, i, n

@@ -1,0 +1,36 @@
+module bw_modes_below_rest
+  !! Modes of a beam of pieces whose λ is below 0: out of plane the spin may turn sections away.
+  use bw_double_double, only: operator(*)
+  use bw_extended_stiffness, only: extended_stiffness, find_stiffness, size_stiffness
+  use bw_kinds, only: dp
+  use bw_mode_probe, only: piece_system, system_of
+  use bw_piece_beam, only: cut_all, piece_beam
+  use bw_piece_waves, only: frequency_at, parts_at_rest
+  implicit none (type, external)
+  private
+  public :: growing_modes, may_grow
+
+contains
+
+  pure integer function growing_modes(beam, floats) result(number)
+    !! Modes of λ < 0, by pieces that are short there. A beam that floats is pinned: what moves it as a whole takes no part.
+    type(piece_beam), intent(in) :: beam
+    logical, intent(in) :: floats                  !! nothing holds its deflection
+    type(piece_beam) :: fine
+    type(piece_system) :: system
+    type(extended_stiffness) :: stiffness
+    fine = cut_all(beam, parts_at_rest(beam))
+    if (floats) fine%root%holds_deflection = .true.
+    system = system_of(fine)
+    call size_stiffness(size(system%piece), stiffness)
+    call find_stiffness(system, frequency_at(fine, beam%spin_squared*(-1.0e-24_dp)), stiffness)
+    number = stiffness%below
+  end function growing_modes
+
+  pure logical function may_grow(beam)
+    !! Out of plane, by rotary inertia.
+    type(piece_beam), intent(in) :: beam
+    may_grow = .not. beam%in_plane .and. beam%spin_squared%hi > 0.0_dp .and. any(beam%piece%rotary%hi > 0.0_dp)
+  end function may_grow
+
+end module bw_modes_below_rest
