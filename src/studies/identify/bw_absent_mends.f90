@@ -54,6 +54,7 @@ contains
     type(fit_problem) :: problem
     type(beam_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
+    logical :: thorough
     integer :: i, n
     call states_of(variant, states)
     n = 0
@@ -62,7 +63,8 @@ contains
       n = n + size(states(i)%is_harmonic)
     end do
     problem = problem_of(states, variant(1)%scene%unknowns)
-    call fit_beam(problem, 0.0_dp, count(candidate%unknown /= '') > 1, mend%fit, others)
+    thorough = count(candidate%unknown /= '') > 1 .and. .not. allocated(variant(1)%scene%stiffening)     ! there modes are dear
+    call fit_beam(problem, 0.0_dp, thorough, mend%fit, others)
     mend%effect = trim(candidate%effect)
     n = size(problem%unknowns) - count(candidate%unknown /= '')
     mend%unknowns = problem%unknowns(n + 1:)
