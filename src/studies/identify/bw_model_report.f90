@@ -183,20 +183,33 @@ contains
     if (unit /= '1' .and. unit /= '') text = text//' '//unit
   end function with_unit
 
+  function sizes_text(mend) result(text)
+    !! ` (body%mass = 0.1 kg, body%position = 0.5)`.
+    type(mend_type), intent(in) :: mend
+    character(:), allocatable :: text
+    integer :: i
+    text = ''
+    do i = 1, size(mend%values)
+      text = text//', '//mend%unknowns(i)%parameter//' = '//with_unit(mend%values(i), mend%unknowns(i)%unit)
+    end do
+    if (text /= '') text = ' ('//text(3:)//')'
+  end function sizes_text
+
   subroutine report_mends(mends, lines)
     !! What would mend a misfit, the most first.
     type(mend_type), intent(in) :: mends(:)
     type(text_builder), intent(inout) :: lines
     integer :: i
     if (size(mends) == 0) return
-    call lines%append_line('  With an effect that the model leaves out, fitted again, frequencies would be off by')
+    call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, frequencies would '// &
+                           'be off by')
     do i = 1, size(mends)
-      call lines%append(right(shortest(100*mends(i)%fit%scatter, 2), 10)//' %   '//mends(i)%effect)
-      if (mends(i)%parameter /= '') call lines%append(' ('//mends(i)%parameter//' = '// &
-                                                      with_unit(mends(i)%value, mends(i)%unit)//')')
+      call lines%append(right(shortest(100*mends(i)%fit%scatter, 2), 10)//' %   '//mends(i)%effect//sizes_text(mends(i)))
       if (mends(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
       call lines%append_line('')
     end do
+    if (count(mends%fit%scatter <= 0.0_dp) > 1) call lines%append_line( &
+      '  Several of them explain the lines: these alone do not tell which it is')
   end subroutine report_mends
 
 end module bw_model_report
