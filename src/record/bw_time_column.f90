@@ -7,7 +7,7 @@ module bw_time_column
   public :: mark_time, named_time
 
   character(*), parameter :: plain(*) = [character(4) :: 't', 'time']     !! a column called so comes before the others
-  character(*), parameter :: words(*) = [character(12) :: plain, 'times', 'timestamp', 'time stamp', 'elapsed', 'elapsed time', &
+  character(*), parameter :: words(*) = [character(13) :: plain, 'times', 'timestamp', 'time stamp', 'elapsed', 'elapsed time', &
     'time elapsed', 'relative time', 'rel time', 'x value', 'xvalue', 'secs', 'seconds', 'zeit', 'zeitpunkt', &
     'messzeit', 'temps', 'tempo', 'tiempo', 'tijd', 'tid']
   character(*), parameter :: joints = '/_ '    !! between a name and its unit that stands in no brackets, as in `t/s`

@@ -142,15 +142,16 @@ contains
   pure subroutine make_blank(bytes)
     !! Blanks instead of no-break spaces, which look alike. Behind any other byte above 127 the same byte is a part of a letter.
     integer(i1), intent(inout) :: bytes(:)
+    integer(i1) :: before
     integer :: at
     if (.not. any(bytes == no_break)) return
+    before = blank
     do at = 1, size(bytes)
-      if (bytes(at) /= no_break) cycle
-      if (at > 1) then
-        if (bytes(at - 1) < 0 .and. bytes(at - 1) /= before_no_break) cycle
-        if (bytes(at - 1) == before_no_break) bytes(at - 1) = blank
+      if (bytes(at) == no_break .and. (before >= 0 .or. before == before_no_break)) then
+        bytes(at) = blank
+        if (before == before_no_break) bytes(max(1, at - 1)) = blank
       end if
-      bytes(at) = blank
+      before = bytes(at)
     end do
   end subroutine make_blank
 

@@ -3,7 +3,8 @@ module bw_scene_fill
   use bw_input_name, only: place_of
   use bw_input_table, only: group_row, group_table, name_table, rows_of, unknown_group, unknown_name
   use bw_input_values, only: group_values
-  use bw_scene_entries, only: item, read_items, read_value
+  use bw_scene_entries, only: read_value
+  use bw_scene_items, only: item, read_items
   use bw_scene_lexer, only: tokenise
   use bw_scene_messages, only: message_list
   use bw_scene_parser, only: opened_group, parsed_scene, statement

@@ -3,7 +3,7 @@ module bw_scene_reader
   !! pipe, as a shell makes it of `<(command)`.
   !!
   !! The way is text ► tokens (bw_scene_lexer) ► groups and statements (bw_scene_parser) ► values (bw_scene_fill, each statement
-  !! by bw_scene_entries and bw_scene_scalars) ► the scene.
+  !! by bw_scene_items, bw_scene_entries and bw_scene_scalars) ► the scene.
   use, intrinsic :: iso_c_binding, only: c_int, c_loc
   use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
