@@ -7,11 +7,12 @@ module bw_damped_search
   use bw_kinds, only: dp
   use bw_line_bands, only: prepare_bands, refine
   use bw_line_candidates, only: candidates, short_candidates
-  use bw_line_refusals, only: drop_astray, drop_broad, drop_colour, drop_needless, drop_uncertain
+  use bw_line_refusals, only: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, &
+    & drop_uncertain
   use bw_monitor, only: monitor_type, stops
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_pure_record, only: find_lines_if_pure, safety
-  use bw_samples, only: samples_type, span_of
+  use bw_samples, only: highest_of, samples_type, span_of
   use bw_tapered_line, only: taper_costs
   use bw_whitening, only: find_whitening, longest, no_whitening, whiten
   implicit none (type, external)
@@ -109,9 +110,10 @@ contains
     type(ordinates_type) :: tapered
     real(dp) :: threshold, before
     integer :: round, known, idle
-    logical :: changed, better, astray
+    logical :: changed, better, astray, cancels
     before = huge(1.0_dp)
     idle = 0
+    found%highest = highest_of(samples)
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
@@ -126,6 +128,8 @@ contains
       call settle(samples, found, monitor)
       call drop_astray(samples, known, found, astray)
       if (astray) call settle(samples, found, monitor)
+      call drop_cancelling(samples, found, cancels)
+      if (cancels) call settle(samples, found, monitor)
     end do
   end subroutine search
 
@@ -153,10 +157,12 @@ contains
     if (changed) return
     associate (noise => found%ordinates%noise)
       if (idle < most_idle) call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, &
-        & changed, monitor)
+        & found%highest, changed, monitor)
       if (changed) idle = idle + 1
       if (changed) return
       call drop_uncertain(samples, found, changed)
+      if (changed) return
+      call drop_beside_drift(samples, found, changed)
       if (changed) return
       call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
       if (changed) return

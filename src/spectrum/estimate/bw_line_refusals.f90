@@ -1,7 +1,7 @@
 module bw_line_refusals
   !! Lines that are none: not needed, too broad, taken astray by a fit, uncertain, or explained by the colour of the noise.
   use bw_band_fit, only: reduce, reduced_type
-  use bw_damped_line, only: damped_line
+  use bw_damped_line, only: bend_reach, cancels, damped_line, strength_of
   use bw_found_lines, only: beside_drift, drift_reach, far_above, found_lines, noise_colour, not_needed, rejected_line, &
     & same_peak, too_broad, uncertain
   use bw_kinds, only: dp
@@ -14,13 +14,14 @@ module bw_line_refusals
   use bw_whitening, only: gain_of
   implicit none (type, external)
   private
-  public :: drop_astray, drop_broad, drop_colour, drop_needless, drop_uncertain
+  public :: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, drop_uncertain
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: kept = 1                !! times the threshold, that a line must still pay among the others
   real(dp), parameter :: shortest_life = 0.25_dp !! decay per step: gone after four samples
   real(dp), parameter :: sigmas = 2              !! standard deviations of an interval, that tells whether there is a line at all
   real(dp), parameter :: widest_error = 3        !! bins, of a frequency
+  integer, parameter :: straight = 2             !! powers of time in the exponent of a line whose frequency drifts evenly
   real(dp), parameter :: strayed = 2             !! bins, and half widths, that a fit may take a line from its peak
 
 contains
@@ -74,6 +75,44 @@ contains
     end do
     call reject(reason, ordinate, found, changed)
   end subroutine drop_astray
+
+  subroutine drop_cancelling(samples, found, changed)
+    !! Leave out the last of the lines that are in the record by their difference alone.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    integer :: reason(size(found%lines)), k
+    reason = 0
+    do k = size(found%lines), 1, -1
+      if (.not. cancels(found%lines(k), found%highest)) cycle
+      reason(k) = not_needed
+      exit
+    end do
+    changed = any(reason > 0)
+    if (changed) call reject(reason, pays_of(samples, found), found, changed)
+  end subroutine drop_cancelling
+
+  subroutine drop_beside_drift(samples, found, changed)
+    !! Leave out weaker lines in the band that a line sweeps whose drift is more than a straight line: no record tells them from what
+    !! the powers of time do not describe of that drift. They are not tried again.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    complex(dp) :: reach
+    integer :: reason(size(found%lines)), j, k
+    reason = 0
+    do j = 1, size(found%lines)
+      if (found%lines(j)%powers <= straight) cycle
+      reach = bend_reach(found%lines(j))
+      do k = 1, size(found%lines)
+        if (strength_of(found%lines(k)) >= strength_of(found%lines(j))) cycle
+        if (abs(found%lines(k)%frequency - found%lines(j)%frequency)*span_of(samples) < drift_reach + reach%im/pi) &
+          & reason(k) = beside_drift
+      end do
+    end do
+    changed = any(reason > 0)
+    if (changed) call reject(reason, pays_of(samples, found), found, changed)
+  end subroutine drop_beside_drift
 
   pure real(dp) function ordinate_at(ordinates, frequency)
     !! The ordinate nearest to a frequency in periods per step.
