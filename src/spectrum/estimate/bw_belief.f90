@@ -6,6 +6,7 @@ module bw_belief
   !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
   use bw_band, only: band_type, cut_band
   use bw_band_fit, only: damped_line, fit_band, fit_type, reduce
+  use bw_damped_line, only: most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
@@ -27,6 +28,7 @@ module bw_belief
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
   real(dp), parameter :: told = 0.1_dp         !! bins of a window, of the bound of a frequency that the window tells
   real(dp), parameter :: near = 4              !! bins on either side of a line in which its shape leaves something
+  integer, parameter :: beyond = 2             !! powers of time that a drift may have beside those that are fitted; from trials
   integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
   real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
@@ -101,7 +103,9 @@ contains
         call judge_amplitude(errors, own(j), j, centre_of(samples) + maxval(found%whitening%lost)/2.0_dp, &
           & gain_of(found%whitening, own(j)), line)
         if (oscillates) call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
-          & own(j)%powers > 1, quantile, false_alarm, line)
+          & own(j)%powers > 1, false_alarm, line)
+        if (iand(line%status, drifting) > 0) call reach_ends(samples, &
+          & drift_of(samples, band, rows, errors%weight, own, j, min(max(own(j)%powers, 2) + beyond, most_powers)), quantile, line)
       end associate
     end do
     call judge_windows(samples, band, rows, errors%weight, own, believed)
@@ -135,15 +139,15 @@ contains
     line%decay_error = line%decay_error*sqrt(mean)
   end subroutine widen
 
-  subroutine judge_drift(samples, drift, fitted, quantile, false_alarm, line)
-    !! Say whether a line drifts; if so its intervals reach to where it is anywhere in the record, or in its life if that is shorter.
+  subroutine judge_drift(samples, drift, fitted, false_alarm, line)
+    !! Say whether a line drifts, and how far over the record.
     type(samples_type), intent(in) :: samples
     type(drift_type), intent(in) :: drift
     logical, intent(in) :: fitted              !! the drift is among the line's unknowns
-    real(dp), intent(in) :: quantile, false_alarm
+    real(dp), intent(in) :: false_alarm
     type(believed_line), intent(inout) :: line
-    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at
-    integer :: i, k, m
+    real(dp) :: half, slope(size(drift%value))
+    integer :: m
     half = centre_of(samples)
     line%drift = sum([(2*m*drift%value(2*m), m=2, size(slope)/2, 2)])/(2*pi*half)
     slope = 0
@@ -152,6 +156,18 @@ contains
     if (.not. (fitted .or. drift%gain > -2*log(false_alarm))) return
     if (norm2(drift%value) <= rounding*2*pi*line%frequency*half) return
     line%status = ior(line%status, drifting)
+  end subroutine judge_drift
+
+  subroutine reach_ends(samples, drift, quantile, line)
+    !! Let the intervals of a line that drifts reach to where it is anywhere in the record, or in its life if that is shorter.
+    type(samples_type), intent(in) :: samples
+    type(drift_type), intent(in) :: drift      !! with powers of time beyond those that it pays for: what a fit leaves out because
+                                               !! noise may explain it is largest at the ends
+    real(dp), intent(in) :: quantile
+    type(believed_line), intent(inout) :: line
+    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at
+    integer :: i, k, m
+    half = centre_of(samples)
     u = [-1.0_dp, 1.0_dp]
     if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
     if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
@@ -167,7 +183,7 @@ contains
     end do
     line%decay_error = max(line%decay_error, reach(1)/half)
     line%frequency_error = max(line%frequency_error, reach(2)/(2*pi*half))
-  end subroutine judge_drift
+  end subroutine reach_ends
 
   subroutine judge_amplitude(errors, own, j, centre, gain, line)
     !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
