@@ -116,19 +116,20 @@ contains
   contains
 
     subroutine try_drifts()
-      !! One power of time after the other in the exponent of line j, where two of them gain the price of one. Beside other lines,
-      !! whose noise a drift would take for its own, they must gain the price of both.
+      !! One power of time after the other in the exponent of line j, where two of them gain their price; of a line by itself
+      !! also where two lines instead would pay theirs, lest these be taken for want of anything simpler.
       type(fit_type) :: start
       type(drift_type) :: drift
-      real(dp) :: before
-      integer :: powers, promised, k, idle
+      real(dp) :: before, price
+      integer :: powers, k, idle
       bulges = .false.
       idle = 0
       powers = min(own(j)%powers + 2, most_powers)
       if (powers == own(j)%powers .or. own(j)%frequency*span_of(samples) < from_still .or. size(own) > most_together) return
       drift = drift_of(samples, band, rows, weight, own, j, powers)
-      promised = merge(own(j)%powers + 1, powers, size(own) == 1)
-      if (drift%gain < max(least*promise, price_of_drift(promised, chance) - price_of_drift(own(j)%powers, chance))) return
+      price = price_of_drift(powers, chance) - price_of_drift(own(j)%powers, chance)
+      if (size(own) == 1) price = min(price, least_gain(size(weight), chance))
+      if (drift%gain < max(least*promise, price)) return
       start%lines = [own(:j - 1), own(j + 1:), own(j)]
       do powers = own(j)%powers + 1, most_powers
         start%lines(size(own))%powers = powers

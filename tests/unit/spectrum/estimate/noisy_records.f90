@@ -21,6 +21,8 @@ module noisy_records
     real(dp), allocatable :: frequency(:), decay(:)          !! periods and e-folds per step
     real(dp), allocatable :: amplitude(:, :), phase(:, :)    !! (line, sensor)
     real(dp) :: chirp = 0                                    !! change of all frequencies over the record, about its middle
+    real(dp) :: stiffer = 0                                  !! change of all frequencies from the least to the largest amplitude,
+                                                             !! whose square it follows; lines decay
     real(dp) :: noise = 0
     real(dp) :: colour = 0                                   !! of an autoregression of first order
     real(dp) :: grain = 0                                    !! samples are rounded to multiples of it; 0: they are not
@@ -70,6 +72,8 @@ contains
         if (allocated(recipe%place)) time = recipe%place(n)
         do k = 1, size(recipe%frequency)
           periods = real(recipe%frequency(k), qp)*time + recipe%chirp*((time - middle)**2 - middle**2)/(4*middle)
+          if (abs(recipe%stiffer) > 0) periods = periods &
+            & + recipe%stiffer*(1 - exp(-2*recipe%decay(k)*time))/(2*recipe%decay(k))
           samples%value(n, s) = samples%value(n, s) + recipe%amplitude(k, s)*exp(-recipe%decay(k)*time) &
             & *cos(real(2*pi*(periods - anint(periods)), dp) + recipe%phase(k, s))
         end do
