@@ -22,37 +22,32 @@ contains
   pure integer(i8) function onset(values) result(first)
     !! Number of the first sample, from 1, that belongs to the motion; 0 where the record does not begin with a quiet part.
     real(dp), intent(in) :: values(:)            !! of one sensor, in the order of their times
-    real(dp) :: before(2), window(2), mean, quiet, loud, digit
+    real(dp), allocatable :: away(:)             !! from the first of all, in parts of the largest: an offset takes no digits
+    real(dp) :: before(2), window(2), mean, variance, quiet, digit, range
     integer(i8) :: n, w, k
     first = 0
     n = size(values, kind=i8)
     w = max(least_window, n/windows)
-    if (n < 3*w) return
-    digit = smallest_step(values)
-    before = sums(1_i8, 2*w)
-    window = sums(2*w + 1, 3*w)
+    range = maxval(abs(values - values(1)))
+    if (n < 3*w .or. .not. range > 0.0_dp) return
+    allocate (away(n))
+    away = (values - values(1))/range
+    digit = smallest_step(values)/range
+    before = [sum(away(:2*w)), sum(away(:2*w)**2)]
+    window = [sum(away(2*w + 1:3*w)), sum(away(2*w + 1:3*w)**2)]
     do k = 2*w, n - w
       mean = before(1)/k
-      quiet = sqrt(max(0.0_dp, before(2)/k - mean**2)) + digit
-      loud = sqrt(max(0.0_dp, window(2)/w - 2*mean*window(1)/w + mean**2))
-      if (loud > louder*quiet) then
-        if (2*count(abs(values(k + 1:k + w) - values(1) - mean) > beyond*quiet) >= w) exit
+      variance = max(0.0_dp, before(2)/k - mean**2)
+      if (window(2)/w - 2*mean*window(1)/w + mean**2 > louder**2*variance) then   ! first what is cheap
+        quiet = sqrt(variance) + digit
+        if (sum((away(k + 1:k + w) - mean)**2) > w*(louder*quiet)**2 .and. &
+            2*count(abs(away(k + 1:k + w) - mean) > beyond*quiet) >= w) exit
       end if
       if (k == n - w) return
-      before = before + sums(k + 1, k + 1)
-      window = window - sums(k + 1, k + 1) + sums(k + w + 1, k + w + 1)
+      before = before + [away(k + 1), away(k + 1)**2]
+      window = window + [away(k + w + 1) - away(k + 1), away(k + w + 1)**2 - away(k + 1)**2]
     end do
-    first = k + findloc(abs(values(k + 1:k + w) - values(1) - mean) > beyond*quiet, .true., dim=1)
-
-  contains
-
-    pure function sums(from, to)
-      !! Of samples and their squares, less the first sample of all: an offset does not take their digits.
-      integer(i8), intent(in) :: from, to
-      real(dp) :: sums(2)
-      sums = [sum(values(from:to) - values(1)), sum((values(from:to) - values(1))**2)]
-    end function sums
-
+    first = k + findloc(abs(away(k + 1:k + w) - mean) > beyond*quiet, .true., dim=1)
   end function onset
 
 end module bw_record_onset
