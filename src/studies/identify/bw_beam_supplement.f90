@@ -243,6 +243,7 @@ contains
     type(string), allocatable, intent(inout) :: scenes(:)    !! path and text of each
     character(:), allocatable :: path
     integer :: c
+    path = ''
     do c = 1, size(set%measured)
       if (c > 1) then
         if (set%measured(c)%scene%name == set%measured(c - 1)%scene%name) cycle
