@@ -3,12 +3,15 @@
 The true frequencies are those of the closed forms of a cantilever with a mass at its tip, solved here.
 """
 
+import signal
+import time
+
 import mpmath
 import numpy as np
 import pytest
 import results
 from ring_downs import as_text
-from workplace import namelist
+from workplace import SECONDS, namelist
 
 LENGTH, DENSITY, HEIGHT, WIDTH = 0.6, 2700.0, 0.006, 0.03  # an aluminium beam
 MODULUS, MASS = 68.4e9, 0.047
@@ -79,6 +82,33 @@ def test_unknowns_of_two_states_are_inside_their_intervals(together):
     assert correlation[0, 1] == pytest.approx(correlation[1, 0])
     assert result["misfit_freedom"] == 6
     assert result["misfit_probability"] > 1e-3
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_result_has_its_name_only_with_what_was_identified(here, together, number):
+    """Wherever the run is ended after its lines were written: the draft lies there while the fit is under way."""
+    _, whole = together
+    for name in ["alone", "loaded"]:
+        for kind in ["csv", "nml"]:
+            here.write(f"{name}.{kind}", (together[0].directory / f"{name}.{kind}").read_text(encoding="utf-8"))
+    work, ended = here.directory / "output/loaded.partial", 0
+    for delay in [0, 0.01, 0.02, 0.04]:
+        running = here.start("run", "loaded.nml", "--overwrite")
+        until = time.perf_counter() + SECONDS
+        while not list(work.glob("*.nc")) and running.poll() is None and time.perf_counter() < until:
+            time.sleep(0.0005)
+        time.sleep(delay)
+        running.send_signal(number)
+        _, err = running.communicate(timeout=SECONDS)
+        if "loaded.nc" in here.left():
+            assert "identified" in here.result("loaded").variables
+            (here.directory / "output/loaded.nc").unlink()
+            continue
+        ended += 1
+        assert running.returncode == (-number if number == signal.SIGKILL else 5), err
+    assert ended > 0
+    assert results.differences(here.run("loaded"), whole) == []
+    assert "loaded.partial" not in here.left()
 
 
 def test_a_tone_that_is_no_mode_is_left_out(together):
