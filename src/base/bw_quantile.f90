@@ -1,14 +1,26 @@
 module bw_quantile
-  !! Quantiles of Student's distribution, and how unlikely a sum of squares is.
+  !! Quantiles of the normal and of Student's distribution, and how unlikely a sum of squares is.
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: squares_deviation, student_quantile
+  public :: normal_quantile, squares_deviation, student_quantile
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter, public :: normal = huge(1)   !! degrees of freedom of a normal number
 
 contains
+
+  pure real(dp) function normal_quantile(probability) result(x)
+    !! The number that a normal number is below with that probability, by Newton's method.
+    real(dp), intent(in) :: probability
+    real(dp) :: below
+    integer :: i
+    x = 0
+    do i = 1, 60
+      below = erfc(-x/sqrt(2.0_dp))/2
+      x = x - max(-1.0_dp, min(1.0_dp, (below - probability)*sqrt(2*pi)*exp(x*x/2)))
+    end do
+  end function normal_quantile
 
   pure real(dp) function student_quantile(confidence, freedom) result(quantile)
     !! The number t with which an interval of ±t standard deviations, known from so many degrees of freedom, holds the true
@@ -16,6 +28,10 @@ contains
     real(dp), intent(in) :: confidence         !! 0 … 1
     integer, intent(in) :: freedom             !! ≥ 1, or `normal`
     real(dp) :: low, high, middle
+    if (freedom == normal) then
+      quantile = normal_quantile((1 + confidence)/2)
+      return
+    end if
     low = 0
     high = 1
     do

@@ -4,7 +4,8 @@ module bw_record_case
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_belief, only: believed_line, believed_lines
   use bw_case_result, only: add_notes, case_result
-  use bw_damped_search, only: find_damped_lines, found_lines
+  use bw_damped_search, only: find_damped_lines
+  use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
   use bw_note, only: remark

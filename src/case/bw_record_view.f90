@@ -3,7 +3,7 @@ module bw_record_view
   !! frequency.
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan, window_at
   use bw_case_result, only: record_result
-  use bw_damped_search, only: found_lines
+  use bw_found_lines, only: found_lines
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing

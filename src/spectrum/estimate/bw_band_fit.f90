@@ -12,11 +12,12 @@ module bw_band_fit
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: damped_line, eliminate, fit_band, image_of, reduce, slopes, still_image, triangle_of
+  public :: damped_line, eliminate, excess, fit_band, image_of, reduce, slopes, still_image, triangle_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 20, most_halvings = 5
-  real(dp), parameter :: settled = 1.0e-6_dp    !! variances of the noise that a step promises to gain: it is the last
+  real(dp), parameter :: settled = 1.0e-6_dp    !! variances of what is left that a step promises to gain: it is the last
+  real(dp), parameter :: far_more = 10          !! times the noise, what is left by lines that do not describe a record
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: farthest = 3           !! half widths of a band from its middle; its sums see nothing beyond 32
   real(dp), parameter, public :: widest_drift = 15  !! of −decay and 2π·frequency over half the record; one bin is π
@@ -64,7 +65,7 @@ contains
     do i = 1, most_steps
       if (size(fit%lines) == 0) exit
       call step_of(now, weight, step, gain)
-      if (.not. gain > settled) exit
+      if (.not. gain > settled*excess(left_now, rows)) exit
       factor = min(1.0_dp, longest/maxval(abs(step)))
       do j = 0, most_halvings
         moved = moved_lines(samples, fit%lines, factor*step)
@@ -86,6 +87,14 @@ contains
     end do
     if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
+
+  pure real(dp) function excess(left, rows)
+    !! How many times the noise's variance a row's square is where lines leave far more than noise, and 1 elsewhere: what no lines
+    !! describe is not to be described to a part of the noise.
+    real(dp), intent(in) :: left                !! squares of what is left over the noise's variance, all sensors
+    real(dp), intent(in) :: rows(:, :)
+    excess = max(1.0_dp, left/(far_more*size(rows)))
+  end function excess
 
   elemental logical function is_held(samples, band, line)
     !! Whether a line is where a band's sums see it, and these are enough for its drift.

@@ -7,8 +7,8 @@ module bw_belief
   use bw_band, only: band_type, cut_band
   use bw_band_fit, only: damped_line, fit_band, fit_type, reduce
   use bw_damped_line, only: most_powers
-  use bw_damped_search, only: found_lines
   use bw_drift, only: drift_of, drift_type
+  use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
@@ -16,11 +16,12 @@ module bw_belief
   use bw_order, only: ascending
   use bw_ordinates, only: ordinates_type
   use bw_pure_record, only: rounding
+  use bw_quantile, only: normal_quantile
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
   private
-  public :: believed_lines, normal_quantile
+  public :: believed_lines
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
@@ -331,17 +332,5 @@ contains
     freedom = sensors*max(10.0_dp, min(span, 96.0_dp))
     quantile = quantile + (quantile**3 + quantile)/(4*freedom)
   end function student_quantile
-
-  pure real(dp) function normal_quantile(probability) result(x)
-    !! The number that a normal number is below with that probability, by Newton's method.
-    real(dp), intent(in) :: probability
-    real(dp) :: below
-    integer :: i
-    x = 0
-    do i = 1, 60
-      below = erfc(-x/sqrt(2.0_dp))/2
-      x = x - max(-1.0_dp, min(1.0_dp, (below - probability)*sqrt(2*pi)*exp(x*x/2)))
-    end do
-  end function normal_quantile
 
 end module bw_belief

@@ -4,8 +4,8 @@ module bw_close_pair
   !!
   !! What either could take is nearly what amplitudes that change with powers of time take, which is linear: only where that
   !! pays are drifts of rising powers, and pairs of several distances, fitted.
-  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type, widest_drift
-  use bw_damped_line, only: bend_reach, damped_line, most_powers
+  use bw_band_fit, only: excess, fit_band, fit_type, reduce, reduced_type, widest_drift
+  use bw_damped_line, only: bend_reach, cancels, damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
@@ -28,6 +28,7 @@ module bw_close_pair
   real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
   integer, parameter :: most_idle = 2           !! powers of time, one after the other, that a drift gains nothing by
   real(dp), parameter :: slowest = 0.9999_dp    !! of what is left: a step of a trial that leaves more is its last
+  real(dp), parameter :: hasty = 0.99_dp        !! the same where lines leave far more than noise
   real(dp), parameter :: again = 0.5_dp         !! of what had to be gained when a shape was refused; then it is tried again
   real(dp), parameter :: promise = 0.3_dp       !! of what a fit gains, that it shows to first order
   real(dp), parameter :: from_still = 2         !! bins; a drift nearer to 0 is not told from an offset and a slope
@@ -37,7 +38,8 @@ module bw_close_pair
 
 contains
 
-  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, changed, monitor)
+  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, highest, changed, &
+    & monitor)
     !! Try every line as one that drifts and as two; the best of each band is kept, but where it gains so much less than is
     !! left elsewhere that it may be fitted to what leaks from there.
     type(samples_type), intent(in) :: samples
@@ -46,6 +48,7 @@ contains
     type(line_band), intent(inout) :: bands(:)
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
+    real(dp), intent(in) :: highest                !! sample, as the length of a vector of all sensors
     logical, intent(out) :: changed
     class(monitor_type), intent(inout), optional :: monitor
     type :: shape_type
@@ -68,7 +71,7 @@ contains
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
         & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
-        & best(i)%lines, pays(i), least)
+        & highest, best(i)%lines, pays(i), least)
     end do
     where (pays <= 0) bands%refused = min(bands%refused, quiet)
     least = max(least, leaking*maxval(pays))
@@ -84,22 +87,25 @@ contains
     call move_alloc(after, lines)
   end subroutine split_lines
 
-  subroutine shape_band(samples, band, rows, weight, chance, own, pays_best, least)
+  subroutine shape_band(samples, band, rows, weight, chance, highest, own, pays_best, least)
     !! Keep what pays best for one of the band's lines.
     type(samples_type), intent(in) :: samples
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: rows(:, :), weight(:)
     real(dp), intent(in) :: chance              !! of a drift or a second line where there is none
+    real(dp), intent(in) :: highest             !! sample
     type(damped_line), allocatable, intent(inout) :: own(:)  !! the lines of the band; a further one is the last
     real(dp), intent(out) :: pays_best          !! what it takes off the weighted squares beyond its price; 0: nothing pays
     real(dp), intent(in) :: least               !! what it must take off them to be looked at
     type(fit_type) :: fit, best
     real(dp) :: left, pays
+    real(dp) :: pace                            !! of what is left, as `slowest`
     logical :: bulges                           !! the line drifts as a pair of equal lines does, cos δu ≈ e^(−δ²u²/2)
     integer :: j
     fit%lines = own
     call fit_band(samples, band%band, rows, weight, band%with_still, fit)
     left = fit%left
+    pace = merge(hasty, slowest, excess(left, rows) > 1)
     pays_best = 0
     do j = 1, size(own)
       call try_drifts()
@@ -153,7 +159,7 @@ contains
       real(dp), intent(in) :: turn
       type(fit_type) :: other
       other = start
-      other%slowest = slowest
+      other%slowest = pace
       associate (line => other%lines(size(own)))
         line%bend(2) = line%bend(2) + cmplx(0, turn, dp)
       end associate
@@ -168,7 +174,7 @@ contains
       if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
       do k = 1, size(below)
         fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
-        fit%slowest = slowest
+        fit%slowest = pace
         call fit_band(samples, band%band, rows, weight, band%with_still, fit)
         if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
         pays = left - fit%left + price_of_drift(own(j)%powers, chance) - least_gain(size(weight), chance)
@@ -184,6 +190,7 @@ contains
       !! Take the fit if it pays, and better than the best for now.
       real(dp), intent(in) :: credit
       if (pays <= 0 .or. pays + credit <= pays_best) return
+      if (any(cancels(fit%lines, highest))) return
       pays_best = pays + credit
       best = fit
     end subroutine keep
@@ -206,7 +213,7 @@ contains
       & abs(pair(1)%decay - pair(2)%decay) < 2*pi*abs(pair(1)%frequency - pair(2)%frequency)
   end function beside_in_bins
 
-  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed, needless)
+  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed, needless, missed)
     !! Leave a line out of each peak that has several, where the others, fitted again, do as well but for noise.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
@@ -216,16 +223,20 @@ contains
     real(dp), intent(in) :: still(:, :)
     logical, intent(out) :: changed
     type(damped_line), allocatable, intent(out) :: needless(:)  !! the lines that have been left out
+    real(dp), allocatable, intent(out) :: missed(:)  !! what they took off half the squares over the noise
     logical :: stays(size(lines)), straightened
+    real(dp) :: gain(size(lines))
     integer :: i
     stays = .true.
     straightened = .false.
+    gain = 0
     do i = 1, size(bands)
       if (size(bands(i)%member) > 0) call straighten(bands(i))
       if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
     end do
     changed = straightened .or. .not. all(stays)
     needless = pack(lines, .not. stays)
+    missed = pack(gain, .not. stays)
     if (.not. all(stays)) lines = pack(lines, stays)
 
   contains
@@ -288,6 +299,7 @@ contains
       end do
       if (chosen == 0) return
       stays(band%member(chosen)) = .false.
+      gain(band%member(chosen)) = (least_left - left)/2
       lines(band%member(:chosen - 1)) = best(:chosen - 1)
       lines(band%member(chosen + 1:)) = best(chosen:)
     end subroutine join_band

@@ -7,9 +7,10 @@ module bw_damped_line
   use bw_samples, only: bent_factor, bent_series, grain, phase_factor
   implicit none (type, external)
   private
-  public :: bend_reach, line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
+  public :: bend_reach, cancels, line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
 
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
+  real(dp), parameter :: most_cancelled = 30     !! amplitude, of the record's highest sample: equal lines 1/200 bin apart
   real(dp), parameter :: most_decay = 2.5_dp     !! per step, of either sign; the table must not overflow
 
   integer, parameter :: tables_of_bend = 1024    !! in which a record is cut where a line drifts
@@ -90,6 +91,13 @@ contains
       reach = cmplx(max(reach%re, abs(rate%re)), max(reach%im, abs(rate%im)), dp)
     end do
   end function bend_reach
+
+  elemental logical function cancels(line, highest)
+    !! Whether a line is so much larger than the record that only its difference from others is in it: a sum that fits anything slow.
+    type(damped_line), intent(in) :: line
+    real(dp), intent(in) :: highest              !! of the samples, as the length of a vector of all sensors
+    cancels = strength_of(line)*abs(bent_factor(line%bend(:line%powers), sign(1.0_dp, -line%decay))) > most_cancelled*highest
+  end function cancels
 
   elemental real(dp) function strength_of(line) result(strength)
     !! The amplitudes of all sensors together; it is never 0.

@@ -2,7 +2,7 @@ module bw_line_bands
   !! Lines that share a band, and all bands of a record: each is fitted while the images of all other lines are taken out, in
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
   use bw_band, only: band_around, band_type
-  use bw_band_fit, only: damped_line, fit_band, fit_type, image_of, still_image
+  use bw_band_fit, only: damped_line, excess, fit_band, fit_type, image_of, still_image
   use bw_damped_line, only: bend_reach
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
@@ -137,7 +137,7 @@ contains
     if (size(band%fitted) /= size(lines)) return
     if (.not. all(same(band%fitted, lines))) return
     if (any(abs(band%weight - weight) > same_noise*weight)) return
-    is_at_rest = sum(weight*sum((rows - band%seen)**2, dim=1)) < unseen
+    is_at_rest = sum(weight*sum((rows - band%seen)**2, dim=1)) < unseen*excess(band%left, rows)
   end function is_at_rest
 
   elemental real(dp) function width_of(samples, line)
@@ -223,7 +223,7 @@ contains
         lines(bands(i)%member) = fit%lines
         if (bands(i)%with_still) still = fit%still
         bands(i)%left = fit%left
-        moved = max(moved, abs(before - fit%left))
+        moved = max(moved, abs(before - fit%left)/excess(fit%left, rows))
       end do
       if (moved < settled .or. size(bands) == 1) exit
     end do

@@ -2,12 +2,13 @@ module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
   use bw_band_fit, only: damped_line
-  use bw_belief, only: believed_line, normal_quantile, undetermined, window_start
-  use bw_damped_search, only: found_lines, rejected_line
+  use bw_belief, only: believed_line, undetermined, window_start
+  use bw_found_lines, only: found_lines, rejected_line
   use bw_kinds, only: dp
   use bw_missing, only: missing, scaled
   use bw_noise_level, only: level_at
   use bw_ordinates, only: remainder
+  use bw_quantile, only: normal_quantile
   use bw_samples, only: centre_of, samples_type
   use bw_whitening, only: gain_of
   implicit none (type, external)
@@ -19,18 +20,20 @@ module bw_record_lines
 
   character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']
     !! bit by bit, 1, 2, 4, …; `line` is one that is none of the others
-  character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'too_broad', 'beside_drift', 'uncertain']
+  character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'too_broad', 'beside_drift', 'uncertain', &
+    'noise_colour']
     !! by number, from 1
   character(*), parameter, public :: reason_texts(*) = [character(64) :: &
     'the other lines explain as much but for noise', &
     'too broad to be told from the colour of the noise', &
     'beside a line whose frequency drifts, and explained by that', &
-    'its amplitude or frequency is within its own interval of nothing']
+    'its amplitude or frequency is within its own interval of nothing', &
+    'the colour of the noise explains it as well']
 
   type, public :: rejected_candidate
     !! A place in the spectrum that was looked at, and is no line.
     real(dp) :: angular_frequency = 0             !! rad/s
-    real(dp) :: ordinate = 0                      !! power over that of the noise there
+    real(dp) :: ordinate = 0                      !! power over that of the noise there, as of a `rejected_line`
     integer :: reason = 0                         !! place among `reason_words`
   end type rejected_candidate
 

@@ -8,7 +8,7 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, phase_factor, place_of, span_of
+  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, highest_of, phase_factor, place_of, span_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
@@ -45,6 +45,13 @@ contains
     type(samples_type), intent(in) :: samples
     centre_of = max(span_of(samples) - 1, 1.0_dp)/2
   end function centre_of
+
+  pure real(dp) function highest_of(samples)
+    !! The highest sample of each sensor, as the length of a vector of all sensors.
+    type(samples_type), intent(in) :: samples
+    integer :: s
+    highest_of = norm2([(maxval(abs(samples%value(:samples%count, s))), s=1, size(samples%value, 2))])
+  end function highest_of
 
   pure real(dp) function place_of(samples, n)
     !! The time τ of sample n, counted from 1.

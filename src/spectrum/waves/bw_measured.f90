@@ -1,6 +1,7 @@
 module bw_measured
   !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam.
-  use bw_damped_search, only: find_damped_lines, found_lines
+  use bw_damped_search, only: find_damped_lines
+  use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
   use bw_measured_notes, only: measured_notes

@@ -6,7 +6,6 @@ module bw_run_record
   use bw_absent_mends, only: find_mends, mend_type
   use bw_beam_fit, only: unlikely
   use bw_beam_state, only: beam_state, state_of
-  use bw_belief, only: normal_quantile
   use bw_error, only: error_type, fail, status_bad_file, status_stopped
   use bw_files, only: remove_file
   use bw_further_scenes, only: further_scenes
@@ -21,6 +20,7 @@ module bw_run_record
   use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type
   use bw_process_group, only: process_group
+  use bw_quantile, only: normal_quantile
   use bw_record_lines, only: status_words
   use bw_result_lines, only: read_result_lines, result_lines
   use bw_run_scene, only: run_scene
