@@ -47,8 +47,10 @@ contains
     type(dispersion_type) :: curve
     real(dp), dimension(size(found)) :: square, variance, velocity, deviation
     real(dp) :: quantile, reach, unit
+    integer :: power
     if (.not. any(on_curve)) return
-    unit = scale(1.0_dp, 2*(exponent(maxval(square_of(lines)))/4))  ! of frequencies, as the beam's length is of lengths
+    power = exponent(maxval(square_of(lines)))
+    unit = scale(1.0_dp, (power - modulo(power, 2))/2)   ! of frequencies: with it other units of time give the same bits
     square = square_of(lines)/unit/unit
     variance = found%deviation**2 + (found%alpha*lines%frequency_deviation/(2*lines%angular_frequency))**2
     curve = fit_dispersion(pack(square, on_curve), pack(found%alpha, on_curve), pack(variance, on_curve), facts%rotates)

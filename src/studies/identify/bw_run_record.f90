@@ -38,6 +38,8 @@ contains
       call run_scene(scene, directory, overwrite, group, progress, outcome, error)
       return
     end if
+    outcome%notes = ''
+    outcome%report = ''
     supplement%scene = scene
     supplement%directory = directory
     call further_scenes(scene, supplement%further, error)
@@ -66,8 +68,6 @@ contains
     real(dp) :: nothing(0)
     integer(i4), allocatable :: stop(:)
     integer :: i
-    outcome%notes = ''
-    outcome%report = ''
     do i = 1, size(further)
       call run_scene(further(i), directory, overwrite, group, progress, one, error)
       call group%collect(nothing, error)
