@@ -12,12 +12,15 @@ import results
 from faults import KINDS, OF_BYTES
 from journals import cases_in
 from ring_downs import text_of
-from workplace import captured_beam
+from workplace import captured_beam, namelist
 
 SEED = int(os.environ.get("BEAMWAVE_SEED", "20261122"))
 FAULTS = os.environ.get("BEAMWAVE_FAULTS", "16")
 SCENE = captured_beam(modes={"before": 6, "after": 6}, response={"duration": 0.2, "samples": 600}, spectrum={})
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 6}
+STARTS = {"parameter": "record%start", "values": [0.0, 0.1]}
+RECORD = {"beam": {"length": 0.35, "density": 2700.0, "youngs_modulus": 70e9, "width": 0.03, "height": 0.006}, "spectrum": {}}
+MODULUS = {"parameter": "beam%youngs_modulus", "first": 50e9, "last": 300e9, "with": "other.nml"}
 ERRORS = {
     **{kind: [errno.EIO, errno.EMFILE] for kind in KINDS},
     **{kind: [errno.EIO, errno.ENOSPC] for kind in ("write", "pwrite", "close", "fsync", "ftruncate", "link", "mkdir")},
@@ -34,16 +37,24 @@ SITUATIONS = {
     "effects": ("effects", "case", None, 1),
     "two processes": ("run", "sweep", None, 2),
     "repeats of a record": ("run", "repeats", None, 1),
+    "a sweep over records": ("run", "swept repeats", None, 1),
+    "an identification": ("run", "unknowns", None, 1),
 }
 
 
 def write(here, what):
     """The scene `a` and the records that it reads."""
-    if what == "repeats":
-        files = [here.write(f"{number}.csv", text_of(number, samples=400)) for number in (1, 2, 3)]
-        here.scene("a", {"record": {"file": files}, "spectrum": {}})
-    else:
+    if what in ("sweep", "case"):
         here.scene("a", SCENE, *([SPEEDS] if what == "sweep" else []))
+        return
+    for number in (1, 2, 3):
+        here.write(f"{number}.csv", text_of(number, samples=400))
+    if what == "unknowns":
+        here.write("other.nml", namelist({**RECORD, "record": {"file": "3.csv"}}))
+        here.write("a.nml", namelist({**RECORD, "record": {"file": ["1.csv", "2.csv"]}, "identify": MODULUS}))
+    else:
+        files = ["1.csv", "2.csv", "3.csv"]
+        here.scene("a", {"record": {"file": files}, "spectrum": {}}, *([STARTS] if what == "swept repeats" else []))
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +104,7 @@ def test_a_refused_call_costs_no_finished_case(processes, prepared, injector, na
     command, _, _, number = SITUATIONS[name]
     clean, place = prepared(name)
     here = processes(number)
-    expected = {file.relative_to(clean.directory): results.read(file) for file in (clean.directory / "output").iterdir()}
+    expected = {file.relative_to(clean.directory): contents(file) for file in (clean.directory / "output").iterdir()}
     shutil.copytree(place.directory, here.directory, dirs_exist_ok=True)
     saved = cases_in(here.directory / "output/a.partial")
     _, counts = injector.run(here, command, "a.nml")
@@ -103,6 +114,11 @@ def test_a_refused_call_costs_no_finished_case(processes, prepared, injector, na
         shutil.rmtree(here.directory)
         shutil.copytree(place.directory, here.directory)
         check(here, injector, (command, fault), expected, saved)
+
+
+def contents(path):
+    """Of a result, or the text of an identified scene."""
+    return path.read_text() if path.suffix == ".nml" else results.read(path)
 
 
 def check(here, injector, trial, expected, saved):
@@ -126,6 +142,9 @@ def check(here, injector, trial, expected, saved):
 def assert_same(here, expected, fault):
     """The same bits, but for the seconds that a study measures, and its table of them."""
     for file, whole in expected.items():
+        if file.suffix == ".nml":
+            assert (here.directory / file).read_text() == whole, fault
+            continue
         found = results.read(here.directory / file)
         seconds = {name for name in whole.variables if "seconds" in name or name == "cost"}
         if "study" in whole.attributes:

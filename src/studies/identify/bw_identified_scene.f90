@@ -1,6 +1,7 @@
 module bw_identified_scene
   !! The scene of an identified beam, as text that runs: the fitted numbers stand in their places, and what was measured is left
   !! out (`&record`, `&spectrum`, `&identify`), so that it simulates.
+  use bw_descriptors, only: close_file, flush_file, new_file, open_file, write_text
   use bw_error, only: error_type
   use bw_file_lock, only: unique_name
   use bw_files, only: cannot_be_written, directory_of, remove_file, rename_file
@@ -48,12 +49,13 @@ contains
     character(*), intent(in) :: path, text
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: draft
-    integer :: unit, problem, ignored
+    integer :: unit, problem, closed, ignored
     draft = directory_of(path)//'/.'//unique_name()
-    open (newunit=unit, file=draft, access='stream', form='unformatted', action='write', status='new', iostat=problem)
-    if (problem == 0) write (unit, iostat=problem) text
-    if (problem == 0) flush (unit, iostat=problem)
-    if (problem == 0) close (unit, iostat=problem)
+    problem = open_file(draft, new_file, unit)
+    if (problem == 0) problem = write_text(unit, text)
+    if (problem == 0) problem = flush_file(unit)
+    closed = close_file(unit)
+    if (problem == 0) problem = closed
     if (problem == 0) problem = rename_file(draft, path)
     if (problem == 0) return
     ignored = remove_file(draft)
