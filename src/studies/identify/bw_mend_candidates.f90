@@ -94,14 +94,17 @@ contains
       character(*), intent(in) :: group, name, effect
       real(dp), intent(in) :: factor             !! by which the range is larger and smaller
       integer, allocatable :: places(:)
+      character(len(candidates%place)) :: place
       real(dp) :: given
       places = positions_of(groups, group)
       if (size(places) == 0) return
       if (.not. groups(places(1))%known(name)) return
       given = abs(groups(places(1))%number(name))
       if (.not. given > 0.0_dp) return
-      call add(candidate_type(effect, group, place=merge('body(1)', group//repeat(' ', 7 - min(7, len(group))), group == 'body'), &
-                              unknown=[character(24) :: name, ''], first=[given/factor, 0.0_dp], last=[given*factor, 0.0_dp]))
+      place = group
+      if (group == 'body') place = 'body(1)'
+      call add(candidate_type(effect, group, place=place, unknown=[character(24) :: name, ''], &
+                              first=[given/factor, 0.0_dp], last=[given*factor, 0.0_dp]))
     end subroutine add_given
   end subroutine list_candidates
 
