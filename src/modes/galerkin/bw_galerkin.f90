@@ -12,6 +12,7 @@ module bw_galerkin
   use bw_galerkin_set, only: galerkin_set, tip_body
   use bw_local_waves, only: find_waves
   use bw_missing, only: missing
+  use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type
   use bw_strain_basis, only: slope_of, times_quadratic, tip_value
   use bw_strain_modes, only: solve_strain_modes, strain_modes
@@ -24,15 +25,16 @@ module bw_galerkin
 
 contains
 
-  subroutine galerkin_modes(operator, count, set, monitor)
+  subroutine galerkin_modes(operator, count, set, monitor, demand)
     !! Find the first `count` modes; not `resolved`, with arrays in which nothing moves, where there are none to be had.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count                   !! ≥ 1
     type(galerkin_set), intent(out) :: set
     class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
+    type(mode_demand), intent(in), optional :: demand
     type(strain_modes) :: modes
     integer :: rows
-    call solve_strain_modes(operator, count, modes, monitor)
+    call solve_strain_modes(operator, count, modes, monitor, demand)
     set%count = count
     set%gamma = operator%gamma
     set%body = body_of(operator)
@@ -50,6 +52,9 @@ contains
     call move_alloc(modes%strain, set%strain)
     set%struck = tip_values(operator%gamma, modes)
     call normalise(set)
+    if (present(demand)) then
+      if (.not. demand%waves) return
+    end if
     allocate (set%alpha(count), set%phase_velocity(count), set%group_velocity(count))
     call find_waves(operator, set%beta_squared, set%alpha, set%phase_velocity, set%group_velocity)
     set%critical_speed = critical_speed_of(operator)

@@ -14,7 +14,7 @@ module bw_local_waves
   use bw_strain_basis, only: basis_values
   implicit none (type, external)
   private
-  public :: find_waves, gauss_rule, local_wave
+  public :: find_waves, gauss_rule, local_wave, mean_rule
 
   integer, parameter :: nodes = 200
     !! of the mean over a beam with tension: 1e-12 for Ω to 1000, where T reaches 0 at the tip
@@ -29,6 +29,13 @@ module bw_local_waves
     logical :: in_plane = .false.
   end type wave_section
 
+  type :: rule_type
+    !! Places and weights of a mean.
+    real(dp), allocatable :: z(:), weight(:)
+  end type rule_type
+
+  type(rule_type) :: kept                        !! that of `mean_rule`, which is always the same
+
 contains
 
   subroutine find_waves(operator, beta_squared, alpha, phase_velocity, group_velocity)
@@ -40,8 +47,7 @@ contains
     real(dp), allocatable :: z(:), weight(:), tension(:)
     integer :: k
     if (allocated(operator%tension)) then
-      call gauss_rule(nodes, z, weight)
-      weight = 2.0_dp*z*weight                                 ! 1 − ξ = z²: T may vanish at the tip
+      call mean_rule(z, weight)
       tension = operator%tension(1) + (1.0_dp - z**2)*(operator%tension(2) + (1.0_dp - z**2)*operator%tension(3))
     else
       weight = [1.0_dp]
@@ -105,6 +111,17 @@ contains
       + y*(soft + section%rotary*(1.0_dp + section%compliance*tension))
     slope = slope/root/(2.0_dp*p)
   end subroutine local_wave
+
+  subroutine mean_rule(z, weight)
+    !! Places z and weights of the mean over a piece of a beam with tension, 1 − ξ = z²: T may vanish at the tip.
+    real(dp), allocatable, intent(out) :: z(:), weight(:)      !! (nodes)
+    if (.not. allocated(kept%z)) then
+      call gauss_rule(nodes, kept%z, kept%weight)
+      kept%weight = 2.0_dp*kept%z*kept%weight
+    end if
+    z = kept%z
+    weight = kept%weight
+  end subroutine mean_rule
 
   subroutine gauss_rule(n, node, weight)
     !! Find nodes and weights of Gauss's rule for integrals over [0, 1], exact for polynomials up to degree 2n − 1: nodes are the

@@ -5,6 +5,7 @@ module bw_strain_modes
   use bw_kinds, only: dp
   use bw_beam_operator, only: beam_operator
   use bw_lapack, only: dpotrf, dtrsm
+  use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type, stops
   use bw_singular_values, only: singular_values
   use bw_strain_system, only: build_system, strain_system
@@ -12,7 +13,6 @@ module bw_strain_modes
   private
   public :: solve_strain_modes, solve_with, solve_system
 
-  real(dp), parameter :: negligible = 1.0e-11_dp   !! last coefficients of a resolved mode, of a norm of 1
   integer, parameter :: watched = 4                !! how many of the last: neighbours may vanish by parity
   integer, parameter :: most_functions = 2000
 
@@ -27,32 +27,36 @@ module bw_strain_modes
 
 contains
 
-  subroutine solve_strain_modes(operator, count, modes, monitor)
+  subroutine solve_strain_modes(operator, count, modes, monitor, demand)
     !! Find the first `count` modes; not `resolved`, and maybe without arrays, where there are none to be had.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count                   !! ≥ 1
     type(strain_modes), intent(out) :: modes
     class(monitor_type), intent(inout), optional :: monitor    !! none are found where it asks to stop
+    type(mode_demand), intent(in), optional :: demand
+    type(mode_demand) :: wanted
     integer :: functions
-    functions = first_guess(operator, count)
+    if (present(demand)) wanted = demand
+    functions = first_guess(operator, count, wanted)
     if (functions > most_functions) return
     do
       call solve_with(operator, count, functions, modes, monitor)
       if (stops(monitor)) return
-      if (modes%resolved) modes%resolved = all(last_coefficients(modes) < negligible)
+      if (modes%resolved) modes%resolved = all(last_coefficients(modes) < wanted%negligible())
       if (modes%resolved .or. functions == most_functions) exit
       functions = min(functions + functions/2, most_functions)
     end do
   end subroutine solve_strain_modes
 
-  pure integer function first_guess(operator, count)
+  pure integer function first_guess(operator, count, wanted)
     !! How many functions to try first. Half a wave of mode k needs π/2 polynomials, and the ends need more. Tension leaves bending
     !! to a layer at the clamp of length δ = √((1 + s²T)/T), which needs about 4/√δ.
     type(beam_operator), intent(in) :: operator
     integer, intent(in) :: count
+    type(mode_demand), intent(in) :: wanted
     real(dp), parameter :: layer = 2.5_dp          ! tuned: what is never enough
     real(dp) :: pull
-    first_guess = 30 + count + (3*count)/4         ! tuned
+    first_guess = wanted%ends(30) + count + (3*count)/4    ! tuned
     if (.not. allocated(operator%tension)) return
     pull = operator%tension(1)
     if (allocated(operator%shear)) pull = pull/(1.0_dp + operator%shear%compliance*pull)

@@ -6,8 +6,9 @@ module bw_tension_modes
   use bw_double_double, only: dd, to_dd, operator(*), operator(-), operator(/)
   use bw_kinds, only: dp
   use bw_lapack, only: dsygv
-  use bw_local_waves, only: gauss_rule, local_wave, wave_section
+  use bw_local_waves, only: local_wave, mean_rule, wave_section
   use bw_missing, only: missing
+  use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type, stops
   use bw_piece_strains, only: columns_of, motions_of, piece_motions, strain_layout
   use bw_strain_basis, only: times_quadratic
@@ -20,23 +21,25 @@ module bw_tension_modes
 
   integer, parameter :: most_functions = 2000      !! of all pieces together
   integer, parameter :: watched = 4                !! of the last coefficients: neighbours may vanish by parity
-  real(dp), parameter :: negligible = 1.0e-11_dp   !! last coefficients of a resolved mode, of a norm of 1
 
 contains
 
-  subroutine tension_modes(given, count, struck, set, monitor)
+  subroutine tension_modes(given, count, struck, set, monitor, demand)
     !! Find the first `count` modes; not `resolved`, with arrays in which nothing moves, where there are none to be had.
     type(tension_beam), intent(in) :: given
     integer, intent(in) :: count                   !! ≥ 1
     integer, intent(in) :: struck                  !! the joint at which the mass strikes
     type(tension_set), intent(out) :: set
     class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
+    type(mode_demand), intent(in), optional :: demand
+    type(mode_demand) :: wanted
     integer :: functions(size(given%beam%piece))
-    logical :: enough
-    functions = first_guess(given, count)
+    real(dp) :: last
+    if (present(demand)) wanted = demand
+    functions = first_guess(given, count, wanted)
     do
-      call modes_with(given, count, functions, struck, set, enough, monitor)
-      if (stops(monitor) .or. .not. set%resolved .or. enough) exit
+      call modes_with(given, count, functions, struck, set, last, monitor)
+      if (stops(monitor) .or. .not. set%resolved .or. last < wanted%negligible()) exit
       functions = functions + functions/2
       set%resolved = sum(functions) <= most_functions
       if (.not. set%resolved) exit
@@ -44,21 +47,24 @@ contains
     if (stops(monitor)) set%resolved = .false.
     if (.not. set%resolved) call leave_empty(given, count, set)
     set%beam = given%beam
+    if (.not. wanted%waves) return
+    if (set%resolved) call find_waves(given, set)
     set%critical_speed = critical_speed_of_pieces(given)
   end subroutine tension_modes
 
-  pure function first_guess(given, count) result(functions)
+  pure function first_guess(given, count, wanted) result(functions)
     !! Half a wave needs π/2 polynomials, and waves share among the pieces as they do in the beam; the ends of each need more,
     !! and layers where tension leaves bending to them, 4/√δ of them, δ = √(B(1 + sT)/T).
     type(tension_beam), intent(in) :: given
     integer, intent(in) :: count
+    type(mode_demand), intent(in) :: wanted
     integer :: functions(size(given%beam%piece))
     real(dp) :: waves(size(functions)), pull
     integer, parameter :: ends = 20                ! tuned, as the factors are
     integer :: i
     associate (piece => given%beam%piece)
       waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
-      functions = ends + ceiling(1.75_dp*count*waves/sum(waves))
+      functions = wanted%ends(ends) + ceiling(1.75_dp*count*waves/sum(waves))
       do i = 1, size(functions)
         pull = given%beam%spin_squared%hi*given%tension(1, i)
         pull = pull/(piece(i)%stiffness%hi*(1.0_dp + piece(i)%compliance%hi*pull))
@@ -67,18 +73,18 @@ contains
     end associate
   end function first_guess
 
-  subroutine modes_with(given, count, functions, struck, set, enough, monitor)
-    !! Find modes in given numbers of functions.
+  subroutine modes_with(given, count, functions, struck, set, last, monitor)
+    !! Find modes in given numbers of functions, without their waves.
     type(tension_beam), intent(in) :: given
     integer, intent(in) :: count
     integer, intent(in) :: functions(:)            !! of each strain in a piece, (n)
     integer, intent(in) :: struck
     type(tension_set), intent(out) :: set
-    logical, intent(out) :: enough                 !! the functions were
+    real(dp), intent(out) :: last                  !! their largest last coefficient: small where the functions were enough
     class(monitor_type), intent(inout), optional :: monitor
     type(strain_layout) :: layout
     type(strain_modes) :: modes
-    enough = .false.
+    last = huge(last)
     set%count = count
     call build_tension_system(given, functions, layout, modes%system)
     set%resolved = count <= layout%unknowns
@@ -89,9 +95,8 @@ contains
     set%beam = given%beam
     call find_motions(given, layout, modes, set)
     call find_squares(given, modes, set)
-    enough = all(last_coefficients(set) < negligible)
+    last = maxval(last_coefficients(set))
     call normalise(struck, set)
-    call find_waves(given, set)
   end subroutine modes_with
 
   pure subroutine find_motions(given, layout, modes, set)
@@ -233,15 +238,13 @@ contains
     !! Mean wave numbers over the beam, and the velocities that follow from them.
     type(tension_beam), intent(in) :: given
     type(tension_set), intent(inout) :: set
-    integer, parameter :: nodes = 200              ! as in bw_local_waves
     real(dp), allocatable :: z(:), weight(:), tension(:), p(:), rise(:)
     real(dp) :: slope
     integer :: i, k
-    call gauss_rule(nodes, z, weight)
-    weight = 2.0_dp*z*weight                       ! 1 − x = z²: T may vanish at the tip
+    call mean_rule(z, weight)
     allocate (set%alpha(set%count), source=0.0_dp)
     allocate (set%phase_velocity(set%count), set%group_velocity(set%count), source=missing)
-    allocate (p(nodes), rise(nodes))
+    allocate (p(size(z)), rise(size(z)))
     do k = 1, set%count
       slope = 0.0_dp
       associate (square => set%beta_squared(k)%hi)

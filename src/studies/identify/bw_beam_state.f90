@@ -2,19 +2,17 @@ module bw_beam_state
   !! One state of the beam whose numbers are sought: the lines that were measured in it, and its modes as they follow from the
   !! unknowns.
   use bw_beam_units, only: beam_units, units_of
-  use bw_case_modes, only: find_sources
-  use bw_case_result, only: case_modes
   use bw_double_double, only: dd
   use bw_error, only: error_type
   use bw_foreign_lines, only: foreign_chance
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set, mode_sources
-  use bw_monitor, only: silent_monitor
+  use bw_mode_set, only: mode_set
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_unknowns, only: scene_with, with_unknowns
   use bw_scene_variant, only: without_group
+  use bw_some_modes, only: find_some_modes
   implicit none (type, external)
   private
   public :: state_of
@@ -124,26 +122,26 @@ contains
     type(state_modes), intent(inout) :: modes
     type(error_type), allocatable :: error
     type(beam_units) :: units
-    type(case_modes) :: preliminary
-    type(mode_sources) :: sources
     class(mode_set), allocatable :: set
-    type(silent_monitor) :: monitor
+    real(dp), allocatable :: shape(:, :)
+    integer :: place(size(number))
     modes%number = number
     allocate (modes%frequency(size(number)), modes%decay(size(number)), source=0.0_dp)
     call scene_with(state%varied, values, state%one, error)
     if (allocated(error)) return
     units = units_of(state%one%beam)
-    call find_sources(state%one, units, monitor, preliminary, sources)
-    if (.not. preliminary%resolved) return
-    call sources%free%find(number, set)
-    modes%found = set%resolved
+    call find_some_modes(state%one, units, number, set, place)
+    if (allocated(set)) modes%found = set%resolved
     if (.not. modes%found) return
-    modes%frequency = sign(sqrt(abs(set%beta_squared%hi)), set%beta_squared%hi)*units%frequency
+    associate (square => set%beta_squared(place)%hi)
+      modes%frequency = sign(sqrt(abs(square)), square)*units%frequency
+    end associate
     if (allocated(state%lines%points)) then
-      if (state%lines%bends) modes%shape = set%some_curvatures(1, set%count, state%lines%points)
-      if (.not. state%lines%bends) modes%shape = set%shapes(state%lines%points)
+      if (state%lines%bends) shape = set%some_curvatures(1, set%count, state%lines%points)
+      if (.not. state%lines%bends) shape = set%shapes(state%lines%points)
+      modes%shape = shape(place, :)
     end if
-    if (allocated(set%damping)) modes%decay = 0.5_dp*set%damping*units%frequency
+    if (allocated(set%damping)) modes%decay = 0.5_dp*set%damping(place)*units%frequency
   end subroutine solve
 
 end module bw_beam_state

@@ -1,0 +1,74 @@
+module bw_some_modes
+  !! A few modes of the beam alone, for whoever asks for those of many beams one after another and for nothing but their frequencies,
+  !! damping and shapes. Under tension they are found in as few functions as frequencies need, and without waves.
+  use bw_beam_operator, only: operator_of
+  use bw_beam_units, only: beam_units
+  use bw_case_modes, only: find_sources
+  use bw_case_result, only: case_modes
+  use bw_damping, only: law_of
+  use bw_galerkin, only: galerkin_modes
+  use bw_galerkin_set, only: galerkin_set
+  use bw_mode_demand, only: mode_demand
+  use bw_mode_set, only: mode_set, mode_sources
+  use bw_monitor, only: silent_monitor
+  use bw_piece_tension, only: tension_in_pieces
+  use bw_scene, only: is_built_up, scene_type
+  use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_tension_modes, only: tension_modes
+  use bw_tension_set, only: tension_set
+  use bw_tension_system, only: tension_beam
+  implicit none (type, external)
+  private
+  public :: find_some_modes
+
+  type(mode_demand), parameter :: frequencies_alone = mode_demand(digits=6, waves=.false.)
+    !! errors of frequencies 1e-12 relatively, of shapes 1e-6
+
+contains
+
+  subroutine find_some_modes(scene, units, number, set, place)
+    !! Find modes by their numbers.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    integer, intent(in) :: number(:)             !! ascending
+    class(mode_set), allocatable, intent(out) :: set   !! not `resolved`, or unallocated, where there are none to be had
+    integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
+    type(case_modes) :: known
+    type(mode_sources) :: sources
+    type(silent_monitor) :: monitor
+    integer :: i
+    place = number
+    if (allocated(scene%stiffening)) then
+      call find_under_tension(scene, units, number(size(number)), set)
+      return
+    end if
+    place = [(i, i=1, size(number))]
+    call find_sources(scene, units, monitor, known, sources)
+    if (known%resolved) call sources%free%find(number, set)
+  end subroutine find_some_modes
+
+  subroutine find_under_tension(scene, units, count, set)
+    !! Find the first modes of a scene with tension.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    integer, intent(in) :: count
+    class(mode_set), allocatable, intent(out) :: set
+    type(struck_beam) :: pieces
+    type(tension_set), allocatable :: of_pieces
+    type(galerkin_set), allocatable :: uniform
+    if (is_built_up(scene)) then
+      allocate (of_pieces)
+      pieces = pieces_of(scene, units, .false.)
+      call tension_modes(tension_beam(pieces%beam, tension_in_pieces(pieces%beam, scene%stiffening%hub_radius/units%length)), &
+                         count, pieces%struck, of_pieces, demand=frequencies_alone)
+      of_pieces%struck_at = pieces%position
+      call move_alloc(of_pieces, set)
+    else
+      allocate (uniform)
+      call galerkin_modes(operator_of(scene, units, .false.), count, uniform, demand=frequencies_alone)
+      call move_alloc(uniform, set)
+    end if
+    if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))
+  end subroutine find_under_tension
+
+end module bw_some_modes
