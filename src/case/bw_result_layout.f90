@@ -1,8 +1,8 @@
 module bw_result_layout
   !! Which arrays a scene's result holds, and how long they are: known before anything is computed.
-  use bw_belief, only: window_start
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
+  use bw_line_windows, only: window_start
   use bw_record, only: sensor_type
   use bw_scene, only: changes_shapes, scene_type
   use bw_scene_cases, only: case_count

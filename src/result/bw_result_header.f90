@@ -1,6 +1,6 @@
 module bw_result_header
   !! What a result file says before its first case: global attributes, coordinates, and the inputs.
-  use bw_belief, only: window_end, window_start
+  use bw_line_windows, only: window_end, window_start
   use bw_kinds, only: dp, i4
   use bw_amplitude_spectrum, only: frequency_axis
   use bw_error, only: error_type

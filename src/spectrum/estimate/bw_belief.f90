@@ -4,14 +4,14 @@ module bw_belief
   !!
   !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; where the line drifts, it also reaches
   !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
-  use bw_band, only: band_type, cut_band
-  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce
+  use bw_band_fit, only: damped_line, reduce
   use bw_damped_line, only: most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
+  use bw_line_windows, only: window_end, window_start, windows_of
   use bw_noise_level, only: level_at
   use bw_order, only: ascending
   use bw_ordinates, only: ordinates_type
@@ -31,14 +31,10 @@ module bw_belief
   integer, parameter :: beyond = 2             !! powers of time that a drift may have beside those that are fitted; from trials
   integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
   real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
-  real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
   real(dp), parameter :: by_chance = 0.1_dp    !! of the stronger line's frequency, that a harmonic's interval may be wide
   integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
   integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
     !! bits of a status; 0 is a line that is none of these
-  real(dp), parameter, public :: window_start(6) = [0.0_dp, 0.5_dp, 0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp]
-  real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
-    !! halves and quarters of the record
 
   type, public :: believed_line
     !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
@@ -79,7 +75,7 @@ contains
     real(dp), intent(in) :: confidence, false_alarm
     type(believed_line), intent(inout) :: believed(:)
     type(line_errors) :: errors
-    real(dp), allocatable :: rows(:, :)
+    real(dp), allocatable :: rows(:, :), windows(:, :, :)
     type(damped_line), allocatable :: own(:)
     real(dp) :: half, quantile
     integer :: j
@@ -108,18 +104,19 @@ contains
           & drift_of(samples, band, rows, errors%weight, own, j, min(max(own(j)%powers, 2) + beyond, most_powers)), quantile, line)
       end associate
     end do
-    call judge_windows(samples, band, rows, errors%weight, own, believed)
+    windows = windows_of(samples, band, rows, errors%weight, own, found%ordinates%shape, false_alarm)
     do j = 1, size(own)
-      call widen(samples, found%ordinates, false_alarm, believed(band%member(j)))
+      believed(band%member(j))%windows = windows(:, :, j)
+      call widen(samples, found%ordinates, false_alarm/size(found%lines), believed(band%member(j)))
     end do
   end subroutine judge_band
 
   subroutine widen(samples, ordinates, false_alarm, line)
     !! Let the intervals also hold what halves and quarters of the record say, and scale them where the line's shape leaves more
-    !! beside it than the noise has; both only where noise would do so once in 1/false_alarm times.
+    !! beside it than the noise has; both only where noise would hardly do so.
     type(samples_type), intent(in) :: samples
     type(ordinates_type), intent(in) :: ordinates
-    real(dp), intent(in) :: false_alarm
+    real(dp), intent(in) :: false_alarm        !! that noise does so to this line
     type(believed_line), intent(inout) :: line
     real(dp) :: sigmas, away(2), mean, freedom
     integer :: i, first, last
@@ -213,64 +210,6 @@ contains
       end associate
     end do
   end subroutine judge_amplitude
-
-  subroutine judge_windows(samples, band, rows, weight, own, believed)
-    !! Fit the band's lines to each half and quarter of the record by itself. Where a window does not tell, its bound is huge.
-    type(samples_type), intent(in) :: samples
-    type(line_band), intent(in) :: band
-    real(dp), intent(in) :: rows(:, :), weight(:)
-    type(damped_line), intent(in) :: own(:)
-    type(believed_line), intent(inout) :: believed(:)
-    type(band_type) :: part
-    type(fit_type) :: fit
-    type(line_errors) :: errors
-    real(dp), allocatable :: part_rows(:, :)
-    integer :: i, j
-    do i = 1, size(window_start)
-      call cut_band(band%band, rows, window_start(i), window_end(i), part, part_rows)
-      believed(band%member)%windows(3, i) = huge(1.0_dp)
-      believed(band%member)%windows(4, i) = huge(1.0_dp)
-      if (size(part_rows, 1) < 6*size(own) + 2) cycle
-      if (closest(own%frequency) < least_apart/(span_of(samples)*(window_end(i) - window_start(i)))) cycle
-      fit%lines = [(steady(own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
-      call fit_band(samples, part, part_rows, weight, band%with_still, fit)
-      errors = line_errors_of(reduce(samples, part, part_rows, fit%lines, band%with_still), weight)
-      do j = 1, size(own)
-        associate (line => believed(band%member(j)))
-          line%windows(:, i) = [fit%lines(j)%frequency, fit%lines(j)%decay, &
-            & min(frequency_deviation(errors, j)/(2*pi*centre_of(samples)), undetermined), &
-            & min(decay_deviation(errors, j)/centre_of(samples), undetermined)]
-        end associate
-      end do
-    end do
-
-  contains
-
-    type(damped_line) function steady(line, u)
-      !! The line without its drift, at the place that it has at the time u.
-      type(damped_line), intent(in) :: line
-      real(dp), intent(in) :: u
-      complex(dp) :: rate
-      integer :: m
-      steady = line
-      rate = sum([(m*line%bend(m)*u**(m - 1), m=2, line%powers)])
-      steady%decay = line%decay - rate%re/centre_of(samples)
-      steady%frequency = line%frequency + rate%im/(2*pi*centre_of(samples))
-      steady%powers = 1
-      steady%bend = 0
-    end function steady
-
-  end subroutine judge_windows
-
-  pure real(dp) function closest(frequency)
-    !! The least distance between two of several frequencies.
-    real(dp), intent(in) :: frequency(:)
-    integer :: i
-    closest = huge(1.0_dp)
-    do i = 2, size(frequency)
-      closest = min(closest, minval(abs(frequency(:i - 1) - frequency(i))))
-    end do
-  end function closest
 
   pure subroutine name_lines(samples, believed)
     !! Name close pairs, harmonics and lines at an edge.

@@ -2,9 +2,10 @@ module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
   use bw_band_fit, only: damped_line
-  use bw_belief, only: believed_line, undetermined, window_start
+  use bw_belief, only: believed_line, undetermined
   use bw_found_lines, only: found_lines, rejected_line
   use bw_kinds, only: dp
+  use bw_line_windows, only: window_start
   use bw_missing, only: missing, scaled
   use bw_noise_level, only: level_at
   use bw_ordinates, only: remainder
