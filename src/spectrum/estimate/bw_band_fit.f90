@@ -29,7 +29,7 @@ module bw_band_fit
     !! Where they are more than the rows, the triangle has as many rows as there are.
     integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
     integer, allocatable :: first(:)            !! slope of each line, counted among slopes from 1, and one after all, (lines + 1)
-    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by decays that are held, (slopes)
+    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by what is held, (slopes)
     real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
     real(dp), allocatable :: length(:)          !! of the columns
     real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
@@ -127,7 +127,7 @@ contains
     n = reduced%linear + 2*sum(highest)
     allocate (reduced%free(2*sum(highest)), source=.true.)
     do k = 1, size(lines)
-      if (highest(k) > 0) reduced%free(reduced%first(k)) = .not. lines(k)%steady
+      if (highest(k) > 0) reduced%free(reduced%first(k):reduced%first(k) + 1) = .not. [lines(k)%steady, lines(k)%fixed]
     end do
     allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
     do k = 1, size(lines)
@@ -186,8 +186,8 @@ contains
   end function solved
 
   function slopes(reduced, weight) result(matrix)
-    !! The slopes of all sensors by the coefficients in the exponents, those by decays that are held left out, amplitudes, offset
-    !! and slope eliminated, (sensors × rows, unknowns).
+    !! The slopes of all sensors by the coefficients in the exponents, those by what is held left out, amplitudes, offset and
+    !! slope eliminated, (sensors × rows, unknowns).
     type(reduced_type), intent(in) :: reduced
     real(dp), intent(in) :: weight(:)
     real(dp), allocatable :: matrix(:, :)

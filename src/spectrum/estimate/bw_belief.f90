@@ -2,26 +2,30 @@ module bw_belief
   !! What can be believed of the lines of a record: bounds in the noise found, intervals that hold what the record shows of
   !! drift, and names for lines that are no single steady mode.
   !!
-  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it; where the line drifts, it also reaches
-  !! to where frequency and decay are at both ends of the record, or of the line's life if that is shorter.
+  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it, or what the likelihood says where noise
+  !! moves a line too far for that. Frequency and decay of a line that drifts are those at the time at which the record tells them
+  !! best; the interval reaches to where they are at both ends of the record, or of the line's life if that is shorter.
   use bw_band_fit, only: damped_line, reduce
   use bw_damped_line, only: most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
-  use bw_line_errors, only: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors, line_errors_of
-  use bw_line_windows, only: window_end, window_start, windows_of
+  use bw_line_errors, only: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors, &
+    & line_errors_of
+  use bw_line_names, only: at_edge, believed_line, close_pair, drifting, harmonic, name_lines
+  use bw_line_windows, only: steady_at, window_end, window_start, windows_of
   use bw_noise_level, only: level_at
   use bw_order, only: ascending
   use bw_ordinates, only: ordinates_type
+  use bw_profile_width, only: profile_widths
   use bw_pure_record, only: rounding
   use bw_quantile, only: normal_quantile
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
   private
-  public :: believed_lines
+  public :: at_edge, believed_line, believed_lines, close_pair, drifting, harmonic
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
@@ -30,24 +34,6 @@ module bw_belief
   real(dp), parameter :: near = 4              !! bins on either side of a line in which its shape leaves something
   integer, parameter :: beyond = 2             !! powers of time that a drift may have beside those that are fitted; from trials
   integer, parameter :: looks = 16             !! times, less one, at which a drifting line is looked at
-  real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
-  real(dp), parameter :: by_chance = 0.1_dp    !! of the stronger line's frequency, that a harmonic's interval may be wide
-  integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
-  integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
-    !! bits of a status; 0 is a line that is none of these
-
-  type, public :: believed_line
-    !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
-    real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
-    real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
-    complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
-    real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
-    real(dp), allocatable :: amplitude_noise(:)
-      !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
-    integer :: status = 0
-    real(dp) :: drift = 0, drift_bound = 0     !! change of frequency from the first sample to the last, and its bound
-    real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
-  end type believed_line
 
 contains
 
@@ -77,7 +63,8 @@ contains
     type(line_errors) :: errors
     real(dp), allocatable :: rows(:, :), windows(:, :, :)
     type(damped_line), allocatable :: own(:)
-    real(dp) :: half, quantile
+    type(damped_line) :: steady
+    real(dp) :: half, quantile, at, deviation(2), width(2)
     integer :: j
     logical :: oscillates
     own = found%lines(band%member)
@@ -88,20 +75,31 @@ contains
     quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
     do j = 1, size(own)
       associate (line => believed(band%member(j)))
-        line%frequency = own(j)%frequency
-        line%decay = own(j)%decay
-        line%decay_bound = min(decay_deviation(errors, j)/half, undetermined)
-        line%frequency_bound = min(frequency_deviation(errors, j)/(2*pi*half), undetermined)
+        at = best_time(errors, j)
+        steady = steady_at(samples, own(j), at)
+        deviation = [decay_deviation(errors, j, at), frequency_deviation(errors, j, at)]
+        line%frequency = steady%frequency
+        line%decay = steady%decay
+        line%decay_bound = min(deviation(1)/half, undetermined)
+        line%frequency_bound = min(deviation(2)/(2*pi*half), undetermined)
         oscillates = line%frequency_bound < undetermined
         if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
-        line%decay_error = quantile*line%decay_bound + 2*pi*rounding*line%frequency
-        line%frequency_error = quantile*line%frequency_bound + rounding*line%frequency
+        line%decay_error = quantile*line%decay_bound
+        line%frequency_error = quantile*line%frequency_bound
+        if (oscillates) then
+          width = profile_widths(samples, band, rows, errors%weight, own, j, deviation, quantile)
+          line%decay_error = width(1)/half
+          line%frequency_error = width(2)/(2*pi*half)
+        end if
+        line%decay_error = line%decay_error + 2*pi*rounding*line%frequency
+        line%frequency_error = line%frequency_error + rounding*line%frequency
         call judge_amplitude(errors, own(j), j, centre_of(samples) + maxval(found%whitening%lost)/2.0_dp, &
           & gain_of(found%whitening, own(j)), line)
         if (oscillates) call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
           & own(j)%powers > 1, false_alarm, line)
         if (iand(line%status, drifting) > 0) call reach_ends(samples, &
-          & drift_of(samples, band, rows, errors%weight, own, j, min(max(own(j)%powers, 2) + beyond, most_powers)), quantile, line)
+          & drift_of(samples, band, rows, errors%weight, own, j, min(max(own(j)%powers, 2) + beyond, most_powers)), &
+          & quantile, own(j), line)
       end associate
     end do
     windows = windows_of(samples, band, rows, errors%weight, own, found%ordinates%shape, false_alarm)
@@ -155,26 +153,28 @@ contains
     line%status = ior(line%status, drifting)
   end subroutine judge_drift
 
-  subroutine reach_ends(samples, drift, quantile, line)
+  subroutine reach_ends(samples, drift, quantile, own, line)
     !! Let the intervals of a line that drifts reach to where it is anywhere in the record, or in its life if that is shorter.
     type(samples_type), intent(in) :: samples
     type(drift_type), intent(in) :: drift      !! with powers of time beyond those that it pays for: what a fit leaves out because
                                                !! noise may explain it is largest at the ends
     real(dp), intent(in) :: quantile
+    type(damped_line), intent(in) :: own       !! the line as it was fitted
     type(believed_line), intent(inout) :: line
-    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at
+    real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at, away(2)
     integer :: i, k, m
     half = centre_of(samples)
     u = [-1.0_dp, 1.0_dp]
     if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
     if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
+    away = [own%decay - line%decay, 2*pi*(line%frequency - own%frequency)]*half
     reach = 0
     do i = 0, looks
       at = u(1) + (u(2) - u(1))*i/looks
       do k = 1, 2
         slope = 0
         slope(k::2) = [(m*at**(m - 1), m=1, size(slope)/2)]
-        reach(k) = max(reach(k), abs(dot_product(slope, drift%value)) &
+        reach(k) = max(reach(k), abs(dot_product(slope, drift%value) - away(k)) &
           & + quantile*sqrt(dot_product(slope, matmul(drift%covariance, slope))))
       end do
     end do
@@ -211,56 +211,6 @@ contains
     end do
   end subroutine judge_amplitude
 
-  pure subroutine name_lines(samples, believed)
-    !! Name close pairs, harmonics and lines at an edge.
-    type(samples_type), intent(in) :: samples
-    type(believed_line), intent(inout) :: believed(:)
-    real(dp) :: strength(size(believed)), away
-    integer :: i, j, k, m
-    do i = 1, size(believed)
-      strength(i) = norm2(abs(believed(i)%amplitude))
-    end do
-    do k = 1, size(believed)
-      associate (line => believed(k))
-        if (count(abs(believed%frequency - line%frequency)*span_of(samples) < beside) > 1) &
-          & line%status = ior(line%status, close_pair)
-        away = line%frequency
-        if (.not. allocated(samples%place)) away = min(away, 0.5_dp - line%frequency)
-        if (away*span_of(samples) < beside) line%status = ior(line%status, at_edge)
-        do i = 1, size(believed)
-          if (.not. strength(i) > strength(k)) cycle
-          do m = 2, most_times
-            if (is_at(line, believed(i), m*believed(i)%frequency, m*believed(i)%frequency_error)) &
-              & line%status = ior(line%status, harmonic)
-          end do
-          do j = 1, i - 1
-            if (.not. strength(j) > strength(k)) cycle
-            do m = -1, 1, 2
-              if (is_at(line, believed(merge(i, j, believed(i)%frequency < believed(j)%frequency)), &
-                & believed(i)%frequency + m*believed(j)%frequency, &
-                & hypot(believed(i)%frequency_error, believed(j)%frequency_error))) line%status = ior(line%status, harmonic)
-            end do
-          end do
-        end do
-      end associate
-    end do
-
-  contains
-
-    pure logical function is_at(line, stronger, frequency, error)
-      !! Whether a line is at a frequency, or where that is folded to, within both errors, which must be far below the frequency of
-      !! the line that it would be a multiple of: otherwise it would be near some multiple by chance.
-      type(believed_line), intent(in) :: line
-      type(believed_line), intent(in) :: stronger  !! the lower one of two
-      real(dp), intent(in) :: frequency, error
-      real(dp) :: folded
-      folded = abs(frequency)
-      if (.not. allocated(samples%place)) folded = abs(folded - anint(folded))
-      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error) .and. &
-        & max(line%frequency_error, error) < by_chance*stronger%frequency
-    end function is_at
-
-  end subroutine name_lines
 
   pure real(dp) function student_quantile(confidence, span, sensors) result(quantile)
     !! How many standard deviations hold so much of a normal number whose deviation is known from the noise of a window only.

@@ -22,7 +22,8 @@ module bw_damped_line
     real(dp) :: frequency = 0                    !! f, periods per step, rounded. As well
     complex(dp), allocatable :: amplitude(:)     !! A_s at the record's first sample, or at its last for a line that grows, (S)
     real(dp) :: rest = 0                         !! of f, below the rounding of `frequency`
-    logical :: steady = .false.                  !! the decay is held at 0
+    logical :: steady = .false.                  !! the decay is held, of a steady line at 0
+    logical :: fixed = .false.                   !! the frequency is held
     integer :: powers = 1                        !! of u in the exponent; 1: no drift
     complex(dp) :: bend(2:most_powers) = 0       !! b
     real(dp) :: sought = -1                      !! frequency of the peak that it was first taken for; negative: none

@@ -2,6 +2,7 @@ module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_close_pair, only: join_lines, split_lines
   use bw_damped_line, only: damped_line
+  use bw_filter_renewal, only: filters_lines, take_filter_off
   use bw_fourier, only: real_fourier
   use bw_found_lines, only: far_above, found_lines, not_needed, rejected_line, same_peak
   use bw_kinds, only: dp
@@ -19,6 +20,7 @@ module bw_damped_search
   private
   public :: find_damped_lines
 
+  integer, parameter :: most_filters = 3         !! one after the other, where lines are found behind a filter
   integer, parameter :: most_rounds = 24
   integer, parameter :: most_idle = 3            !! rounds of drifts and pairs, after each of which as much is left as before
   real(dp), parameter :: no_gain = 0.999_dp      !! of what was left
@@ -30,8 +32,9 @@ contains
 
   subroutine find_damped_lines(samples, false_alarm, found, monitor)
     !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`. Where the noise of
-    !! even samples is coloured they are whitened in their memory, and searched once more. Of samples that are known to be pure
-    !! there are the lines and what they leave, and nothing else.
+    !! even samples is coloured they are whitened in their memory, and searched once more; where it was lines that made the filter,
+    !! all is done again from the lines that are known now. Of samples that are known to be pure there are the lines and what they
+    !! leave, and nothing else.
     type(samples_type), intent(inout) :: samples
     real(dp), intent(in) :: false_alarm
     type(found_lines), intent(out) :: found    !! of no use where the monitor stops
@@ -40,38 +43,46 @@ contains
     type(samples_type) :: raw
     type(ordinates_type) :: tapered
     logical :: pure, dropped
+    integer :: pass
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
     allocate (found%whitening, source=no_whitening(size(samples%value, 2)))
     call take_if_pure(samples, plan, found, pure, monitor)
     if (pure) return
-    if (stops(monitor)) return
-    call settle(samples, found)
-    call search(samples, false_alarm, plan, found, monitor)
-    found%deviation = found%ordinates%deviation
-    if (allocated(samples%place)) return
-    if (stops(monitor)) return
-    if (samples%count <= longest) then
-      raw = samples
+    do pass = 1, most_filters
+      if (stops(monitor)) return
+      call settle(samples, found)
+      call search(samples, false_alarm, plan, found, monitor)
+      found%deviation = found%ordinates%deviation
+      if (allocated(samples%place)) return
+      if (stops(monitor)) return
+      if (samples%count <= longest) then
+        raw = samples
+        call drop_colour(raw, samples, false_alarm, found, dropped)
+        if (dropped) then
+          call settle(samples, found)
+          call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+          found%deviation = found%ordinates%deviation
+        end if
+      end if
+      call find_whitening(samples, found%lines, found%still, found%whitening)
+      if (all(found%whitening%order == 0)) return
+      call whiten(samples, found%whitening, found%lines)
+      deallocate (found%bands, found%rejected)
+      allocate (found%rejected(0))
+      call settle(samples, found)
+      call search(samples, false_alarm, plan, found, monitor)
+      if (.not. allocated(raw%value)) return
       call drop_colour(raw, samples, false_alarm, found, dropped)
       if (dropped) then
         call settle(samples, found)
         call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
-        found%deviation = found%ordinates%deviation
       end if
-    end if
-    call find_whitening(samples, found%lines, found%still, found%whitening)
-    if (all(found%whitening%order == 0)) return
-    call whiten(samples, found%whitening, found%lines)
-    deallocate (found%bands, found%rejected)
-    allocate (found%rejected(0))
-    call settle(samples, found)
-    call search(samples, false_alarm, plan, found, monitor)
-    if (.not. allocated(raw%value)) return
-    call drop_colour(raw, samples, false_alarm, found, dropped)
-    if (.not. dropped) return
-    call settle(samples, found)
-    call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+      if (pass == most_filters) return
+      if (.not. filters_lines(raw, found)) return
+      samples = raw
+      call take_filter_off(found)
+    end do
   end subroutine find_damped_lines
 
   subroutine take_if_pure(samples, plan, found, pure, monitor)

@@ -4,7 +4,9 @@ module bw_line_errors
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: amplitude_deviation, amplitude_noise, decay_deviation, frequency_deviation, line_errors_of
+  public :: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors_of
+
+  integer, parameter :: looks = 32             !! times, less one, among which the best one is
 
   type, public :: line_errors
     !! A fit as its errors follow from it.
@@ -25,25 +27,66 @@ contains
     call triangle_of(slopes(reduced, weight), errors%triangle, errors%length)
   end function line_errors_of
 
-  pure real(dp) function decay_deviation(errors, j)
+  pure real(dp) function best_time(errors, j) result(best)
+    !! The time, −1 … 1 over the record, at which the decay and the frequency of line j are known best. Of one that does not drift
+    !! they are the same at all times, and this is 0. Of one that drifts they are known there about as well as if it did not, and
+    !! are about those that a fit without a drift has.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: deviation, least, at
+    integer :: i
+    best = 0
+    if (powers_of(errors, j) == 1) return
+    least = huge(1.0_dp)
+    do i = 0, looks
+      at = 2*i/real(looks, dp) - 1
+      deviation = max(decay_deviation(errors, j, at), frequency_deviation(errors, j, at))
+      if (.not. deviation < least) cycle
+      least = deviation
+      best = at
+    end do
+  end function best_time
+
+  pure integer function powers_of(errors, j)
+    !! How many powers of time are in the exponent of line j.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    powers_of = (errors%reduced%first(j + 1) - errors%reduced%first(j))/2
+  end function powers_of
+
+  pure real(dp) function decay_deviation(errors, j, at)
     !! Of line j, over half the record; 0 where the decay is held.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
-    real(dp) :: slope(size(errors%reduced%free))
-    slope = 0
-    slope(errors%reduced%first(j)) = 1
-    decay_deviation = position_deviation(errors, slope)
+    real(dp), intent(in), optional :: at       !! time, −1 … 1 over the record; the middle if absent
+    decay_deviation = rate_deviation(errors, j, 0, at)
   end function decay_deviation
 
-  pure real(dp) function frequency_deviation(errors, j)
+  pure real(dp) function frequency_deviation(errors, j, at)
     !! Of 2π·frequency of line j, over half the record.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
-    real(dp) :: slope(size(errors%reduced%free))
-    slope = 0
-    slope(errors%reduced%first(j) + 1) = 1
-    frequency_deviation = position_deviation(errors, slope)
+    real(dp), intent(in), optional :: at       !! as above
+    frequency_deviation = rate_deviation(errors, j, 1, at)
   end function frequency_deviation
+
+  pure real(dp) function rate_deviation(errors, j, part, at)
+    !! Of what the exponent of line j, by powers of time, changes by at a time.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    integer, intent(in) :: part                !! 0: −decay, 1: 2π·frequency
+    real(dp), intent(in), optional :: at
+    real(dp) :: slope(size(errors%reduced%free))
+    integer :: m
+    slope = 0
+    slope(errors%reduced%first(j) + part) = 1
+    if (present(at)) then
+      do m = 2, powers_of(errors, j)
+        slope(errors%reduced%first(j) + 2*(m - 1) + part) = m*at**(m - 1)
+      end do
+    end if
+    rate_deviation = position_deviation(errors, slope)
+  end function rate_deviation
 
   pure real(dp) function position_deviation(errors, slope)
     !! Of a sum of the coefficients in the lines' exponents with these factors.

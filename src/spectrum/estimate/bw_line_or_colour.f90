@@ -11,7 +11,7 @@ module bw_line_or_colour
   use bw_whitening, only: freedom_of_level, judge_noise, whitening_type
   implicit none (type, external)
   private
-  public :: are_lines
+  public :: are_lines, without_trend
 
   real(dp), parameter :: without_doubt = 15    !! times the threshold; no colour of the noise pays so much
   real(dp), parameter :: raised = 4            !! ordinates: where so many tell the noise's level a line must pay twice the threshold

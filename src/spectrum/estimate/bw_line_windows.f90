@@ -14,7 +14,7 @@ module bw_line_windows
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: windows_of
+  public :: steady_at, windows_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: least_apart = 0.7_dp  !! bins of a window between lines that it is fitted with
@@ -48,7 +48,7 @@ contains
       call cut_band(band%band, rows, window_start(i), window_end(i), part, part_rows)
       if (size(part_rows, 1) < 6*size(own) + 2) cycle
       if (closest(own%frequency)*bins < least_apart) cycle
-      fit%lines = [(steady(samples, own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
+      fit%lines = [(steady_at(samples, own(j), window_start(i) + window_end(i) - 1), j=1, size(own))]
       call fit_band(samples, part, part_rows, weight, band%with_still, fit)
       windows(:, i, :) = judged(fit%lines)
     end do
@@ -79,7 +79,7 @@ contains
 
   end function windows_of
 
-  type(damped_line) function steady(samples, line, u)
+  pure type(damped_line) function steady_at(samples, line, u) result(steady)
     !! The line without its drift, at the place that it has at the time u.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: line
@@ -92,7 +92,7 @@ contains
     steady%frequency = line%frequency + rate%im/(2*pi*centre_of(samples))
     steady%powers = 1
     steady%bend = 0
-  end function steady
+  end function steady_at
 
   pure real(dp) function closest(frequency)
     !! The least distance between two of several frequencies.
