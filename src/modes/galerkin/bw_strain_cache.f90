@@ -1,85 +1,78 @@
-module bw_tension_source
-  !! Modes of a beam of pieces with tension by their numbers: as many as were solved for, and how amplitudes fall beyond them.
-  use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set, mode_source
-  use bw_monitor, only: monitor_type
-  use bw_piece_strains, only: piece_motions
-  use bw_piece_tension, only: tension_in_pieces
-  use bw_scene_pieces, only: struck_beam
-  use bw_tension_modes, only: tension_modes
-  use bw_tension_set, only: tension_set
-  use bw_tension_system, only: tension_beam
+module bw_strain_cache
+  !! Sources of modes by strains that the cases of a sweep share: cases whose beam and effects do not differ solve for their modes
+  !! once. What is in the cache is what would be found again, to the bit.
+  use bw_monitor, only: monitor_type, stops
+  use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   implicit none (type, external)
   private
-  public :: tension_source_of
 
-  type, extends(mode_source), public :: tension_source
-    type(tension_set) :: solved                    !! the first modes, from which others are taken
+  integer, parameter :: most_sources = 16          !! cached at a time
+  integer, parameter :: most_squares = 600000
+    !! the sum of the squares of their counts, as which their memory grows: all together take less than 50 MB
+
+  type :: cache_entry
+    type(strain_problem), allocatable :: problem   !! unallocated: nothing is cached here
+    type(strain_source), allocatable :: source
+  end type cache_entry
+
+  type, public :: strain_cache
+    !! Sources in the order in which they came; new ones replace the oldest.
+    private
+    type(cache_entry), allocatable :: entries(:)
+    integer :: found = 0                           !! that were ever cached
   contains
-    procedure :: find => find_among_solved
-  end type tension_source
+    procedure :: find => find_source
+    procedure, private :: keep
+  end type strain_cache
 
 contains
 
-  subroutine tension_source_of(pieces, hub_radius, count, source, monitor)
-    !! Make a source of the first `count` modes, and none beyond them.
-    type(struck_beam), intent(in) :: pieces
-    real(dp), intent(in) :: hub_radius             !! R in l
+  subroutine find_source(self, problem, count, source, monitor)
+    !! Make the source as `strain_source_of` does, or find it in the cache.
+    class(strain_cache), intent(inout) :: self
+    type(strain_problem), intent(in) :: problem
     integer, intent(in) :: count
-    type(tension_source), intent(out) :: source
-    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
-    type(tension_beam) :: given
-    real(dp) :: alpha
-    given%beam = pieces%beam
-    given%tension = tension_in_pieces(pieces%beam, hub_radius)
-    call tension_modes(given, count, pieces%struck, source%solved, monitor)
-    source%gamma = pieces%captured%mass%hi
-    source%highest = count
-    source%struck_at = pieces%position
-    source%uniform = .false.
-    source%clamped = pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning
-    alpha = count*acos(-1.0_dp)
-    source%decay = 3.0_dp
-    if (alpha*source%gamma < 1.0_dp .or. any(pieces%beam%piece%compliance%hi > 0.0_dp) .or. &
-        alpha**2 < pieces%beam%spin_squared%hi*given%tension(1, 1)) source%decay = 2.0_dp
-    associate (set => source%solved)
-      set%gamma = source%gamma
-      set%struck_at = pieces%position
-      set%uniform = .false.
-      set%clamped = source%clamped
-      set%body_inertia = pieces%captured%inertia%hi
-      set%body_pull = pieces%beam%spin_squared%hi*source%gamma*(pieces%position + hub_radius)
-    end associate
-  end subroutine tension_source_of
+    type(strain_source), intent(out) :: source
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found, nor cached, where it asks to stop
+    integer :: place
+    if (.not. allocated(self%entries)) allocate (self%entries(most_sources))
+    do place = 1, most_sources
+      if (count_of(self%entries(place)) /= count) cycle
+      if (.not. self%entries(place)%problem == problem) cycle
+      source = self%entries(place)%source
+      return
+    end do
+    call strain_source_of(problem, count, source, monitor)
+    if (.not. stops(monitor) .and. count <= int(sqrt(real(most_squares)))) call self%keep(problem, source)
+  end subroutine find_source
 
-  subroutine find_among_solved(self, number, modes, longest, monitor)
-    !! Find the modes of these numbers among those that were solved for. `longest` has no use here: β² has the digits that it
-    !! has. Nor has the monitor: all is found already.
-    class(tension_source), intent(in) :: self
-    integer, intent(in) :: number(:)
-    class(mode_set), allocatable, intent(out) :: modes
-    real(dp), intent(in), optional :: longest
-    class(monitor_type), intent(inout), optional :: monitor
-    type(tension_set), allocatable :: found
-    integer :: i
-    allocate (found)
-    associate (all => self%solved)
-      call found%take_numbers(all, number)
-      found%beam = all%beam
-      found%struck_joint = all%struck_joint
-      found%body_inertia = all%body_inertia
-      found%body_pull = all%body_pull
-      allocate (found%piece(size(all%piece)))
-      allocate (found%deflection(0:size(all%piece), size(number)), source=all%deflection(:, number))
-      allocate (found%turning(0:size(all%piece), size(number)), source=all%turning(:, number))
-      do i = 1, size(all%piece)
-        found%piece(i) = piece_motions(all%piece(i)%strain(:, number), all%piece(i)%turning(:, number), &
-                                       all%piece(i)%slope(:, number), all%piece(i)%deflection(:, number))
-      end do
-    end associate
-    call found%damp(self%damping)
-    if (present(longest) .or. present(monitor)) continue
-    call move_alloc(found, modes)
-  end subroutine find_among_solved
+  subroutine keep(self, problem, source)
+    !! Cache a source that there is room for once the oldest have gone.
+    class(strain_cache), intent(inout) :: self
+    type(strain_problem), intent(in) :: problem
+    type(strain_source), intent(in) :: source
+    integer :: i, place
+    place = place_of(self%found + 1)
+    do i = self%found + 1 - most_sources, self%found
+      if (i == self%found + 1 - most_sources .or. &
+          sum(count_of(self%entries)**2) + source%highest**2 > most_squares) self%entries(place_of(i)) = cache_entry()
+    end do
+    self%entries(place)%problem = problem
+    self%entries(place)%source = source
+    self%found = self%found + 1
+  end subroutine keep
 
-end module bw_tension_source
+  elemental integer function place_of(number) result(place)
+    !! Of the source that was cached so many sources after the first.
+    integer, intent(in) :: number
+    place = 1 + modulo(number, most_sources)
+  end function place_of
+
+  elemental integer function count_of(entry) result(count)
+    !! Modes of a source that is cached, else 0.
+    type(cache_entry), intent(in) :: entry
+    count = 0
+    if (allocated(entry%source)) count = entry%source%highest
+  end function count_of
+
+end module bw_strain_cache
