@@ -83,31 +83,31 @@ contains
   end function place_shifts
 
   subroutine add_integrals(modes, full, pull, tension, shear)
-    !! By the midpoint rule, in several points of each half wave.
+    !! By the midpoint rule, in several points of each half wave of a mode.
     type(piece_set), intent(in) :: modes
     type(piece_beam), intent(in) :: full                   !! its pieces with compliance and rotary inertia
     real(dp), intent(in) :: pull(:, :)                     !! T = t_0 + t_1x + t_2x² in each piece, (3, pieces)
     real(dp), intent(out) :: tension(:), shear(:)
     integer, parameter :: fewest = 16, of_half_wave = 12   ! points
-    real(dp), dimension(modes%count) :: taken, both, elastic
-    real(dp), allocatable :: state(:, :, :)
-    real(dp) :: inner, length, x
-    integer :: i, j, points
+    real(dp), dimension(modes%count) :: taken, elastic
+    real(dp), allocatable :: state(:, :, :), x(:)
+    real(dp) :: both, inner, length
+    integer :: i, j, k, points
     tension = 0.0_dp
     taken = 0.0_dp
-    both = 0.0_dp
+    both = sum(full%piece%length%hi*full%piece%compliance%hi*full%piece%rotary%hi)
     elastic = max(tiny(1.0_dp), modes%modes%lambda%hi)
     do i = 1, size(full%piece)
       associate (piece => full%piece(i), at => joint_position(full, i - 1))
         inner = at%hi
         length = piece%length%hi
-        points = fewest + ceiling(of_half_wave*length*maxval(modes%alpha)/acos(-1.0_dp))
-        both = both + length*piece%compliance%hi*piece%rotary%hi
-        state = modes%states(1, modes%count, [(min(1.0_dp, inner + length*(j - 0.5_dp)/points), j=1, points)])
-        do j = 1, points
-          x = (j - 0.5_dp)/points
-          tension = tension + length/points*(pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :, j)**2
-          taken = taken + length/points*(piece%compliance%hi*state(4, :, j)**2/elastic + piece%rotary%hi*state(2, :, j)**2)
+        do k = 1, modes%count
+          points = fewest + ceiling(of_half_wave*length*modes%alpha(k)/acos(-1.0_dp))
+          x = [((j - 0.5_dp)/points, j=1, points)]
+          state = modes%states(k, k, min(1.0_dp, inner + length*x))
+          tension(k) = tension(k) + length/points*sum((pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, 1, :)**2)
+          taken(k) = taken(k) + length/points*sum(piece%compliance%hi*state(4, 1, :)**2/elastic(k) &
+                                                  + piece%rotary%hi*state(2, 1, :)**2)
         end do
       end associate
     end do
