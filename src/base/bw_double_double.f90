@@ -10,7 +10,7 @@ module bw_double_double
   implicit none (type, external)
   private
   public :: two_sum, two_product, two_products, accurate_sum, add_exactly, to_dd, to_quad, sqrt
-  public :: operator(+), operator(-), operator(*), operator(/)
+  public :: operator(+), operator(-), operator(*), operator(/), operator(==)
 
   type, public :: dd
     !! The number hi + lo, |lo| ≤ half a unit in the last place of hi.
@@ -38,6 +38,9 @@ module bw_double_double
   end interface
   interface operator(/)
     module procedure :: divide_dd, divide_by_list
+  end interface
+  interface operator(==)
+    module procedure :: same_dd
   end interface
   interface sqrt
     module procedure :: sqrt_dd, sqrt_of_list
@@ -115,6 +118,12 @@ contains
     type(dd), intent(in) :: value
     to_quad = real(value%hi, qp) + real(value%lo, qp)
   end function to_quad
+
+  elemental logical function same_dd(a, b) result(same)
+    !! To the bit, of numbers whose parts do not overlap.
+    type(dd), intent(in) :: a, b
+    same = a%hi == b%hi .and. a%lo == b%lo
+  end function same_dd
 
   elemental type(dd) function add_dd(a, b) result(c)
     type(dd), intent(in) :: a, b

@@ -12,7 +12,7 @@ module bw_beam_operator
   !!
   !! Without shear v' = ψ and r = 0.
   use bw_beam_units, only: beam_units, body_inertia, shear_numbers, shear_of
-  use bw_double_double, only: dd
+  use bw_double_double, only: dd, operator(==)
   use bw_kinds, only: dp
   use bw_rotation, only: acts_in_plane, dimensionless_speed, tension_of
   use bw_scene, only: scene_type
@@ -66,7 +66,7 @@ contains
       .and. (allocated(self%shear) .eqv. allocated(other%shear)) &
       .and. (allocated(self%tip_inertia) .eqv. allocated(other%tip_inertia))
     if (.not. same) return
-    if (allocated(self%omega)) same = self%omega%hi == other%omega%hi .and. self%omega%lo == other%omega%lo
+    if (allocated(self%omega)) same = self%omega == other%omega
     if (allocated(self%tension)) same = same .and. all(self%tension == other%tension)
     if (allocated(self%shear)) same = same .and. self%shear%compliance == other%shear%compliance &
       .and. self%shear%rotary == other%shear%rotary

@@ -4,11 +4,11 @@ module bw_piece_beam
   !! Lengths are in l, so that the pieces' lengths add to 1; stiffness, mass and time are in any units that belong together,
   !! such as EI and ρA of a uniform beam and l²/h. Numbers are double-double: a quotient of two inputs is then as good as
   !! the inputs, also for phases at the end of a long history.
-  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(/)
+  use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(/), operator(==)
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: attach, cut_at, cut_all, joint_position, modes_at_rest
+  public :: attach, cut_at, cut_all, joint_position, modes_at_rest, operator(==)
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
 
@@ -37,14 +37,49 @@ module bw_piece_beam
   end type beam_root
 
   type, public :: piece_beam
+    !! A component that is added here, or to a part, stands in the equality of its type, too.
     type(uniform_piece), allocatable :: piece(:)   !! from the root outwards, (n)
     type(beam_joint), allocatable :: joint(:)      !! at the outer ends of the pieces; the last is the tip, (n)
     type(beam_root) :: root
     type(dd) :: spin_squared                       !! Ω², square of the angular velocity of the beam's reference
     logical :: in_plane = .false.                  !! the beam bends in the plane of rotation
+  contains
+    procedure, private :: same_beam
+    generic :: operator(==) => same_beam
   end type piece_beam
 
+  interface operator(==)
+    module procedure :: same_piece, same_joint, same_root
+  end interface
+
 contains
+
+  pure logical function same_beam(self, other) result(same)
+    !! To the bit, so that their modes are the same.
+    class(piece_beam), intent(in) :: self
+    type(piece_beam), intent(in) :: other
+    same = size(self%piece) == size(other%piece) .and. (self%in_plane .eqv. other%in_plane)
+    if (same) same = self%root == other%root .and. self%spin_squared == other%spin_squared &
+      .and. all(self%piece == other%piece) .and. all(self%joint == other%joint)
+  end function same_beam
+
+  elemental logical function same_piece(a, b) result(same)
+    type(uniform_piece), intent(in) :: a, b
+    same = a%length == b%length .and. a%stiffness == b%stiffness .and. a%mass == b%mass &
+      .and. a%compliance == b%compliance .and. a%rotary == b%rotary
+  end function same_piece
+
+  elemental logical function same_joint(a, b) result(same)
+    type(beam_joint), intent(in) :: a, b
+    same = a%mass == b%mass .and. a%inertia == b%inertia .and. a%stiffness == b%stiffness &
+      .and. a%turning_stiffness == b%turning_stiffness
+  end function same_joint
+
+  elemental logical function same_root(a, b) result(same)
+    type(beam_root), intent(in) :: a, b
+    same = (a%holds_deflection .eqv. b%holds_deflection) .and. (a%holds_turning .eqv. b%holds_turning) &
+      .and. a%stiffness == b%stiffness .and. a%turning_stiffness == b%turning_stiffness
+  end function same_root
 
   pure type(dd) function joint_position(beam, i) result(position)
     !! Where piece i ends, from the root.

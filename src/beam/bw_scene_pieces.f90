@@ -6,7 +6,7 @@ module bw_scene_pieces
   use bw_body_par, only: body_par
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp, qp
-  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, uniform_piece
+  use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, uniform_piece, operator(==)
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_shear_par, only: shear_par
@@ -21,6 +21,9 @@ module bw_scene_pieces
     integer :: struck = 1                          !! the joint at which the mass strikes, of the beam with and without it
     real(dp) :: position = 1.0_dp                  !! ξ₀ of it
     type(beam_joint) :: captured                   !! what the beam has there of the mass that it has captured
+  contains
+    procedure, private :: same_struck
+    generic :: operator(==) => same_struck
   end type struck_beam
 
   type :: full_units
@@ -31,6 +34,14 @@ module bw_scene_pieces
   end type full_units
 
 contains
+
+  pure logical function same_struck(self, other) result(same)
+    !! To the bit.
+    class(struck_beam), intent(in) :: self
+    type(struck_beam), intent(in) :: other
+    same = self%beam == other%beam .and. self%struck == other%struck .and. self%position == other%position &
+      .and. self%captured == other%captured
+  end function same_struck
 
   pure type(struck_beam) function pieces_of(scene, units, loaded) result(pieces)
     !! The beam with all that the scene attaches to it.

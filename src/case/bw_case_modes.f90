@@ -1,12 +1,12 @@
 module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
+  use bw_beam_operator, only: operator_of
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_unresolved
   use bw_case_result, only: case_modes
   use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
   use bw_double_double, only: dd
-  use bw_galerkin_source, only: galerkin_cache, galerkin_source, galerkin_source_of
   use bw_kinds, only: dp
   use bw_mode_cache, only: mode_cache
   use bw_mode_choice, only: first_modes
@@ -17,8 +17,8 @@ module bw_case_modes
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: by_pieces, changes_shapes, is_built_up, scene_type
   use bw_scene_pieces, only: pieces_of
-  use bw_beam_operator, only: operator_of
-  use bw_tension_source, only: tension_source, tension_source_of
+  use bw_strain_cache, only: strain_cache
+  use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   implicit none (type, external)
   private
   public :: extend_sources, find_modes, find_sources, largest_phase_error, record_stretch
@@ -26,7 +26,7 @@ module bw_case_modes
   type, public :: case_mode_cache
     !! Modes that cases of a sweep share.
     type(mode_cache) :: closed_form      !! roots and shapes by mass ratio
-    type(galerkin_cache) :: galerkin     !! modes under tension by operator
+    type(strain_cache) :: strains        !! modes under tension by the beam and what acts on it
   end type case_mode_cache
 
   integer, parameter :: most_to_tolerance(2) = [400, 256]
@@ -173,33 +173,41 @@ contains
       logical, intent(in) :: carries_mass
       integer, intent(in) :: count
       class(mode_source), allocatable, intent(out) :: source
-      type(galerkin_source), allocatable :: found
-      type(tension_source), allocatable :: found_in_pieces
-      logical :: resolved
-      if (is_built_up(scene)) then
-        allocate (found_in_pieces)
-        call tension_source_of(pieces_of(scene, units, carries_mass), scene%stiffening%hub_radius/units%length, count, &
-                               found_in_pieces, monitor)
-        resolved = found_in_pieces%solved%resolved
-        call move_alloc(found_in_pieces, source)
-        call note_resolved(resolved)
-        return
-      end if
+      type(strain_source), allocatable :: found
       allocate (found)
-      if (present(cache)) then
-        call cache%galerkin%find(operator_of(scene, units, carries_mass), count, found, monitor)
-      else
-        call galerkin_source_of(operator_of(scene, units, carries_mass), count, found, monitor)
-      end if
-      call note_resolved(found%solved%resolved)
+      call solve_strains(problem_of(scene, units, carries_mass), count, found, monitor, cache)
+      if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(no_basis, modes%notes)
+      modes%resolved = modes%resolved .and. found%solved%resolved
       call move_alloc(found, source)
     end subroutine solve
-    subroutine note_resolved(resolved)
-      logical, intent(in) :: resolved
-      if (modes%resolved .and. .not. resolved) call note_unresolved(no_basis, modes%notes)
-      modes%resolved = modes%resolved .and. resolved
-    end subroutine note_resolved
   end subroutine find_galerkin
+
+  type(strain_problem) function problem_of(scene, units, carries_mass) result(problem)
+    !! What modes under tension are sought of.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    logical, intent(in) :: carries_mass            !! the captured mass is there
+    if (is_built_up(scene)) then
+      problem%pieces = pieces_of(scene, units, carries_mass)
+      problem%hub_radius = scene%stiffening%hub_radius/units%length
+    else
+      problem%operator = operator_of(scene, units, carries_mass)
+    end if
+  end function problem_of
+
+  subroutine solve_strains(problem, count, source, monitor, cache)
+    !! Modes under tension, from the cache if they are there.
+    type(strain_problem), intent(in) :: problem
+    integer, intent(in) :: count
+    type(strain_source), intent(out) :: source
+    class(monitor_type), intent(inout) :: monitor
+    type(case_mode_cache), intent(inout), optional :: cache
+    if (present(cache)) then
+      call cache%strains%find(problem, count, source, monitor)
+    else
+      call strain_source_of(problem, count, source, monitor)
+    end if
+  end subroutine solve_strains
 
   pure integer function enough_for_errors(scene) result(count)
     !! Modes that an estimate of what is not summed looks at; more are judged from the last of them.
@@ -213,40 +221,32 @@ contains
     count = max(count, most, min(most_to_tolerance(2), 2*most))
   end function enough_for_errors
 
-  subroutine extend_sources(scene, units, monitor, sources, extended)
+  subroutine extend_sources(scene, units, monitor, sources, extended, cache)
     !! Twice as many modes, if there may be more: only a basis for tension has an end.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor  !! nothing is extended where it asks to stop
     type(mode_sources), intent(inout) :: sources
     logical, intent(out) :: extended
+    type(case_mode_cache), intent(inout), optional :: cache
     call extend(.true., sources%loaded)
     if (extended .and. allocated(scene%release)) call extend(.false., sources%free)
   contains
     subroutine extend(carries_mass, source)
       logical, intent(in) :: carries_mass
       class(mode_source), intent(inout) :: source
-      type(galerkin_source) :: more
-      type(tension_source) :: more_in_pieces
+      type(strain_source) :: more
       integer :: most
       extended = .false.
       most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
       select type (source)
-      type is (galerkin_source)
+      type is (strain_source)
         if (source%highest >= most) return
-        call galerkin_source_of(operator_of(scene, units, carries_mass), min(2*source%highest, most), more, monitor)
+        call solve_strains(problem_of(scene, units, carries_mass), min(2*source%highest, most), more, monitor, cache)
         extended = more%solved%resolved
         if (.not. extended) return
-        if (allocated(scene%damping)) more%damping = law_of(scene%damping, units)
+        call prepare(scene, units, more)
         source = more
-      type is (tension_source)
-        if (source%highest >= most) return
-        call tension_source_of(pieces_of(scene, units, carries_mass), scene%stiffening%hub_radius/units%length, &
-                               min(2*source%highest, most), more_in_pieces, monitor)
-        extended = more_in_pieces%solved%resolved
-        if (.not. extended) return
-        if (allocated(scene%damping)) more_in_pieces%damping = law_of(scene%damping, units)
-        source = more_in_pieces
       end select
     end subroutine extend
   end subroutine extend_sources

@@ -2,7 +2,7 @@ module bw_case_plan
   !! How many modes of a case are summed: those that a scene counts, or as many as its tolerance takes, of the captured
   !! motion and of the motion after a release. A few modes show the peak that the tolerance is a part of.
   use bw_beam_units, only: beam_units
-  use bw_case_modes, only: extend_sources
+  use bw_case_modes, only: case_mode_cache, extend_sources
   use bw_case_result, only: case_modes, case_plan, release_plan
   use bw_coherence, only: observation_type, seen_from_blow, stretch_type
   use bw_double_double, only: dd, to_dd, operator(*), operator(/)
@@ -34,7 +34,7 @@ module bw_case_plan
 
 contains
 
-  subroutine plan_modes(scene, units, modes, monitor, sources, plan)
+  subroutine plan_modes(scene, units, modes, monitor, sources, plan, cache)
     !! Nothing is planned for modes that are not resolved.
     type(scene_type), intent(in) :: scene          !! without sweeps
     type(beam_units), intent(in) :: units
@@ -42,10 +42,11 @@ contains
     class(monitor_type), intent(inout), target :: monitor   !! nothing is planned where it asks to stop
     type(mode_sources), intent(inout) :: sources   !! of a basis that a tolerance finds too small there will be more modes
     type(case_plan), intent(out) :: plan
+    type(case_mode_cache), intent(inout), optional :: cache   !! absent: no modes are shared
     if (.not. modes%resolved) return
     if (allocated(scene%release)) call plan_release(scene, units, modes%loaded, plan)
     if (by_tolerance(scene%modes)) then
-      call choose_counts(scene, units, modes%loaded, monitor, sources, plan)
+      call choose_counts(scene, units, modes%loaded, monitor, sources, plan, cache)
     else if (allocated(modes%loaded)) then
       plan%count = modes%loaded%count
       if (allocated(plan%release)) plan%release%count = modes%free%count
@@ -69,7 +70,7 @@ contains
     plan%release = release_plan(time)
   end subroutine plan_release
 
-  subroutine choose_counts(scene, units, loaded, monitor, sources, plan)
+  subroutine choose_counts(scene, units, loaded, monitor, sources, plan, cache)
     !! From the tolerance and the peak of the first modes, less what the others may take off it.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
@@ -77,6 +78,7 @@ contains
     class(monitor_type), intent(inout), target :: monitor
     type(mode_sources), intent(inout) :: sources
     type(case_plan), intent(inout) :: plan
+    type(case_mode_cache), intent(inout), optional :: cache
     type(time_grid) :: grid
     real(dp) :: peak
     logical :: extended
@@ -95,7 +97,7 @@ contains
     do
       call choose_within(scene%modes%tolerance*peak, scene, sources, grid, monitor, plan)
       if (plan%reached <= scene%modes%tolerance*peak) exit
-      call extend_sources(scene, units, monitor, sources, extended)
+      call extend_sources(scene, units, monitor, sources, extended, cache)
       if (.not. extended) exit
     end do
     plan%reached = plan%reached/peak

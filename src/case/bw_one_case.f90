@@ -86,7 +86,7 @@ contains
     if (monitor%stop_requested()) return
     call motion%sources%note_failures_in(failure)
     part = part_monitor(monitor, sum(share(:modes_share)), 0.0_dp)          ! how long a plan takes is not known
-    call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan)
+    call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan, cache%modes)
     if (monitor%stop_requested()) return
     call watch%lap(stage_modes)
 

@@ -4,7 +4,7 @@ module bw_absent_of_pieces
   use bw_beam_units, only: beam_units, units_of
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
-  use bw_piece_beam, only: joint_position, piece_beam
+  use bw_piece_beam, only: joint_position, piece_beam, uniform_piece
   use bw_piece_set, only: piece_set
   use bw_piece_source, only: piece_source, source_of_pieces
   use bw_piece_tension, only: tension_in_pieces
@@ -83,37 +83,52 @@ contains
   end function place_shifts
 
   subroutine add_integrals(modes, full, pull, tension, shear)
-    !! By the midpoint rule, in several points of each half wave.
+    !! By the midpoint rule, in several points of each half wave of a mode.
     type(piece_set), intent(in) :: modes
     type(piece_beam), intent(in) :: full                   !! its pieces with compliance and rotary inertia
     real(dp), intent(in) :: pull(:, :)                     !! T = t_0 + t_1x + t_2x² in each piece, (3, pieces)
     real(dp), intent(out) :: tension(:), shear(:)
     integer, parameter :: fewest = 16, of_half_wave = 12   ! points
-    real(dp), dimension(modes%count) :: taken, both, elastic
-    real(dp), allocatable :: state(:, :, :)
-    real(dp) :: inner, length, x
-    integer :: i, j, points
+    real(dp), dimension(modes%count) :: taken, elastic
+    real(dp) :: both, inner
+    integer :: i, k, points
     tension = 0.0_dp
     taken = 0.0_dp
-    both = 0.0_dp
+    both = sum(full%piece%length%hi*full%piece%compliance%hi*full%piece%rotary%hi)
     elastic = max(tiny(1.0_dp), modes%modes%lambda%hi)
     do i = 1, size(full%piece)
       associate (piece => full%piece(i), at => joint_position(full, i - 1))
         inner = at%hi
-        length = piece%length%hi
-        points = fewest + ceiling(of_half_wave*length*maxval(modes%alpha)/acos(-1.0_dp))
-        both = both + length*piece%compliance%hi*piece%rotary%hi
-        state = modes%states(1, modes%count, [(min(1.0_dp, inner + length*(j - 0.5_dp)/points), j=1, points)])
-        do j = 1, points
-          x = (j - 0.5_dp)/points
-          tension = tension + length/points*(pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :, j)**2
-          taken = taken + length/points*(piece%compliance%hi*state(4, :, j)**2/elastic + piece%rotary%hi*state(2, :, j)**2)
+        do k = 1, modes%count
+          points = fewest + ceiling(of_half_wave*piece%length%hi*modes%alpha(k)/acos(-1.0_dp))
+          call add_points(midpoints(points), piece, pull(:, i), k)
         end do
       end associate
     end do
     tension = tension/modes%modal_mass
     taken = 1.0_dp + taken/modes%modal_mass
     shear = elastic*(2.0_dp/(taken + sqrt(max(0.0_dp, taken**2 - 4.0_dp*both*elastic))) - 1.0_dp)
+  contains
+    subroutine add_points(x, piece, pulls, k)
+      !! Mode k over a piece.
+      real(dp), intent(in) :: x(:)                         !! of its length, (points)
+      type(uniform_piece), intent(in) :: piece
+      real(dp), intent(in) :: pulls(3)
+      integer, intent(in) :: k
+      real(dp) :: part, state(4, 1, size(x))
+      state = modes%states(k, k, min(1.0_dp, inner + piece%length%hi*x))
+      part = piece%length%hi/size(x)
+      tension(k) = tension(k) + part*sum((pulls(1) + x*(pulls(2) + x*pulls(3)))*state(2, 1, :)**2)
+      taken(k) = taken(k) + part*sum(piece%compliance%hi*state(4, 1, :)**2/elastic(k) + piece%rotary%hi*state(2, 1, :)**2)
+    end subroutine add_points
   end subroutine add_integrals
+
+  pure function midpoints(number) result(x)
+    !! Of so many equal parts of the length 1.
+    integer, intent(in) :: number
+    real(dp) :: x(number)
+    integer :: i
+    x = [((i - 0.5_dp)/number, i=1, number)]
+  end function midpoints
 
 end module bw_absent_of_pieces

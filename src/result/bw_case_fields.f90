@@ -54,16 +54,25 @@ contains
   pure function all_variables() result(rows)
     !! Every variable that a result may hold of a case, in the order of the file.
     type(result_variable), allocatable :: rows(:)
-    rows = [modal_variables(), impact_variables(), event_variables(), error_variables(), measured_variables(), &
-            history_variables(), record_variables(), count_variables(), event_kinds()]
+    rows = some_variables(.true.)
   end function all_variables
+
+  pure function some_variables(with_record) result(rows)
+    !! The same, with those that only results of records have, or without them: there are many.
+    logical, intent(in) :: with_record
+    type(result_variable), allocatable :: rows(:), of_record(:)
+    allocate (of_record(0))
+    if (with_record) of_record = record_variables()
+    rows = [modal_variables(), impact_variables(), event_variables(), error_variables(), measured_variables(), &
+            history_variables(), of_record, count_variables(), event_kinds()]
+  end function some_variables
 
   pure function variables_of(layout) result(rows)
     !! Those that a result of this layout holds.
     type(result_layout), intent(in) :: layout
     type(result_variable), allocatable :: rows(:)
     integer :: i
-    rows = all_variables()
+    rows = some_variables(layout%of_record)
     rows = pack(rows, [(has(layout, trim(rows(i)%dimensions)) .and. has(layout, trim(rows(i)%needs)), i=1, size(rows))])
     do i = 1, size(rows)
       if (rows(i)%units /= unit_of_sensors) cycle
@@ -188,7 +197,7 @@ contains
     type(result_variable), allocatable :: rows(:)
     type(case_field) :: field
     integer :: n
-    rows = all_variables()
+    rows = some_variables(allocated(result%record))
     field%result_variable = rows(findloc(rows%name == name, .true., dim=1))
     field%along = findloc(dimension_names == field%dimensions, .true., dim=1)
     n = 1

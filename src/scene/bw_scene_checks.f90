@@ -6,7 +6,7 @@ module bw_scene_checks
   use bw_damping_par, only: by_ratio
   use bw_input_name, only: accepted_text, has_word, place_of
   use bw_input_table, only: group_row, group_table, name_table
-  use bw_input_values, only: group_values, position_of
+  use bw_input_values, only: group_values, position_of, positions_of
   use bw_kinds, only: dp, qp
   use bw_scene, only: by_pieces, check_rules, check_rules_together, method_name, scene_type
   use bw_scene_messages, only: check_product, message_list
@@ -175,17 +175,24 @@ contains
     !! Products of masses and frequencies of a beam by pieces leave the range of numbers long before the masses do.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    real(dp), parameter :: heaviest = 1.0e120_dp
-    integer :: g
-    real(dp) :: ratio
-    ratio = 0.0_dp
-    if (allocated(scene%capture)) ratio = scene%impact%mass_ratio
-    if (allocated(scene%bodies)) ratio = max(ratio, maxval(scene%bodies%mass_ratio))
-    if (ratio <= heaviest) return
-    g = max(position_of(scene%groups, 'impact'), 1)
-    call messages%add(scene%groups(g)%line, '&'//trim(scene%groups(g)%group), 'has a mass of '//shortest(ratio, 2)// &
-                      ' of the beam''s; accepted: up to '//shortest(heaviest, 2)//' with shear, bodies or pieces')
+    integer :: i
+    associate (groups => scene%groups, places => positions_of(scene%groups, 'body'))
+      if (allocated(scene%capture)) call check_mass(groups(position_of(groups, 'impact')), scene%impact%mass_ratio, messages)
+      do i = 1, size(places)
+        call check_mass(groups(places(i)), scene%bodies(i)%mass_ratio, messages)
+      end do
+    end associate
   end subroutine check_masses
+
+  pure subroutine check_mass(group, ratio, messages)
+    type(group_values), intent(in) :: group      !! that gives the mass
+    real(dp), intent(in) :: ratio                !! to the beam's
+    type(message_list), intent(inout) :: messages
+    real(dp), parameter :: heaviest = 1.0e120_dp
+    if (ratio <= heaviest) return
+    call messages%add(group%line, '&'//trim(group%group), 'has a mass of '//shortest(ratio, 2)// &
+                      ' of the beam''s; accepted: up to '//shortest(heaviest, 2)//' with shear, bodies or pieces')
+  end subroutine check_mass
 
   pure subroutine check_times(scene, highest, messages)
     !! The scales of the time histories.

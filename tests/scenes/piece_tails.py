@@ -17,7 +17,7 @@ import numpy as np
 from tails import RECORDS, draw_record, log_between
 from workplace import Workplace, group_text
 
-KINDS = ["body inertia", "shear", "soft root", "inboard", "pieces", "pieces with bodies"]
+KINDS = ["body inertia", "shear", "soft root", "inboard", "pieces", "pieces with bodies", "parts apart"]
 FINER = 300  # times, of the tolerance that a run is compared with
 PATIENCE = 60  # seconds for a run; one that takes longer is left out
 ROUNDING = 2e-13  # of the comparison, over the peak
@@ -39,7 +39,8 @@ def unit_time(beam):
 
 def draw(rng, kind, record, most):
     """Groups of a scene without its `&modes`."""
-    beam = pieces(rng, int(rng.integers(2, 4)) if kind.startswith("pieces") else 1)
+    count = int(rng.integers(2, 4)) if kind.startswith("pieces") else int(rng.integers(1, 3)) if kind == "parts apart" else 1
+    beam = pieces(rng, count)
     groups = [("beam", beam)]
     if kind == "soft root":
         groups.append(("support", {"stiffness": log_between(rng, 1e3, 1e9), "rotational_stiffness": log_between(rng, 1e2, 1e7)}))
@@ -47,6 +48,9 @@ def draw(rng, kind, record, most):
         for _ in range(int(rng.integers(1, 3))):
             groups.append(("body", {"position": float(rng.uniform(0.1, 1)), "mass_ratio": log_between(rng, 0.01, 3),
                                     "rotary_inertia": float(rng.choice([0.0, log_between(rng, 1e-5, 1e-2)]))}))
+    if kind == "parts apart":  # by a body that turns with difficulty; hardly anything gets behind it
+        body = {"position": float(rng.uniform(0.3, 0.8)), "mass_ratio": log_between(rng, 0.3, 5), "rotary_inertia": log_between(rng, 1e-3, 0.1)}
+        groups.append(("body", body))
     if kind == "shear":
         groups.append(("shear", {}))
     duration, samples, points = draw_record(rng, record, most)
@@ -59,6 +63,8 @@ def draw(rng, kind, record, most):
             position = float(rng.choice([0.5, 0.25, 0.75, 1 / 3, 2 / 3, 0.8]))
         if rng.random() < 0.5:
             points[0] = position
+    if kind == "parts apart":
+        points[0] = body["position"] * float(rng.uniform(0.2, 0.9))
     groups.append(("impact", {"mass_ratio": log_between(rng, 0.01, 10), "position": position}))
     groups.append(("capture", {"rotary_inertia": log_between(rng, 1e-6, 1e-2)} if kind == "body inertia" else {}))
     response = {"duration": float(duration * unit_time(beam)), "samples": samples, "points": points, "velocity": True}

@@ -26,7 +26,7 @@ ABSENT = {
         *("bw_piece_beam", "bw_scene_pieces", "bw_piece_source", "bw_piece_set"),
         *("bw_mode_search", "bw_mode_probe", "bw_tip_phase"),
     ],
-    "Galerkin": ["bw_galerkin", "bw_galerkin_set", "bw_galerkin_source", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
+    "Galerkin": ["bw_galerkin", "bw_galerkin_set", "bw_strain_source", "bw_strain_basis", "bw_strain_system", "bw_strain_modes"],
 }
 COMMON = ["bw_beam_units", "bw_rotation", "bw_beam_operator"]
 HINT = ("__bw_absent_effects_MOD_", "__bw_absent_return_MOD_", "__bw_shear_par_MOD_")  # the line of the report that names what was left out

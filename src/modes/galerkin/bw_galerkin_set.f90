@@ -24,6 +24,7 @@ module bw_galerkin_set
     real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, of modes of mass 1, (unknowns, n)
     type(tip_body) :: body
   contains
+    procedure :: choose => choose_modes
     procedure :: some_shapes => galerkin_shapes
     procedure :: some_curvatures => galerkin_curvatures
     procedure :: overlap_with_mass
@@ -34,6 +35,20 @@ module bw_galerkin_set
   end type galerkin_set
 
 contains
+
+  subroutine choose_modes(self, number, chosen)
+    class(galerkin_set), intent(in) :: self
+    integer, intent(in) :: number(:)
+    class(strain_set), allocatable, intent(out) :: chosen
+    type(galerkin_set), allocatable :: found
+    allocate (found)
+    call found%take_numbers(self, number)
+    found%body = self%body
+    found%deflection = self%deflection(:, number)
+    found%strain = self%strain(:, number)
+    if (allocated(self%turning)) found%turning = self%turning(:, number)
+    call move_alloc(found, chosen)
+  end subroutine choose_modes
 
   pure function galerkin_shapes(self, first, last, xi) result(values)
     !! Φ_k(ξ): exactly 0 at the root, exactly `tip` at the tip.

@@ -14,11 +14,21 @@ module bw_strain_set
     real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
   contains
     procedure :: take_numbers
+    procedure(chosen_interface), deferred :: choose
     procedure(works_interface), deferred :: works
     procedure :: coupling
   end type strain_set
 
   abstract interface
+    subroutine chosen_interface(self, number, chosen)
+      !! Take some of these modes, undamped.
+      import :: strain_set
+      implicit none (type, external)
+      class(strain_set), intent(in) :: self
+      integer, intent(in) :: number(:)             !! of the modes, ascending
+      class(strain_set), allocatable, intent(out) :: chosen
+    end subroutine chosen_interface
+
     pure function works_interface(self) result(works)
       !! The work of the elastic forces of each mode in each, of modes of mass 1, (n, n).
       import :: strain_set, dp

@@ -21,6 +21,7 @@ module bw_tension_set
     real(dp) :: body_inertia = 0.0_dp              !! J of the body that has been captured there
     real(dp) :: body_pull = 0.0_dp                 !! Ω²γ(ξ₀ + R): tension that its mass brings into the beam inside of it
   contains
+    procedure :: choose => choose_modes
     procedure :: some_shapes => tension_shapes
     procedure :: some_curvatures => tension_curvatures
     procedure :: overlap_with_mass
@@ -31,6 +32,30 @@ module bw_tension_set
   end type tension_set
 
 contains
+
+  subroutine choose_modes(self, number, chosen)
+    class(tension_set), intent(in) :: self
+    integer, intent(in) :: number(:)
+    class(strain_set), allocatable, intent(out) :: chosen
+    type(tension_set), allocatable :: found
+    integer :: i
+    allocate (found)
+    call found%take_numbers(self, number)
+    found%beam = self%beam
+    found%struck_joint = self%struck_joint
+    found%body_inertia = self%body_inertia
+    found%body_pull = self%body_pull
+    allocate (found%piece(size(self%piece)))
+    allocate (found%deflection(0:size(self%piece), size(number)), source=self%deflection(:, number))
+    allocate (found%turning(0:size(self%piece), size(number)), source=self%turning(:, number))
+    do i = 1, size(self%piece)
+      associate (piece => self%piece(i))
+        found%piece(i) = piece_motions(piece%strain(:, number), piece%turning(:, number), piece%slope(:, number), &
+                                       piece%deflection(:, number))
+      end associate
+    end do
+    call move_alloc(found, chosen)
+  end subroutine choose_modes
 
   pure function tension_shapes(self, first, last, xi) result(values)
     !! At joints their own deflections.

@@ -90,7 +90,7 @@ contains
     integer, intent(inout) :: digits
     integer :: digit
     do while (at <= last)
-      digit = bytes(at) - zero
+      digit = int(bytes(at)) - zero            ! bytes above 127 are negative
       if (digit < 0 .or. digit > 9) return
       at = at + 1
       if (digits == 0 .and. digit == 0) cycle

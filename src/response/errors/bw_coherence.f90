@@ -26,8 +26,7 @@ module bw_coherence
   public :: combined, from_tip, largest, path_to, seen_from_blow
 
   real(dp), parameter :: chord = 0.5_dp
-    !! of A/√ε. The longest chord is 0.83, but at most points only one of the two waves of each mode is near its fraction:
-    !! 28000 sums over random and commensurable samples asked for less
+    !! of A/√ε: 28000 sums asked for less. The longest chord is 0.83, but mostly one of a mode's two waves is near its fraction
   real(dp), parameter :: random = 3.6_dp         !! of √(½ΣA²)
   real(dp), parameter :: passage = 0.5_dp        !! of A√(α/d): 1.17/√(2π) where amplitudes do not fall
   real(dp), parameter :: apart = 2.0_dp          !! times Σ|A|/A: modes that may agree
@@ -43,8 +42,7 @@ module bw_coherence
 
   type, public :: stretch_type
     !! Samples of a part of a history, times in l²/h from the start of the motion.
-    real(dp) :: start = 0.0_dp
-      !! the first sample: one step after the blow, when nothing has moved yet, or any time after a release
+    real(dp) :: start = 0.0_dp                   !! the first sample: one step after the blow, or any time after a release
     real(dp) :: end = 0.0_dp                     !! a step after the last
     real(dp) :: step = 0.0_dp                    !! from sample to sample
   end type stretch_type
@@ -65,6 +63,7 @@ module bw_coherence
     real(dp) :: alpha = huge(1.0_dp)             !! of that mode
     real(dp) :: growing = 0.0_dp                 !! the largest value of what grows, or creeps back
     real(dp) :: agreeing = 0.0_dp                !! Σ|A| of modes whose phases may agree at any sample
+    real(dp) :: paired = 0.0_dp                  !! what pairs of modes may add that none of those that were looked at shows
   end type deviation_type
 
   type, public :: path_type
@@ -105,6 +104,7 @@ contains
     both%alpha = min(sums%alpha, others%alpha)
     both%growing = sums%growing + others%growing
     both%agreeing = sums%agreeing + others%agreeing
+    both%paired = sums%paired + others%paired
   end function combined
 
   elemental type(path_type) function from_tip(xi) result(path)
@@ -130,7 +130,7 @@ contains
     logical, intent(in) :: quadratic             !! phases are quadratic in the mode's number; else nothing is known of them
     real(dp) :: first
     integer :: families
-    motion = sums%growing
+    motion = sums%growing + sums%paired
     if (sums%largest <= 0.0_dp) return
     first = first_passage(sums, path, stretch)
     families = families_of(path, sums%alpha)

@@ -9,6 +9,7 @@ module bw_release_error
   !! all its modes, low ones too. That is why this error falls only as n^(−3/2). The state of four times the modes just after
   !! the release is found in the same way, and the amplitudes of its difference add up as those of bw_tail do. Where there are
   !! no more modes, what the tip's velocity lacks is judged without them (bw_tip_remainder).
+  use bw_amplitudes, only: add_amplitudes, moving_modes
   use bw_coherence, only: combined, deviation_type, largest, observation_type, path_to, path_type
   use bw_double_double, only: dd
   use bw_kinds, only: dp
@@ -17,7 +18,7 @@ module bw_release_error
   use bw_reach, only: amplitude_of, turns
   use bw_release, only: tip_remainder
   use bw_segment, only: move, segment_type
-  use bw_tail, only: add_amplitudes, add_tail, may_agree, moving_modes, negligible, sample_window
+  use bw_tail, only: add_tail, may_agree, negligible, sample_window
   use bw_tip_remainder, only: find_tip_remainder
   implicit none (type, external)
   private

@@ -4,7 +4,8 @@ module bw_tail
   !! The sums run over windows of mode numbers that double in length, each sampled by runs of neighbouring modes, since the
   !! shapes at a point repeat every few modes. The runs lie as the nodes of a Lobatto rule, the ends of the window among them,
   !! and integrate cubics over it.
-  use bw_coherence, only: deviation_type, observation_type, path_to, path_type, pinned
+  use bw_amplitudes, only: add_amplitudes, moving_modes, run_length
+  use bw_coherence, only: deviation_type, observation_type, pinned
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
@@ -12,11 +13,10 @@ module bw_tail
   use bw_reach, only: damped_reach, turns, undamped_reaches
   implicit none (type, external)
   private
-  public :: add_amplitudes, add_modes, add_tail, may_agree, sample_window
+  public :: add_modes, add_tail, may_agree, sample_window
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter :: mean = 2.0_dp/pi         !! of |cos|
-  integer, parameter :: runs = 4, run_length = 16 !! sampled modes of a window
+  integer, parameter :: runs = 4                  !! of neighbours that are sampled of a window
   integer, parameter :: short_runs(2) = [12, 8]   !! of the first window and of others, where modes take long and sections are even
   real(dp), parameter :: nodes(runs) = [-1.0_dp, -sqrt(0.2_dp), sqrt(0.2_dp), 1.0_dp]
   integer, parameter :: part = 1024               !! modes whose shapes are held at a time
@@ -29,19 +29,6 @@ module bw_tail
     !! the same of ΣA² of velocities, whose Σ|A| has no bound: after some thirty times the modes
   real(dp), parameter :: unseen = 0.01_dp
     !! of a sampled window: the rule is off by less in the steepest, and what ends the sum is less again
-
-  type, public :: moving_modes
-    !! How some modes move.
-    real(dp), allocatable :: reach(:)             !! how far, where the shape is 1, (modes)
-    real(dp), allocatable :: alpha(:)             !! wave number times length, (modes)
-    real(dp), allocatable :: tip(:)               !! |Φ(ξ₀)|, (modes)
-    logical, allocatable :: swings(:)             !! its sign is as good as random, (modes)
-    logical, allocatable :: agrees(:)             !! but may be that of all others at once, (modes)
-    real(dp) :: struck_at = 1.0_dp                !! ξ₀
-    logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
-    logical :: clamped = .true.                   !! the root is
-    integer :: run = run_length                   !! of neighbours among them
-  end type moving_modes
 
 contains
 
@@ -101,6 +88,7 @@ contains
     octave%magnitude = sums%magnitude - before%magnitude
     octave%square = sums%square - before%square
     octave%agreeing = sums%agreeing - before%agreeing
+    octave%paired = sums%paired - before%paired
   end function less
 
   pure logical function adds_nothing(before, sums, velocity, nothing)
@@ -160,10 +148,10 @@ contains
     if (present(shown)) then
       call source%find(number, modes)
       call shown%find(number, others)
-      call add_modes(others, force*modes%struck/modes%modal_mass, seen, weight, sums)
+      call add_modes(others, force*modes%struck/modes%modal_mass, seen, weight, sums, may_pair(source, weight))
     else if (allocated(source%damping)) then
       call source%find(number, modes)
-      call add_modes(modes, force*modes%struck/modes%modal_mass, seen, weight, sums)
+      call add_modes(modes, force*modes%struck/modes%modal_mass, seen, weight, sums, may_pair(source, weight))
     else
       call add_terms(source, force, number, run, seen, weight, sums)
     end if
@@ -180,8 +168,19 @@ contains
     type(deviation_type), intent(inout) :: sums(:)
     type(moving_modes) :: moving
     type(dd) :: beta(size(number))
-    real(dp) :: drive(size(number)), shapes(size(number), size(seen%points))
-    call source%terms(number, seen%points, beta=beta, drive=drive, shapes=shapes)
+    real(dp) :: drive(size(number))
+    real(dp), allocatable :: shapes(:, :)
+    integer :: n
+    n = size(seen%points)
+    if (may_pair(source, weight)) then
+      allocate (shapes(size(number), n + 1))
+      call source%terms(number, [seen%points, source%struck_at], beta=beta, drive=drive, shapes=shapes)
+      moving%mass = spread(huge(1.0_dp), 1, size(number))          ! of what does not move where the mass strikes
+      where (shapes(:, n + 1) /= 0.0_dp .and. drive /= 0.0_dp) moving%mass = shapes(:, n + 1)/drive
+    else
+      allocate (shapes(size(number), n))
+      call source%terms(number, seen%points, beta=beta, drive=drive, shapes=shapes)
+    end if
     moving%reach = undamped_reaches(beta%hi, seen%stretch%end, seen%velocity)*abs(force*drive)
     moving%alpha = pi*number
     moving%tip = abs(drive)
@@ -191,8 +190,15 @@ contains
     moving%uniform = source%uniform
     moving%clamped = source%clamped
     moving%run = run
-    call add_amplitudes(moving, shapes, seen, weight, sums)
+    call add_amplitudes(moving, shapes(:, :n), seen, weight, sums)
   end subroutine add_terms
+
+  pure logical function may_pair(source, weight)
+    !! Whether modes that are not looked at may be pairs of parts of the beam (`add_pairs`).
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: weight(:)             !! of those that are looked at
+    may_pair = .not. source%uniform .and. any(weight > 1.0_dp)
+  end function may_pair
 
   elemental subroutine extrapolate(decay_of_displacement, ratio, window, velocity, at_struck, sums)
     !! The modes beyond the highest that were looked at, as the last window of those tells. Velocities fall as 1/k, whose
@@ -213,6 +219,7 @@ contains
     sums%square = sums%square + window%square/(ratio**(2.0_dp*decay - 1.0_dp) - 1.0_dp)
     sums%magnitude = sums%magnitude + times*window%magnitude
     sums%agreeing = sums%agreeing + times*window%agreeing
+    sums%paired = sums%paired + window%paired/(ratio**decay - 1.0_dp)
     sums%largest = max(sums%largest, window%largest)
     sums%passing = max(sums%passing, window%passing)
     sums%alpha = min(sums%alpha, window%alpha)
@@ -248,13 +255,14 @@ contains
     end do
   end subroutine sample_window
 
-  pure subroutine add_modes(modes, rate, seen, weight, sums)
+  pure subroutine add_modes(modes, rate, seen, weight, sums, pairs)
     !! Amplitudes of modes that start with velocity `rate`.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)               !! (modes)
     type(observation_type), intent(in) :: seen
     real(dp), intent(in) :: weight(:)             !! for how many modes each stands, (modes)
     type(deviation_type), intent(inout) :: sums(:)
+    logical, intent(in), optional :: pairs        !! modes between them may be pairs of parts of the beam; absent: there are none
     type(moving_modes) :: moving
     integer :: first, last
     moving%struck_at = modes%struck_at
@@ -275,57 +283,12 @@ contains
             *undamped_reaches(sign(sqrt(abs(square%hi)), square%hi), seen%stretch%end, seen%velocity)
         end if
       end associate
+      if (present(pairs)) then
+        if (pairs) moving%mass = modes%modal_mass(first:last)
+      end if
       call add_amplitudes(moving, modes%some_shapes(first, last, seen%points), seen, weight(first:last), sums)
     end do
   end subroutine add_modes
-
-  pure subroutine add_amplitudes(moving, shapes, seen, weight, sums)
-    !! Add how far modes that move may carry each point over a stretch of the record, one mode after the other.
-    type(moving_modes), intent(in) :: moving
-    real(dp), intent(in) :: shapes(:, :)          !! (modes, points)
-    type(observation_type), intent(in) :: seen
-    real(dp), intent(in) :: weight(:)             !! (modes)
-    type(deviation_type), intent(inout) :: sums(:)
-    type(deviation_type) :: sum                   ! in registers
-    type(path_type) :: path
-    real(dp), parameter :: at_free_end = 2.0_dp   ! a bound of |Φ(ξ)| of any beam, nearly
-    real(dp) :: amplitude, bound, distance, peak
-    logical :: slow
-    integer :: k, p
-    do p = 1, size(sums)
-      path = path_to(seen%points(p), moving%struck_at, moving%uniform, 0.0_dp)
-      distance = path%distance
-      slow = moving%run*min(seen%points(p), 1.0_dp - seen%points(p), distance) < 1.0_dp .and. seen%points(p) < 1.0_dp
-      if (.not. moving%uniform) slow = slow .and. seen%points(p) /= moving%struck_at
-      sum = sums(p)
-      do k = 1, size(moving%reach)
-        amplitude = moving%reach(k)*abs(shapes(k, p))
-        peak = amplitude
-        if (slow .and. weight(k) > 1.0_dp) then
-          bound = at_free_end
-          if (moving%clamped) bound = at_free_end*min(1.0_dp, (moving%alpha(k)*seen%points(p))**2)
-          if (moving%uniform) bound = largest_shape(seen%points(p), moving%alpha(k), moving%tip(k))
-          peak = max(amplitude, moving%reach(k)*bound)
-          amplitude = max(amplitude, mean*peak)
-        end if
-        if (moving%swings(k)) then
-          sum%magnitude = sum%magnitude + weight(k)*amplitude
-          sum%square = sum%square + weight(k)*amplitude**2
-          if (moving%agrees(k)) sum%agreeing = sum%agreeing + weight(k)*amplitude
-          if (peak > sum%largest) then
-            sum%largest = peak
-            sum%alpha = moving%alpha(k)
-          end if
-          if (2.0_dp*moving%alpha(k)*seen%stretch%end >= distance) then      ! at the group velocity
-            sum%passing = max(sum%passing, peak*sqrt(moving%alpha(k)/distance))
-          end if
-        else
-          sum%growing = sum%growing + weight(k)*amplitude
-        end if
-      end do
-      sums(p) = sum
-    end do
-  end subroutine add_amplitudes
 
   elemental logical function may_agree(alpha, from, velocity)
     !! Bending waves do so too rarely to say it of every velocity.
@@ -334,17 +297,5 @@ contains
     logical, intent(in) :: velocity
     may_agree = alpha >= from .and. .not. (velocity .and. from == 0.0_dp)
   end function may_agree
-
-  elemental real(dp) function largest_shape(xi, alpha, tip) result(shape)
-    !! A bound of |Φ(ξ)| near one end of the beam, where a run of modes does not see how far its shapes go: √2 and what the
-    !! end adds, and nearer to the end the first term of Taylor's series.
-    real(dp), intent(in) :: xi, alpha
-    real(dp), intent(in) :: tip                   !! |Φ(1)|
-    if (xi < 0.5_dp) then
-      shape = min(1.6_dp, (alpha*xi)**2)
-    else
-      shape = min(sqrt(2.0_dp) + 0.5_dp*tip, tip + sqrt(2.0_dp)*alpha*(1.0_dp - xi))
-    end if
-  end function largest_shape
 
 end module bw_tail

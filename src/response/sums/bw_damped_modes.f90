@@ -73,12 +73,21 @@ contains
       call find_exponentials(beta_squared, c, q, q_dot, square, near, grid, list)
       do first = 1, size(list%mode), batch
         last = min(first + batch - 1, size(list%mode))
-        call add_exponentials(part_of(list, first, last), motion%shapes, grid, displacement, velocity)
+        if (present(velocity)) then
+          call add_exponentials(part_of(list, first, last), motion%shapes, grid, displacement, velocity)
+        else
+          call add_exponentials(part_of(list, first, last), motion%shapes, grid, displacement)
+        end if
         call monitor%advance(real(last, dp)/size(list%mode))
         if (monitor%stop_requested()) return
       end do
       do k = 1, size(q)
-        if (near(k)) call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement, velocity)
+        if (.not. near(k)) cycle
+        if (present(velocity)) then
+          call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement, velocity)
+        else
+          call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement)
+        end if
       end do
     end associate
   end subroutine add_damped_modes

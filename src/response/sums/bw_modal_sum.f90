@@ -52,7 +52,11 @@ contains
     do k = 1, size(q), batch
       last = min(k + batch - 1, size(q))
       part = part_monitor(monitor, (k - 1.0_dp)/size(q), (last - k + 1.0_dp)/size(q))
-      call add_batch(sqrt(beta_squared(k:last)), q(k:last), q_dot(k:last), shapes(k:last, :), grid, part, displacement, velocity)
+      if (present(velocity)) then
+        call add_batch(sqrt(beta_squared(k:last)), q(k:last), q_dot(k:last), shapes(k:last, :), grid, part, displacement, velocity)
+      else
+        call add_batch(sqrt(beta_squared(k:last)), q(k:last), q_dot(k:last), shapes(k:last, :), grid, part, displacement)
+      end if
       if (monitor%stop_requested()) return
     end do
     displacement(1, :) = start            ! to the last digit: of a beam at rest position zero

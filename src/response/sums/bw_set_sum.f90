@@ -46,25 +46,27 @@ contains
     real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
     type(nonuniform_sum), intent(inout), optional :: workspace    !! as that of `free_motion`
     type(nonuniform_sum) :: own
+    real(dp), allocatable :: q(:)
+    allocate (q(modes%count), source=0.0_dp)
+    if (present(displaced)) q = displaced
     if (allocated(modes%damping)) then
-      call add_damped(modes, displaced, rate, monitor, response)
+      call add_damped(modes, q, rate, monitor, response)
       response%sum_error = response%sum_error + error_of_sum(sum_choice(), response%sampling%grid%samples)
     else
       if (present(workspace)) then
-        call add_stable(modes, displaced, rate, monitor, workspace, response)
+        call add_stable(modes, q, rate, monitor, workspace, response)
       else
-        call add_stable(modes, displaced, rate, monitor, own, response)
+        call add_stable(modes, q, rate, monitor, own, response)
       end if
-      call add_growing(modes, displaced, rate, monitor, response)
+      call add_growing(modes, q, rate, monitor, response)
     end if
   end subroutine add_motion
 
-  subroutine add_stable(modes, displaced, rate, monitor, workspace, response)
+  subroutine add_stable(modes, q, rate, monitor, workspace, response)
     !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
     !! products, whose error follows its motion and not its amplitude.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in), optional :: displaced(:)
-    real(dp), intent(in) :: rate(:)
+    real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(inout) :: response
@@ -77,22 +79,21 @@ contains
     response%sum_error = response%sum_error + error_of_sum(choice, response%sampling%grid%samples)
     if (choice%transform) then
       response%transformed = response%transformed + count(turns)
-      call add_transformed(modes, turns, choice, displaced, rate, monitor, workspace, response)
+      call add_transformed(modes, turns, choice, q, rate, monitor, workspace, response)
       if (monitor%stop_requested()) return
       others = modes%beta_squared%hi > 0.0_dp .and. .not. turns
       part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! of few modes
     else
       others = modes%beta_squared%hi > 0.0_dp
     end if
-    if (any(others)) call add_products(modes, others, displaced, rate, part, response)
+    if (any(others)) call add_products(modes, others, q, rate, part, response)
   end subroutine add_stable
 
-  subroutine add_products(modes, chosen, displaced, rate, monitor, response)
+  subroutine add_products(modes, chosen, q, rate, monitor, response)
     !! Some of the modes, by products of matrices.
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: chosen(:)             !! (modes)
-    real(dp), intent(in), optional :: displaced(:)
-    real(dp), intent(in) :: rate(:)
+    real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response
     type(part_monitor) :: part
@@ -105,20 +106,19 @@ contains
       if (size(k) == 0) cycle
       part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
       associate (shapes => modes%some_shapes(k(1), k(size(k)), response%sampling%points))
-        call add_stable_modes(modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), &
+        call add_stable_modes(modes%beta_squared(k), q(k), rate(k), shapes(k - k(1) + 1, :), &
                               response%sampling%grid, part, response%displacement, response%velocity)
       end associate
       if (monitor%stop_requested()) return
     end do
   end subroutine add_products
 
-  subroutine add_transformed(modes, chosen, choice, displaced, rate, monitor, workspace, response)
+  subroutine add_transformed(modes, chosen, choice, q, rate, monitor, workspace, response)
     !! Some of the modes, by the transform; shapes are found for some modes and points at a time.
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: chosen(:)             !! (modes)
     type(sum_choice), intent(in) :: choice
-    real(dp), intent(in), optional :: displaced(:)
-    real(dp), intent(in) :: rate(:)
+    real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(inout) :: response
@@ -126,8 +126,7 @@ contains
     integer, allocatable :: k(:)
     integer :: e, first, last, p, group
     logical :: moved
-    moved = .false.
-    if (present(displaced)) moved = any(displaced /= 0.0_dp)
+    moved = any(q /= 0.0_dp)
     associate (points => response%sampling%points, grid => response%sampling%grid, with_velocity => allocated(response%velocity))
       group = points_at_once(choice%half, grid%samples, size(points), merge(2, 1, with_velocity)*merge(2, 1, moved))
       allocate (shapes(batch, group))
@@ -140,7 +139,7 @@ contains
           if (size(k) == 0) cycle
           shapes(:k(size(k)) - k(1) + 1, :e - p + 1) = modes%some_shapes(k(1), k(size(k)), points(p:e))
           if (moved) then
-            call workspace%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), displaced(k))
+            call workspace%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), q(k))
           else
             call workspace%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1))
           end if
@@ -157,11 +156,10 @@ contains
     call workspace%shrink()
   end subroutine add_transformed
 
-  subroutine add_damped(modes, displaced, rate, monitor, response)
+  subroutine add_damped(modes, q, rate, monitor, response)
     !! Damped modes.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in), optional :: displaced(:)
-    real(dp), intent(in) :: rate(:)
+    real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response
     type(part_monitor) :: part
@@ -172,7 +170,7 @@ contains
       last = min(first + n - 1, modes%count)
       k = numbers_between(first, last)
       part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
-      call add_damped_batch(first, damped_motion(modes%beta_squared(k), modes%damping(k), state_of(k, displaced), rate(k), &
+      call add_damped_batch(first, damped_motion(modes%beta_squared(k), modes%damping(k), q(k), rate(k), &
                                                  modes%some_shapes(first, last, response%sampling%points)), part, response)
       if (monitor%stop_requested()) return
     end do
@@ -204,11 +202,10 @@ contains
     if (allocated(response%velocity)) response%velocity(1, :) = start_rate
   end subroutine add_damped_batch
 
-  subroutine add_growing(modes, displaced, rate, monitor, response)
+  subroutine add_growing(modes, q, rate, monitor, response)
     !! Modes at or beyond their critical speed.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in), optional :: displaced(:)
-    real(dp), intent(in) :: rate(:)
+    real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     real(dp), allocatable :: shapes(:, :)
@@ -216,7 +213,7 @@ contains
     if (.not. any(modes%beta_squared%hi <= 0.0_dp)) return
     k = numbers_of(modes%beta_squared%hi <= 0.0_dp)
     shapes = modes%some_shapes(k(1), k(size(k)), response%sampling%points)
-    call add_growing_batch(k, modes%beta_squared(k), state_of(k, displaced), rate(k), shapes(k - k(1) + 1, :), monitor, response)
+    call add_growing_batch(k, modes%beta_squared(k), q(k), rate(k), shapes(k - k(1) + 1, :), monitor, response)
   end subroutine add_growing
 
   subroutine add_growing_batch(number, beta_squared, q, rate, shapes, monitor, response)
@@ -250,15 +247,6 @@ contains
     integer, intent(in) :: points                !! how many
     modes = max(batch, most_numbers/max(64, points))
   end function modes_at_once
-
-  pure function state_of(k, displaced) result(q)
-    !! Modal displacements of some modes at t = 0.
-    integer, intent(in) :: k(:)
-    real(dp), intent(in), optional :: displaced(:)   !! of all; absent: none are displaced
-    real(dp) :: q(size(k))
-    q = 0.0_dp
-    if (present(displaced)) q = displaced(k)
-  end function state_of
 
   pure function numbers_between(first, last) result(k)
     !! first, first + 1, … last.
