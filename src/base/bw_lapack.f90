@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: dgemm, dtrsm
-  public :: dpotrf, dpotri, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dpotri, dgeqp3, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -61,6 +61,16 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
       integer, intent(out) :: info
     end subroutine dgeqrf
+
+    subroutine dgeqp3(m, n, a, lda, jpvt, tau, work, lwork, info)
+      !! A(:, jpvt) = QR with pivoting of columns: the diagonal of R falls, Q as that of dgeqrf.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: m, n, lda, lwork
+      real(dp), intent(inout) :: a(lda, *), tau(*), work(*)
+      integer, intent(inout) :: jpvt(*)                    ! 0: free to be moved
+      integer, intent(out) :: info
+    end subroutine dgeqp3
 
     subroutine dsygv(itype, jobz, uplo, n, a, lda, b, ldb, w, work, lwork, info)
       !! Eigenvalues and vectors of A x = w B x, both symmetric, B positive definite.

@@ -62,8 +62,9 @@ contains
     if (.not. allocated(scene%unknowns)) return
     do i = 1, size(scene%unknowns)
       associate (unknown => scene%unknowns(i))
-        call lines%append_line('  unknown    '//unknown%parameter//', '//shortest(unknown%first, 6)//' to '// &
-                               shortest(unknown%last, 6)//' '//unknown%unit)
+        call lines%append('  unknown    '//unknown%parameter//', '//shortest(unknown%first, 6)//' to '//shortest(unknown%last, 6))
+        if (unknown%unit /= '1') call lines%append(' '//unknown%unit)
+        call lines%append_line('')
       end associate
     end do
   end subroutine put_unknowns

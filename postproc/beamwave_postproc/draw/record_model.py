@@ -111,9 +111,17 @@ def _text(value: object) -> str:
 def _name(ds: xr.Dataset, i: int) -> str:
     """Number, name, value and interval of an unknown."""
     name, unit = (_text(ds[f"identified_{word}"].values[i]) for word in ("parameter", "unit"))
-    value, low, high = (number_text(float(ds[f"identified{end}"].values[i])) for end in ("", "_low", "_high"))
+    numbers = [float(ds[f"identified{end}"].values[i]) for end in ("", "_low", "_high")]
+    value, low, high = (number_text(number, _digits(number, numbers[2] - numbers[1])) for number in numbers)
     unit = "" if unit == "1" else f" {unit}"
     return f"{i + 1}  {name}\n{value} ({low} … {high}){unit}"
+
+
+def _digits(number: float, width: float) -> int:
+    """How many digits of a number an interval of this width tells, two of its own at least."""
+    if not (width > 0.0 and np.isfinite(number) and number != 0.0):
+        return 15
+    return max(2, min(15, 3 + int(np.floor(np.log10(abs(number))) - np.floor(np.log10(width)))))
 
 
 def _draw_interval(axes: Axes, ds: xr.Dataset, i: int) -> None:

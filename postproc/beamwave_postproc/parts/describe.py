@@ -28,11 +28,28 @@ def file_of(ds: xr.Dataset) -> str:
 
 
 def description_of(ds: xr.Dataset) -> str:
-    """Beam, effects and inputs of a result in one line, groups apart by semicolons, and its file."""
+    """Beam, effects and inputs of a result in one line, groups apart by semicolons, and its file.
+
+    Inputs that were identified are not told: what the scene gives for them is where a search began.
+    """
+    ds = _without_unknowns(ds)
     beam = _group(ds, "beam")
     effects = [_bodies(ds) if name == "body" else _group(ds, name) for name in effects_of(ds)]
     groups = ["" if beam == "beam" else beam, *effects, _modes(ds)]
     return "; ".join(filter(None, [*groups, file_of(ds)]))
+
+
+def _without_unknowns(ds: xr.Dataset) -> xr.Dataset:
+    """The same without the numbers that were identified; of several bodies those of the others stay."""
+    for parameter in ds["identified_parameter"].values if "identified_parameter" in ds else []:
+        name = parameter.decode() if isinstance(parameter, bytes) else str(parameter)
+        group, number, value = re.fullmatch(r"(\w+)(?:\((\d+)\))?%(\w+)", name.strip()).groups()
+        variable = f"{group}_{value}"
+        if number and variable in ds:
+            ds = ds.assign({variable: ds[variable].where(np.arange(ds.sizes[group]) != int(number) - 1)})
+        else:
+            ds = ds.drop_vars(variable, errors="ignore")
+    return ds
 
 
 def effects_of(ds: xr.Dataset) -> list[str]:

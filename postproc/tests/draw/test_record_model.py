@@ -59,6 +59,34 @@ def test_intervals_lie_in_their_ranges_by_logarithms_over_decades(held):
     assert [text.get_text() for text in right.texts] == ["1.00", "-0.90", "-0.90", "1.00"]
 
 
+def test_numbers_have_the_digits_that_their_intervals_tell(held):
+    left, _ = identified(held).axes
+    assert [label.get_text().splitlines()[1] for label in left.get_yticklabels()] == [
+        "7e10 (6.9e10 … 7.1e10) Pa",
+        "10000 (1000 … 100000) N m-1",
+    ]
+    sharp = held.assign(
+        identified=("unknown", [6.98765432e10, 0.5]),
+        identified_low=("unknown", [6.98765e10, 0.4]),
+        identified_high=("unknown", [6.98767e10, 0.6]),
+        identified_unit=("unknown", ["Pa", "1"]),
+    )
+    labels = [label.get_text().splitlines()[1] for label in identified(sharp).axes[0].get_yticklabels()]
+    assert labels == ["6.9876543e10 (6.98765e10 … 6.98767e10) Pa", "0.5 (0.4 … 0.6)"]
+
+
+def test_the_head_does_not_tell_where_a_search_began(held):
+    scene = held.assign(
+        beam_length=((), 0.5, {"units": "m"}), beam_youngs_modulus=((), 6.5e10, {"units": "Pa"}),
+        body_mass=("body", [0.3, 0.4], {"units": "kg"}), body_position=("body", [0.5, 1.0], {"units": "1"}),
+        identified_parameter=("unknown", ["beam%youngs_modulus", "body(2)%mass"]),
+    )  # fmt: skip
+    scene.attrs["effects"] = "beam body"
+    head = " ".join(text.get_text() for text in identified(scene).texts)
+    assert "0.5\u00a0m" in head and "0.3\u00a0kg" in head
+    assert "GPa" not in head and "0.4\u00a0kg" not in head
+
+
 def test_without_a_model_there_is_nothing_to_draw(held):
     with pytest.raises(NothingToDraw):
         record_model(held.drop_vars("modelled_angular_frequency"))

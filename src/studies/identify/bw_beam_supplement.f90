@@ -169,7 +169,7 @@ contains
         if (.not. misfit%tail < unlikely) cycle
         found%fit%mode_of = state%mode_of
         call find_mends(set%measured(c:c), found, mends)
-        call report_mends(mends, lines)
+        call report_mends(mends, misfit%scatter, lines)
       end associate
     end do
   end subroutine compare
@@ -229,7 +229,7 @@ contains
     end do
     if (.not. found%explained) then
       call find_mends(set%measured, found, mends)
-      call report_mends(mends, lines)
+      call report_mends(mends, found%fit%scatter, lines)
     end if
     findings%found = found
   end subroutine identify_beam

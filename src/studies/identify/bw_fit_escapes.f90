@@ -4,9 +4,11 @@ module bw_fit_escapes
   use bw_fit_problem, only: fit_problem, position_in
   use bw_fit_search, only: fit_type, place, polish
   use bw_kinds, only: dp
+  use bw_lapack, only: dgeqp3, dormqr
   implicit none (type, external)
   private
   public :: fit_with_one_held, fit_without_lines
+  public :: leverages                                ! for its own test
 
 contains
 
@@ -97,27 +99,30 @@ contains
     where (1 - leverage(row) < alone) gain = 0
   end subroutine find_gains
 
-  pure function leverages(jacobian) result(h)
-    !! By Gram and Schmidt; columns that depend on those before them count nothing.
-    real(dp), intent(in) :: jacobian(:, :)
-    real(dp) :: h(size(jacobian, 1)), q(size(jacobian, 1), size(jacobian, 2)), norm
-    integer :: i, j, again
-    real(dp), parameter :: dependent = 1.0e-8_dp
-    h = 0
-    q = jacobian
+  function leverages(jacobian) result(h)
+    !! The diagonal of QQᵀ, Q of the factors QR of the derivatives, as many columns of it as are independent.
+    real(dp), intent(in) :: jacobian(:, :)       !! (residuals, unknowns)
+    real(dp) :: h(size(jacobian, 1))
+    real(dp), parameter :: dependent = 1.0e-8_dp !! of a column's length, what is left of it beside the others
+    real(dp) :: factors(size(jacobian, 1), size(jacobian, 2)), q(size(jacobian, 1), min(size(jacobian, 1), size(jacobian, 2)))
+    real(dp) :: tau(size(q, 2)), work(64*size(jacobian, 2) + 1), length
+    integer :: pivot(size(jacobian, 2)), j, m, info
+    m = size(jacobian, 1)
+    do j = 1, size(jacobian, 2)
+      length = norm2(jacobian(:, j))
+      factors(:, j) = merge(jacobian(:, j)/max(length, tiny(length)), 0.0_dp, length > 0)
+    end do
+    pivot = 0
+    q = 0
     do j = 1, size(q, 2)
-      norm = norm2(q(:, j))
-      do again = 1, 2
-        do i = 1, j - 1
-          q(:, j) = q(:, j) - dot_product(q(:, i), q(:, j))*q(:, i)
-        end do
-      end do
-      if (norm2(q(:, j)) > dependent*norm) then
-        q(:, j) = q(:, j)/norm2(q(:, j))
-      else
-        q(:, j) = 0
-      end if
-      h = h + q(:, j)**2
+      q(j, j) = 1
+    end do
+    h = 0
+    if (size(q) == 0) return
+    call dgeqp3(m, size(factors, 2), factors, m, pivot, tau, work, size(work), info)
+    call dormqr('L', 'N', m, size(q, 2), size(q, 2), factors, m, tau, q, m, work, size(work), info)
+    do j = 1, size(q, 2)
+      if (abs(factors(j, j)) > dependent) h = h + q(:, j)**2
     end do
   end function leverages
 

@@ -209,6 +209,7 @@ contains
     type(band_type), intent(out) :: band
     integer, parameter :: at_once = 4
     real(dp), parameter :: beyond = 1.1_dp       !! times the highest line, up to where modes are looked for
+    real(dp), parameter :: vague = 0.05_dp       !! chosen: relative deviation of a line from which it may be any mode
     type(state_modes) :: modes
     real(dp) :: low, high
     integer :: i, k, n, lines
@@ -231,7 +232,7 @@ contains
         end do
         records(i)%line = frequency
         records(i)%deviation = state%lines%deviation/frequency
-        records(i)%foreign = state%foreign .or. state%is_harmonic
+        records(i)%foreign = state%foreign .or. state%is_harmonic .or. records(i)%deviation > vague
         records(i)%chance = state%chance
         records(i)%mode = modes%frequency
         if (.not. modes%found) records(i)%mode = -records(i)%mode

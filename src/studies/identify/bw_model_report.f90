@@ -67,8 +67,8 @@ contains
       text = 'there are no more lines than unknowns, so that nothing tests the model'
       return
     end if
-    text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//text_of(misfit%freedom)//' degrees of freedom; noise '// &
-      'alone makes more of it in '
+    text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//freedom_text(misfit%freedom)// &
+      '; noise alone makes more of it in '
     if (misfit%tail < never) text = text//'less than one of '//shortest(1/never, 2)//' records'
     if (.not. misfit%tail < never) text = text//shortest(100*misfit%tail, 2)//' % of records'
     if (misfit%tail < unlikely) then
@@ -78,6 +78,13 @@ contains
       text = 'the model explains the lines: '//text
     end if
   end function explained_text
+
+  pure function freedom_text(freedom) result(text)
+    integer, intent(in) :: freedom
+    character(:), allocatable :: text
+    text = text_of(freedom)//' degrees of freedom'
+    if (freedom == 1) text = '1 degree of freedom'
+  end function freedom_text
 
   subroutine report_identified(found, confidence, lines)
     !! A row for each unknown, and what goes with what.
@@ -94,7 +101,8 @@ contains
         call lines%append(right(to_width(found%values(i), found%high(i) - found%low(i)), 15))
         call lines%append(right(to_width(found%low(i), found%high(i) - found%low(i)), 14))
         call lines%append(right(to_width(found%high(i), found%high(i) - found%low(i)), 14))
-        call lines%append('   '//unknown%unit)
+        if (unknown%unit /= '1' .or. interval%low_open .or. interval%high_open) call lines%append('   ')
+        if (unknown%unit /= '1') call lines%append(unknown%unit)
         if (interval%low_open) call lines%append('; from: the end of its range')
         if (interval%high_open) call lines%append('; to: the end of its range')
         call lines%append_line('')
@@ -195,21 +203,35 @@ contains
     if (text /= '') text = ' ('//text(3:)//')'
   end function sizes_text
 
-  subroutine report_mends(mends, lines)
-    !! What would mend a misfit, the most first.
-    type(mend_type), intent(in) :: mends(:)
+  subroutine report_mends(mends, scatter, lines)
+    !! What would mend a misfit, the most first, and how many of those that were tried mend nothing.
+    type(mend_type), intent(in) :: mends(:)      !! those that leave least first
+    real(dp), intent(in) :: scatter              !! τ without them
     type(text_builder), intent(inout) :: lines
-    integer :: i
-    if (size(mends) == 0) return
-    call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, frequencies would '// &
-                           'be off by')
-    do i = 1, size(mends)
+    real(dp), parameter :: hardly = 0.9_dp       !! chosen: of τ; what leaves more mends nothing
+    integer :: i, helpful
+    helpful = count(mends%fit%scatter < hardly*scatter)
+    if (helpful > 0) call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, '// &
+                                            'frequencies would be off by')
+    do i = 1, helpful
       call lines%append(right(shortest(100*mends(i)%fit%scatter, 2), 10)//' %   '//mends(i)%effect//sizes_text(mends(i)))
       if (mends(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
       call lines%append_line('')
     end do
+    if (helpful < size(mends)) call lines%append_line('  '//useless_text(size(mends), helpful))
     if (count(mends%fit%scatter <= 0.0_dp) > 1) call lines%append_line( &
       '  Several of them explain the lines: these alone do not tell which it is')
   end subroutine report_mends
+
+  pure function useless_text(tried, helpful) result(text)
+    !! How many effects and values were tried in vain.
+    integer, intent(in) :: tried, helpful
+    character(:), allocatable :: text
+    if (helpful == 0) then
+      text = 'No effect that the model leaves out, and no other value, mends that; tried: '//text_of(tried)
+    else
+      text = 'Others that were tried, and mend nothing: '//text_of(tried - helpful)
+    end if
+  end function useless_text
 
 end module bw_model_report
