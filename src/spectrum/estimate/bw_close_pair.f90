@@ -24,7 +24,7 @@ module bw_close_pair
   real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
   real(dp), parameter :: below(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.0_dp, 0.7_dp]
   real(dp), parameter :: above(5) = [0.12_dp, 0.25_dp, 0.5_dp, 0.7_dp, 0.0_dp]
-    !! bins from a line to two lines on either side of it, to start from
+    !! bins, or widths of a line that is wider, to two lines on either side of it, to start from
   real(dp), parameter :: leaking = 0.1_dp       !! of the strongest that is left anywhere
   integer, parameter :: most_idle = 2           !! powers of time, one after the other, that a drift gains nothing by
   real(dp), parameter :: slowest = 0.9999_dp    !! of what is left: a step of a trial that leaves more is its last
@@ -173,7 +173,7 @@ contains
       if (size(own) > most_together) return
       if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
       do k = 1, size(below)
-        fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)]/span_of(samples))]
+        fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)], span_of(samples))]
         fit%slowest = pace
         call fit_band(samples, band%band, rows, weight, band%with_still, fit)
         if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
@@ -306,13 +306,18 @@ contains
 
   end subroutine join_lines
 
-  pure function pair_at(line, away) result(pair)
-    !! Two steady lines beside one.
+  pure function pair_at(line, away, span) result(pair)
+    !! Two steady lines beside one. Where its peak is wider than a bin so is their distance, and each is narrower than the peak.
     type(damped_line), intent(in) :: line
-    real(dp), intent(in) :: away(2)             !! periods per step
+    real(dp), intent(in) :: away(2)             !! bins, or half widths of the peak at half its power
+    real(dp), intent(in) :: span
     type(damped_line) :: pair(2)
+    real(dp) :: width
+    width = abs(line%decay)/(2*pi)              ! periods per step
     pair = line
-    pair%frequency = abs(line%frequency + away)
+    if (width*span > 1) pair%decay = line%decay/2
+    pair%frequency = abs(line%frequency + away*max(width, 1/span))
+    pair%sought = line%frequency                ! the peak that was taken for the line may be one of noise on a broad peak
     pair%powers = 1
     pair(1)%bend = 0
     pair(2)%bend = 0

@@ -14,6 +14,7 @@ module bw_damped_search
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: highest_of, samples_type, span_of
+  use bw_short_lines, only: cap_noise
   use bw_tapered_line, only: taper_costs
   use bw_whitening, only: find_whitening, longest, no_whitening, whiten
   implicit none (type, external)
@@ -146,7 +147,8 @@ contains
 
   subroutine change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
     !! Change the lines in the first way that pays: add some that stand out with a taper, leave out needless ones, add some that
-    !! stand out without a taper, let lines drift or split them, add some beside others, join some.
+    !! stand out without a taper, let lines drift or split them, add some beside others, join some; where short lines leave more
+    !! than the noise has when they are gone, let lines drift or split them.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm, threshold
     type(ordinates_type), intent(in) :: tapered
@@ -156,7 +158,9 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(damped_line), allocatable :: needless(:)
     real(dp), allocatable :: missed(:)
+    type(ordinates_type) :: calm
     integer :: k
+    logical :: capped
     call drop_broad(samples, threshold, found, changed)
     if (changed) return
     call add(candidates(samples, found, tapered, &
@@ -184,6 +188,11 @@ contains
         found%rejected = [found%rejected, rejected_line(needless(k)%frequency, missed(k), not_needed, needless(k)%sought)]
       end do
     end associate
+    if (changed .or. idle >= most_idle) return
+    calm = found%ordinates
+    call cap_noise(samples, found%lines, found%still, calm%noise, capped)
+    if (capped) call split_lines(samples, false_alarm, calm, found%bands, found%lines, found%still, found%highest, changed, monitor)
+    if (changed) idle = idle + 1
 
   contains
 

@@ -2,6 +2,7 @@ module bw_line_refusals
   !! Lines that are none: not needed, too broad, taken astray by a fit, uncertain, or explained by the colour of the noise.
   use bw_band_fit, only: reduce, reduced_type
   use bw_damped_line, only: bend_reach, cancels, damped_line, strength_of
+  use bw_filter_renewal, only: unfiltered_lines
   use bw_found_lines, only: beside_drift, drift_reach, far_above, found_lines, noise_colour, not_needed, rejected_line, &
     & same_peak, too_broad, uncertain
   use bw_kinds, only: dp
@@ -11,7 +12,6 @@ module bw_line_refusals
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: least_ordinate, ordinates_type
   use bw_samples, only: samples_type, span_of
-  use bw_whitening, only: gain_of
   implicit none (type, external)
   private
   public :: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, drop_uncertain
@@ -182,10 +182,7 @@ contains
     real(dp) :: pays(size(found%lines))
     integer :: k
     pays = pays_of(samples, found)
-    lines = found%lines
-    do k = 1, size(lines)
-      lines(k)%amplitude = lines(k)%amplitude/gain_of(found%whitening, lines(k))
-    end do
+    lines = unfiltered_lines(found)
     stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
     dropped = .not. all(stays)
     do k = 1, size(lines)

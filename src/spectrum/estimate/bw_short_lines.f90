@@ -7,13 +7,13 @@ module bw_short_lines
   use bw_damped_line, only: damped_line
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
-  use bw_noise_level, only: find_level
+  use bw_noise_level, only: find_level, level_at, level_knots
   use bw_order, only: local_maxima, vertex
   use bw_ordinates, only: find_power, least_ordinate, padded_length, remainder
   use bw_samples, only: place_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: short_lines
+  public :: cap_noise, short_lines
 
   real(dp), parameter :: first_decay = 8       !! over the record; others are seen well enough in all of it
   real(dp), parameter :: fastest = 0.2_dp      !! decay per step
@@ -23,6 +23,8 @@ module bw_short_lines
   integer, parameter :: fewest = 64            !! samples
   integer, parameter :: long_enough = 256      !! samples that tell of the noise
   integer, parameter :: most_ordinates = 4096  !! at which its level is known
+  real(dp), parameter :: most_loud = 2         !! times the noise's variance where short lines are gone, that it has in all of the
+                                               !! record; scatter alone makes no more
   real(dp), parameter :: least_level = tiny(1.0_dp)*1.0e50_dp
   real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -59,6 +61,36 @@ contains
       end do
     end do
   end function short_lines
+
+  subroutine cap_noise(samples, lines, still, noise, capped)
+    !! Lower the noise's level to what it can be where short lines are gone: what these leave is in the level of the whole record.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    type(level_knots), intent(inout) :: noise
+    logical, intent(out) :: capped             !! at a short line
+    type(real_fourier) :: plan
+    type(level_knots) :: quiet
+    real(dp), dimension(size(still, 2)) :: level, before
+    real(dp), allocatable :: short(:)          !! frequencies
+    integer :: way, k, last
+    capped = .false.
+    if (samples%count < fewest) return
+    last = ubound(noise%level, 1)
+    do way = 1, -1, -2
+      short = pack(lines%frequency, way*lines%decay*span_of(samples) > first_decay)
+      if (size(short) == 0) cycle
+      call find_quiet_levels(what_is_left(samples, lines, still, way), plan, quiet%level)
+      do k = 1, size(short)
+        before = level_at(noise, short(k), size(level))
+        level = level_at(quiet, short(k), size(level))
+        capped = capped .or. any(before > most_loud*level)
+      end do
+      do k = 0, last
+        noise%level(k, :) = min(noise%level(k, :), most_loud*level_at(quiet, 0.5_dp*k/last, size(level)))
+      end do
+    end do
+  end subroutine cap_noise
 
   pure type(damped_line) function line_at(frequency, decay, sensors) result(line)
     !! A line whose amplitudes are not known yet.
