@@ -11,6 +11,7 @@ module bw_band
   !! and nothing of lines in other bins.
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
+  use bw_lapack, only: dgemm
   use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
@@ -114,8 +115,8 @@ contains
     type(band_type), intent(in) :: band
     complex(dp) :: sums(size(band%blocks%first) - 1)
     complex(dp), allocatable :: turn(:)
-    real(dp), allocatable :: cosine(:), sine(:)
-    integer :: b, n, length
+    real(dp), allocatable :: waves(:, :), parts(:, :)
+    integer :: b, n, length, whole, rest
     associate (first => band%blocks%first)
       length = maxval(first(2:) - first(:size(first) - 1))
       if (length == 1) then
@@ -131,15 +132,13 @@ contains
         return
       end if
       turn = phase_factor(-band%centre, [(n, n=0, length - 1)])
-      cosine = turn%re
-      sine = turn%im
-      do b = 1, size(sums)
-        length = first(b + 1) - first(b)
-        associate (value => samples%value(first(b):first(b + 1) - 1, s))
-          sums(b) = phase_factor(-band%centre, first(b) - 1)* &
-            & cmplx(dot_product(value, cosine(:length)), dot_product(value, sine(:length)), dp)
-        end associate
-      end do
+      allocate (parts(2, size(sums)))
+      whole = count(first(2:) - first(:size(first) - 1) == length)   ! all but the last, which may be shorter
+      rest = samples%count - whole*length
+      waves = reshape([turn%re, turn%im], [length, 2])
+      call dgemm('T', 'N', 2, whole, length, 1.0_dp, waves, length, samples%value(:, s), length, 0.0_dp, parts, 2)
+      if (rest > 0) parts(:, whole + 1) = matmul(samples%value(whole*length + 1:samples%count, s), waves(:rest, :))
+      sums = phase_factor(-band%centre, first(:size(sums)) - 1)*cmplx(parts(1, :), parts(2, :), dp)
     end associate
   end function summed
 

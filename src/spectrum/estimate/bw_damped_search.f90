@@ -113,7 +113,8 @@ contains
   end subroutine take_if_pure
 
   subroutine search(samples, false_alarm, plan, found, monitor)
-    !! Take up peaks, lines that drift and two lines for one, and leave lines out again, until nothing changes.
+    !! Take up peaks, lines that drift and two lines for one, and leave lines out again, until nothing changes. The search for
+    !! short lines is the dearest, and is not repeated for what a further fit of the same lines leaves.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(real_fourier), intent(inout) :: plan
@@ -123,8 +124,10 @@ contains
     real(dp) :: threshold, before
     integer :: round, known, idle
     logical :: changed, better, astray, cancels
+    logical :: searched                        !! no short line was found, and no line has been changed but by a fit since
     before = huge(1.0_dp)
     idle = 0
+    searched = .false.
     found%highest = highest_of(samples)
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
@@ -134,6 +137,10 @@ contains
       call change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
       better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
+      if (.not. (changed .or. searched)) then
+        call add(samples, short_candidates(samples, found, false_alarm), found, changed)
+        searched = .true.
+      end if
       if (present(monitor)) call monitor%advance(1 - 1.0_dp/(1 + round))
       if (.not. (changed .or. better)) exit
       if (stops(monitor)) exit
@@ -142,6 +149,7 @@ contains
       if (astray) call settle(samples, found, monitor)
       call drop_cancelling(samples, found, cancels)
       if (cancels) call settle(samples, found, monitor)
+      searched = searched .and. .not. (changed .or. astray .or. cancels)
     end do
   end subroutine search
 
@@ -163,12 +171,12 @@ contains
     logical :: capped
     call drop_broad(samples, threshold, found, changed)
     if (changed) return
-    call add(candidates(samples, found, tapered, &
-      & far_above*least_ordinate(tapered%shape, span_of(samples)/2, false_alarm), same_peak))
+    call add(samples, candidates(samples, found, tapered, &
+      & far_above*least_ordinate(tapered%shape, span_of(samples)/2, false_alarm), same_peak), found, changed)
     if (changed) return
     call drop_needless(samples, threshold, found, changed)
     if (changed) return
-    call add(candidates(samples, found, found%ordinates, threshold, same_peak))
+    call add(samples, candidates(samples, found, found%ordinates, threshold, same_peak), found, changed)
     if (changed) return
     associate (noise => found%ordinates%noise)
       if (idle < most_idle) call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, &
@@ -179,9 +187,7 @@ contains
       if (changed) return
       call drop_beside_drift(samples, found, changed)
       if (changed) return
-      call add(candidates(samples, found, found%ordinates, threshold, 0.0_dp))
-      if (changed) return
-      call add(short_candidates(samples, found, false_alarm))
+      call add(samples, candidates(samples, found, found%ordinates, threshold, 0.0_dp), found, changed)
       if (changed) return
       call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless, missed)
       do k = 1, size(needless)
@@ -194,18 +200,19 @@ contains
     if (capped) call split_lines(samples, false_alarm, calm, found%bands, found%lines, found%still, found%highest, changed, monitor)
     if (changed) idle = idle + 1
 
-  contains
-
-    subroutine add(fresh)
-      !! Add candidates to the lines, if there are any and the record has numbers for them.
-      type(damped_line), intent(in) :: fresh(:)
-      integer :: lines
-      lines = size(found%lines) + size(fresh)
-      changed = size(fresh) > 0 .and. lines <= most_lines .and. 4*lines <= most_fitted*samples%count
-      if (changed) found%lines = [found%lines, fresh]
-    end subroutine add
-
   end subroutine change
+
+  subroutine add(samples, fresh, found, changed)
+    !! Add candidates to the lines, if there are any and the record has numbers for them.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: fresh(:)
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: changed
+    integer :: lines
+    lines = size(found%lines) + size(fresh)
+    changed = size(fresh) > 0 .and. lines <= most_lines .and. 4*lines <= most_fitted*samples%count
+    if (changed) found%lines = [found%lines, fresh]
+  end subroutine add
 
   subroutine settle(samples, found, monitor)
     !! Fit all lines.

@@ -1,14 +1,15 @@
 module bw_ordinates
   !! What lines leave of a record, seen by frequency: the ordinates of all sensors together over the level of their noise.
-  use bw_damped_line, only: damped_line, subtract_lines
+  use bw_damped_line, only: damped_line
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_knots, quantile_of
-  use bw_samples, only: bent_factor, centre_of, place_of, samples_type, span_of
+  use bw_remainder, only: find_remainder, motion_type, tabulated
+  use bw_samples, only: centre_of, place_of, samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: find_ordinates, find_power, least_ordinate, padded_length, remainder
+  public :: find_ordinates, find_power, least_ordinate, padded_length
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
@@ -38,6 +39,7 @@ contains
     real(dp), allocatable :: left(:), power(:)
     complex(dp), allocatable :: spectrum(:)
     real(dp), allocatable :: fitted(:)
+    type(motion_type) :: motion
     real(dp) :: taper_square, floor
     integer :: s, length
     length = padded_length(samples)
@@ -46,10 +48,13 @@ contains
     allocate (spectrum(0:length/2), power(0:length/2))
     taper_square = mean_square(samples, length)
     fitted = numbers_of(lines, size(samples%value, 2))
+    motion = tabulated(samples, lines, still)
     do s = 1, size(samples%value, 2)
-      left = remainder(samples, lines, still, s)
-      plain%deviation(s) = norm2(left)/sqrt(real(size(left), dp))
-      floor = max((rounding*norm2(samples%value(:samples%count, s)))**2/size(left), tiny(1.0_dp)*1.0e50_dp)
+      call find_remainder(samples, motion, s, left)
+      plain%deviation(s) = sqrt(dot_product(left, left)/size(left))
+      associate (value => samples%value(:samples%count, s))
+        floor = max(rounding**2*dot_product(value, value)/size(left), tiny(1.0_dp)*1.0e50_dp)
+      end associate
       call transform(samples, left, plan, spectrum)
       power = (spectrum%re**2 + spectrum%im**2)/size(left)
       call add_sensor(span_of(samples), power, .true., fitted, floor, s, plain)
@@ -224,46 +229,23 @@ contains
     end if
   end subroutine transform
 
-  subroutine find_power(samples, left, plan, power)
-    !! The ordinates |X|²/N of one sensor's numbers at even frequencies from 0 to half the sampling rate.
+  subroutine find_power(samples, left, plan, spectrum, power)
+    !! The ordinates |X|²/N of one sensor's numbers at even frequencies from 0 to half the sampling rate. Memory that is there is
+    !! used again.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: left(:)            !! (N)
     type(real_fourier), intent(inout) :: plan
-    real(dp), allocatable, intent(out) :: power(:)
-    complex(dp), allocatable :: spectrum(:)
-    allocate (spectrum(0:padded_length(samples)/2))
+    complex(dp), allocatable, intent(inout) :: spectrum(:)
+    real(dp), allocatable, intent(inout) :: power(:)
+    integer :: last
+    last = padded_length(samples)/2
+    if (allocated(spectrum)) then
+      if (ubound(spectrum, 1) /= last) deallocate (spectrum, power)
+    end if
+    if (.not. allocated(spectrum)) allocate (spectrum(0:last), power(0:last))
     call transform(samples, left, plan, spectrum)
     power = (spectrum%re**2 + spectrum%im**2)/size(left)
   end subroutine find_power
-
-  pure function remainder(samples, lines, still, s) result(left)
-    !! What lines, offset and slope leave of one sensor's samples, (N).
-    type(samples_type), intent(in) :: samples
-    type(damped_line), intent(in) :: lines(:)
-    real(dp), intent(in) :: still(:, :)
-    integer, intent(in) :: s
-    real(dp), allocatable :: left(:)
-    complex(dp) :: factor
-    real(dp) :: centre, start, periods
-    integer :: k, n
-    left = samples%value(:samples%count, s)
-    centre = centre_of(samples)
-    if (allocated(samples%place)) then
-      left = left - still(1, s) - still(2, s)*(samples%place/centre - 1)
-      do k = 1, size(lines)
-        start = 2*min(lines(k)%decay, 0.0_dp)*centre
-        do n = 1, size(left)
-          periods = lines(k)%frequency*samples%place(n)
-          factor = exp(start - lines(k)%decay*samples%place(n))*lines(k)%amplitude(s)
-          if (lines(k)%powers > 1) factor = factor*bent_factor(lines(k)%bend(:lines(k)%powers), samples%place(n)/centre - 1)
-          left(n) = left(n) - real(factor*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp)), dp)
-        end do
-      end do
-      return
-    end if
-    left = left - still(1, s) - still(2, s)*([(n, n=0, size(left) - 1)]/centre - 1)
-    call subtract_lines(lines, s, left)
-  end function remainder
 
   pure real(dp) function chance_of(ordinate, shape, bins)
     !! How many ordinates of noise are expected to pass a value: Rice's formula for the transform between its bins.

@@ -8,8 +8,8 @@ module bw_record_lines
   use bw_line_windows, only: window_start
   use bw_missing, only: missing, scaled
   use bw_noise_level, only: level_at
-  use bw_ordinates, only: remainder
   use bw_quantile, only: normal_quantile
+  use bw_remainder, only: find_remainder, tabulated
   use bw_samples, only: centre_of, samples_type
   use bw_whitening, only: gain_of
   implicit none (type, external)
@@ -171,7 +171,8 @@ contains
     do k = 1, size(lines)
       lines(k)%amplitude = [lines(k)%amplitude(s)/gain_at(found, found%lines(k), s)]
     end do
-    history = -remainder(nothing, lines, reshape(straight_part(samples, found, s), [2, 1]), 1)
+    call find_remainder(nothing, tabulated(nothing, lines, reshape(straight_part(samples, found, s), [2, 1])), 1, history)
+    history = -history
   end function fitted_history
 
   pure function straight_part(samples, found, s) result(still)

@@ -9,7 +9,8 @@ module bw_short_lines
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_at, level_knots
   use bw_order, only: local_maxima, vertex
-  use bw_ordinates, only: find_power, least_ordinate, padded_length, remainder
+  use bw_ordinates, only: find_power, least_ordinate, padded_length
+  use bw_remainder, only: find_remainder, motion_type, tabulated
   use bw_samples, only: place_of, samples_type, span_of
   implicit none (type, external)
   private
@@ -28,6 +29,17 @@ module bw_short_lines
   real(dp), parameter :: least_level = tiny(1.0_dp)*1.0e50_dp
   real(dp), parameter :: pi = acos(-1.0_dp)
 
+  type :: view_type
+    !! The samples seen through one decay, from the first on or from the last back, and all sensors together so far.
+    real(dp) :: decay = 0                      !! per step
+    type(samples_type) :: part                 !! their times, without values
+    real(dp), allocatable :: weight(:)         !! e^(−dτ), (samples of the part)
+    real(dp), allocatable :: total(:)          !! ordinates over the level of their noise, (0:K)
+    type(real_fourier) :: plan
+    complex(dp), allocatable :: spectrum(:)
+    real(dp), allocatable :: power(:)
+  end type view_type
+
 contains
 
   function short_lines(samples, lines, still, shape, false_alarm) result(best)
@@ -38,26 +50,21 @@ contains
     real(dp), intent(in) :: shape              !! sensors of independent noise
     real(dp), intent(in) :: false_alarm
     type(damped_line), allocatable :: best(:)
-    type(samples_type) :: left
-    type(real_fourier) :: plan
-    real(dp), allocatable :: levels(:, :)
-    real(dp) :: decay, highest, frequency, ordinate
-    integer :: way
+    type(view_type), allocatable :: views(:)
+    real(dp) :: highest, frequency, ordinate
+    integer :: way, i, sensors
     allocate (best(0))
     if (samples%count < fewest) return
+    sensors = size(samples%value, 2)
     highest = least_ordinate(shape, 4*alike*span_of(samples)/first_decay, false_alarm/2)
     highest = freedom*(exp(highest/freedom) - 1)
     do way = 1, -1, -2
-      left = what_is_left(samples, lines, still, way)
-      call find_quiet_levels(left, plan, levels)
-      decay = first_decay/span_of(samples)
-      do while (decay < fastest)
-        call look(left, levels, decay, plan, frequency, ordinate)
-        if (ordinate*shape/size(levels, 2) > highest) then
-          highest = ordinate*shape/size(levels, 2)
-          best = [line_at(frequency, way*decay, size(levels, 2))]
-        end if
-        decay = 2*decay
+      call look(samples, tabulated(samples, lines, still), way, views)
+      do i = 1, size(views)
+        call find_highest(views(i), frequency, ordinate)
+        if (ordinate*shape/sensors <= highest) cycle
+        highest = ordinate*shape/sensors
+        best = [line_at(frequency, way*views(i)%decay, sensors)]
       end do
     end do
   end function short_lines
@@ -102,43 +109,86 @@ contains
     line%amplitude = 0
   end function line_at
 
-  subroutine look(left, levels, decay, plan, frequency, ordinate)
-    !! Find the highest ordinate of the samples seen through a decay, all sensors together, and where it is. It is 0 if there is none.
-    type(samples_type), intent(in) :: left
-    real(dp), intent(in) :: levels(0:, :)
-    real(dp), intent(in) :: decay              !! per step
-    type(real_fourier), intent(inout) :: plan
-    real(dp), intent(out) :: frequency, ordinate
-    type(samples_type) :: part
-    real(dp), allocatable :: power(:), total(:), weight(:)
-    real(dp) :: seen(size(levels, 1))
-    integer, allocatable :: peak(:)
-    real(dp) :: place
-    integer :: s, m, n, k, best
-    n = count([(place_of(left, m) < lives/decay, m=1, left%count)])
-    part%count = n
-    if (allocated(left%place)) part%place = left%place(:n)
-    allocate (total(0:padded_length(part)/2), source=0.0_dp)
-    weight = exp(-decay*[(place_of(left, m), m=1, n)])
-    do s = 1, size(left%value, 2)
-      call find_power(part, weight*left%value(:n, s), plan, power)
-      power = power*(n/sum(weight**2))
-      seen = seen_through(levels(:, s), decay, plan)
-      do m = 0, size(total) - 1
-        place = m*real(size(seen) - 1, dp)/(size(total) - 1)
-        k = min(int(place), size(seen) - 2)
-        total(m) = total(m) + power(m + 1)/(seen(k + 1)*(k + 1 - place) + seen(k + 2)*(place - k))
+  subroutine look(samples, motion, way, views)
+    !! See what is left of all sensors through all decays, from the first sample to the last or the other way.
+    type(samples_type), intent(in) :: samples
+    type(motion_type), intent(in) :: motion
+    integer, intent(in) :: way                 !! 1 or −1
+    type(view_type), allocatable, intent(out) :: views(:)
+    type(samples_type) :: times
+    type(view_type) :: quiet
+    type(real_fourier) :: plan
+    real(dp), allocatable :: left(:), level(:)
+    integer :: s, i
+    times%count = samples%count
+    if (allocated(samples%place)) then
+      times%place = samples%place(:times%count)
+      if (way < 0) times%place = times%place(times%count) - times%place(times%count:1:-1)
+    end if
+    call prepare(times, views)
+    do s = 1, size(samples%value, 2)
+      call find_remainder(samples, motion, s, left)
+      if (way < 0) left = left(size(left):1:-1)
+      call find_quiet_level(times, left, quiet, level)
+      do i = 1, size(views)
+        call add_sensor(left, level, plan, views(i))
       end do
     end do
-    peak = local_maxima(total, 0.0_dp)
-    peak = pack(peak, pi*peak > decay*(size(total) - 1) .and. pi*(size(total) - 1 - peak) > decay*(size(total) - 1))
+  end subroutine look
+
+  subroutine prepare(times, views)
+    !! Make room for all decays.
+    type(samples_type), intent(in) :: times
+    type(view_type), allocatable, intent(out) :: views(:)
+    integer :: i, m
+    allocate (views(max(0, ceiling(log(fastest*span_of(times)/first_decay)/log(2.0_dp)))))
+    do i = 1, size(views)
+      associate (view => views(i), part => views(i)%part)
+        view%decay = first_decay/span_of(times)*2.0_dp**(i - 1)
+        part%count = count([(place_of(times, m) < lives/view%decay, m=1, times%count)])
+        if (allocated(times%place)) part%place = times%place(:part%count)
+        view%weight = exp(-view%decay*[(place_of(times, m), m=1, part%count)])
+        allocate (view%total(0:padded_length(part)/2), source=0.0_dp)
+      end associate
+    end do
+  end subroutine prepare
+
+  subroutine add_sensor(left, level, plan, view)
+    !! Add one sensor's ordinates over the level of its noise.
+    real(dp), intent(in) :: left(:)
+    real(dp), intent(in) :: level(0:)
+    type(real_fourier), intent(inout) :: plan
+    type(view_type), intent(inout) :: view
+    real(dp) :: seen(0:size(level) - 1), place, scale
+    integer :: m, k, last, half
+    call find_power(view%part, view%weight*left(:view%part%count), view%plan, view%spectrum, view%power)
+    scale = view%part%count/sum(view%weight**2)
+    seen = seen_through(level, view%decay, plan)
+    last = ubound(seen, 1)
+    half = ubound(view%total, 1)
+    do m = 0, half
+      place = m*real(last, dp)/half
+      k = min(int(place), last - 1)
+      view%total(m) = view%total(m) + scale*view%power(m)/(seen(k)*(k + 1 - place) + seen(k + 1)*(place - k))
+    end do
+  end subroutine add_sensor
+
+  pure subroutine find_highest(view, frequency, ordinate)
+    !! Find the highest ordinate of the samples seen through a decay, all sensors together, and where it is. It is 0 if there is none.
+    type(view_type), intent(in) :: view
+    real(dp), intent(out) :: frequency, ordinate
+    integer, allocatable :: peak(:)
+    integer :: best, half
+    half = ubound(view%total, 1)
+    peak = local_maxima(view%total, 0.0_dp)
+    peak = pack(peak, pi*peak > view%decay*half .and. pi*(half - peak) > view%decay*half)
     frequency = 0
     ordinate = 0
     if (size(peak) == 0) return
-    best = peak(maxloc(total(peak), dim=1))
-    frequency = (best + vertex(total(best - 1:best + 1)))/(2*(size(total) - 1))
-    ordinate = total(best)
-  end subroutine look
+    best = peak(maxloc(view%total(peak), dim=1))
+    frequency = (best + vertex(view%total(best - 1:best + 1)))/(2*half)
+    ordinate = view%total(best)
+  end subroutine find_highest
 
   function seen_through(level, decay, plan) result(seen)
     !! The level of noise that is multiplied by a decay.
@@ -157,49 +207,23 @@ contains
     seen = max(plan%spectrum%re, minval(level))
   end function seen_through
 
-  function what_is_left(samples, lines, still, way) result(left)
-    !! What lines leave of the samples, from the first to the last or the other way.
-    type(samples_type), intent(in) :: samples
-    type(damped_line), intent(in) :: lines(:)
-    real(dp), intent(in) :: still(:, :)
-    integer, intent(in) :: way
-    type(samples_type) :: left
-    integer :: s, n
-    n = samples%count
-    left%count = n
-    if (allocated(samples%place)) then
-      left%place = samples%place(:n)
-      if (way < 0) left%place = samples%place(n) - samples%place(n:1:-1)
-    end if
-    allocate (left%value(n, size(samples%value, 2)))
-    do s = 1, size(left%value, 2)
-      left%value(:, s) = remainder(samples, lines, still, s)
-      if (way < 0) left%value(:, s) = left%value(n:1:-1, s)
-    end do
-  end function what_is_left
-
-  subroutine find_quiet_levels(left, plan, levels)
-    !! The noise's variance at even frequencies from 0 to half the sampling rate, from the last half of the samples, or of few
-    !! samples more, (0:K, S).
-    type(samples_type), intent(in) :: left
-    type(real_fourier), intent(inout) :: plan
-    real(dp), allocatable, intent(out) :: levels(:, :)
-    type(samples_type) :: part
-    real(dp), allocatable :: power(:), level(:)
+  subroutine find_quiet_level(times, left, quiet, level)
+    !! The noise's variance of one sensor at even frequencies from 0 to half the sampling rate, from the last half of the samples,
+    !! or of few samples more, (0:K).
+    type(samples_type), intent(in) :: times
+    real(dp), intent(in) :: left(:)
+    type(view_type), intent(inout) :: quiet    !! memory that is used again
+    real(dp), allocatable, intent(inout) :: level(:)
     integer, allocatable :: at(:)
-    integer :: first, s, k, last
-    first = 1 + max(left%count/4, min(left%count/2, left%count - long_enough))
-    part%count = left%count - first + 1
-    if (allocated(left%place)) part%place = left%place(first:) - left%place(first)
-    part%value = left%value(first:, :)
-    last = min(padded_length(part)/2, most_ordinates)
-    allocate (levels(0:last, size(part%value, 2)), level(0:last))
-    at = [(1 + nint(k*(real(padded_length(part)/2, dp)/last)), k=0, last)]
-    do s = 1, size(part%value, 2)
-      call find_power(part, part%value(:, s), plan, power)
-      call find_level(power(at), min(max(1, nint(span_of(part)/2)), last/2), .true., [real(dp) ::], least_level, level)
-      levels(:, s) = level
-    end do
-  end subroutine find_quiet_levels
+    integer :: first, k, last
+    first = 1 + max(times%count/4, min(times%count/2, times%count - long_enough))
+    quiet%part%count = times%count - first + 1
+    if (allocated(times%place)) quiet%part%place = times%place(first:) - times%place(first)
+    call find_power(quiet%part, left(first:), quiet%plan, quiet%spectrum, quiet%power)
+    last = min(padded_length(quiet%part)/2, most_ordinates)
+    at = [(nint(k*(real(padded_length(quiet%part)/2, dp)/last)), k=0, last)]
+    if (.not. allocated(level)) allocate (level(0:last))
+    call find_level(quiet%power(at), min(max(1, nint(span_of(quiet%part)/2)), last/2), .true., [real(dp) ::], least_level, level)
+  end subroutine find_quiet_level
 
 end module bw_short_lines

@@ -6,7 +6,7 @@ module bw_whitening
   !! samples is the maximum likelihood in such noise, but for the first samples, one for each order, that are used up.
   use bw_band_fit, only: damped_line
   use bw_kinds, only: dp
-  use bw_ordinates, only: remainder
+  use bw_remainder, only: find_remainder, motion_type, tabulated
   use bw_samples, only: phase_factor, samples_type
   implicit none (type, external)
   private
@@ -41,9 +41,11 @@ contains
     type(whitening_type), intent(inout) :: whitening(:)
     real(dp), allocatable :: left(:)
     real(dp) :: cost
+    type(motion_type) :: motion
     integer :: s, first
+    motion = tabulated(samples, lines, still)
     do s = 1, size(whitening)
-      left = remainder(samples, lines, still, s)
+      call find_remainder(samples, motion, s, left)
       first = max(0, (size(left) - longest)/2)
       associate (middle => left(first + 1:size(left) - first))
         call burg(middle, log(real(size(middle), dp)), samples_per_order, worth, whitening(s), cost)
