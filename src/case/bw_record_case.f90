@@ -127,8 +127,10 @@ contains
     type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result
     associate (lines => result%record%lines)
-      if (size(lines%angular_frequency) == 0) call append(result%notes, 'no line: nothing stands out of the noise by more '// &
-        'than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
+      if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) == 0) call append(result%notes, 'no line: nothing '// &
+        'stands out of the noise by more than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
+      if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) > 0) call append(result%notes, 'no line: all that '// &
+        'stands out of the noise was refused; the report says why')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &

@@ -3,10 +3,10 @@ module bw_record
   !! columns.
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
-  use bw_text, only: lower, string, text_of
+  use bw_text, only: lower, shortest, string, text_of
   implicit none (type, external)
   private
-  public :: bare_name, extent_of, is_even, measure_the_same, quantities_of, unit_in, without_unit
+  public :: bare_name, clock_text, extent_of, is_even, measure_the_same, quantities_of, unit_in, without_unit
 
   type, public :: column_type
     !! A column of a table, or a variable of a file.
@@ -68,6 +68,28 @@ contains
     extent%ranges = reshape([minval(record%values, dim=1), maxval(record%values, dim=1)], [2, size(record%sensors)], order=[2, 1])
     extent%notes = record%notes
   end function extent_of
+
+  pure function clock_text(time, span) result(text)
+    !! A time with six digits, or as many as tell it from others a thousandth of a span away: a clock may count from long ago.
+    real(dp), intent(in) :: time                 !! s
+    real(dp), intent(in) :: span                 !! s, > 0
+    character(:), allocatable :: text
+    real(dp), parameter :: most_plain = 1.0e7_dp
+    integer, parameter :: fewest = 6, most = 15
+    character(40) :: buffer
+    integer :: digits, decimals
+    digits = fewest
+    if (abs(time) > span) digits = min(most, max(fewest, ceiling(log10(abs(time)/span)) + 4))
+    text = shortest(time, digits)
+    if (abs(time) < most_plain) return
+    decimals = max(1, digits - 1 - floor(log10(abs(time))))
+    write (buffer, '(f40.'//text_of(decimals)//')') time
+    text = trim(adjustl(buffer))
+    do while (text(len(text):) == '0')
+      text = text(:len(text) - 1)
+    end do
+    if (text(len(text):) == '.') text = text(:len(text) - 1)
+  end function clock_text
 
   pure logical function is_even(extent)
     !! Its samples are evenly spaced.

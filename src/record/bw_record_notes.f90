@@ -4,7 +4,7 @@ module bw_record_notes
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_note, only: remark
-  use bw_record, only: record_type
+  use bw_record, only: clock_text, record_type
   use bw_record_flaws, only: find_flaws, flaws_type
   use bw_record_onset, only: onset
   use bw_record_source, only: record_source
@@ -16,6 +16,7 @@ module bw_record_notes
   private
   public :: add_notes
 
+  integer, parameter :: most_named = 4                 !! sensors in one note
 contains
 
   subroutine add_notes(scene, source, time, columns, record)
@@ -33,6 +34,7 @@ contains
       call note_flaws(find_flaws(record%values(:, s)), s, record)
       call note_counter(record, s)
     end do
+    call note_quantity(scene, source, columns, record)
     call note_quiet(record)
     call note_left_out(source, time, columns, record%notes)
   end subroutine add_notes
@@ -57,6 +59,28 @@ contains
                   shortest(factor, 6))
     end if
   end subroutine note_time_unit
+
+  subroutine note_quantity(scene, source, columns, record)
+    !! Sensors of which neither the scene nor the file says what they measure.
+    type(scene_type), intent(in) :: scene
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: columns(:)
+    type(record_type), intent(inout) :: record
+    character(:), allocatable :: names
+    integer :: s, unknown
+    if (allocated(scene%record%quantities)) return
+    names = ''
+    unknown = 0
+    do s = 1, size(columns)
+      if (source%columns(columns(s))%quantity /= '') cycle
+      unknown = unknown + 1
+      if (unknown <= most_named) names = names//', '//record%sensors(s)%name
+    end do
+    if (unknown == 0) return
+    if (unknown > most_named) names = names//' and '//text_of(unknown - most_named)//' more'
+    call append(record%notes, 'quantity: the file does not say it of '//names(3:)//', and displacement is taken; '// &
+                "quantity = 'acceleration', or the like, names another one")
+  end subroutine note_quantity
 
   subroutine note_uneven(record)
     !! Times that tremble a little about even ones: the clock may be even, and its stamps not.
@@ -91,7 +115,7 @@ contains
     integer :: s
     latest = maxval([(onset(record%values(:, s)), s=1, size(record%sensors))])
     if (latest == 0) return
-    time = shortest(record%origin + record%times(latest), 12)
+    time = clock_text(record%origin + record%times(latest), 1.0e-3_dp*record%times(size(record%times)))
     call append(record%notes, 'quiet: the motion begins at '//time//' s, and lines are fitted from the first sample on; '// &
                 'start = '//time//', or a little later, leaves out what is before the blow')
   end subroutine note_quiet
@@ -154,9 +178,11 @@ contains
     integer, intent(in) :: s                           !! the sensor
     type(record_type), intent(inout) :: record
     character(:), allocatable :: text
+    real(dp) :: used                                   ! s
+    used = record%times(size(record%times))
     text = 'constant: '//record%sensors(s)%name//' stays at '//shortest(record%values(flaws%stuck_first, s), 6)//' from '// &
-      shortest(record%origin + record%times(flaws%stuck_first), 6)//' to '// &
-      shortest(record%origin + record%times(flaws%stuck_last), 6)//' s'
+      clock_text(record%origin + record%times(flaws%stuck_first), used)//' to '// &
+      clock_text(record%origin + record%times(flaws%stuck_last), used)//' s'
     if (flaws%stuck_runs > 1) text = text//', and '//text_of(flaws%stuck_runs - 1)//' more times'
     call append(record%notes, text)
   end subroutine note_stuck

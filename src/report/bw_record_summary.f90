@@ -2,7 +2,7 @@ module bw_record_summary
   !! What `beamwave check` says of a record: its samples and its sensors.
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_record, only: is_even, record_extent, sensor_type
+  use bw_record, only: clock_text, is_even, record_extent, sensor_type
   use bw_sensor_unit, only: si_unit
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
@@ -11,6 +11,7 @@ module bw_record_summary
 
   integer, parameter :: most_sensors = 16            !! listed one by one
   integer, parameter :: digits = 6
+  real(dp), parameter :: long_ago = 1.0e3_dp         !! durations; six digits do not tell the end from the beginning much later
 
 contains
 
@@ -45,10 +46,14 @@ contains
   end function samples_text
 
   pure function times_text(record) result(text)
-    !! From when to when, and how often.
+    !! From when to when, and how often. Of times that a clock counts from long ago, when and how long.
     type(record_extent), intent(in) :: record
     character(:), allocatable :: text
-    text = shortest(record%origin, digits)//' to '//shortest(record%origin + record%duration, digits)//' s, '
+    if (abs(record%origin) > long_ago*record%duration) then
+      text = 'from '//clock_text(record%origin, record%duration)//' s on, for '//shortest(record%duration, digits)//' s, '
+    else
+      text = shortest(record%origin, digits)//' to '//shortest(record%origin + record%duration, digits)//' s, '
+    end if
     if (is_even(record)) then
       text = text//'even, '//shortest(1.0_dp/record%steps(1), digits)//' Hz'
     else

@@ -73,6 +73,21 @@ def test_samples_that_say_nothing_and_units_are_warned_of(here):
         assert f"data/ring.nml: warning: {kind}" in ended.stderr
 
 
+def test_a_clock_that_counts_from_long_ago_is_told_by_its_start_and_the_duration(here):
+    late = [(1.7e9 + time, *values) for time, *values in ROWS]
+    late[100:140] = [(time, 0.25, two) for time, _, two in late[100:140]]
+    ended = check(here, table(late), quantity="acceleration", start=1.7e9 + 0.01)
+    assert "  times      from 1700000000.01 s on, for 0.189 s, even, 1000 Hz" in ended.stdout.splitlines()
+    assert "constant: acc1 stays at 0.25 from 1700000000.1 to 1700000000.139 s" in ended.stderr
+
+
+def test_a_quantity_that_nobody_says_is_warned_of(here):
+    taken = "data/ring.nml: warning: quantity: the file does not say it of acc1, and displacement is taken; quantity = 'acceleration'"
+    assert taken in check(here, table(head="time,acc1,acc2 [m/s2]")).stderr
+    assert check(here, table(head="time,acc1 [m/s2],acc2 [m/s2]")).stderr == ""
+    assert check(here, table(), quantity="displacement").stderr == ""
+
+
 def test_repeats_are_files_with_the_same_sensors(here):
     here.write("a.csv", table())
     here.write("b.csv", table(ROWS[:100]))
