@@ -76,7 +76,6 @@ contains
     real(dp), intent(in) :: still(:, :)
     type(level_knots), intent(inout) :: noise
     logical, intent(out) :: capped             !! at a short line
-    type(real_fourier) :: plan
     type(level_knots) :: quiet
     real(dp), dimension(size(still, 2)) :: level, before
     real(dp), allocatable :: short(:)          !! frequencies
@@ -87,7 +86,7 @@ contains
     do way = 1, -1, -2
       short = pack(lines%frequency, way*lines%decay*span_of(samples) > first_decay)
       if (size(short) == 0) cycle
-      call find_quiet_levels(what_is_left(samples, lines, still, way), plan, quiet%level)
+      call find_quiet_levels(samples, tabulated(samples, lines, still), way, quiet%level)
       do k = 1, size(short)
         before = level_at(noise, short(k), size(level))
         level = level_at(quiet, short(k), size(level))
@@ -120,15 +119,10 @@ contains
     type(real_fourier) :: plan
     real(dp), allocatable :: left(:), level(:)
     integer :: s, i
-    times%count = samples%count
-    if (allocated(samples%place)) then
-      times%place = samples%place(:times%count)
-      if (way < 0) times%place = times%place(times%count) - times%place(times%count:1:-1)
-    end if
+    times = times_of(samples, way)
     call prepare(times, views)
     do s = 1, size(samples%value, 2)
-      call find_remainder(samples, motion, s, left)
-      if (way < 0) left = left(size(left):1:-1)
+      call find_left(samples, motion, way, s, left)
       call find_quiet_level(times, left, quiet, level)
       do i = 1, size(views)
         call add_sensor(left, level, plan, views(i))
@@ -206,6 +200,43 @@ contains
     call plan%transform()
     seen = max(plan%spectrum%re, minval(level))
   end function seen_through
+
+  pure type(samples_type) function times_of(samples, way) result(times)
+    !! Times without values, from the first sample to the last or the other way.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: way
+    times%count = samples%count
+    if (.not. allocated(samples%place)) return
+    times%place = samples%place(:times%count)
+    if (way < 0) times%place = times%place(times%count) - times%place(times%count:1:-1)
+  end function times_of
+
+  subroutine find_left(samples, motion, way, s, left)
+    !! What lines leave of a sensor's samples, from the first to the last or the other way.
+    type(samples_type), intent(in) :: samples
+    type(motion_type), intent(in) :: motion
+    integer, intent(in) :: way, s
+    real(dp), allocatable, intent(inout) :: left(:)
+    call find_remainder(samples, motion, s, left)
+    if (way < 0) left = left(size(left):1:-1)
+  end subroutine find_left
+
+  subroutine find_quiet_levels(samples, motion, way, levels)
+    !! The noise's variance of all sensors where short lines are gone, at even frequencies from 0 to half the sampling rate, (0:K, S).
+    type(samples_type), intent(in) :: samples
+    type(motion_type), intent(in) :: motion
+    integer, intent(in) :: way
+    real(dp), allocatable, intent(out) :: levels(:, :)
+    type(view_type) :: quiet
+    real(dp), allocatable :: left(:), level(:)
+    integer :: s
+    do s = 1, size(samples%value, 2)
+      call find_left(samples, motion, way, s, left)
+      call find_quiet_level(times_of(samples, way), left, quiet, level)
+      if (.not. allocated(levels)) allocate (levels(0:ubound(level, 1), size(samples%value, 2)))
+      levels(:, s) = level
+    end do
+  end subroutine find_quiet_levels
 
   subroutine find_quiet_level(times, left, quiet, level)
     !! The noise's variance of one sensor at even frequencies from 0 to half the sampling rate, from the last half of the samples,
