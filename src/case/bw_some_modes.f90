@@ -30,7 +30,7 @@ contains
     !! Find modes by their numbers.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: number(:)             !! ascending
+    integer, intent(in) :: number(:)             !! ascending; may be of size 0
     class(mode_set), allocatable, intent(out) :: set   !! not `resolved`, or unallocated, where there are none to be had
     integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
     type(case_modes) :: known
@@ -39,7 +39,7 @@ contains
     integer :: i
     place = number
     if (allocated(scene%stiffening)) then
-      call find_under_tension(scene, units, number(size(number)), set)
+      call find_under_tension(scene, units, max(1, maxval(number)), set)
       return
     end if
     place = [(i, i=1, size(number))]
@@ -51,7 +51,7 @@ contains
     !! Find the first modes of a scene with tension.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    integer, intent(in) :: count
+    integer, intent(in) :: count                 !! ≥ 1
     class(mode_set), allocatable, intent(out) :: set
     type(struck_beam) :: pieces
     type(tension_set), allocatable :: of_pieces

@@ -3,7 +3,7 @@ module bw_absent_mends
   !! with unknowns of its own where it has a size, and everything is fitted again.
   use bw_beam_fit, only: fit_beam
   use bw_beam_state, only: beam_state
-  use bw_fit_problem, only: fit_problem, problem_of, value_at
+  use bw_fit_problem, only: fit_problem, position_in, problem_of, value_at
   use bw_fit_search, only: fit_type
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
@@ -54,6 +54,7 @@ contains
     type(fit_problem) :: problem
     type(beam_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
+    real(dp), allocatable :: near(:)             ! where it is the model without the effect, at its fit
     logical :: thorough
     integer :: i, n
     call states_of(variant, states)
@@ -64,9 +65,11 @@ contains
     end do
     problem = problem_of(states, variant(1)%scene%unknowns)
     thorough = count(candidate%unknown /= '') > 1 .and. .not. allocated(variant(1)%scene%stiffening)     ! there modes are dear
-    call fit_beam(problem, 0.0_dp, thorough, mend%fit, others)
-    mend%effect = trim(candidate%effect)
     n = size(problem%unknowns) - count(candidate%unknown /= '')
+    near = position_in(problem%unknowns(n + 1:), candidate%neutral(:size(problem%unknowns) - n))
+    if (n > 0) near = [position_in(problem%unknowns(:n), found%values), near]
+    call fit_beam(problem, 0.0_dp, thorough, mend%fit, others, near)
+    mend%effect = trim(candidate%effect)
     mend%unknowns = problem%unknowns(n + 1:)
     mend%values = value_at(mend%unknowns, mend%fit%v(n + 1:))
   end subroutine fit_again

@@ -15,24 +15,30 @@ module bw_beam_fit
 
 contains
 
-  subroutine fit_beam(problem, as_good, thorough, fit, others)
+  subroutine fit_beam(problem, as_good, thorough, fit, others, near)
     !! Find the best fit, at which the problem is left, and others that are as good.
     type(fit_problem), intent(inout) :: problem
     real(dp), intent(in) :: as_good              !! −2 ln of the likelihood over that of the best, up to which a fit is as good
     logical, intent(in) :: thorough              !! look further where noise does not explain the misfit
     type(fit_type), intent(out) :: fit
     type(fit_type), allocatable, intent(out) :: others(:)
+    real(dp), intent(in), optional :: near(:)    !! a fit of fewer unknowns, than which this one is not worse, (unknowns)
     type(fit_type), allocatable :: fits(:)
     real(dp) :: starts(size(problem%unknowns), searched_on)
-    integer :: i
+    integer :: i, n
     problem%free = [(i, i=1, size(problem%unknowns))]
     call choose_starts(problem, first_scatter, starts)
     allocate (fits(0))
+    if (present(near)) then
+      problem%v = near
+      call polish(problem, fits)
+    end if
     do i = 1, searched_on
       problem%v = starts(:, i)
       call search(problem, fits)
       if (i < searched) cycle
-      if (i == searched .or. all(fits(:i - 1)%price > fits(i)%price)) call settle(problem, fits, fit)
+      n = size(fits)
+      if (i == searched .or. all(fits(:n - 1)%price > fits(n)%price)) call settle(problem, fits, fit)
       if (.not. (is_doubtful(fit) .and. thorough)) exit
     end do
     if (thorough) call escape(problem, fits, fit)

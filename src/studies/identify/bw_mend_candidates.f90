@@ -26,6 +26,7 @@ module bw_mend_candidates
     character(16) :: value = ''                  !! and to what
     character(24) :: unknown(2) = ''             !! its numbers that are unknown
     real(dp) :: first(2) = 0.0_dp, last(2) = 0.0_dp    !! their ranges
+    real(dp) :: neutral(2) = 0.0_dp              !! with these it is the model that it mends
   end type candidate_type
 
 contains
@@ -53,6 +54,7 @@ contains
     candidates(size(candidates))%unknown(2) = 'position'
     candidates(size(candidates))%first(2) = 0.02_dp
     candidates(size(candidates))%last(2) = 1.0_dp
+    candidates(size(candidates))%neutral(2) = 1.0_dp
     call add(candidate_type('tension by rotation', 'stiffening', .true.))
     if (allocated(scene%rotation)) call add(candidate_type('rotation in the other plane', 'rotation', name='plane', &
                                                            value=merge("'out'", "'in' ", scene%rotation%plane == 'in')))
@@ -62,9 +64,9 @@ contains
     call add_given(scene%groups, 'body', 'mass', 'another mass of the first body', 30.0_dp)
     if (size(bodies) > 0) then
       call add(candidate_type('another place of the first body', 'body', place='body(1)', unknown=['position', '        '], &
-                              first=[0.02_dp, 0.0_dp], last=[1.0_dp, 0.0_dp]))
+                              first=[0.02_dp, 0.0_dp], last=[1.0_dp, 0.0_dp], neutral=given_number('position')))
       call add(candidate_type('a body''s rotary inertia', 'body', place='body(1)', unknown=['rotary_inertia', '              '], &
-                              last=[0.1_dp*mass*length**2, 0.0_dp]))
+                              last=[0.1_dp*mass*length**2, 0.0_dp], neutral=given_number('rotary_inertia')))
     end if
     call add_given(scene%groups, 'beam', 'youngs_modulus', 'another modulus', 3.0_dp)
   contains
@@ -85,9 +87,20 @@ contains
       candidate%unknown(1) = name
       candidate%first(1) = first
       candidate%last(1) = last
+      candidate%neutral(1) = last
       if (candidate%added) return
       if (scene%groups(places(1))%known(name)) candidate%effect = ''    ! it is there
     end function one_unknown
+
+    function given_number(name) result(neutral)
+      !! What the scene says of the first body; 0 where it says nothing.
+      character(*), intent(in) :: name
+      real(dp) :: neutral(2)
+      neutral = 0.0_dp
+      associate (body => scene%groups(bodies(1)))
+        if (body%known(name)) neutral(1) = body%number(name)
+      end associate
+    end function given_number
 
     subroutine add_given(groups, group, name, effect, factor)
       type(group_values), intent(in) :: groups(:)
@@ -104,7 +117,7 @@ contains
       place = group
       if (group == 'body') place = 'body(1)'
       call add(candidate_type(effect, group, place=place, unknown=[character(24) :: name, ''], &
-                              first=[given/factor, 0.0_dp], last=[given*factor, 0.0_dp]))
+                              first=[given/factor, 0.0_dp], last=[given*factor, 0.0_dp], neutral=[given, 0.0_dp]))
     end subroutine add_given
   end subroutine list_candidates
 
