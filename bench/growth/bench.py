@@ -9,11 +9,12 @@ from common.machine import describe
 
 from . import picture, table
 from .measure import measure
+from .scenes import AXES
 
 
 def measured(program: Path, small: bool) -> Measured:
     """All rows, and where they were measured."""
-    return {"machine": describe(program, ()), "rows": measure(program, small)}
+    return {"machine": describe(program, ()), "rows": measure(program, AXES, small)}
 
 
 BENCH = Bench("growth", "time and memory of a run", measured, table.FIRST, table.section, picture.save)

@@ -7,20 +7,31 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import Any
-
-from .scenes import AXES, Axis
+from typing import Any, Protocol, Sequence
 
 LAUNCH = Path(__file__).with_name("launch.py")
 ROUNDS = 5
 LONG, LONG_ROUNDS = 5.0, 1  # what takes longer than this, s, is run so many times
 
-Job = tuple[Axis, int]
+
+class Growing(Protocol):
+    """What grows: its sizes, and the scene of each with what must lie beside it."""
+
+    name: str
+    sizes: tuple[int, ...]
+    small: tuple[int, ...]
+
+    def scene(self, size: int) -> str: ...
+
+    def prepare(self, directory: Path, size: int) -> None: ...
 
 
-def measure(program: Path, small: bool) -> list[dict[str, Any]]:
+Job = tuple[Growing, int]
+
+
+def measure(program: Path, axes: Sequence[Growing], small: bool) -> list[dict[str, Any]]:
     """One row for each axis and size."""
-    jobs: list[Job] = [(axis, size) for axis in AXES for size in (axis.small if small else axis.sizes)]
+    jobs: list[Job] = [(axis, size) for axis in axes for size in (axis.small if small else axis.sizes)]
     runs: list[list[tuple[float, float, int, int]]] = [[] for _ in jobs]
     rounds = 1 if small else ROUNDS
     for turn in range(rounds):
@@ -39,6 +50,7 @@ def run(program: Path, job: Job) -> tuple[float, float, int, int]:
     with tempfile.TemporaryDirectory() as directory:
         scene = Path(directory) / "growth.nml"
         scene.write_text(axis.scene(size))
+        axis.prepare(Path(directory), size)
         words = [sys.executable, "-I", "-S", LAUNCH, program, "run", scene, "--output", directory, "--quiet"]
         ended = subprocess.run(words, capture_output=True, text=True, check=False)
         if ended.returncode != 0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 BASE = """\
 &beam      length = 1, diameter = 0.037, density = 7870, youngs_modulus = 2e11 /
@@ -26,6 +27,9 @@ class Axis:
         """A scene of this size."""
         points = ", ".join(f"{(i + 1) / size:.9g}" for i in range(size)) if "{points}" in self.groups else ""
         return BASE + self.groups.format(n=size, points=points)
+
+    def prepare(self, directory: Path, size: int) -> None:
+        """Nothing lies beside the scene."""
 
 
 AXES = (

@@ -15,7 +15,7 @@ Times are those of one core of the machine [below](#where-it-was-measured). The 
 
 def what_matters(measured: dict[str, Any], document: str) -> str:
     """A list with a line for each section that has data."""
-    writers = {"peers": speed, "price": digits, "growth": sizes, "throughput": sweeps, "effects": effects, "records": lines}
+    writers = {"peers": speed, "price": digits, "growth": sizes, "throughput": sweeps, "effects": effects, "records": lines, "large_records": large}
     points = [hard_cases(document), *(write(measured[name]) for name, write in writers.items() if name in measured)]
     return "\n".join([HEAD, "", *(point for point in points if point)])
 
@@ -138,3 +138,10 @@ def lines(data: dict[str, Any]) -> str:
         f"{100 * max(inside):.3g} % of the intervals of 95 % hold the truth. "
         + ("Lines are missed: " + ", ".join(missed) + "." if missed else "No more than a hundredth of the lines is missed in any.")
     )
+
+
+def large(data: dict[str, Any]) -> str:
+    """The largest record."""
+    last = data["rows"][-1]
+    took = f"{last['cpu_seconds']:.2g} s and {last['memory_bytes'] / 1e9:.2g} GB"
+    return f"- **Large records.** 1 048 576 samples of 64 sensors with 20 lines [take](#large-records) {took}."

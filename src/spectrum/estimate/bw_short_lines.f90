@@ -4,10 +4,15 @@ module bw_short_lines
   !! A bank of decays d = 8/N, 16/N, … Samples that are multiplied by e^(−dτ) have an ordinate at a line's frequency that noise has
   !! with probability e^(−x) as well, over a level that is the noise's, seen through the line's own width: its covariance times
   !! e^(−d·lag). The noise is judged where such lines are gone, in the last part of the record; for lines that grow, in the first.
+  !!
+  !! The level of a window of ν ordinates scatters as a sum of 2ν squares does. Of one sensor the ordinate over it passes
+  !! ν(e^(x/ν) − 1) with the probability e^(−x) (Fisher's distribution). Of S sensors, whose levels scatter by themselves, large sums
+  !! scatter as over one level of ν(S + 1)/2 ordinates: drawn with ν from 24 to 48, S to 64 and probabilities to 1e-5, what passes is
+  !! 0.98 to 1.27 times as likely as it should be.
   use bw_damped_line, only: damped_line
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
-  use bw_noise_level, only: find_level, level_at, level_knots
+  use bw_noise_level, only: find_level, level_at, level_knots, window_width
   use bw_order, only: local_maxima, vertex
   use bw_ordinates, only: find_power, least_ordinate, padded_length
   use bw_remainder, only: find_remainder, motion_type, tabulated
@@ -20,7 +25,6 @@ module bw_short_lines
   real(dp), parameter :: fastest = 0.2_dp      !! decay per step
   real(dp), parameter :: lives = 5             !! decay times that are looked at
   real(dp), parameter :: alike = sqrt(3.0_dp)/2  !! bins, at decay 1, of the record whose times scatter as those of such a line
-  real(dp), parameter :: freedom = 48          !! ordinates that tell the noise's level
   integer, parameter :: fewest = 64            !! samples
   integer, parameter :: long_enough = 256      !! samples that tell of the noise
   integer, parameter :: most_ordinates = 4096  !! at which its level is known
@@ -51,12 +55,13 @@ contains
     real(dp), intent(in) :: false_alarm
     type(damped_line), allocatable :: best(:)
     type(view_type), allocatable :: views(:)
-    real(dp) :: highest, frequency, ordinate
+    real(dp) :: highest, freedom, frequency, ordinate
     integer :: way, i, sensors
     allocate (best(0))
     if (samples%count < fewest) return
     sensors = size(samples%value, 2)
     highest = least_ordinate(shape, 4*alike*span_of(samples)/first_decay, false_alarm/2)
+    freedom = window_width(real(quiet_bins(samples), dp))*(shape + 1)/2
     highest = freedom*(exp(highest/freedom) - 1)
     do way = 1, -1, -2
       call look(samples, tabulated(samples, lines, still), way, views)
@@ -239,22 +244,36 @@ contains
   end subroutine find_quiet_levels
 
   subroutine find_quiet_level(times, left, quiet, level)
-    !! The noise's variance of one sensor at even frequencies from 0 to half the sampling rate, from the last half of the samples,
-    !! or of few samples more, (0:K).
+    !! The noise's variance of one sensor at even frequencies from 0 to half the sampling rate, (0:K).
     type(samples_type), intent(in) :: times
     real(dp), intent(in) :: left(:)
     type(view_type), intent(inout) :: quiet    !! memory that is used again
     real(dp), allocatable, intent(inout) :: level(:)
     integer, allocatable :: at(:)
-    integer :: first, k, last
-    first = 1 + max(times%count/4, min(times%count/2, times%count - long_enough))
-    quiet%part%count = times%count - first + 1
-    if (allocated(times%place)) quiet%part%place = times%place(first:) - times%place(first)
-    call find_power(quiet%part, left(first:), quiet%plan, quiet%spectrum, quiet%power)
+    integer :: k, last
+    quiet%part = quiet_part(times)
+    call find_power(quiet%part, left(times%count - quiet%part%count + 1:), quiet%plan, quiet%spectrum, quiet%power)
     last = min(padded_length(quiet%part)/2, most_ordinates)
     at = [(nint(k*(real(padded_length(quiet%part)/2, dp)/last)), k=0, last)]
     if (.not. allocated(level)) allocate (level(0:last))
-    call find_level(quiet%power(at), min(max(1, nint(span_of(quiet%part)/2)), last/2), .true., [real(dp) ::], least_level, level)
+    call find_level(quiet%power(at), quiet_bins(times), .true., [real(dp) ::], least_level, level)
   end subroutine find_quiet_level
+
+  pure type(samples_type) function quiet_part(times) result(part)
+    !! The samples without values that tell the noise's level, from the last half of the record, or of few samples more.
+    type(samples_type), intent(in) :: times
+    integer :: first
+    first = 1 + max(times%count/4, min(times%count/2, times%count - long_enough))
+    part%count = times%count - first + 1
+    if (allocated(times%place)) part%place = times%place(first:times%count) - times%place(first)
+  end function quiet_part
+
+  pure integer function quiet_bins(times) result(bins)
+    !! Independent ordinates that the noise's level is found from.
+    type(samples_type), intent(in) :: times
+    type(samples_type) :: part
+    part = quiet_part(times)
+    bins = min(max(1, nint(span_of(part)/2)), padded_length(part)/4, most_ordinates/2)
+  end function quiet_bins
 
 end module bw_short_lines

@@ -1,0 +1,1 @@
+"""One idea per file; bench/README.md says what the commands measure."""
