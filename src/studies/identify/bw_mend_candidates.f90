@@ -64,9 +64,11 @@ contains
     call add_given(scene%groups, 'body', 'mass', 'another mass of the first body', 30.0_dp)
     if (size(bodies) > 0) then
       call add(candidate_type('another place of the first body', 'body', place='body(1)', unknown=['position', '        '], &
-                              first=[0.02_dp, 0.0_dp], last=[1.0_dp, 0.0_dp], neutral=given_number('position')))
+                              first=[0.02_dp, 0.0_dp], last=[1.0_dp, 0.0_dp], &
+                              neutral=given_number(scene%groups(bodies(1)), 'position')))
       call add(candidate_type('a body''s rotary inertia', 'body', place='body(1)', unknown=['rotary_inertia', '              '], &
-                              last=[0.1_dp*mass*length**2, 0.0_dp], neutral=given_number('rotary_inertia')))
+                              last=[0.1_dp*mass*length**2, 0.0_dp], &
+                              neutral=given_number(scene%groups(bodies(1)), 'rotary_inertia')))
     end if
     call add_given(scene%groups, 'beam', 'youngs_modulus', 'another modulus', 3.0_dp)
   contains
@@ -92,14 +94,13 @@ contains
       if (scene%groups(places(1))%known(name)) candidate%effect = ''    ! it is there
     end function one_unknown
 
-    function given_number(name) result(neutral)
-      !! What the scene says of the first body; 0 where it says nothing.
+    function given_number(group, name) result(neutral)
+      !! What a group says of a name, if anything, for the first of two unknowns.
+      type(group_values), intent(in) :: group
       character(*), intent(in) :: name
       real(dp) :: neutral(2)
       neutral = 0.0_dp
-      associate (body => scene%groups(bodies(1)))
-        if (body%known(name)) neutral(1) = body%number(name)
-      end associate
+      if (group%known(name)) neutral(1) = group%number(name)
     end function given_number
 
     subroutine add_given(groups, group, name, effect, factor)
