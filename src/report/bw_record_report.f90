@@ -141,7 +141,7 @@ contains
         if (.not. btest(found%status(k), drifting)) cycle
         call lines%append_line('  Line '//text_of(k)//' drifts: its frequency changes by '// &
                                to_its_error(found%drift(k)/two_pi, found%drift_bound(k)/two_pi)//' Hz (bound '// &
-                               shortest(found%drift_bound(k)/two_pi, 2)//' Hz) from the first sample to the last')
+                               shortest(found%drift_bound(k)/two_pi, 2)//' Hz) over the record, or its first three decay times')
       end do
     end associate
   end subroutine report_drifts

@@ -29,7 +29,8 @@ contains
       of_record('measured_decay_rate', 'peak', 's-1', 'rate of decay; negative grows', decay), &
       of_record('measured_decay_rate_error', 'peak', 's-1', 'half the interval of the rate of decay', decay_error), &
       of_record('measured_decay_rate_bound', 'peak', 's-1', 'Cramer-Rao standard deviation of the rate of decay', decay_bound), &
-      of_record('measured_drift', 'peak', 'rad s-1', 'change of the angular frequency from the first sample to the last', drift), &
+      of_record('measured_drift', 'peak', 'rad s-1', &
+        'change of the angular frequency over the record or three decay times', drift), &
       of_record('measured_drift_bound', 'peak', 'rad s-1', 'Cramer-Rao standard deviation of that change', drift_bound), &
       of_record('measured_amplitude', 'point peak', unit_of_sensors, 'amplitude at the first sample', amplitude), &
       of_record('measured_amplitude_error', 'point peak', unit_of_sensors, 'half the interval of the amplitude', amplitude_error), &

@@ -20,7 +20,7 @@ module bw_band_fit
   real(dp), parameter :: far_more = 10          !! times the noise, what is left by lines that do not describe a record
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: farthest = 3           !! half widths of a band from its middle; its sums see nothing beyond 32
-  real(dp), parameter, public :: widest_drift = 15  !! of −decay and 2π·frequency over half the record; one bin is π
+  real(dp), parameter, public :: widest_drift = 25  !! of −decay and 2π·frequency over half the record; one bin is π
   real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
   type, public :: reduced_type
@@ -42,6 +42,7 @@ module bw_band_fit
     type(damped_line), allocatable :: lines(:)
     real(dp), allocatable :: still(:, :)        !! offset and slope, (2, S), where they have been fitted
     real(dp) :: left = huge(1.0_dp)             !! squares of what is left over the noise's variance, all sensors
+    real(dp) :: work = 0                        !! numbers of lines' images that this and earlier fits have computed
     real(dp) :: slowest = 1                     !! part of that: a step that leaves more of what there was is the last
   end type fit_type
 
@@ -61,6 +62,7 @@ contains
     integer :: i, j
     logical :: slow
     now = reduce(samples, band, rows, fit%lines, with_still)
+    fit%work = fit%work + size(rows, 1)*real(now%linear + size(now%free), dp)
     left_now = sum(weight*now%left)
     do i = 1, most_steps
       if (size(fit%lines) == 0) exit
@@ -70,6 +72,7 @@ contains
       do j = 0, most_halvings
         moved = moved_lines(samples, fit%lines, factor*step)
         trial = reduce(samples, band, rows, moved, with_still)
+        fit%work = fit%work + size(rows, 1)*real(now%linear + size(now%free), dp)
         left = sum(weight*trial%left)
         if (left < left_now .and. all(is_held(samples, band, moved))) exit
         factor = factor/4
@@ -103,7 +106,7 @@ contains
     type(damped_line), intent(in) :: line
     is_held = band%tapered
     if (is_held) return
-    is_held = abs(bend_reach(line)) <= max(widest_drift, pi*band%half_width)
+    is_held = abs(bend_reach(line, centre_of(samples))) <= widest_drift
     if (size(band%root) < band%blocks%first(size(band%root) + 1) - band%blocks%first(1)) is_held = is_held .and. &
       & (abs(line%frequency - band%centre) + abs(line%decay)/(2*pi))*span_of(samples) < farthest*band%half_width
   end function is_held

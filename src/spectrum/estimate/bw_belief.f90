@@ -135,18 +135,19 @@ contains
   end subroutine widen
 
   subroutine judge_drift(samples, drift, fitted, false_alarm, line)
-    !! Say whether a line drifts, and how far over the record.
+    !! Say whether a line drifts, and how far over the record, or over its life if that is shorter.
     type(samples_type), intent(in) :: samples
     type(drift_type), intent(in) :: drift
     logical, intent(in) :: fitted              !! the drift is among the line's unknowns
     real(dp), intent(in) :: false_alarm
     type(believed_line), intent(inout) :: line
-    real(dp) :: half, slope(size(drift%value))
+    real(dp) :: half, u(2), slope(size(drift%value))
     integer :: m
     half = centre_of(samples)
-    line%drift = sum([(2*m*drift%value(2*m), m=2, size(slope)/2, 2)])/(2*pi*half)
+    u = life_of(line, half)
     slope = 0
-    slope(4::4) = [(2*m, m=2, size(slope)/2, 2)]
+    slope(2::2) = [(m*(u(2)**(m - 1) - u(1)**(m - 1)), m=1, size(slope)/2)]
+    line%drift = dot_product(slope, drift%value)/(2*pi*half)
     line%drift_bound = sqrt(dot_product(slope, matmul(drift%covariance, slope)))/(2*pi*half)
     if (.not. (fitted .or. drift%gain > -2*log(false_alarm))) return
     if (norm2(drift%value) <= rounding*2*pi*line%frequency*half) return
@@ -164,9 +165,7 @@ contains
     real(dp) :: half, u(2), slope(size(drift%value)), reach(2), at, away(2)
     integer :: i, k, m
     half = centre_of(samples)
-    u = [-1.0_dp, 1.0_dp]
-    if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
-    if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
+    u = life_of(line, half)
     away = [own%decay - line%decay, 2*pi*(line%frequency - own%frequency)]*half
     reach = 0
     do i = 0, looks
@@ -180,7 +179,19 @@ contains
     end do
     line%decay_error = max(line%decay_error, reach(1)/half)
     line%frequency_error = max(line%frequency_error, reach(2)/(2*pi*half))
+    if (.not. allocated(samples%place)) &
+      & line%frequency_error = min(line%frequency_error, max(line%frequency, 0.5_dp - line%frequency))  ! nothing lies beyond
   end subroutine reach_ends
+
+  pure function life_of(line, half) result(u)
+    !! From when to when a line is there, u = −1 … 1 over the record.
+    type(believed_line), intent(in) :: line
+    real(dp), intent(in) :: half               !! of the record, in steps
+    real(dp) :: u(2)
+    u = [-1.0_dp, 1.0_dp]
+    if (line%decay*2*half > life) u(2) = -1 + life/(line%decay*half)
+    if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
+  end function life_of
 
   subroutine judge_amplitude(errors, own, j, centre, gain, line)
     !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.

@@ -4,7 +4,7 @@ module bw_close_pair
   !!
   !! What either could take is nearly what amplitudes that change with powers of time take, which is linear: only where that
   !! pays are drifts of rising powers, and pairs of several distances, fitted.
-  use bw_band_fit, only: excess, fit_band, fit_type, reduce, reduced_type, widest_drift
+  use bw_band_fit, only: excess, fit_band, fit_type, reduce, reduced_type
   use bw_damped_line, only: bend_reach, cancels, damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
@@ -12,7 +12,7 @@ module bw_close_pair
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
   use bw_ordinates, only: ordinates_type
-  use bw_samples, only: samples_type, span_of
+  use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
   public :: join_lines, split_lines
@@ -34,12 +34,14 @@ module bw_close_pair
   real(dp), parameter :: from_still = 2         !! bins; a drift nearer to 0 is not told from an offset and a slope
   integer, parameter :: most_together = 4       !! lines of a band among which drifts and pairs are looked for
   real(dp), parameter :: credit = 12            !! of the weighted squares, for what a line looks like at first sight; from trials
+  real(dp), parameter :: most_drift = 15        !! of −decay and 2π·frequency over half the record; one bin is π
+  real(dp), parameter :: near_single = 3        !! bins from a place that is one line
   real(dp), parameter :: turns(3) = [0.0_dp, 2.0_dp, -2.0_dp]  !! radians at both ends, of drifts to start from
 
 contains
 
-  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, highest, changed, &
-    & monitor)
+  subroutine split_lines(samples, false_alarm, ordinates, bands, lines, still, highest, single, changed, &
+    & monitor, work)
     !! Try every line as one that drifts and as two; the best of each band is kept, but where it gains so much less than is
     !! left elsewhere that it may be fitted to what leaks from there.
     type(samples_type), intent(in) :: samples
@@ -49,14 +51,16 @@ contains
     type(damped_line), allocatable, intent(inout) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     real(dp), intent(in) :: highest                !! sample, as the length of a vector of all sensors
+    real(dp), intent(in) :: single(:)              !! frequencies in whose peaks further lines were refused as a drift
     logical, intent(out) :: changed
     class(monitor_type), intent(inout), optional :: monitor
+    real(dp), intent(inout), optional :: work      !! numbers of lines' images that are computed, added up
     type :: shape_type
       type(damped_line), allocatable :: lines(:)  !! of a band; a further one is the last
     end type shape_type
     type(shape_type) :: best(size(bands))
     type(damped_line), allocatable :: after(:)
-    real(dp) :: pays(size(bands)), least, quiet(size(bands))
+    real(dp) :: pays(size(bands)), least, quiet(size(bands)), spent
     integer :: i, n
     pays = 0
     changed = .false.
@@ -71,7 +75,8 @@ contains
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
         & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
-        & highest, best(i)%lines, pays(i), least)
+        & highest, single, best(i)%lines, pays(i), least, spent)
+      if (present(work)) work = work + spent
     end do
     where (pays <= 0) bands%refused = min(bands%refused, quiet)
     least = max(least, leaking*maxval(pays))
@@ -87,16 +92,19 @@ contains
     call move_alloc(after, lines)
   end subroutine split_lines
 
-  subroutine shape_band(samples, band, rows, weight, chance, highest, own, pays_best, least)
+  subroutine shape_band(samples, band, rows, weight, chance, highest, single, own, pays_best, least, &
+    & spent)
     !! Keep what pays best for one of the band's lines.
     type(samples_type), intent(in) :: samples
     type(line_band), intent(in) :: band
     real(dp), intent(in) :: rows(:, :), weight(:)
     real(dp), intent(in) :: chance              !! of a drift or a second line where there is none
     real(dp), intent(in) :: highest             !! sample
+    real(dp), intent(in) :: single(:)           !! frequencies near which no line is taken for two
     type(damped_line), allocatable, intent(inout) :: own(:)  !! the lines of the band; a further one is the last
     real(dp), intent(out) :: pays_best          !! what it takes off the weighted squares beyond its price; 0: nothing pays
     real(dp), intent(in) :: least               !! what it must take off them to be looked at
+    real(dp), intent(out) :: spent              !! numbers of lines' images that are computed
     type(fit_type) :: fit, best
     real(dp) :: left, pays
     real(dp) :: pace                            !! of what is left, as `slowest`
@@ -105,6 +113,7 @@ contains
     fit%lines = own
     call fit_band(samples, band%band, rows, weight, band%with_still, fit)
     left = fit%left
+    spent = fit%work
     pace = merge(hasty, slowest, excess(left, rows) > 1)
     pays_best = 0
     do j = 1, size(own)
@@ -142,7 +151,7 @@ contains
         start%lines = fit%lines
         idle = merge(0, idle + 1, before - fit%left > -2*log(chance))
         if (idle == most_idle) return
-        if (wild(fit%lines(size(own)))) return
+        if (wild(samples, fit%lines(size(own)))) return
         if (powers == 2) bulges = fit%lines(size(own))%bend(2)%re < -abs(fit%lines(size(own))%bend(2)%im)
         pays = left - fit%left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)
         if (bulges) then
@@ -159,23 +168,27 @@ contains
       real(dp), intent(in) :: turn
       type(fit_type) :: other
       other = start
+      other%work = 0
       other%slowest = pace
       associate (line => other%lines(size(own)))
         line%bend(2) = line%bend(2) + cmplx(0, turn, dp)
       end associate
       call fit_band(samples, band%band, rows, weight, band%with_still, other)
+      spent = spent + other%work
       if (other%left < fit%left) fit = other
     end subroutine try
 
     subroutine try_pairs()
       !! Two steady lines for line j.
       integer :: k
-      if (size(own) > most_together) return
+      if (size(own) > most_together .or. any(abs(single - own(j)%frequency)*span_of(samples) < near_single)) return
       if (bent_gain(samples, band, rows, weight, own, j) < max(least*promise, least_gain(size(weight), chance))) return
       do k = 1, size(below)
         fit%lines = [own(:j - 1), own(j + 1:), pair_at(own(j), [-below(k), above(k)], span_of(samples))]
         fit%slowest = pace
+        fit%work = 0
         call fit_band(samples, band%band, rows, weight, band%with_still, fit)
+        spent = spent + fit%work
         if (.not. beside_in_bins(own(j), fit%lines(size(own):), span_of(samples))) cycle
         pays = left - fit%left + price_of_drift(own(j)%powers, chance) - least_gain(size(weight), chance)
         if (bulges) then
@@ -197,10 +210,11 @@ contains
 
   end subroutine shape_band
 
-  pure logical function wild(line)
+  pure logical function wild(samples, line)
     !! Whether a fit has taken a line for so large a drift that it may describe anything.
+    type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: line
-    wild = abs(bend_reach(line)) > widest_drift
+    wild = abs(bend_reach(line, centre_of(samples))) > most_drift
   end function wild
 
   logical function beside_in_bins(line, pair, span) result(near)

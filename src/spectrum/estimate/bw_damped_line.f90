@@ -11,6 +11,7 @@ module bw_damped_line
 
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
   real(dp), parameter :: most_cancelled = 30     !! amplitude, of the record's highest sample: equal lines 1/200 bin apart
+  real(dp), parameter :: gone = 5                !! e-folds below its largest amplitude, where a line that drifts has ended
   real(dp), parameter :: most_decay = 2.5_dp     !! per step, of either sign; the table must not overflow
 
   integer, parameter :: tables_of_bend = 1024    !! in which a record is cut where a line drifts
@@ -79,18 +80,24 @@ contains
     line%frequency = abs(line%frequency)
   end subroutine move_line
 
-  elemental complex(dp) function bend_reach(line) result(reach)
-    !! The largest change of −decay, and of 2π·frequency, over half the record, that a drift makes anywhere from the record's middle.
+  elemental complex(dp) function bend_reach(line, centre) result(reach)
+    !! The largest change of −decay, and of 2π·frequency, over half the record, that a drift makes from the record's middle anywhere
+    !! in the line's life. Where it is gone its powers of time are free, and say nothing.
     type(damped_line), intent(in) :: line
+    real(dp), intent(in) :: centre               !! half of the record, in steps
     integer, parameter :: looks = 16
-    complex(dp) :: rate
+    complex(dp) :: rate(-looks:looks)
+    real(dp) :: height(-looks:looks), u
     integer :: i, m
     reach = 0
     if (line%powers < 2) return
     do i = -looks, looks
-      rate = sum([(m*line%bend(m)*(real(i, dp)/looks)**(m - 1), m=2, line%powers)])
-      reach = cmplx(max(reach%re, abs(rate%re)), max(reach%im, abs(rate%im)), dp)
+      u = real(i, dp)/looks
+      rate(i) = sum([(m*line%bend(m)*u**(m - 1), m=2, line%powers)])
+      height(i) = real(sum([(line%bend(m)*u**m, m=2, line%powers)]), dp) - line%decay*centre*u
     end do
+    reach = cmplx(maxval(abs(rate%re), mask=height > maxval(height) - gone), &
+      & maxval(abs(rate%im), mask=height > maxval(height) - gone), dp)
   end function bend_reach
 
   elemental logical function cancels(line, highest)

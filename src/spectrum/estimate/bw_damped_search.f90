@@ -4,12 +4,12 @@ module bw_damped_search
   use bw_damped_line, only: damped_line
   use bw_filter_renewal, only: filters_lines, take_filter_off
   use bw_fourier, only: real_fourier
-  use bw_found_lines, only: far_above, found_lines, not_needed, rejected_line, same_peak
+  use bw_found_lines, only: beside_drift, far_above, found_lines, not_needed, rejected_line, same_peak
   use bw_kinds, only: dp
   use bw_line_bands, only: prepare_bands, refine
   use bw_line_candidates, only: candidates, short_candidates
   use bw_line_refusals, only: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, &
-    & drop_uncertain
+    & drop_uncertain, place_of
   use bw_monitor, only: monitor_type, stops
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_pure_record, only: find_lines_if_pure, safety
@@ -23,6 +23,9 @@ module bw_damped_search
 
   integer, parameter :: most_filters = 3         !! one after the other, where lines are found behind a filter
   integer, parameter :: most_rounds = 24
+  real(dp), parameter :: most_work = 4.0e3_dp    !! numbers of lines' images for each sample and sensor, that a search computes
+  real(dp), parameter :: least_allowed = 4.0e8_dp  !! of these in any record
+  integer, parameter :: most_last = 8            !! rounds of refusals after these
   integer, parameter :: most_idle = 3            !! rounds of drifts and pairs, after each of which as much is left as before
   real(dp), parameter :: no_gain = 0.999_dp      !! of what was left
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
@@ -129,6 +132,7 @@ contains
     idle = 0
     searched = .false.
     found%highest = highest_of(samples)
+    found%work = 0
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
@@ -150,8 +154,36 @@ contains
       call drop_cancelling(samples, found, cancels)
       if (cancels) call settle(samples, found, monitor)
       searched = searched .and. .not. (changed .or. astray .or. cancels)
+      if (found%work > least_allowed + most_work*samples%count*size(samples%value, 2)) exit
     end do
+    if (stops(monitor)) return
+    if (changed) call conclude(samples, false_alarm, plan, found, monitor)
   end subroutine search
+
+  subroutine conclude(samples, false_alarm, plan, found, monitor)
+    !! Leave out what is no line of a search that has not come to rest, and see what is left then.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(real_fourier), intent(inout) :: plan
+    type(found_lines), intent(inout) :: found
+    class(monitor_type), intent(inout), optional :: monitor
+    type(ordinates_type) :: tapered
+    real(dp) :: threshold
+    integer :: i
+    logical :: changed
+    do i = 1, most_last
+      call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+      threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
+      call drop_broad(samples, threshold, found, changed)
+      if (.not. changed) call drop_beside_drift(samples, found, changed)
+      if (.not. changed) call drop_needless(samples, threshold, found, changed)
+      if (.not. changed) call drop_uncertain(samples, found, changed)
+      if (.not. changed) return
+      if (stops(monitor)) return
+      call settle(samples, found, monitor)
+    end do
+    call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+  end subroutine conclude
 
   subroutine change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
     !! Change the lines in the first way that pays: add some that stand out with a taper, leave out needless ones, add some that
@@ -171,6 +203,8 @@ contains
     logical :: capped
     call drop_broad(samples, threshold, found, changed)
     if (changed) return
+    call drop_beside_drift(samples, found, changed)
+    if (changed) return
     call add(samples, candidates(samples, found, tapered, &
       & far_above*least_ordinate(tapered%shape, span_of(samples)/2, false_alarm), same_peak), found, changed)
     if (changed) return
@@ -180,24 +214,24 @@ contains
     if (changed) return
     associate (noise => found%ordinates%noise)
       if (idle < most_idle) call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, &
-        & found%highest, changed, monitor)
+        & found%highest, pack(found%rejected%frequency, found%rejected%reason == beside_drift), changed, monitor, found%work)
       if (changed) idle = idle + 1
       if (changed) return
       call drop_uncertain(samples, found, changed)
-      if (changed) return
-      call drop_beside_drift(samples, found, changed)
       if (changed) return
       call add(samples, candidates(samples, found, found%ordinates, threshold, 0.0_dp), found, changed)
       if (changed) return
       call join_lines(samples, false_alarm, noise, found%bands, found%lines, found%still, changed, needless, missed)
       do k = 1, size(needless)
-        found%rejected = [found%rejected, rejected_line(needless(k)%frequency, missed(k), not_needed, needless(k)%sought)]
+        found%rejected = [found%rejected, &
+          & rejected_line(needless(k)%frequency, missed(k), not_needed, place_of(needless(k), found))]
       end do
     end associate
     if (changed .or. idle >= most_idle) return
     calm = found%ordinates
     call cap_noise(samples, found%lines, found%still, calm%noise, capped)
-    if (capped) call split_lines(samples, false_alarm, calm, found%bands, found%lines, found%still, found%highest, changed, monitor)
+    if (capped) call split_lines(samples, false_alarm, calm, found%bands, found%lines, found%still, found%highest, &
+      & pack(found%rejected%frequency, found%rejected%reason == beside_drift), changed, monitor, found%work)
     if (changed) idle = idle + 1
 
   end subroutine change
@@ -220,7 +254,7 @@ contains
     type(found_lines), intent(inout) :: found
     class(monitor_type), intent(inout), optional :: monitor
     call prepare_bands(samples, found%lines, found%bands)
-    call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still, monitor)
+    call refine(samples, found%ordinates%noise, found%bands, found%lines, found%still, monitor, found%work)
   end subroutine settle
 
 end module bw_damped_search

@@ -18,6 +18,7 @@ module bw_line_bands
   real(dp), parameter :: near_still = 8        !! bins from 0 within which offset and slope are fitted with the lines
   real(dp), parameter :: margin = 0.7_dp       !! bins that lines may move before their band is made anew
   integer, parameter :: most_sweeps = 6
+  real(dp), parameter :: most_work = 1.0e8_dp  !! numbers of lines' images, after which no further sweep begins
   real(dp), parameter :: nudged = 0.1_dp       !! bins, by which a line may move and be the same line
   real(dp), parameter :: settled = 1.0e-3_dp   !! variances of the noise that a sweep may still gain
   real(dp), parameter :: unseen = 1.0e-5_dp    !! of these, that the rows of a band may change before it is fitted again
@@ -144,7 +145,7 @@ contains
     !! The largest decay, and change of 2π·frequency, of a line anywhere in the record.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: line
-    width_of = abs(line%decay) + abs(bend_reach(line))/centre_of(samples)
+    width_of = abs(line%decay) + abs(bend_reach(line, centre_of(samples)))/centre_of(samples)
   end function width_of
 
   subroutine make(samples, lowest, highest, widest, bands, new)
@@ -193,7 +194,7 @@ contains
     end do
   end function own_rows
 
-  subroutine refine(samples, noise, bands, lines, still, monitor)
+  subroutine refine(samples, noise, bands, lines, still, monitor, work)
     !! Fit band after band until nothing is gained; those that have come to rest are left as they are.
     type(samples_type), intent(in) :: samples
     type(level_knots), intent(in) :: noise
@@ -201,6 +202,7 @@ contains
     type(damped_line), intent(inout) :: lines(:)
     real(dp), intent(inout) :: still(:, :)
     class(monitor_type), intent(inout), optional :: monitor
+    real(dp), intent(inout), optional :: work    !! numbers of lines' images that are computed, added up
     type(fit_type) :: fit
     real(dp), allocatable :: rows(:, :), weight(:)
     real(dp) :: before, moved
@@ -214,6 +216,7 @@ contains
         rows = own_rows(samples, lines, still, bands(i))
         weight = 1/level_at(noise, bands(i)%band%centre, size(still, 2))
         fit%lines = lines(bands(i)%member)
+        fit%work = fit%work + size(rows, 1)*2.0_dp*(size(lines) - size(fit%lines))
         if (is_at_rest(bands(i), rows, weight, fit%lines)) cycle
         call fit_band(samples, bands(i)%band, rows, weight, bands(i)%with_still, fit)
         if (.not. alike(bands(i), fit%lines, span_of(samples))) bands(i)%refused = huge(1.0_dp)
@@ -225,8 +228,9 @@ contains
         bands(i)%left = fit%left
         moved = max(moved, abs(before - fit%left)/excess(fit%left, rows))
       end do
-      if (moved < settled .or. size(bands) == 1) exit
+      if (moved < settled .or. size(bands) == 1 .or. fit%work > most_work) exit
     end do
+    if (present(work)) work = work + fit%work
   end subroutine refine
 
 end module bw_line_bands

@@ -3,13 +3,13 @@ module bw_line_candidates
   !! record ends.
   use bw_damped_line, only: bend_reach, damped_line
   use bw_drift, only: drift_gain, drift_taken
-  use bw_found_lines, only: drift_reach, found_lines
+  use bw_found_lines, only: beside_drift, drift_reach, found_lines
   use bw_kinds, only: dp
   use bw_line_bands, only: own_rows
   use bw_noise_level, only: level_at
   use bw_order, only: local_maxima, vertex
   use bw_ordinates, only: ordinates_type
-  use bw_samples, only: samples_type, span_of
+  use bw_samples, only: centre_of, samples_type, span_of
   use bw_short_lines, only: short_lines
   implicit none (type, external)
   private
@@ -70,7 +70,8 @@ contains
     logical function is_new(frequency, ordinate)
       !! Whether a peak is none of a rejected line, nor beside a line in whose peak a drift would take more.
       real(dp), intent(in) :: frequency, ordinate
-      is_new = all(abs(found%rejected%frequency - frequency)*span_of(samples) > beside) &
+      is_new = all(abs(found%rejected%frequency - frequency)*span_of(samples) > &
+        & merge(drift_reach, beside, found%rejected%reason == beside_drift)) &
         & .and. all(abs(found%rejected%sought - frequency)*span_of(samples) > beside) &
         & .and. all(abs(found%lines%frequency - frequency)*span_of(samples) >= distance)
       if (is_new) is_new = .not. is_drift(samples, found, frequency, ordinate)
@@ -109,7 +110,7 @@ contains
       !! Bins that a line's drift reaches to either side.
       type(damped_line), intent(in) :: line
       complex(dp) :: reach
-      reach = bend_reach(line)
+      reach = bend_reach(line, centre_of(samples))
       broadened = reach%im/pi
     end function broadened
 
@@ -156,7 +157,8 @@ contains
     if (size(fresh) == 0) return
     fresh%sought = fresh%frequency
     reach = abs(fresh(1)%decay)/(2*pi)
-    if (any(abs(found%rejected%frequency - fresh(1)%frequency) < most_reach*reach)) fresh = fresh(2:)
+    if (any(abs(found%rejected%frequency - fresh(1)%frequency) < most_reach*reach .or. &
+      & abs(found%rejected%sought - fresh(1)%sought)*span_of(samples) < beside)) fresh = fresh(2:)
     do k = 1, size(found%lines)
       if (size(fresh) == 0) exit
       if (abs(found%lines(k)%frequency - fresh(1)%frequency) < drift_reach/span_of(samples) &

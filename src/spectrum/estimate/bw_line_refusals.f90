@@ -1,6 +1,6 @@
 module bw_line_refusals
   !! Lines that are none: not needed, too broad, taken astray by a fit, uncertain, or explained by the colour of the noise.
-  use bw_band_fit, only: reduce, reduced_type
+  use bw_band_fit, only: reduce, reduced_type, widest_drift
   use bw_damped_line, only: bend_reach, cancels, damped_line, strength_of
   use bw_filter_renewal, only: unfiltered_lines
   use bw_found_lines, only: beside_drift, drift_reach, far_above, found_lines, noise_colour, not_needed, rejected_line, &
@@ -11,10 +11,11 @@ module bw_line_refusals
   use bw_line_or_colour, only: are_lines
   use bw_noise_level, only: level_at, window_width
   use bw_ordinates, only: least_ordinate, ordinates_type
-  use bw_samples, only: samples_type, span_of
+  use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, drop_uncertain
+  public :: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, drop_uncertain, &
+    & place_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: kept = 1                !! times the threshold, that a line must still pay among the others
@@ -22,6 +23,8 @@ module bw_line_refusals
   real(dp), parameter :: sigmas = 2              !! standard deviations of an interval, that tells whether there is a line at all
   real(dp), parameter :: widest_error = 3        !! bins, of a frequency
   integer, parameter :: straight = 2             !! powers of time in the exponent of a line whose frequency drifts evenly
+  integer, parameter :: crowd = 2                !! weaker lines in the peak of a line, and more
+  real(dp), parameter :: clear_of_still = 8      !! bins from 0, where an offset that changes leaks no more
   real(dp), parameter :: strayed = 2             !! bins, and half widths, that a fit may take a line from its peak
 
 contains
@@ -94,22 +97,31 @@ contains
 
   subroutine drop_beside_drift(samples, found, changed)
     !! Leave out weaker lines in the band that a line sweeps whose drift is more than a straight line: no record tells them from what
-    !! the powers of time do not describe of that drift. They are not tried again.
+    !! the powers of time do not describe of that drift. So are two or more in the peak of one line, each as far as it is broad:
+    !! together they describe any drift. They are not tried again.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
     complex(dp) :: reach
-    integer :: reason(size(found%lines)), j, k
+    real(dp), dimension(size(found%lines)) :: strength, energy, width, bins
+    logical :: near(size(found%lines))
+    integer :: reason(size(found%lines)), j
     reason = 0
-    do j = 1, size(found%lines)
-      if (found%lines(j)%powers <= straight) cycle
-      reach = bend_reach(found%lines(j))
-      do k = 1, size(found%lines)
-        if (strength_of(found%lines(k)) >= strength_of(found%lines(j))) cycle
-        if (abs(found%lines(k)%frequency - found%lines(j)%frequency)*span_of(samples) < drift_reach + reach%im/pi) &
-          & reason(k) = beside_drift
+    associate (lines => found%lines, span => span_of(samples))
+      strength = strength_of(lines)
+      width = abs(lines%decay)*span/(2*pi)
+      energy = strength**2/max(width, 1.0_dp)
+      do j = 1, size(lines)
+        bins = abs(lines%frequency - lines(j)%frequency)*span
+        if (lines(j)%powers > straight) then
+          reach = bend_reach(lines(j), centre_of(samples))
+          where (strength < strength(j) .and. bins < drift_reach + min(reach%im, widest_drift)/pi) reason = beside_drift
+        end if
+        if (lines(j)%frequency*span < clear_of_still) cycle
+        near = energy < energy(j) .and. bins < drift_reach + width
+        if (count(near) >= crowd) where (near) reason = beside_drift
       end do
-    end do
+    end associate
     changed = any(reason > 0)
     if (changed) call reject(reason, pays_of(samples, found), found, changed)
   end subroutine drop_beside_drift
@@ -123,7 +135,8 @@ contains
 
   subroutine drop_uncertain(samples, found, changed)
     !! Leave out lines by themselves that the record does not determine: at no sensor is the amplitude, where it is largest, above
-    !! its own interval, or the frequency's interval is as wide as the frequency, or wider than the line. They are not tried again.
+    !! its own interval, or the frequency's interval is as wide as the frequency, or wider than the line, or a drift takes it to
+    !! 0 or to half the sampling rate. They are not tried again.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
@@ -141,6 +154,7 @@ contains
           if (own(j)%frequency*span > same_peak .and. &
             & count(abs(own%frequency - own(j)%frequency)*span < same_peak) > 1) cycle
           if (.not. stands_out(errors, own(j), j)) reason(band%member(j)) = uncertain
+          if (leaves(samples, own(j))) reason(band%member(j)) = uncertain
           if (own(j)%frequency*span < 1) cycle
           error = sigmas*frequency_deviation(errors, j)/pi
           if (error > min(own(j)%frequency*span, widest_error + abs(own(j)%decay)*span/pi)) reason(band%member(j)) = uncertain
@@ -151,6 +165,16 @@ contains
     if (any(reason > 0)) pays = pays_of(samples, found)
     call reject(reason, pays, found, changed)
   end subroutine drop_uncertain
+
+  logical function leaves(samples, line)
+    !! Whether a drift takes a line to 0 or to half the sampling rate.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: line
+    complex(dp) :: reach
+    reach = bend_reach(line, centre_of(samples))/(2*pi*centre_of(samples))
+    leaves = line%powers > 1 .and. line%frequency <= reach%im
+    if (.not. allocated(samples%place)) leaves = leaves .or. (line%powers > 1 .and. line%frequency + reach%im >= 0.5_dp)
+  end function leaves
 
   logical function stands_out(errors, line, j)
     !! Whether an amplitude, where it is largest over the record, is above its own interval at any sensor.
@@ -186,7 +210,8 @@ contains
     stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
     dropped = .not. all(stays)
     do k = 1, size(lines)
-      if (.not. stays(k)) found%rejected = [found%rejected, rejected_line(lines(k)%frequency, pays(k), noise_colour)]
+      if (stays(k)) cycle
+      found%rejected = [found%rejected, rejected_line(lines(k)%frequency, pays(k), noise_colour, place_of(lines(k), found))]
     end do
     found%lines = pack(found%lines, stays)
   end subroutine drop_colour
@@ -225,10 +250,18 @@ contains
     do k = 1, size(reason)
       if (reason(k) == 0) cycle
       found%rejected = [found%rejected, &
-        & rejected_line(found%lines(k)%frequency, ordinate(k), reason(k), found%lines(k)%sought)]
+        & rejected_line(found%lines(k)%frequency, ordinate(k), reason(k), place_of(found%lines(k), found))]
     end do
     changed = any(reason > 0)
     if (changed) found%lines = pack(found%lines, reason == 0)
   end subroutine reject
+
+  pure real(dp) function place_of(line, found) result(sought)
+    !! The peak that a line was taken for; its own place if one that was taken for the same peak is refused already.
+    type(damped_line), intent(in) :: line
+    type(found_lines), intent(in) :: found
+    sought = line%sought
+    if (any(abs(found%rejected%sought - sought) <= 0)) sought = line%frequency
+  end function place_of
 
 end module bw_line_refusals

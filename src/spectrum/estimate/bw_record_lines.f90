@@ -49,7 +49,7 @@ module bw_record_lines
       !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
     real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
     real(dp), allocatable :: drift(:), drift_bound(:)
-      !! change of β from the first sample to the last, as far as it is a straight line, rad/s, (lines)
+      !! change of β from the first sample to the last, or over three decay times where these are shorter, rad/s, (lines)
     real(dp), allocatable :: windows(:, :, :)
       !! β and δ and their bounds in each half and quarter of the record by itself, `missing` where that does not tell,
       !! (4, windows, lines)
