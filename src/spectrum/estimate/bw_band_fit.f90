@@ -42,8 +42,8 @@ module bw_band_fit
     type(damped_line), allocatable :: lines(:)
     real(dp), allocatable :: still(:, :)        !! offset and slope, (2, S), where they have been fitted
     real(dp) :: left = huge(1.0_dp)             !! squares of what is left over the noise's variance, all sensors
-    real(dp) :: work = 0                        !! numbers of lines' images that this and earlier fits have computed
     real(dp) :: slowest = 1                     !! part of that: a step that leaves more of what there was is the last
+    real(dp) :: work = 0                        !! numbers of lines' images that this and earlier fits have computed
   end type fit_type
 
 contains

@@ -10,15 +10,15 @@ module bw_close_pair
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
   use bw_monitor, only: monitor_type, stops
-  use bw_noise_level, only: level_at, level_knots
+  use bw_noise_level, only: level_at
   use bw_ordinates, only: ordinates_type
   use bw_samples, only: centre_of, samples_type, span_of
+  use bw_shape_price, only: least_gain, price_of_drift
   implicit none (type, external)
   private
-  public :: join_lines, split_lines
+  public :: split_lines
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter :: places = 8             !! independent places of a second line in a peak; from trials on noise
   integer, parameter :: highest_power = 4
   real(dp), parameter :: widest_apart = 1.5_dp  !! bins of a member from the single line
   real(dp), parameter :: broadest = 12          !! over the record, of a member's decay from the single line's
@@ -227,99 +227,6 @@ contains
       & abs(pair(1)%decay - pair(2)%decay) < 2*pi*abs(pair(1)%frequency - pair(2)%frequency)
   end function beside_in_bins
 
-  subroutine join_lines(samples, false_alarm, noise, bands, lines, still, changed, needless, missed)
-    !! Leave a line out of each peak that has several, where the others, fitted again, do as well but for noise.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: false_alarm
-    type(level_knots), intent(in) :: noise
-    type(line_band), intent(in) :: bands(:)
-    type(damped_line), allocatable, intent(inout) :: lines(:)
-    real(dp), intent(in) :: still(:, :)
-    logical, intent(out) :: changed
-    type(damped_line), allocatable, intent(out) :: needless(:)  !! the lines that have been left out
-    real(dp), allocatable, intent(out) :: missed(:)  !! what they took off half the squares over the noise
-    logical :: stays(size(lines)), straightened
-    real(dp) :: gain(size(lines))
-    integer :: i
-    stays = .true.
-    straightened = .false.
-    gain = 0
-    do i = 1, size(bands)
-      if (size(bands(i)%member) > 0) call straighten(bands(i))
-      if (size(bands(i)%member) > 1) call join_band(bands(i), least_gain(size(samples%value, 2), false_alarm/size(lines)))
-    end do
-    changed = straightened .or. .not. all(stays)
-    needless = pack(lines, .not. stays)
-    missed = pack(gain, .not. stays)
-    if (.not. all(stays)) lines = pack(lines, stays)
-
-  contains
-
-    subroutine straighten(band)
-      !! Take powers of time out of the exponents of lines that do not need them.
-      type(line_band), intent(in) :: band
-      type(fit_type) :: fit
-      real(dp), allocatable :: rows(:, :), weight(:)
-      type(damped_line), allocatable :: own(:)
-      real(dp) :: left, chance
-      integer :: j, powers
-      own = lines(band%member)
-      if (all(own%powers == 1)) return
-      rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
-      chance = false_alarm/size(lines)
-      fit%lines = own
-      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-      left = fit%left
-      do j = 1, size(own)
-        do powers = 1, own(j)%powers - 1
-          fit%lines = own
-          fit%lines(j)%powers = powers
-          fit%lines(j)%bend(powers + 1:) = 0
-          call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-          if (fit%left > left + price_of_drift(own(j)%powers, chance) - price_of_drift(powers, chance)) cycle
-          lines(band%member) = fit%lines
-          straightened = .true.
-          return
-        end do
-      end do
-    end subroutine straighten
-
-    subroutine join_band(band, least)
-      !! Leave out the line that is missed least.
-      type(line_band), intent(in) :: band
-      real(dp), intent(in) :: least
-      type(fit_type) :: fit
-      real(dp), allocatable :: rows(:, :), weight(:)
-      type(damped_line), allocatable :: own(:), best(:)
-      real(dp) :: left, least_left
-      integer :: j, chosen
-      own = lines(band%member)
-      rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
-      fit%lines = own
-      call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-      left = fit%left
-      least_left = left + least
-      chosen = 0
-      do j = 1, size(own)
-        if (count(abs(own%frequency - own(j)%frequency)*span_of(samples) < 2*widest_apart) < 2) cycle
-        fit%lines = [own(:j - 1), own(j + 1:)]
-        call fit_band(samples, band%band, rows, weight, band%with_still, fit)
-        if (fit%left >= least_left) cycle
-        least_left = fit%left
-        chosen = j
-        best = fit%lines
-      end do
-      if (chosen == 0) return
-      stays(band%member(chosen)) = .false.
-      gain(band%member(chosen)) = (least_left - left)/2
-      lines(band%member(:chosen - 1)) = best(:chosen - 1)
-      lines(band%member(chosen + 1:)) = best(chosen:)
-    end subroutine join_band
-
-  end subroutine join_lines
-
   pure function pair_at(line, away, span) result(pair)
     !! Two steady lines beside one. Where its peak is wider than a bin so is their distance, and each is narrower than the peak.
     type(damped_line), intent(in) :: line
@@ -352,40 +259,5 @@ contains
       gain = sum(weight*sum(reduced%rotated(first:, :)**2, dim=1))
     end associate
   end function bent_gain
-
-  pure real(dp) function price_of_drift(powers, false_alarm) result(price)
-    !! What a drift must take off the weighted squares: as much as noise gives to two unknowns with that probability for each power
-    !! above the first, and for the first of them as much more as a pair pays for its places, since a drift that is fitted without
-    !! need makes decays uncertain.
-    integer, intent(in) :: powers
-    real(dp), intent(in) :: false_alarm
-    price = 0
-    if (powers > 1) price = -2*log(false_alarm)*(powers - 1) + 2*log(places)
-  end function price_of_drift
-
-  pure real(dp) function least_gain(sensors, false_alarm) result(gain)
-    !! What a second line must take off the weighted squares: noise gives more with that probability. Decay, frequency and an
-    !! amplitude at each sensor are 2 + 2S normal numbers, at about `places` places.
-    integer, intent(in) :: sensors
-    real(dp), intent(in) :: false_alarm
-    real(dp) :: low, high, term, tail
-    integer :: i, j
-    low = 0
-    high = 2000.0_dp + 20*sensors
-    do i = 1, 60
-      gain = (low + high)/2
-      term = exp(-gain/2)
-      tail = term
-      do j = 1, sensors
-        term = term*gain/(2*j)
-        tail = tail + term
-      end do
-      if (tail*places > false_alarm) then
-        low = gain
-      else
-        high = gain
-      end if
-    end do
-  end function least_gain
 
 end module bw_close_pair
