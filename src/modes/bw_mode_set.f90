@@ -241,7 +241,7 @@ contains
     if (self%count + size(q) + size(rate) == 0) return     ! it depends on none of them
   end function no_body_energy
 
-  subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes)
+  subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
     !! Find what a sum over modes asks of them, and no more: a source may find it for less than a whole set.
     class(mode_source), intent(in) :: self
     integer, intent(in) :: number(:)              !! as those of `find`
@@ -250,9 +250,11 @@ contains
     type(dd), intent(out) :: beta(:)              !! √|β²| with the sign of β²: below zero for a growing mode, (modes)
     real(dp), intent(out) :: drive(:)             !! Φ_k(ξ₀)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)         !! Φ_k(ξ), (modes, points)
+    real(dp), intent(out), optional :: mass(:)    !! M_k, (modes)
     class(mode_set), allocatable :: modes
     call self%find(number, modes, longest)
     call take_terms(modes, xi, beta, drive, shapes)
+    if (present(mass)) mass = modes%modal_mass
   end subroutine terms_of_set
 
   subroutine take_terms(modes, xi, beta, drive, shapes)

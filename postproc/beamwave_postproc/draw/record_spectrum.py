@@ -88,10 +88,10 @@ def _height(frequency: np.ndarray, amplitude: np.ndarray, places: np.ndarray) ->
 
 
 def _reasons(case: xr.Dataset) -> str:
-    """How many candidates are no lines, by reason."""
+    """How many candidates were refused, by reason."""
     if "candidate_reason" not in case or "candidate_count" not in case or not int(case["candidate_count"]):
         return ""
     words = flag_words(case["candidate_reason"])
     reasons, counts = np.unique(case["candidate_reason"].values[case["candidate_reason"].values > 0], return_counts=True)
     told = [f"{count} {words.get(int(reason), '').replace('_', ' ')}" for reason, count in zip(reasons, counts)]
-    return f"no lines: {', '.join(told)}"
+    return f"refused candidates: {', '.join(told)}"

@@ -71,16 +71,21 @@ contains
     call move_alloc(found, modes)
   end subroutine find_in_closed_form
 
-  subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes)
-    !! Find terms of far modes in their short form, of the others through a set.
+  subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes, mass)
+    !! Find terms of far modes in their short form, of the others, and all where modal masses are asked for, through a set.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
     real(dp), intent(in), optional :: longest
     type(dd), intent(out) :: beta(:)
     real(dp), intent(out) :: drive(:), shapes(:, :)
+    real(dp), intent(out), optional :: mass(:)
     type(far_beam) :: beam
     integer :: light, near
+    if (present(mass)) then
+      call terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
+      return
+    end if
     beam%gamma = self%mass_ratio
     if (allocated(self%omega)) beam%omega = self%omega
     if (present(longest)) beam%longest = longest

@@ -97,7 +97,7 @@ contains
     call move_alloc(found, modes)
   end subroutine find_of_pieces
 
-  subroutine terms_of_pieces(self, number, xi, longest, beta, drive, shapes)
+  subroutine terms_of_pieces(self, number, xi, longest, beta, drive, shapes, mass)
     !! Where no history is asked for, three digits will do.
     class(piece_source), intent(in) :: self
     integer, intent(in) :: number(:)
@@ -106,14 +106,16 @@ contains
     type(dd), intent(out) :: beta(:)
     real(dp), intent(out) :: drive(:)
     real(dp), intent(out) :: shapes(:, :)
+    real(dp), intent(out), optional :: mass(:)
     type(piece_set) :: modes
     if (present(longest)) then
-      call terms_of_set(self, number, xi, longest, beta, drive, shapes)
+      call terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
     else
       call set_of_pieces(self%pieces%beam, number, set=modes, struck=self%pieces%struck, roughly=.true.)
       if (.not. modes%resolved) call self%note_failure(number)
       modes%struck_at = self%struck_at
       call take_terms(modes, xi, beta, drive, shapes)
+      if (present(mass)) mass = modes%modal_mass
     end if
   end subroutine terms_of_pieces
 

@@ -169,16 +169,11 @@ contains
     type(moving_modes) :: moving
     type(dd) :: beta(size(number))
     real(dp) :: drive(size(number))
-    real(dp), allocatable :: shapes(:, :)
-    integer :: n
-    n = size(seen%points)
+    real(dp) :: shapes(size(number), size(seen%points))
     if (may_pair(source, weight)) then
-      allocate (shapes(size(number), n + 1))
-      call source%terms(number, [seen%points, source%struck_at], beta=beta, drive=drive, shapes=shapes)
-      moving%mass = spread(huge(1.0_dp), 1, size(number))          ! of what does not move where the mass strikes
-      where (shapes(:, n + 1) /= 0.0_dp .and. drive /= 0.0_dp) moving%mass = shapes(:, n + 1)/drive
+      allocate (moving%mass(size(number)))
+      call source%terms(number, seen%points, beta=beta, drive=drive, shapes=shapes, mass=moving%mass)
     else
-      allocate (shapes(size(number), n))
       call source%terms(number, seen%points, beta=beta, drive=drive, shapes=shapes)
     end if
     moving%reach = undamped_reaches(beta%hi, seen%stretch%end, seen%velocity)*abs(force*drive)
@@ -190,7 +185,7 @@ contains
     moving%uniform = source%uniform
     moving%clamped = source%clamped
     moving%run = run
-    call add_amplitudes(moving, shapes(:, :n), seen, weight, sums)
+    call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
 
   pure logical function may_pair(source, weight)
