@@ -13,7 +13,7 @@ module bw_scene_pieces
   use bw_support_par, only: support_par
   implicit none (type, external)
   private
-  public :: pieces_of
+  public :: mass_struck, pieces_of
 
   type, public :: struck_beam
     !! A beam of pieces, and what strikes it.
@@ -80,6 +80,17 @@ contains
       call attach(beam, to_dd(pieces%position), pieces%captured)
     end associate
   end function pieces_of
+
+  pure real(dp) function mass_struck(scene, units) result(mass)
+    !! Mass of the bodies at the place of the blow, in m_i.
+    type(scene_type), intent(in) :: scene          !! without sweeps, with an impact
+    type(beam_units), intent(in) :: units
+    type(struck_beam) :: pieces
+    mass = 0.0_dp
+    if (.not. allocated(scene%bodies)) return
+    pieces = pieces_of(scene, units, .false.)
+    mass = pieces%beam%joint(pieces%struck)%mass%hi
+  end function mass_struck
 
   pure type(full_units) function full_units_of(beam) result(full)
     type(beam_par), intent(in) :: beam

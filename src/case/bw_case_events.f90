@@ -2,7 +2,7 @@ module bw_case_events
   !! What happens in a case: flow and jump. Between events the state of the modes moves on exactly; at an event it jumps, or
   !! goes over to other modes. All of it is known before any history is summed.
   use bw_beam_par, only: beam_mass
-  use bw_beam_units, only: beam_units
+  use bw_beam_units, only: beam_units, units_of
   use bw_case_notes, only: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
   use bw_case_plan, only: force_of
   use bw_case_result, only: case_diverged, case_events, case_ill_conditioned, case_modes, case_motion, &
@@ -17,6 +17,7 @@ module bw_case_events
   use bw_release, only: release_mass, release_type
   use bw_rotation, only: full_speed_in_plane, speed_in_plane
   use bw_scene, only: scene_type
+  use bw_scene_pieces, only: mass_struck
   use bw_segment, only: energy_type, free_beam, loaded_beam, move_with_energy, segment_type, state_energy
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
@@ -37,7 +38,7 @@ contains
     if (allocated(modes%free)) then
       call find_initial_state(modes%free, modes%loaded, scene%impact, monitor, cache, initial)
     else
-      call continuum_initial_state(modes%loaded, scene%impact, initial)
+      call continuum_initial_state(modes%loaded, scene%impact, mass_struck(scene, units_of(scene%beam)), initial)
     end if
   end subroutine start_motion
 

@@ -9,7 +9,8 @@ module bw_impact
   !!
   !! Of infinitely many modes before the capture the beam is at rest and only the mass moves: the impulse of the impact goes to
   !! 0 and the jump gathers at the tip, so the modes of beam and mass start with q̄̇_k(0) = (1+e)γΦ̄_k(1)/M̄_k. This is what
-  !! tolerance-driven runs approximate, and what the error of a truncation is measured against.
+  !! tolerance-driven runs approximate, and what the error of a truncation is measured against. Where bodies with the mass m are at
+  !! the place of the blow, Σφ_i²/M_i goes to 1/m there: both masses strike as if there were no beam, and q̄̇_k(0) is the same.
   use bw_double_double, only: accurate_sum
   use bw_event, only: capture_event, event_type, impact_event
   use bw_kinds, only: dp
@@ -111,29 +112,36 @@ contains
     velocity = (1.0_dp + restitution)*gamma*modes%struck/modes%modal_mass
   end function continuum_velocity
 
-  pure type(impact_type) function continuum_impact(gamma, restitution) result(impact)
-    !! The state just after the impact: all of the beam at rest but its tip.
+  pure type(impact_type) function continuum_impact(gamma, restitution, held) result(impact)
+    !! The state just after the impact: all of the beam is at rest but the place of the blow.
     real(dp), intent(in) :: gamma, restitution
+    real(dp), intent(in) :: held               !! mass of bodies at the place of the blow
+    real(dp) :: share                          !! of the mass that strikes, in what then moves
+    share = 1.0_dp
+    if (held > 0.0_dp) share = gamma/(gamma + held)
     impact%gamma = gamma
     impact%restitution = restitution
-    impact%impulse = 0.0_dp
-    impact%mass_velocity = 1.0_dp
-    impact%tip_velocity = 1.0_dp + restitution
+    impact%impulse = (1.0_dp + restitution)*held*share
+    impact%mass_velocity = share
+    if (held > 0.0_dp) impact%mass_velocity = share - restitution*(held/(gamma + held))
+    impact%tip_velocity = (1.0_dp + restitution)*share
     impact%event%kind = impact_event
+    impact%event%impulse = impact%impulse
     impact%event%energy_before = 0.5_dp*gamma
-    impact%event%energy_after = 0.5_dp*gamma
+    impact%event%energy_after = 0.5_dp*gamma*impact%mass_velocity**2 + 0.5_dp*held*impact%tip_velocity**2
     impact%event%momentum_before = gamma
-    impact%event%momentum_after = gamma
+    impact%event%momentum_after = gamma*impact%mass_velocity + held*impact%tip_velocity
   end function continuum_impact
 
-  pure type(event_type) function continuum_capture(gamma, restitution) result(event)
-    !! The capture gives the mass the tip's velocity: all modes together hold its momentum and energy.
-    real(dp), intent(in) :: gamma, restitution
+  pure type(event_type) function continuum_capture(impact, held) result(event)
+    !! The capture gives the mass the velocity of the struck place: all modes together hold the momentum and energy of that place.
+    type(impact_type), intent(in) :: impact
+    real(dp), intent(in) :: held               !! as in `continuum_impact`
     event%kind = capture_event
-    event%energy_before = 0.5_dp*gamma
-    event%energy_after = 0.5_dp*gamma*(1.0_dp + restitution)**2
-    event%momentum_before = gamma
-    event%momentum_after = gamma*(1.0_dp + restitution)
+    event%energy_before = impact%event%energy_after
+    event%energy_after = 0.5_dp*(impact%gamma + held)*impact%tip_velocity**2
+    event%momentum_before = impact%event%momentum_after
+    event%momentum_after = impact%gamma*(1.0_dp + impact%restitution)
   end function continuum_capture
 
 end module bw_impact

@@ -69,15 +69,16 @@ contains
     call find_jump(free, state%impact%modal_velocity, given%profile_points, part, state%velocity_jump)
   end subroutine work_out
 
-  pure subroutine continuum_initial_state(loaded, given, state)
+  pure subroutine continuum_initial_state(loaded, given, held, state)
     !! With infinitely many modes before the capture: only the place that the mass strikes jumps.
     class(mode_set), intent(in) :: loaded              !! modes of beam and mass
     type(impact_par), intent(in) :: given
+    real(dp), intent(in) :: held                       !! mass of bodies at the place of the blow
     type(initial_state), intent(out) :: state
     real(dp) :: place
-    state%impact = continuum_impact(given%mass_ratio, given%restitution)
+    state%impact = continuum_impact(given%mass_ratio, given%restitution, held)
     state%modal_velocity = continuum_velocity(loaded, given%mass_ratio, given%restitution)
-    state%events = [state%impact%event, continuum_capture(given%mass_ratio, given%restitution)]
+    state%events = [state%impact%event, continuum_capture(state%impact, held)]
     allocate (state%velocity_jump(given%profile_points), source=0.0_dp)
     place = given%position*(given%profile_points - 1)
     if (abs(place - nint(place)) <= place*epsilon(place)) state%velocity_jump(nint(place) + 1) = state%impact%tip_velocity

@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 from conftest import PROJECT
-from workplace import captured_beam, group_text
+from workplace import PAPER_BEAM, captured_beam, group_text
 
 sys.path.insert(0, str(PROJECT / "tests/reference"))
 from piece_scenes import POINTS, SAMPLES, SCENES, scene  # noqa: E402
@@ -68,3 +68,28 @@ def test_a_tolerance_and_many_modes_agree_after_a_release_anywhere(here, positio
     difference = np.abs(one["displacement"] - other["displacement"]).max(axis=1)
     assert (difference <= one["displacement_error"] + other["displacement_error"]).all()
     assert difference.max() <= 2e-3 * np.abs(other["displacement"]).max()  # the tolerance, and what 400 modes lack
+
+
+@pytest.mark.parametrize("position", [0.5, 1.0])
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("groups", [{}, {"shear": {}}], ids=["plain", "shear"])
+def test_a_blow_on_a_body_is_that_of_two_masses(here, position, restitution, groups):
+    """With infinitely many modes the beam does not take part in the blow: two masses share the momentum."""
+    light, heavy = 0.2, 0.3
+    scene = captured_beam(body={"position": position, "mass_ratio": heavy}, **groups)
+    scene["impact"] = {"mass_ratio": light, "position": position, "restitution": restitution, "profile_points": 11}
+    here.scene("a", {**scene, "modes": {"tolerance": 1e-2}, "response": {"duration": 0.01, "samples": 20, "points": [0.25]}})
+    assert here.beamwave("run", "a.nml").returncode == 0
+    result = here.result("a")
+    beam = PAPER_BEAM["density"] * np.pi / 4 * PAPER_BEAM["diameter"] ** 2 * PAPER_BEAM["length"]
+    assert result["impulse"] == pytest.approx((1 + restitution) * beam * light * heavy / (light + heavy), rel=1e-13)
+    place = (1 + restitution) * light / (light + heavy)
+    assert result["tip_velocity"] == pytest.approx(place, rel=1e-14)
+    assert result["mass_velocity"] == pytest.approx(place - restitution, abs=1e-14)
+    np.testing.assert_allclose(result["velocity_jump"], np.where(np.arange(11) == round(10 * position), place, 0.0), rtol=1e-14)
+    impact, capture = 0, 1
+    kept = (light + heavy * restitution**2) / (light + heavy)  # of the energy, by two masses with restitution
+    assert result["energy_after"][impact] == pytest.approx(kept * result["energy_before"][impact], rel=1e-13)
+    assert result["energy_after"][capture] == pytest.approx(0.5 * beam * (light + heavy) * place**2, rel=1e-13)
+    assert result["momentum_after"][impact] == pytest.approx(result["momentum_before"][impact], rel=1e-14)
+    assert result["momentum_after"][capture] == pytest.approx((1 + restitution) * beam * light, rel=1e-13)
