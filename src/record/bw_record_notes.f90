@@ -17,6 +17,7 @@ module bw_record_notes
   public :: add_notes
 
   integer, parameter :: most_named = 4                 !! sensors in one note
+
 contains
 
   subroutine add_notes(scene, source, time, columns, record)
