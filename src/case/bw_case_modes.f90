@@ -2,7 +2,7 @@ module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
   use bw_beam_operator, only: operator_of
   use bw_beam_units, only: beam_units
-  use bw_case_notes, only: note_coupling, note_growth, note_no_effect, note_unresolved
+  use bw_case_notes, only: note_coupling, note_empty_bodies, note_growth, note_no_effect, note_unresolved
   use bw_case_result, only: case_modes
   use bw_closed_form_source, only: closed_form_source, source_in_closed_form
   use bw_damping, only: law_of
@@ -97,6 +97,7 @@ contains
     else
       call find_closed_form(scene, units, modes, sources, cache)
     end if
+    call note_empty_bodies(scene, modes%notes)
     call prepare(scene, units, sources%free)
     if (.not. allocated(scene%capture)) return
     call prepare(scene, units, sources%loaded)

@@ -19,7 +19,7 @@ module bw_case_notes
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
-  public :: note_coupling, note_failure, note_growth, note_no_effect, note_unresolved
+  public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
   public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
   public :: out_of_reach, why_untrusted
 
@@ -75,6 +75,21 @@ contains
     type(string), allocatable, intent(inout) :: notes(:)
     call append(notes, 'no effect: rotation out of plane changes nothing in this model, which has neither tension nor shear')
   end subroutine note_no_effect
+
+  subroutine note_empty_bodies(scene, notes)
+    !! Bodies that act on nothing.
+    type(scene_type), intent(in) :: scene
+    type(string), allocatable, intent(inout) :: notes(:)
+    integer :: b
+    if (.not. allocated(scene%bodies)) return
+    do b = 1, size(scene%bodies)
+      associate (body => scene%bodies(b))
+        if (any([body%mass, body%rotary_inertia, body%stiffness, body%rotational_stiffness] > 0.0_dp)) cycle
+        call append(notes, 'no effect: the body at xi = '//shortest(body%position, 15)// &
+                    ' has neither mass nor inertia, and no spring holds it')
+      end associate
+    end do
+  end subroutine note_empty_bodies
 
   subroutine note_unresolved(why, notes)
     !! The modes of one of the beams, or of both, are not to be trusted.

@@ -68,7 +68,7 @@ contains
     row = ''
     do p = 1, size(points)
       if (.not. shown(p)) cycle
-      row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 4), 8)//right(fixed(peak(p)), 16)
+      row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 6), 8)//right(fixed(peak(p)), 16)
       if (.not. present(error)) then
         row = row//right('-', 15)//right('-', 16)
       else if (peak(p) > 0.0_dp) then

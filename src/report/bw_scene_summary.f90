@@ -38,8 +38,10 @@ contains
     call lines%append_line('  scene      '//scene%file)
     if (position_of(scene%groups, 'beam') > 0) then
       units = units_of(scene%beam)
-      call lines%append_line('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
-                             shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+      call lines%append('  beam       length '//shortest(units%length, 6)//' m'//beam_text(scene%beam)//', mass '// &
+                        shortest(units%mass, 6)//' kg, h = sqrt(EI/(rho A)) = '//shortest(units%h%hi, 6)//' m2/s')
+      if (any(scene%groups(position_of(scene%groups, 'beam'))%values%follows_sweep())) call lines%append(' in case 1')
+      call lines%append_line('')
     end if
     if (.not. allocated(scene%record) .or. effect_names(scene) /= '') then
       call lines%append_line('  effects    '//effects_text(scene))
@@ -124,9 +126,9 @@ contains
       text = text_of(size(points))//' points'
       return
     end if
-    text = 'xi = '//shortest(points(1), 6)
+    text = 'xi = '//shortest(points(1), 15)
     do p = 2, size(points)
-      text = text//', '//shortest(points(p), 6)
+      text = text//', '//shortest(points(p), 15)
     end do
   end function places_text
 

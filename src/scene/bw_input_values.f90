@@ -167,13 +167,17 @@ contains
     is_swept = self%values(self%at(name))%follows_sweep()
   end function is_swept
 
-  pure function number_or_swept(self, name, unit) result(text)
-    !! A number to six digits as reports show it, or the word `swept`.
+  pure function number_or_swept(self, name, unit, digits) result(text)
+    !! A number as reports show it, or the word `swept`.
     class(group_values), intent(in) :: self
     character(*), intent(in) :: name
     character(*), intent(in) :: unit           !! with the blank before it
+    integer, intent(in), optional :: digits    !! of the number; else six
     character(:), allocatable :: text
-    text = shortest(self%number(name), 6)//unit
+    integer :: most
+    most = 6
+    if (present(digits)) most = digits
+    text = shortest(self%number(name), most)//unit
     if (self%is_swept(name)) text = 'swept'
   end function number_or_swept
 

@@ -6,7 +6,7 @@ module bw_scene_cases
   use bw_scene, only: build_scene, scene_type, settle_groups
   use bw_scene_checks, only: check_scales
   use bw_scene_messages, only: message_list
-  use bw_text, only: text_of
+  use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
   public :: case_count, case_positions, case_scene, check_corners, complete, times_in_a_row
@@ -159,10 +159,25 @@ contains
     end do
     do corner = 0, 2**size(scene%sweeps) - 1
       positions = [(ends(1 + ibits(corner, i - 1, 1), i), i=1, size(scene%sweeps))]
+      messages%case = case_words(scene, positions)
       call set_case(scene, positions, one, messages)
       if (messages%count == 0) call check_scales(one, messages)
       if (messages%count > 0) return
     end do
   end subroutine check_corners
+
+  pure function case_words(scene, positions) result(text)
+    !! How a message ends that holds for one case.
+    type(scene_type), intent(in) :: scene         !! with sweeps
+    integer, intent(in) :: positions(:)           !! of its values, (n_sweeps)
+    character(:), allocatable :: text
+    integer :: i
+    text = ' (in the case '
+    do i = 1, size(positions)
+      if (i > 1) text = text//', '
+      text = text//scene%sweeps(i)%parameter//' = '//shortest(scene%sweeps(i)%values(positions(i)), 15)
+    end do
+    text = text//')'
+  end function case_words
 
 end module bw_scene_cases

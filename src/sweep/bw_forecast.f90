@@ -81,7 +81,7 @@ contains
 
   pure subroutine take_notes(found, aliasing, notes)
     !! Of samples that are close to each other the note on aliasing, of the others all but that; none on errors, which few modes
-    !! would raise.
+    !! would raise, nor on where the energy goes, of which few modes know less than a run.
     type(string), intent(in) :: found(:)
     logical, intent(in) :: aliasing
     type(string), allocatable, intent(inout) :: notes(:)
@@ -89,7 +89,7 @@ contains
     integer :: i
     do i = 1, size(found)
       kind = kind_of(found(i)%text)
-      if (index(kind, 'error of') == 1) cycle
+      if (index(kind, 'error of') == 1 .or. kind == 'energy of the release') cycle
       if ((kind == 'aliasing') .eqv. aliasing) call append(notes, found(i)%text)
     end do
   end subroutine take_notes

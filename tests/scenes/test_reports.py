@@ -52,9 +52,16 @@ def test_a_log_of_both_streams_has_each_warning_once(here, command):
 def test_check_foretells_what_it_has_not_the_time_to_run(here):
     many = {"before": 300_000, "after": 300_000}
     turning = {"rotation": {"angular_velocity": 500.0}, "response": {"duration": 0.5, "samples": 100}, "modes": many}
-    here.scene("a", {**STRUCK, **turning})
+    here.scene("a", {**STRUCK, **turning, "release": {"time": 0.25}})
     kinds = [line.split(": ")[2] for line in warnings_of(here.beamwave("check", "a.nml", "--quiet"))]
     assert kinds == ["unstable", "outside linear theory", "large deflection"]
+
+
+def test_a_body_that_acts_on_nothing_is_pointed_out(here):
+    here.scene("a", {**STRUCK, "modes": {"before": 5}, "body": {"position": 0.9999999, "mass": 0.0}})
+    ended = here.beamwave("run", "a.nml")
+    assert "no effect: the body at xi = 0.9999999 has neither mass nor inertia" in ended.stderr
+    assert "body without mass at xi = 0.9999999" in ended.stdout
 
 
 def test_a_case_that_is_foretold_is_named_by_its_number(here):

@@ -81,7 +81,7 @@ def _bodies(ds: xr.Dataset) -> str:
     count = ds.sizes.get("body", 0)
     if not 0 < count <= FEW:
         return f"{count} bodies" if count else _group(ds, "body")
-    inputs = ds[[name for name in ds.variables if str(name).startswith("body_")]]
+    inputs = ds[[name for name in ds.data_vars if str(name).startswith("body_")]].reset_coords(drop=True)
     return "; ".join(_group(inputs.isel(body=body), "body") for body in range(count))
 
 

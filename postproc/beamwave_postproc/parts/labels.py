@@ -31,7 +31,13 @@ INPUT_WORDS = {
     "rotation_angular_velocity": "Angular velocity",
     "impact_mass_ratio": "Mass ratio",
     "impact_approach_velocity": "Approach velocity",
+    "impact_position": "Place of the blow",
+    "beam_length": "Length",
+    "body_position": "Place",
+    "body_stiffness": "Spring's stiffness",
+    "body_rotational_stiffness": "Rotational spring's stiffness",
 }
+NUMBERED = re.compile(r"(.+)_(\d+)")  # a swept value of a list, or that of one of the bodies
 QUANTITIES = {
     "wavenumber": "Wave number $P$",
     "angular_frequency": r"Angular frequency $\beta$",
@@ -49,7 +55,8 @@ QUANTITIES = {
     "point_position": r"Position along the beam $\xi = x/l$",
     "profile_position": r"Position along the beam $\xi = x/l$",
 }
-MATHEMATICS = {r"\omega": "ω", r"\gamma": "γ", r"\xi": "ξ", r"\rho": "ρ", r"\bar{n}": "n̄", "_j": "ⱼ", "_0": "₀"}
+MATHEMATICS = {r"\omega": "ω", r"\gamma": "γ", r"\xi": "ξ", r"\rho": "ρ", r"\bar{n}": "n̄", "_j": "ⱼ"}
+MATHEMATICS |= {f"_{digit}": below for digit, below in zip("0123456789", "₀₁₂₃₄₅₆₇₈₉")}
 
 
 def flag_words(variable: xr.DataArray) -> dict[int, str]:
@@ -83,16 +90,21 @@ def in_units(variable: xr.DataArray, prefix: str = "") -> str:
 
 
 def symbol_of(name: str) -> str:
-    """Symbol of an input, or its own name in words."""
+    """Symbol of an input, or its own name in words; with its number where it is one of several."""
+    one = NUMBERED.fullmatch(name)
+    if one and one[1] in INPUT_SYMBOLS and int(one[2]) < 10:
+        return INPUT_SYMBOLS[one[1]].rstrip("$") + f"_{one[2]}$"
     return INPUT_SYMBOLS.get(name, name.split("_", 1)[-1].replace("_", " "))
 
 
 def input_label(variable: xr.DataArray) -> str:
     """Words, symbol and unit of an input, for an axis."""
     name = str(variable.name)
-    words = INPUT_WORDS.get(name, str(variable.attrs.get("long_name", name.replace("_", " "))))
-    symbol = INPUT_SYMBOLS.get(name)
-    return words[:1].upper() + words[1:] + (f" {symbol}" if symbol else "") + in_units(variable)
+    meaning, _, which = str(variable.attrs.get("long_name", name.replace("_", " "))).partition("; ")
+    words = INPUT_WORDS.get(NUMBERED.sub(r"\1", name), meaning)
+    symbol = symbol_of(name)
+    parts = [words[:1].upper() + words[1:], f"of {which}" if which else "", symbol if "$" in symbol else ""]
+    return " ".join(filter(None, parts)) + in_units(variable)
 
 
 def value_text(variable: xr.DataArray, digits: int = 4) -> str:

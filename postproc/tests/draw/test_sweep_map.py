@@ -37,6 +37,17 @@ def test_a_case_without_numbers_is_told_from_one_that_grows(grid_result):
     assert "no numbers" in [text.get_text() for text in fig.legends[0].get_texts()]
 
 
+def test_swept_numbers_of_pieces_and_bodies_have_short_labels(grid_result):
+    with open_result(grid_result) as ds:
+        names = {"impact_mass_ratio": "beam_length_2", "rotation_angular_velocity": "body_position_1"}
+        swept = ds.rename(names)
+        swept["beam_length_2"].attrs = {"units": "m", "long_name": "length from the root to the tip; piece 2"}
+        swept["body_position_1"].attrs = {"units": "1", "long_name": "place on the beam: x/l, 1 at the tip; body 1"}
+        axes = sweep_map(swept).axes[0]
+    assert axes.get_ylabel() == "Length of piece 2 $l_2$ (m)"
+    assert axes.get_xlabel() == r"Place of body 1 $\xi_1$"
+
+
 def test_one_swept_input_makes_no_map(paper_results):
     with open_result(paper_results / "fig2.nc") as ds, pytest.raises(NothingToDraw):
         sweep_map(ds)

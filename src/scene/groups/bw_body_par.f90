@@ -92,7 +92,7 @@ contains
       part(values, 'stiffness', 'spring of ', ' N/m', ' stiffness')// &
       part(values, 'rotational_stiffness', 'rotational spring of ', ' N m/rad', ' stiffness')
     if (text == '') text = and//'body without mass'
-    place = ' at xi = '//values%number_or_swept('position', '')
+    place = ' at xi = '//values%number_or_swept('position', '', digits=15)
     if (values%is_swept('position')) place = ' at swept xi'
     text = text(len(and) + 1:)//place
   end function body_text

@@ -74,7 +74,7 @@ contains
     if (values%is_swept('position')) then
       text = text//' at swept xi'
     else if (impact%position /= 1.0_dp) then
-      text = text//' at xi = '//values%number_or_swept('position', '')
+      text = text//' at xi = '//values%number_or_swept('position', '', digits=15)
     end if
     text = text//' (mass ratio '//ratio//', approach '//values%number_or_swept('approach_velocity', ' m/s')// &
       ', restitution '//values%number_or_swept('restitution', '')//')'

@@ -1,5 +1,5 @@
 module bw_recontact_par
-  !! `&recontact`: a mass that rebounded may strike the tip again.
+  !! `&recontact`: a mass that rebounded may strike the beam again.
   use bw_input_name, only: input_group, input_name, integer_input, number_range
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp
@@ -15,8 +15,8 @@ module bw_recontact_par
   type(input_group), parameter, public :: recontact_group = input_group( &
     'recontact', needs='impact response', is_effect=.true., absent='a rebounded mass never returns', &
     rules='It excludes `&capture`. After the rebound the mass slides without friction in a straight guide that '// &
-    'turns with the hub, and can meet the tip again. Contacts that follow each other ever faster are taken for one '// &
-    'that lasts until the mass is no longer pressed against the tip. Where there are more than `max_contacts`, the '// &
+    'turns with the hub, and can meet the beam again where it struck. Contacts that follow each other ever faster are taken '// &
+    'for one that lasts until the mass is no longer pressed against the beam. Where there are more than `max_contacts`, the '// &
     'histories are missing from the next one on.')
 
   type(input_name), parameter, public :: recontact_names(*) = [ &

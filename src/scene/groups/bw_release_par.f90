@@ -18,7 +18,7 @@ module bw_release_par
 
   type(input_name), parameter, public :: release_names(*) = [ &
     input_name('release', 'time', real_input, 's', positive, required=.true., swept=.true., &
-               meaning='time at which the mass leaves the tip')]
+               meaning='time at which the mass leaves the beam')]
 
 contains
 

@@ -17,6 +17,7 @@ module bw_scene_messages
 
   type, public :: message_list
     character(:), allocatable :: file         !! the scene's path, as the user wrote it
+    character(:), allocatable :: case         !! that is looked at, as ` (in the case a = 1, b = 2)`; unallocated: the scene as it is
     integer :: count = 0                      !! of all errors, listed or not
     logical :: cut = .false.                  !! more is wrong than is listed: whoever reads on may stop
     type(located_message), allocatable, private :: items(:)
@@ -39,11 +40,12 @@ contains
     if (.not. allocated(self%items)) allocate (self%items(8))
     if (self%count > size(self%items)) call grow(self%items)
     self%items(self%count)%line = line
-    if (line > 0) then
-      self%items(self%count)%text = self%file//':'//text_of(line)//': '//place//': '//what
-    else
-      self%items(self%count)%text = self%file//': '//place//': '//what
-    end if
+    associate (message => self%items(self%count))
+      message%text = self%file
+      if (line > 0) message%text = message%text//':'//text_of(line)
+      message%text = message%text//': '//place//': '//what
+      if (allocated(self%case)) message%text = message%text//self%case
+    end associate
   end subroutine add
 
   pure subroutine grow(items)

@@ -28,7 +28,8 @@ contains
     call lines%append_line('  Runs on '//processor_name()//'; medians, and the half of what the middle half of the repeats spans')
     call report_ladder(list, by_tolerances, 'tolerance', lines)
     call report_ladder(list, all_extended, 'the finest of them with every root in extended precision', lines)
-    call report_ladder(list, by_counts, 'before = after', lines)
+    call report_ladder(list, by_counts, 'before = after (the response holds the estimate of its error, which a tolerance books '// &
+                       'as modes)', lines)
     call report_slopes(list, lines)
     call report_model(list, lines)
     text = lines%text()
