@@ -96,7 +96,7 @@ BEAMS = [  # hub radius, beam
     (0.0, Beam([Piece(2.0**-30), Piece(1 - 2.0**-30)], [Joint(2.0, 0.125), Joint()], (None, 12.0), 6.0)),
     (0.25, Beam([Piece(2.0**-10), Piece(0.75 - 2.0**-10), Piece(0.25 - 2.0**-26), Piece(2.0**-26)],
                 [Joint(0.5), Joint(), Joint(0.125, 0.03125), Joint(1.0, 0.25)], (2000.0, 10.0), 4.0)),
-    (0.0, Beam([Piece(1 - 2.0**-10), Piece(2.0**-10)], [Joint(), Joint(2.0**20)], omega=2.0)),
+    (0.0, Beam([Piece(1 - 2.0**-10), Piece(2.0**-10)], [Joint(), Joint(1024.0)], omega=0.125)),
     (0.0, Beam([Piece(0.25), Piece(0.25, 2.0**20, 2.0), Piece(0.5)], [Joint(), Joint(), Joint(0.5)], omega=4.0)),
 ]
 
