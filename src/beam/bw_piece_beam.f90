@@ -8,7 +8,7 @@ module bw_piece_beam
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: attach, cut_at, cut_all, joint_position, modes_at_rest, operator(==)
+  public :: attach, cut_at, cut_all, joint_position, modes_at_rest, root_power, operator(==)
 
   real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
 
@@ -149,6 +149,13 @@ contains
       fine%joint(last) = beam%joint(i)
     end do
   end function cut_all
+
+  pure integer function root_power(root) result(power)
+    !! The power of ξ as which shapes rise at the root.
+    type(beam_root), intent(in) :: root
+    power = 0
+    if (root%holds_deflection) power = merge(2, 1, root%holds_turning)
+  end function root_power
 
   pure integer function modes_at_rest(beam) result(number)
     !! Modes of which it is known that λ = 0: rigid motions that no spring holds and that no inertia of turning hastens.

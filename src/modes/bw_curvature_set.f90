@@ -62,7 +62,7 @@ contains
     found%agree_from = modes%agree_from
     found%struck_at = modes%struck_at
     found%uniform = modes%uniform
-    found%clamped = modes%clamped
+    found%root_power = modes%root_power
     found%modal_mass = modes%modal_mass
     found%critical_speed = modes%critical_speed
     found%grows_at_any_speed = modes%grows_at_any_speed
@@ -90,7 +90,7 @@ contains
     found%agree_from = source%agree_from
     found%struck_at = source%struck_at
     found%uniform = source%uniform
-    found%clamped = source%clamped
+    found%root_power = source%root_power
     if (allocated(source%damping)) found%damping = source%damping
     call move_alloc(found, bent)
   end subroutine bent_source

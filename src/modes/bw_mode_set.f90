@@ -27,7 +27,7 @@ module bw_mode_set
     real(dp) :: agree_from = huge(1.0_dp)         !! as that of a source
     real(dp) :: struck_at = 1.0_dp                !! ξ₀
     logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
-    logical :: clamped = .true.                   !! the root is
+    integer :: root_power = 2                     !! of ξ, as which shapes rise at the root: 2 clamped, 1 hinged, 0 where it moves
     logical :: known_by_mass = .false.            !! shapes follow from γ and n alone: these are the first modes, in closed form
     type(dd) :: critical_speed                    !! lowest ω at which a mode is unstable; 0 where there is none
     logical :: grows_at_any_speed = .false.       !! nothing holds the beam against turning: it does so at every ω > 0
@@ -77,7 +77,7 @@ module bw_mode_set
       !! πk from which phases may agree at samples that nothing tells beforehand; 0: those of bending waves, rarely (bw_coherence)
     real(dp) :: struck_at = 1.0_dp                !! as those of a set
     logical :: uniform = .true.
-    logical :: clamped = .true.
+    integer :: root_power = 2
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
   contains
     procedure(find_interface), deferred :: find

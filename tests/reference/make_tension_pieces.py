@@ -88,6 +88,16 @@ BEAMS = [  # hub radius, beam
                 [Joint(), Joint(0.125, 0.0, 30.0, 0.25), Joint(0.0625)], (None, 12.0), 8.0, 0)),
     (0.0, Beam([Piece(0.375, 1.0, 1.0, 0.0078125, 0.0029296875), Piece(0.625, 0.5, 1.0, 0.0078125, 0.0029296875)],
                [Joint(0.0, 0.0, 100.0), Joint(1.0, 0.125)], (2000.0, 0.0), 3.0, 1)),
+    # pieces far stiffer than the beam: at the tip, between two bodies, at roots that turn or move, before a heavy body, and thick
+    (0.125, Beam([Piece(1 - 2.0**-30), Piece(2.0**-30)], [Joint(0.25, 0.03125), Joint()], omega=5.0)),
+    (0.0, Beam([Piece(0.5, 1.0, 1.0, 0.0078125, 0.0029296875), Piece(2.0**-20, 1.0, 1.0, 0.0078125, 0.0029296875),
+                Piece(0.5 - 2.0**-20, 1.0, 1.0, 0.0078125, 0.0029296875)], [Joint(0.5, 0.0625), Joint(0.25), Joint()],
+               omega=8.0, in_plane=0)),
+    (0.0, Beam([Piece(2.0**-30), Piece(1 - 2.0**-30)], [Joint(2.0, 0.125), Joint()], (None, 12.0), 6.0)),
+    (0.25, Beam([Piece(2.0**-10), Piece(0.75 - 2.0**-10), Piece(0.25 - 2.0**-26), Piece(2.0**-26)],
+                [Joint(0.5), Joint(), Joint(0.125, 0.03125), Joint(1.0, 0.25)], (2000.0, 10.0), 4.0)),
+    (0.0, Beam([Piece(1 - 2.0**-10), Piece(2.0**-10)], [Joint(), Joint(1024.0)], omega=0.125)),
+    (0.0, Beam([Piece(0.25), Piece(0.25, 2.0**20, 2.0), Piece(0.5)], [Joint(), Joint(), Joint(0.5)], omega=4.0)),
 ]
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ contains
     self%gamma = all%gamma
     self%struck_at = all%struck_at
     self%uniform = all%uniform
-    self%clamped = all%clamped
+    self%root_power = all%root_power
     self%resolved = all%resolved
     self%critical_speed = all%critical_speed
     self%grows_at_any_speed = all%grows_at_any_speed

@@ -7,6 +7,7 @@ module bw_strain_source
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: root_power
   use bw_piece_tension, only: tension_in_pieces
   use bw_scene_pieces, only: struck_beam
   use bw_strain_set, only: strain_set
@@ -89,7 +90,7 @@ contains
     source%gamma = pieces%captured%mass%hi
     source%struck_at = pieces%position
     source%uniform = .false.
-    source%clamped = pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning
+    source%root_power = root_power(pieces%beam%root)
     source%decay = decay_of(source, any(pieces%beam%piece%compliance%hi > 0.0_dp), &
                             pieces%beam%spin_squared%hi*given%tension(1, 1))
     allocate (set)
@@ -97,7 +98,7 @@ contains
     set%gamma = source%gamma
     set%struck_at = source%struck_at
     set%uniform = .false.
-    set%clamped = source%clamped
+    set%root_power = source%root_power
     set%body_inertia = pieces%captured%inertia%hi
     set%body_pull = pieces%beam%spin_squared%hi*source%gamma*(pieces%position + hub_radius)
     call move_alloc(set, source%solved)

@@ -10,7 +10,7 @@ module bw_tension_modes
   use bw_missing, only: missing
   use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_strains, only: columns_of, motions_of, piece_motions, strain_layout
+  use bw_piece_strains, only: ends_of, motions_of, strain_layout, strains_inside
   use bw_strain_basis, only: times_quadratic
   use bw_strain_modes, only: solve_system, strain_modes
   use bw_tension_set, only: tension_set
@@ -106,43 +106,32 @@ contains
     type(strain_layout), intent(in) :: layout
     type(strain_modes), intent(in) :: modes
     type(tension_set), intent(inout) :: set
-    real(dp), allocatable :: values(:, :)
-    integer, allocatable :: column(:)
-    integer :: i, j, n, row
+    integer :: i, n, row
     n = size(given%beam%piece)
     allocate (set%piece(n), set%deflection(0:n, set%count), set%turning(0:n, set%count))
-    set%deflection = joint_values(1)
-    set%turning = joint_values(2)
+    associate (joints => modes%strain(layout%of_joints, :), m => layout%joints%number)
+      set%deflection = matmul(transpose(layout%joints%deflection(:m, :)), joints)
+      set%turning = matmul(transpose(layout%joints%turning(:m, :)), joints)
+    end associate
     row = 0
     do i = 1, n
-      column = columns_of(layout, i)
-      allocate (values(size(column), set%count))
-      do j = 1, size(column)
-        values(j, :) = value_of(column(j))
-      end do
       associate (piece => given%beam%piece(i), f => layout%functions(i))
-        set%piece(i) = motions_of(piece, f, layout%shear, values)
+        set%piece(i) = motions_of(piece, f, layout%shear, ends_and_inside(i))
         set%piece(i)%deflection = modes%motion(row + 1:row + f + 2, :)/sqrt(piece%mass%hi*piece%length%hi)
         row = row + f + 2
         if (piece%rotary%hi > 0.0_dp) row = row + f + 1
       end associate
-      deallocate (values)
     end do
   contains
-    pure function value_of(unknown) result(value)
-      integer, intent(in) :: unknown               !! 0: held
-      real(dp) :: value(size(modes%period))
-      value = 0.0_dp
-      if (unknown > 0) value = modes%strain(unknown, :)
-    end function value_of
-    pure function joint_values(which) result(joint)
-      integer, intent(in) :: which
-      real(dp) :: joint(0:size(given%beam%piece), size(modes%period))
-      integer :: i
-      do i = 0, ubound(joint, 1)
-        joint(i, :) = value_of(layout%joint(which, i))
-      end do
-    end function joint_values
+    pure function ends_and_inside(i) result(columns)
+      integer, intent(in) :: i
+      real(dp), allocatable :: columns(:, :)
+      integer :: inside
+      inside = strains_inside(layout%functions(i), layout%shear)
+      allocate (columns(4 + inside, size(modes%strain, 2)))
+      columns(:4, :) = matmul(ends_of(layout, i), modes%strain(layout%of_joints, :))
+      columns(5:, :) = modes%strain(layout%inside(i) + 1:layout%inside(i) + inside, :)
+    end function ends_and_inside
   end subroutine find_motions
 
   pure subroutine find_squares(given, modes, set)

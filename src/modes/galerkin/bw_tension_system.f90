@@ -8,7 +8,7 @@ module bw_tension_system
   use bw_double_double, only: to_dd, operator(*), operator(+)
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
-  use bw_piece_strains, only: columns_of, layout_of, motions_of, piece_motions, strain_layout
+  use bw_piece_strains, only: columns_of, ends_of, layout_of, motions_of, piece_motions, strain_layout
   use bw_strain_basis, only: times_quadratic
   use bw_strain_system, only: strain_system
   implicit none (type, external)
@@ -84,51 +84,56 @@ contains
     type(strain_layout), intent(in) :: layout
     type(part_weights), intent(in) :: weights
     real(dp), allocatable, intent(out) :: form(:, :)   !! (unknowns, unknowns)
-    integer, allocatable :: column(:), known(:)
-    integer :: i, j
+    integer, allocatable :: column(:)
+    integer :: i
     allocate (form(layout%unknowns, layout%unknowns), source=0.0_dp)
     do i = 1, size(given%beam%piece)
       column = columns_of(layout, i)
-      known = pack([(j, j=1, size(column))], column > 0)
-      form(column(known), column(known)) = form(column(known), column(known)) + part_of_piece(given, layout, weights, i, known)
+      form(column, column) = form(column, column) + part_of_piece(given, layout, weights, i)
     end do
     associate (root => given%beam%root)
-      call add_joint(layout%joint(:, 0), weights%elastic*[root%stiffness%hi, root%turning_stiffness%hi], form)
+      call add_joint(layout, 0, weights%elastic*[root%stiffness%hi, root%turning_stiffness%hi], form)
     end associate
     do i = 1, size(given%beam%joint)
       associate (joint => given%beam%joint(i))
-        call add_joint(layout%joint(:, i), weights%elastic*[joint%stiffness%hi, joint%turning_stiffness%hi] &
+        call add_joint(layout, i, weights%elastic*[joint%stiffness%hi, joint%turning_stiffness%hi] &
                        + [weights%deflection*joint%mass%hi, weights%inertia*joint%inertia%hi], form)
       end associate
     end do
   end subroutine build_form
 
-  pure subroutine add_joint(joint, values, form)
-    integer, intent(in) :: joint(2)                    !! the unknowns v and ψ; 0: held
-    real(dp), intent(in) :: values(2)
+  pure subroutine add_joint(layout, i, values, form)
+    type(strain_layout), intent(in) :: layout
+    integer, intent(in) :: i
+    real(dp), intent(in) :: values(2)                  !! of v² and of ψ²
     real(dp), intent(inout) :: form(:, :)
     integer :: j
-    do j = 1, 2
-      if (joint(j) > 0) form(joint(j), joint(j)) = form(joint(j), joint(j)) + values(j)
-    end do
+    associate (n => size(layout%of_joints))
+      associate (v => layout%joints%deflection(:n, i), psi => layout%joints%turning(:n, i))
+        do j = 1, n
+          associate (column => form(layout%of_joints, layout%of_joints(j)))
+            form(layout%of_joints, layout%of_joints(j)) = column + values(1)*v(j)*v + values(2)*psi(j)*psi
+          end associate
+        end do
+      end associate
+    end associate
   end subroutine add_joint
 
-  pure function part_of_piece(given, layout, weights, i, known) result(part)
-    !! What a piece has of a form, by the unknowns that move it.
+  pure function part_of_piece(given, layout, weights, i) result(part)
+    !! What a piece has of a form, by the unknowns that move it, as `columns_of` names them.
     type(tension_beam), intent(in) :: given
     type(strain_layout), intent(in) :: layout
     type(part_weights), intent(in) :: weights
     integer, intent(in) :: i
-    integer, intent(in) :: known(:)                    !! of `columns_of`: those that are not held
-    real(dp) :: part(size(known), size(known))
+    real(dp), allocatable :: part(:, :), pulled(:, :)
     type(piece_motions) :: unit
-    real(dp) :: pulled(layout%functions(i) + 1, size(known))
     integer :: j
-    unit = unit_motions(given, layout, i, known)
+    unit = unit_motions(given, layout, i)
     associate (piece => given%beam%piece(i), length => given%beam%piece(i)%length%hi)
       part = weights%elastic*matmul(transpose(unit%strain), unit%strain)
       if (weights%tension /= 0.0_dp) then
-        do j = 1, size(known)
+        allocate (pulled, mold=unit%slope)
+        do j = 1, size(pulled, 2)
           pulled(:, j) = times_quadratic(given%tension(:, i), unit%slope(:, j))
         end do
         part = part + weights%tension*length*matmul(transpose(unit%slope), pulled)
@@ -142,17 +147,20 @@ contains
     end associate
   end function part_of_piece
 
-  pure type(piece_motions) function unit_motions(given, layout, i, known) result(motions)
+  pure type(piece_motions) function unit_motions(given, layout, i) result(motions)
     !! What each unknown of size 1 does in a piece.
     type(tension_beam), intent(in) :: given
     type(strain_layout), intent(in) :: layout
     integer, intent(in) :: i
-    integer, intent(in) :: known(:)                    !! as that of `part_of_piece`
-    real(dp) :: unit(size(columns_of(layout, i)), size(known))
-    integer :: j
-    unit = 0.0_dp
-    do j = 1, size(known)
-      unit(known(j), j) = 1.0_dp
+    real(dp), allocatable :: unit(:, :), ends(:, :)
+    integer :: j, joints, n
+    ends = ends_of(layout, i)
+    n = size(columns_of(layout, i))
+    joints = count(any(ends /= 0.0_dp, dim=1))
+    allocate (unit(4 + n - joints, n), source=0.0_dp)
+    unit(:4, :joints) = ends(:, pack([(j, j=1, size(ends, 2))], any(ends /= 0.0_dp, dim=1)))
+    do j = 1, n - joints
+      unit(4 + j, joints + j) = 1.0_dp
     end do
     motions = motions_of(given%beam%piece(i), layout%functions(i), layout%shear, unit)
   end function unit_motions
@@ -162,38 +170,36 @@ contains
     type(strain_layout), intent(in) :: layout
     real(dp), allocatable, intent(out) :: root(:, :)   !! (rows, unknowns)
     type(piece_motions) :: unit
-    integer, allocatable :: column(:), known(:)
-    integer :: i, j, n, row
+    integer, allocatable :: column(:)
+    integer :: i, n, row
     associate (beam => given%beam)
       n = size(beam%piece)
       allocate (root(2*sum(layout%functions + 2) + 2*n, layout%unknowns), source=0.0_dp)
       row = 0
       do i = 1, n
         column = columns_of(layout, i)
-        known = pack([(j, j=1, size(column))], column > 0)
-        unit = unit_motions(given, layout, i, known)
+        unit = unit_motions(given, layout, i)
         associate (piece => beam%piece(i), f => layout%functions(i))
-          root(row + 1:row + f + 2, column(known)) = sqrt(piece%mass%hi*piece%length%hi)*unit%deflection
+          root(row + 1:row + f + 2, column) = sqrt(piece%mass%hi*piece%length%hi)*unit%deflection
           row = row + f + 2
           if (piece%rotary%hi > 0.0_dp) then
-            root(row + 1:row + f + 1, column(known)) = sqrt(piece%rotary%hi*piece%length%hi)*unit%turning
+            root(row + 1:row + f + 1, column) = sqrt(piece%rotary%hi*piece%length%hi)*unit%turning
             row = row + f + 1
           end if
         end associate
       end do
       do i = 1, n
-        call add_body(beam%joint(i)%mass%hi, layout%joint(1, i))
-        call add_body(beam%joint(i)%inertia%hi, layout%joint(2, i))
+        call add_body(beam%joint(i)%mass%hi, layout%joints%deflection(:layout%joints%number, i))
+        call add_body(beam%joint(i)%inertia%hi, layout%joints%turning(:layout%joints%number, i))
       end do
       root = root(:max(row, layout%unknowns), :)
     end associate
   contains
-    subroutine add_body(inertia, unknown)
-      real(dp), intent(in) :: inertia
-      integer, intent(in) :: unknown
+    subroutine add_body(inertia, motion)
+      real(dp), intent(in) :: inertia, motion(:)
       if (inertia == 0.0_dp) return
       row = row + 1
-      root(row, unknown) = sqrt(inertia)
+      root(row, layout%of_joints) = sqrt(inertia)*motion
     end subroutine add_body
   end subroutine build_mass_root
 

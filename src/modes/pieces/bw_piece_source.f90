@@ -8,7 +8,7 @@ module bw_piece_source
   use bw_mode_search, only: find_mode, mode_search, search_in
   use bw_mode_set, only: mode_set, mode_source, take_terms, terms_of_set
   use bw_monitor, only: monitor_type, stops
-  use bw_piece_beam, only: modes_at_rest, piece_beam, uniform_piece
+  use bw_piece_beam, only: modes_at_rest, piece_beam, root_power, uniform_piece
   use bw_piece_critical, only: critical_speed_of, without_inertia
   use bw_piece_dispersion, only: mean_waves
   use bw_piece_integrals, only: mean_squares
@@ -47,8 +47,8 @@ contains
       (pieces%beam%in_plane .or. pieces%beam%spin_squared%hi == 0.0_dp)
     source%decay = merge(2.0_dp, 3.0_dp, any(pieces%beam%piece%compliance%hi > 0.0_dp))
     source%struck_at = pieces%position
-    source%clamped = pieces%beam%root%holds_deflection .and. pieces%beam%root%holds_turning
-    source%uniform = size(pieces%beam%piece) == 1 .and. source%clamped &
+    source%root_power = root_power(pieces%beam%root)
+    source%uniform = size(pieces%beam%piece) == 1 .and. source%root_power == 2 &
       .and. .not. any([pieces%beam%joint%stiffness%hi, pieces%beam%joint%turning_stiffness%hi] > 0.0_dp)
     source%quadratic = source%decay > 2.0_dp .and. is_even(pieces%beam%piece)
     if (.not. source%quadratic) source%agree_from = lowest_cutoff(pieces%beam)
@@ -91,7 +91,7 @@ contains
     found%agree_from = self%agree_from
     found%struck_at = self%struck_at
     found%uniform = self%uniform
-    found%clamped = self%clamped
+    found%root_power = self%root_power
     if (.not. found%resolved) call self%note_failure(number)
     call found%damp(self%damping)
     call move_alloc(found, modes)

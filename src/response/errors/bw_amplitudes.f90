@@ -19,7 +19,7 @@ module bw_amplitudes
     logical, allocatable :: agrees(:)             !! but may be that of all others at once, (modes)
     real(dp) :: struck_at = 1.0_dp                !! ξ₀
     logical :: uniform = .true.                   !! shapes are those of a uniform clamped beam that is struck at its tip
-    logical :: clamped = .true.                   !! the root is
+    integer :: root_power = 2                     !! as that of a set
     integer :: run = run_length                   !! of neighbours among them
     real(dp), allocatable :: mass(:)
       !! M_k of modes that stand for others of a beam with several parts; else unallocated, (modes)
@@ -50,8 +50,7 @@ contains
         amplitude = moving%reach(k)*abs(shapes(k, p))
         peak = amplitude
         if (slow .and. weight(k) > 1.0_dp) then
-          bound = at_free_end
-          if (moving%clamped) bound = at_free_end*min(1.0_dp, (moving%alpha(k)*seen%points(p))**2)
+          bound = at_free_end*min(1.0_dp, (moving%alpha(k)*seen%points(p))**moving%root_power)
           if (moving%uniform) bound = largest_shape(seen%points(p), moving%alpha(k), moving%tip(k))
           peak = max(amplitude, moving%reach(k)*bound)
           amplitude = max(amplitude, mean*peak)

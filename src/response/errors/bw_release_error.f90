@@ -158,7 +158,7 @@ contains
     if (allocated(modes%damping)) c = modes%damping
     moving = moving_modes(amplitude_of(modes%beta_squared, c, q, rate, seen%stretch, seen%velocity), modes%alpha, &
                           abs(modes%struck), turns(modes%beta_squared, c), &
-                          may_agree(modes%alpha, modes%agree_from, seen%velocity), modes%struck_at, modes%uniform, modes%clamped)
+                          may_agree(modes%alpha, modes%agree_from, seen%velocity), modes%struck_at, modes%uniform, modes%root_power)
     call add_amplitudes(moving, modes%shapes(seen%points), seen, weight, sums)
   end subroutine add_state
 

@@ -183,7 +183,7 @@ contains
     moving%agrees = may_agree(moving%alpha, source%agree_from, seen%velocity)
     moving%struck_at = source%struck_at
     moving%uniform = source%uniform
-    moving%clamped = source%clamped
+    moving%root_power = source%root_power
     moving%run = run
     call add_amplitudes(moving, shapes, seen, weight, sums)
   end subroutine add_terms
@@ -262,7 +262,7 @@ contains
     integer :: first, last
     moving%struck_at = modes%struck_at
     moving%uniform = modes%uniform
-    moving%clamped = modes%clamped
+    moving%root_power = modes%root_power
     do first = 1, modes%count, part
       last = min(first + part - 1, modes%count)
       associate (square => modes%beta_squared(first:last))

@@ -1,0 +1,119 @@
+module bw_joint_unknowns
+  !! The unknowns by which the joints of a beam of pieces move: v and ψ of each joint, save at the outer or inner end of a piece
+  !! that is far stiffer than the beam.
+  !!
+  !! With v and ψ of both its ends such a piece has stiffnesses of 12B/L³, of which the soft motions of the beam, that move it as a
+  !! rigid body, keep next to nothing. So joints that stiff pieces join follow the heaviest of them, and for each such piece there
+  !! are two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e and v' = v + L(ψ + ½e + d). A body
+  !! stands in one column as long as no heavier one is near.
+  use bw_kinds, only: dp
+  use bw_piece_beam, only: piece_beam
+  implicit none (type, external)
+  private
+  public :: unknowns_of_joints
+
+  real(dp), parameter :: stiff = 0.1_dp            !! of the beam's flexibility ΣL/B a stiff piece has less than this
+
+  type, public :: joint_unknowns
+    !! What each unknown of size 1 does, (unknowns, joints from 0 to n) or (unknowns, pieces).
+    integer :: number = 0
+    real(dp), allocatable :: deflection(:, :)      !! v of the joints
+    real(dp), allocatable :: turning(:, :)         !! ψ of the joints
+    real(dp), allocatable :: bend(:, :)            !! Δψ over the pieces
+    real(dp), allocatable :: shift(:, :)           !! Δv/L − ½(ψ + ψ')
+  end type joint_unknowns
+
+contains
+
+  pure type(joint_unknowns) function unknowns_of_joints(beam) result(unknowns)
+    !! Those of stiff pieces first, then joints from the lightest to the heaviest, lest a heavy one take digits off the others.
+    type(piece_beam), intent(in) :: beam
+    real(dp) :: weight(0:size(beam%piece))
+    logical :: tied(size(beam%piece)), leads(0:size(beam%piece))
+    integer :: i, j, n
+    n = size(beam%piece)
+    weight = [0.0_dp, max(beam%joint%mass%hi, beam%joint%inertia%hi)]
+    tied = is_tied(beam)
+    leads = [(leader_of(beam, tied, weight, j) == j, j=0, n)]
+    allocate (unknowns%deflection(2*n + 2, 0:n), unknowns%turning(2*n + 2, 0:n), source=0.0_dp)
+    allocate (unknowns%bend(2*n + 2, n), unknowns%shift(2*n + 2, n), source=0.0_dp)
+    do i = 1, n
+      if (tied(i)) call add(unknowns%bend(:, i))
+      if (tied(i)) call add(unknowns%shift(:, i))
+    end do
+    do i = 0, n
+      j = minloc(weight, 1) - 1
+      weight(j) = huge(weight)
+      if (leads(j)) call place(j)
+    end do
+    call find_others(beam%piece%length%hi, tied, leads, unknowns)
+  contains
+    pure subroutine place(j)
+      !! Of mass and inertia the one that moves less stands last.
+      integer, intent(in) :: j
+      logical :: heavy_mass
+      heavy_mass = .false.
+      if (j > 0) heavy_mass = beam%joint(j)%mass%hi > 3.0_dp*beam%joint(j)%inertia%hi
+      if (.not. heavy_mass .and. .not. (j == 0 .and. beam%root%holds_deflection)) call add(unknowns%deflection(:, j))
+      if (.not. (j == 0 .and. beam%root%holds_turning)) call add(unknowns%turning(:, j))
+      if (heavy_mass) call add(unknowns%deflection(:, j))
+    end subroutine place
+    pure subroutine add(motion)
+      real(dp), intent(inout) :: motion(:)
+      unknowns%number = unknowns%number + 1
+      motion(unknowns%number) = 1.0_dp
+    end subroutine add
+  end function unknowns_of_joints
+
+  pure function is_tied(beam) result(tied)
+    !! Whether the ends of each piece move as if it were rigid. Nothing moves the root's piece so where the root is clamped.
+    type(piece_beam), intent(in) :: beam
+    logical :: tied(size(beam%piece))
+    associate (flexibility => beam%piece%length%hi/beam%piece%stiffness%hi)
+      tied = flexibility < stiff*sum(flexibility)
+    end associate
+    if (beam%root%holds_deflection .and. beam%root%holds_turning) tied(1) = .false.
+  end function is_tied
+
+  pure integer function leader_of(beam, tied, weight, j) result(leader)
+    !! The joint that joint j follows, or j itself; the root is not moved by another joint where something holds it.
+    type(piece_beam), intent(in) :: beam
+    logical, intent(in) :: tied(:)
+    real(dp), intent(in) :: weight(0:)
+    integer, intent(in) :: j
+    integer :: first, last
+    first = findloc([.false., tied(:j)], .false., dim=1, back=.true.) - 1
+    last = findloc([tied(j + 1:), .false.], .false., dim=1) + j - 1
+    leader = maxloc(weight(first:last), 1) + first - 1
+    if (first == 0 .and. (beam%root%holds_deflection .or. beam%root%holds_turning)) leader = 0
+  end function leader_of
+
+  pure subroutine find_others(length, tied, leads, unknowns)
+    !! Find motions of the joints that follow, and of the ends of pieces that tie none.
+    real(dp), intent(in) :: length(:)
+    logical, intent(in) :: tied(:), leads(0:)
+    type(joint_unknowns), intent(inout) :: unknowns
+    integer :: i, j
+    associate (v => unknowns%deflection, psi => unknowns%turning, e => unknowns%bend, d => unknowns%shift)
+      do j = 0, size(tied)
+        if (.not. leads(j)) cycle
+        do i = j + 1, size(tied)
+          if (.not. tied(i)) exit
+          psi(:, i) = psi(:, i - 1) + e(:, i)
+          v(:, i) = v(:, i - 1) + length(i)*(psi(:, i - 1) + 0.5_dp*e(:, i) + d(:, i))
+        end do
+        do i = j, 1, -1
+          if (.not. tied(i)) exit
+          psi(:, i - 1) = psi(:, i) - e(:, i)
+          v(:, i - 1) = v(:, i) - length(i)*(psi(:, i) - 0.5_dp*e(:, i) + d(:, i))
+        end do
+      end do
+      do i = 1, size(tied)
+        if (tied(i)) cycle
+        e(:, i) = psi(:, i) - psi(:, i - 1)
+        d(:, i) = (v(:, i) - v(:, i - 1))/length(i) - 0.5_dp*(psi(:, i) + psi(:, i - 1))
+      end do
+    end associate
+  end subroutine find_others
+
+end module bw_joint_unknowns
