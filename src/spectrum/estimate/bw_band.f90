@@ -3,9 +3,10 @@ module bw_band
   !!
   !! A few hundred complex sums hold what the record says of a line near the middle, to a few thousandths of its
   !! information, and the image of any exponential is known exactly. The rows are real numbers whose noise is white and has
-  !! the variance of the samples' noise near the middle: real and imaginary parts of each sum, over the root of half its
-  !! samples. Near 0 and half the sampling rate, where a line meets its mirror image, and where blocks are single samples,
-  !! the rows are the real samples themselves or their sums.
+  !! the variance of the samples' noise near the middle. A sum of n samples, turned by e^(−iθ), has a noise x + iy of E|x + iy|² = n
+  !! and E(x + iy)² = p = Σ e^(−2iθ): turned by −½ arg p its parts are independent, with variances (n ± |p|)/2. |p| is n where a
+  !! block is one sample, and hardly 0 where uneven times let a line meet its mirror image anywhere. Near 0 and half the sampling
+  !! rate the rows are the real samples themselves or their sums.
   !!
   !! Where a record holds no noise but other lines, a few bins of the tapered transform serve instead: they tell less of a line,
   !! and nothing of lines in other bins.
@@ -22,6 +23,7 @@ module bw_band
   integer, parameter :: sums_per_bin = 32    !! loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 2048         !! sums that tell enough of a broad line, whose information is near its middle
   integer, parameter :: fewest_per_bin = 8   !! loses 5 % at the edge of so broad a band
+  real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block
   real(dp), parameter :: clear = 1           !! widths of a block's transform between a band and its mirror image
 
   type, public :: band_type
@@ -29,7 +31,8 @@ module bw_band
     real(dp) :: half_width = 0               !! bins, of 1/span each
     logical :: is_real = .false.             !! the sums of the mirror image are the same numbers
     type(blocks_type) :: blocks
-    real(dp), allocatable :: root(:)         !! what the rows of a block are divided by, (B)
+    complex(dp), allocatable :: turn(:)      !! that makes the two rows of a block independent, (B)
+    real(dp), allocatable :: root(:, :)      !! what they are divided by, (B, 2), or (B, 1)
     real(dp), allocatable :: rows(:, :)      !! the record, (rows, S)
     logical :: tapered = .false.             !! the rows are bins of the tapered transform, and there are no blocks
     integer :: bins(2) = 0                   !! the first and the last of these
@@ -61,10 +64,8 @@ contains
     end if
     band%half_width = width
     band%blocks = even_blocks(samples, blocks)
-    associate (first => band%blocks%first)
-      band%root = sqrt(real(first(2:) - first(:size(first) - 1), dp)/merge(1, 2, band%is_real))
-    end associate
-    allocate (band%rows(size(band%root)*merge(1, 2, band%is_real), size(samples%value, 2)))
+    call find_noise(samples, band)
+    allocate (band%rows(size(band%root), size(samples%value, 2)))
     do s = 1, size(samples%value, 2)
       band%rows(:, s) = rows_of(band, summed(samples, s, band))
     end do
@@ -96,15 +97,37 @@ contains
     nyquist_of = merge(huge(1.0_dp), 0.5_dp, allocated(samples%place))
   end function nyquist_of
 
+  subroutine find_noise(samples, band)
+    !! Find what makes the noise of a band's rows white. A row without noise tells nothing: it is divided by what makes it 0.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(inout) :: band
+    complex(dp) :: p(size(band%blocks%first) - 1, 0:0)
+    real(dp) :: n(size(p, 1))
+    associate (first => band%blocks%first)
+      n = first(2:) - first(:size(first) - 1)
+    end associate
+    allocate (band%turn(size(n)), source=(1.0_dp, 0.0_dp))
+    if (band%is_real) then
+      band%root = reshape(sqrt(n), [size(n), 1])
+      return
+    end if
+    p = block_sums(samples, band%blocks, 0.0_dp, -2*band%centre, 0, [complex(dp) ::])
+    band%turn = exp(cmplx(0, -atan2(p(:, 0)%im, p(:, 0)%re)/2, dp))
+    band%root = reshape([sqrt((n + abs(p(:, 0)))/2), sqrt(max(n - abs(p(:, 0)), 0.0_dp)/2)], [size(n), 2])
+    where (band%root(:, 2) < noiseless*band%root(:, 1)) band%root(:, 2) = huge(1.0_dp)
+  end subroutine find_noise
+
   pure function rows_of(band, sums) result(rows)
     !! Complex sums over blocks as real rows of unit weight.
     type(band_type), intent(in) :: band
     complex(dp), intent(in) :: sums(:)       !! (B)
-    real(dp) :: rows(size(sums)*merge(1, 2, band%is_real))
+    real(dp) :: rows(size(band%root))
+    complex(dp) :: turned(size(sums))
     if (band%is_real) then
-      rows = sums%re/band%root
+      rows = sums%re/band%root(:, 1)
     else
-      rows = [sums%re/band%root, sums%im/band%root]
+      turned = sums*band%turn
+      rows = [turned%re/band%root(:, 1), turned%im/band%root(:, 2)]
     end if
   end function rows_of
 
@@ -165,7 +188,7 @@ contains
     integer, intent(in) :: order
     complex(dp), intent(in) :: bend(:)
     real(dp) :: columns(size(band%rows, 1), 2, 0:order)
-    complex(dp) :: line(size(band%root), 0:order), mirror(size(band%root), 0:order)
+    complex(dp), dimension(size(band%turn), 0:order) :: line, mirror
     integer :: m
     line = block_sums(samples, band%blocks, decay, frequency - band%centre, order, bend)
     if (band%is_real .and. .not. band%centre > 0) then
@@ -184,7 +207,7 @@ contains
     type(samples_type), intent(in) :: samples
     type(band_type), intent(in) :: band
     real(dp) :: columns(size(band%rows, 1), 2)
-    complex(dp) :: sums(size(band%root), 0:1)
+    complex(dp) :: sums(size(band%turn), 0:1)
     sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1, [complex(dp) ::])
     columns(:, 1) = rows_of(band, sums(:, 0))
     columns(:, 2) = rows_of(band, sums(:, 1))
@@ -198,20 +221,21 @@ contains
     type(band_type), intent(out) :: part
     real(dp), allocatable, intent(out) :: own(:, :)
     integer :: low, high, blocks
-    blocks = size(band%root)
+    blocks = size(band%turn)
     low = 1 + nint(first*blocks)
     high = nint(last*blocks)
     part%centre = band%centre
     part%half_width = band%half_width
     part%is_real = band%is_real
     part%blocks%first = band%blocks%first(low:high + 1)
-    part%root = band%root(low:high)
+    part%turn = band%turn(low:high)
+    part%root = band%root(low:high, :)
     if (band%is_real) then
       own = rows(low:high, :)
     else
-      allocate (own(2*size(part%root), size(rows, 2)))
-      own(:size(part%root), :) = rows(low:high, :)
-      own(size(part%root) + 1:, :) = rows(blocks + low:blocks + high, :)
+      allocate (own(2*size(part%turn), size(rows, 2)))
+      own(:size(part%turn), :) = rows(low:high, :)
+      own(size(part%turn) + 1:, :) = rows(blocks + low:blocks + high, :)
     end if
     part%rows = own
   end subroutine cut_band

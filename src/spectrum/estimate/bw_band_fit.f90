@@ -107,7 +107,7 @@ contains
     is_held = band%tapered
     if (is_held) return
     is_held = abs(bend_reach(line, centre_of(samples))) <= widest_drift
-    if (size(band%root) < band%blocks%first(size(band%root) + 1) - band%blocks%first(1)) is_held = is_held .and. &
+    if (size(band%turn) < band%blocks%first(size(band%turn) + 1) - band%blocks%first(1)) is_held = is_held .and. &
       & (abs(line%frequency - band%centre) + abs(line%decay)/(2*pi))*span_of(samples) < farthest*band%half_width
   end function is_held
 

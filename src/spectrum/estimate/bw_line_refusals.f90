@@ -74,6 +74,7 @@ contains
         ordinate(k) = ordinate_at(found%ordinates, merge(line%sought, line%frequency, line%sought >= 0))
         if (any(others%powers > 1 .and. abs(others%frequency - line%frequency)*span_of(samples) < drift_reach)) &
           & reason(k) = beside_drift
+        if (reason(k) == not_needed .and. line%sought >= 0) line%frequency = line%sought  ! another may be where it has gone
       end associate
     end do
     call reject(reason, ordinate, found, changed)
