@@ -23,6 +23,7 @@ module bw_beam_state
     real(dp), allocatable :: deviation(:)        !! its standard deviation [rad/s], > 0, (lines)
     real(dp), allocatable :: decay(:)            !! δ [1/s], (lines)
     real(dp), allocatable :: decay_deviation(:)  !! > 0, (lines)
+    real(dp), allocatable :: strength(:)         !! over all sensors; unallocated: not known, (lines)
     complex(dp), allocatable :: amplitude(:, :)  !! unallocated: not known where, or not comparable, (sensors, lines)
     real(dp), allocatable :: amplitude_deviation(:, :)   !! of real and imaginary part, > 0, (sensors, lines)
     real(dp), allocatable :: points(:)           !! ξ, (sensors)
@@ -69,7 +70,7 @@ contains
     state%most_modes = scene%modes%before
     allocate (state%mode_of(size(lines%frequency)), source=0)
     allocate (state%foreign(size(lines%frequency)), state%is_harmonic(size(lines%frequency)), source=.false.)
-    state%chance = foreign_chance(lines%frequency, lines%deviation, lines%decay, lines%decay_deviation)
+    state%chance = foreign_chance(lines%frequency, lines%deviation, lines%decay, lines%decay_deviation, lines%strength)
     call with_unknowns(scene, unknowns, state%varied)
     call scene_with(state%varied, unknowns%start, state%one, error)
     state%beam = resolved_text(scene)

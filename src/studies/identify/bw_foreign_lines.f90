@@ -1,6 +1,12 @@
 module bw_foreign_lines
   !! How probable it is, before any beam is asked, that a line is no mode of it: a few are; more of those that do not decay as
-  !! the others do, and of those at a multiple of the mains' frequency.
+  !! the others do, of those at a multiple of the mains' frequency, and of those at a multiple of a far stronger line.
+  !!
+  !! What bends a sensor's or a clamp's answer makes weak multiples of a strong line. A weak line is one of them with
+  !! probability π, and then is normally distributed about the nearest multiple of the strong line's frequency g, with the
+  !! deviation w of their distance; or it is not, and lies anywhere. Beside a mode it is as many times more probable there as
+  !! L = g exp(−z²/2)/(w√(2π)), z its distance over w. The record itself tells how common they are: π of a line is what the
+  !! other weak lines make of it (the expectation of a mixture, each line left out of its own).
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -12,22 +18,59 @@ module bw_foreign_lines
   real(dp), parameter :: hums = 0.3_dp           !! chosen: share of foreign lines that are a hum
   real(dp), parameter :: mains(2) = [50.0_dp, 60.0_dp]   !! Hz
   real(dp), parameter :: wander = 5.0e-4_dp      !! of the mains' frequency
+  real(dp), parameter :: weaker = 0.01_dp        !! chosen: of a line, that its multiples are
 
 contains
 
-  pure function foreign_chance(frequency, deviation, decay, decay_deviation) result(chance)
+  pure function foreign_chance(frequency, deviation, decay, decay_deviation, strength) result(chance)
     !! Of each line of a record.
     real(dp), intent(in) :: frequency(:)         !! [rad/s], > 0, (lines)
     real(dp), intent(in) :: deviation(:)         !! its standard deviation, (lines)
     real(dp), intent(in) :: decay(:)             !! [1/s], (lines)
     real(dp), intent(in) :: decay_deviation(:)   !! (lines)
+    real(dp), intent(in), optional :: strength(:)   !! amplitude, where it is known, (lines)
     real(dp) :: chance(size(frequency)), odds(size(frequency)), usual(size(frequency))
     usual = median(decay/frequency)*frequency
     odds = usual_chance/(1 - usual_chance)
     where (decay + 2*decay_deviation < usual/20) odds = odds*steady_odds
     where (decay - 3*decay_deviation < usual/5) odds = odds*mains_odds(frequency/(2*pi), deviation/(2*pi))
+    if (present(strength)) odds = odds + multiple_odds(frequency, deviation, strength)
     chance = odds/(1 + odds)
   end function foreign_chance
+
+  pure function multiple_odds(frequency, deviation, strength) result(odds)
+    !! Of each line to be a multiple of a far stronger one: Lπ/(1 − π).
+    real(dp), intent(in) :: frequency(:), deviation(:), strength(:)   !! (lines)
+    real(dp) :: odds(size(frequency))
+    integer, parameter :: rounds = 30            !! the expectations have settled
+    real(dp) :: ratio(size(frequency)), share(size(frequency)), expected(size(frequency))
+    logical :: weak(size(frequency))
+    integer :: i, round
+    weak = [(any(strength(i) < weaker*strength .and. frequency < frequency(i)), i=1, size(frequency))]
+    ratio = 0
+    do i = 1, size(frequency)
+      if (weak(i)) ratio(i) = maxval(multiple_ratio(frequency(i), deviation(i), frequency, deviation), &
+                                     mask=strength(i) < weaker*strength)
+    end do
+    share = usual_chance
+    do round = 1, rounds
+      expected = share*ratio/(share*ratio + 1 - share)
+      share = (usual_chance + sum(expected) - expected)/(1 + max(0, count(weak) - 1))
+    end do
+    odds = ratio*share/(1 - share)
+  end function multiple_odds
+
+  elemental real(dp) function multiple_ratio(frequency, deviation, strong, strong_deviation) result(ratio)
+    !! How much more probable a line is here as a multiple of a strong one than as a mode: L.
+    real(dp), intent(in) :: frequency, deviation, strong, strong_deviation
+    real(dp) :: width
+    integer :: times
+    ratio = 0
+    times = nint(frequency/strong)
+    if (times < 2) return
+    width = hypot(deviation, times*strong_deviation)
+    if (sqrt(2*pi)*width < strong) ratio = strong/(sqrt(2*pi)*width)*exp(-0.5_dp*((frequency - times*strong)/width)**2)
+  end function multiple_ratio
 
   elemental real(dp) function mains_odds(frequency, deviation) result(odds)
     !! How much more probable it is that a foreign line is here than that a mode is, which may be anywhere.

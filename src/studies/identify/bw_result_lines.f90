@@ -65,6 +65,7 @@ contains
         one%lines%frequency = hypot(one%angular_frequency, one%lines%decay)
         one%lines%deviation = [(max(least_error*frequency(k, c, 1), frequency_error(k, c, 1)/quantile), k=1, n)]
         one%lines%decay_deviation = [(max(least_decay_error*frequency(k, c, 1), decay_error(k, c, 1)/quantile), k=1, n)]
+        if (allocated(amplitude)) one%lines%strength = [(norm2(amplitude(k, :, c)), k=1, n)]
         if (.not. placed .or. n == 0) cycle
         if (any(is_missing(amplitude_error(:n, :, c)))) cycle
         one%lines%points = place(:, 1, 1)
