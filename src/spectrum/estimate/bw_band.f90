@@ -12,18 +12,18 @@ module bw_band
   !! and nothing of lines in other bins.
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
-  use bw_lapack, only: dgemm
   use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, cut_band, line_columns, still_columns, tapered_band
+  public :: band_around, cut_band, fill_bands, line_columns, still_columns, tapered_band
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: sums_per_bin = 32    !! loses (π/32)²/3 of the information at the edge of the band
   integer, parameter :: ample = 2048         !! sums that tell enough of a broad line, whose information is near its middle
   integer, parameter :: fewest_per_bin = 8   !! loses 5 % at the edge of so broad a band
   real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block
+  integer, parameter :: samples_at_once = 16384  !! of one sensor, which fit a processor's cache
   real(dp), parameter :: clear = 1           !! widths of a block's transform between a band and its mirror image
 
   type, public :: band_type
@@ -41,12 +41,12 @@ module bw_band
 contains
 
   function band_around(samples, lowest, highest, widest) result(band)
-    !! The band that holds lines between two frequencies whose decays are up to `widest` (per step, of either sign).
+    !! The band that holds lines between two frequencies whose decays are up to `widest` (per step, of either sign), without rows.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: lowest, highest, widest
     type(band_type) :: band
     real(dp) :: span, width
-    integer :: blocks, s
+    integer :: blocks
     span = span_of(samples)
     width = (highest - lowest)*span/2 + widest*span/pi + 1
     band%centre = (lowest + highest)/2
@@ -65,10 +65,6 @@ contains
     band%half_width = width
     band%blocks = even_blocks(samples, blocks)
     call find_noise(samples, band)
-    allocate (band%rows(size(band%root), size(samples%value, 2)))
-    do s = 1, size(samples%value, 2)
-      band%rows(:, s) = rows_of(band, summed(samples, s, band))
-    end do
   end function band_around
 
   pure integer function sums_for(width)
@@ -131,39 +127,95 @@ contains
     end if
   end function rows_of
 
-  pure function summed(samples, s, band) result(sums)
-    !! One sensor's samples, turned by the band's centre and summed over each block.
+  pure subroutine fill_bands(samples, bands)
+    !! Give bands their rows. A long record is read once for all of them, stretch by stretch.
     type(samples_type), intent(in) :: samples
-    integer, intent(in) :: s
-    type(band_type), intent(in) :: band
-    complex(dp) :: sums(size(band%blocks%first) - 1)
-    complex(dp), allocatable :: turn(:)
-    real(dp), allocatable :: waves(:, :), parts(:, :)
-    integer :: b, n, length, whole, rest
-    associate (first => band%blocks%first)
-      length = maxval(first(2:) - first(:size(first) - 1))
-      if (length == 1) then
-        sums = samples%value(:samples%count, s)
-        return
-      end if
-      if (allocated(samples%place)) then
-        do b = 1, size(sums)
-          associate (place => samples%place(first(b):first(b + 1) - 1), value => samples%value(first(b):first(b + 1) - 1, s))
-    sums(b) = sum(value*exp(cmplx(0, -2*pi*(band%centre*place - anint(band%centre*place)), dp)))
+    type(band_type), intent(inout) :: bands(:)
+    type :: sums_type
+      real(dp), allocatable :: re(:), im(:)  !! the wave that turns the even samples of a block
+      complex(dp), allocatable :: turn(:)    !! and that of each block
+      complex(dp), allocatable :: sums(:)
+      integer :: next = 1                    !! block
+    end type sums_type
+    type(sums_type) :: work(size(bands))
+    complex(dp), allocatable :: wave(:)
+    integer :: i, n, s, first
+    do i = 1, size(bands)
+      associate (band => bands(i), own => work(i))
+        allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
+        wave = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
+        own%re = wave%re
+        own%im = wave%im
+        own%turn = phase_factor(-band%centre, band%blocks%first(:size(band%turn)) - 1)
+      end associate
+    end do
+    do s = 1, size(samples%value, 2)
+      work%next = 1
+      do first = 1, samples%count, samples_at_once
+        do i = 1, size(bands)
+          associate (own => work(i))
+            call add_blocks(samples, s, first + samples_at_once, bands(i), own%re, own%im, own%sums, own%next)
           end associate
         end do
-        return
+      end do
+      do i = 1, size(bands)
+        if (.not. allocated(samples%place)) work(i)%sums = work(i)%turn*work(i)%sums
+        bands(i)%rows(:, s) = rows_of(bands(i), work(i)%sums)
+      end do
+    end do
+  end subroutine fill_bands
+
+  pure subroutine add_blocks(samples, s, last, band, re, im, sums, next)
+    !! Sum one sensor's samples, turned by the band's centre, over each block that starts before sample `last`.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: s, last
+    type(band_type), intent(in) :: band
+    real(dp), contiguous, intent(in) :: re(:), im(:)
+    complex(dp), intent(inout) :: sums(:)
+    integer, intent(inout) :: next
+    integer :: low, high
+    do while (next <= size(sums))
+      low = band%blocks%first(next)
+      high = band%blocks%first(next + 1) - 1
+      if (low >= last) return
+      if (allocated(samples%place)) then
+        sums(next) = sum(samples%value(low:high, s)*uneven_turn(samples%place(low:high), band%centre))
+      else
+        sums(next) = turned_sum(samples%value(low:high, s), re, im)
       end if
-      turn = phase_factor(-band%centre, [(n, n=0, length - 1)])
-      allocate (parts(2, size(sums)))
-      whole = count(first(2:) - first(:size(first) - 1) == length)   ! all but the last, which may be shorter
-      rest = samples%count - whole*length
-      waves = reshape([turn%re, turn%im], [length, 2])
-      call dgemm('T', 'N', 2, whole, length, 1.0_dp, waves, length, samples%value(:, s), length, 0.0_dp, parts, 2)
-      if (rest > 0) parts(:, whole + 1) = matmul(samples%value(whole*length + 1:samples%count, s), waves(:rest, :))
-      sums = phase_factor(-band%centre, first(:size(sums)) - 1)*cmplx(parts(1, :), parts(2, :), dp)
-    end associate
-  end function summed
+      next = next + 1
+    end do
+  end subroutine add_blocks
+
+  elemental complex(dp) function uneven_turn(place, centre)
+    !! The factor by which a band's centre turns a sample at any time.
+    real(dp), intent(in) :: place, centre
+    uneven_turn = exp(cmplx(0, -2*pi*(centre*place - anint(centre*place)), dp))
+  end function uneven_turn
+
+  pure integer function longest_block(blocks)
+    !! Samples of the longest block.
+    type(blocks_type), intent(in) :: blocks
+    longest_block = maxval(blocks%first(2:) - blocks%first(:size(blocks%first) - 1))
+  end function longest_block
+
+  pure complex(dp) function turned_sum(value, re, im)
+    !! The sum of numbers times those of a wave, by lanes, as a processor adds them.
+    real(dp), contiguous, intent(in) :: value(:)
+    real(dp), contiguous, intent(in) :: re(:), im(:)  !! as many or more
+    integer, parameter :: lanes = 16
+    real(dp) :: sum_re(lanes), sum_im(lanes)
+    integer :: l, rest
+    sum_re = 0
+    sum_im = 0
+    do l = 1, size(value) - lanes + 1, lanes
+      sum_re = sum_re + value(l:l + lanes - 1)*re(l:l + lanes - 1)
+      sum_im = sum_im + value(l:l + lanes - 1)*im(l:l + lanes - 1)
+    end do
+    rest = size(value) - modulo(size(value), lanes) + 1
+    turned_sum = cmplx(sum(sum_re) + dot_product(value(rest:), re(rest:size(value))), &
+      & sum(sum_im) + dot_product(value(rest:), im(rest:size(value))), dp)
+  end function turned_sum
 
   function line_columns(samples, band, line, order) result(columns)
     !! The rows of u^m e^(−dτ) cos 2πfτ and of −u^m e^(−dτ) sin 2πfτ, which are a line of amplitude 1 and one of amplitude

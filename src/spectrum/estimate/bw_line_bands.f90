@@ -1,7 +1,7 @@
 module bw_line_bands
   !! Lines that share a band, and all bands of a record: each is fitted while the images of all other lines are taken out, in
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
-  use bw_band, only: band_around, band_type
+  use bw_band, only: band_around, band_type, fill_bands
   use bw_band_fit, only: damped_line, excess, fit_band, fit_type, image_of, still_image
   use bw_damped_line, only: bend_reach
   use bw_kinds, only: dp
@@ -60,6 +60,7 @@ contains
       fresh = [fresh, band_of(order(first:i))]
       first = i + 1
     end do
+    call fill(samples, fresh)
     if (size(fresh) > 1) fresh(1)%with_still = .not. any(fresh(2:)%with_still)
     do i = 1, size(fresh)
       call remember(lines, bands, fresh(i))
@@ -86,6 +87,24 @@ contains
     end function band_of
 
   end subroutine prepare_bands
+
+  subroutine fill(samples, bands)
+    !! Give rows to the bands that have none.
+    type(samples_type), intent(in) :: samples
+    type(line_band), intent(inout) :: bands(:)
+    type(band_type), allocatable :: made(:)
+    integer, allocatable :: empty(:)
+    integer :: i
+    empty = pack([(i, i=1, size(bands))], [(.not. allocated(bands(i)%band%rows), i=1, size(bands))])
+    allocate (made(size(empty)))
+    do i = 1, size(empty)
+      made(i) = bands(empty(i))%band
+    end do
+    call fill_bands(samples, made)
+    do i = 1, size(empty)
+      bands(empty(i))%band = made(i)
+    end do
+  end subroutine fill
 
   subroutine remember(lines, bands, new)
     !! Let a band know what is known of one with the same rows and lines.

@@ -49,12 +49,13 @@ contains
     level = level_at_knot(knots%level(k, :), knots%level(k + 1, :), place - k)
   end function level_at
 
-  subroutine find_level(power, bins, coloured, taken, floor, level)
+  subroutine find_level(power, bins, coloured, taken, each, floor, level)
     !! Find the level at the ordinates.
     real(dp), intent(in) :: power(0:)          !! ordinates |X|²/N at even frequencies from 0 to half the sampling rate
     integer, intent(in) :: bins                !! of 1/span among them: fewer than ordinates where the transform was padded
     logical, intent(in) :: coloured            !! the level may change within a window
-    real(dp), intent(in) :: taken(:)           !! frequencies (periods per step) of numbers that have been fitted to the sensor
+    real(dp), intent(in) :: taken(:)           !! frequencies (periods per step) of lines that have been fitted to the sensor
+    real(dp), intent(in) :: each               !! real numbers that were fitted for each
     real(dp), intent(in) :: floor              !! rounding
     real(dp), intent(out) :: level(0:)         !! at the same ordinates
     real(dp), allocatable :: window(:), clipped(:), ranked(:)
@@ -70,7 +71,7 @@ contains
       clipped = min(power, cut*min(level, most_coloured*ranked))
       clipped(:skipped - 1) = clipped(skipped)
       if (coloured .and. bins >= 2*fewest_bins) call autoregression(clipped, 2*bins, level)
-      call correct(power, skipped, free_part(taken, bins, windows), level, window)
+      call correct(power, skipped, free_part(taken, each, bins, windows), level, window)
     end do
     level = max(level, floor)
   end subroutine find_level
@@ -121,18 +122,18 @@ contains
     end do
   end subroutine spread
 
-  pure function free_part(taken, bins, windows) result(free)
-    !! The part of each window's real numbers, two for each bin, that are left after as many have been fitted.
-    real(dp), intent(in) :: taken(:)
+  pure function free_part(taken, each, bins, windows) result(free)
+    !! The part of each window's real numbers, two for each bin, that are left after those of lines have been fitted.
+    real(dp), intent(in) :: taken(:), each
     integer, intent(in) :: bins, windows
     real(dp) :: free(windows)
-    integer :: i, w
-    free = 1
+    integer :: lines(windows), i, w
+    lines = 0
     do i = 1, size(taken)
       w = min(windows, 1 + int(2*taken(i)*windows))
-      free(w) = free(w) - windows/(2.0_dp*bins)
+      lines(w) = lines(w) + 1
     end do
-    free = max(free, least_free)
+    free = max(1 - lines*each*windows/(2.0_dp*bins), least_free)
   end function free_part
 
   subroutine correct(power, skipped, free, level, window)
@@ -142,18 +143,20 @@ contains
     real(dp), intent(in) :: free(:)            !! part of each window's numbers that have not been fitted
     real(dp), intent(inout) :: level(0:)
     real(dp), intent(out) :: window(:)
-    real(dp) :: middle
+    real(dp) :: middle, ratio(size(power))
     integer :: first, last, stride, w, i
     do w = 1, size(window)
       call window_edges(size(power), skipped, size(window), w, first, last)
       window(w) = 1
-      do i = 1, rounds
-        window(w) = window(w)*sum(min(power(first:last)/(level(first:last)*window(w)), cut)) &
-          & /((last - first + 1)*(1 - exp(-cut))*free(w))
-        if (.not. window(w) > 0) exit
-      end do
-      stride = 1 + (last - first)/most_ranked
-      middle = median(power(first:last:stride)/level(first:last:stride))/log(2.0_dp)/free(w)
+      associate (own => ratio(:last - first + 1))
+        own = power(first:last)/level(first:last)
+        do i = 1, rounds
+          window(w) = sum(min(own, cut*window(w)))/(size(own)*(1 - exp(-cut))*free(w))
+          if (.not. window(w) > 0) exit
+        end do
+        stride = 1 + (last - first)/most_ranked
+        middle = median(own(::stride))/log(2.0_dp)/free(w)
+      end associate
       if (window(w) > most_crowded*middle) window(w) = middle
     end do
     where (.not. window > tiny(1.0_dp)) window = tiny(1.0_dp)
@@ -167,7 +170,7 @@ contains
     real(dp), intent(out) :: level(0:)
     real(dp) :: covariance(0:highest_order), a(highest_order), best(highest_order), before(highest_order)
     real(dp) :: error, reflection, criterion, least, best_error, mean
-    complex(dp) :: turn
+    complex(dp) :: turn, wave, step
     integer :: cells, c, m, p, i, first, last, order
     covariance = 0
     cells = min(most_cells, size(power) - 1)
@@ -175,7 +178,12 @@ contains
       first = int((c - 1)*real(size(power), dp)/cells)
       last = int(c*real(size(power), dp)/cells) - 1
       mean = sum(power(first:last))/(last - first + 1)
-      covariance = covariance + mean*[(cos(pi*i*(c - 0.5_dp)/cells), i=0, highest_order)]
+      turn = exp(cmplx(0, pi*(c - 0.5_dp)/cells, dp))
+      wave = mean
+      do i = 0, highest_order
+        covariance(i) = covariance(i) + wave%re
+        wave = wave*turn
+      end do
     end do
     covariance = covariance/cells
     a = 0
@@ -201,12 +209,18 @@ contains
     end do
     level = max(best_error, tiny(1.0_dp))
     if (order == 0) return
+    step = exp(cmplx(0, -pi/(size(level) - 1), dp))
     do m = 0, size(level) - 1
-      turn = 1
-      do i = 1, order
-        turn = turn - best(i)*exp(cmplx(0, -pi*i*m/(size(level) - 1), dp))
+      if (modulo(m, 64) == 0) then              ! so that no error builds up
+        turn = exp(cmplx(0, -pi*m/(size(level) - 1), dp))
+      else
+        turn = turn*step
+      end if
+      wave = 0
+      do i = order, 1, -1
+        wave = (wave + best(i))*turn
       end do
-      level(m) = level(m)/max(abs(turn)**2, tiny(1.0_dp))
+      level(m) = level(m)/max((1 - wave%re)**2 + wave%im**2, tiny(1.0_dp))
     end do
   end subroutine autoregression
 

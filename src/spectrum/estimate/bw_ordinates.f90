@@ -9,12 +9,14 @@ module bw_ordinates
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: find_ordinates, find_power, least_ordinate, padded_length
+  public :: add_ratio, find_ordinates, least_ordinate, padded_length, square, transform
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
   integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
   real(dp), parameter :: quartile = 0.67449_dp !! of a normal number, in standard deviations
+  real(dp), parameter :: numbers_of_line = 2   !! real ones that a line's amplitude is at each sensor
+  real(dp), parameter :: numbers_of_all = 2    !! frequency and decay, which all sensors share
   real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample, over the record's root mean square
 
   type, public :: ordinates_type
@@ -36,18 +38,16 @@ contains
     real(dp), intent(in) :: still(:, :)        !! (2, S)
     type(real_fourier), intent(inout) :: plan
     type(ordinates_type), intent(inout) :: plain, tapered
-    real(dp), allocatable :: left(:), power(:)
-    complex(dp), allocatable :: spectrum(:)
-    real(dp), allocatable :: fitted(:)
+    real(dp), allocatable :: left(:)
+    complex(dp), allocatable :: seen(:)
     type(motion_type) :: motion
     real(dp) :: taper_square, floor
     integer :: s, length
     length = padded_length(samples)
     call prepare(length, size(samples%value, 2), plain)
     call prepare(length, size(samples%value, 2), tapered)
-    allocate (spectrum(0:length/2), power(0:length/2))
+    allocate (seen(0:length/2))
     taper_square = mean_square(samples, length)
-    fitted = numbers_of(lines, size(samples%value, 2))
     motion = tabulated(samples, lines, still)
     do s = 1, size(samples%value, 2)
       call find_remainder(samples, motion, s, left)
@@ -55,12 +55,10 @@ contains
       associate (value => samples%value(:samples%count, s))
         floor = max(rounding**2*dot_product(value, value)/size(left), tiny(1.0_dp)*1.0e50_dp)
       end associate
-      call transform(samples, left, plan, spectrum)
-      power = (spectrum%re**2 + spectrum%im**2)/size(left)
-      call add_sensor(span_of(samples), power, .true., fitted, floor, s, plain)
-      call taper(spectrum, 4*pi*centre_of(samples)/length)
-      power = (spectrum%re**2 + spectrum%im**2)/(size(left)*taper_square)
-      call add_sensor(span_of(samples), power, .false., fitted, floor, s, tapered)
+      call transform(samples, left, plan)
+      call add_sensor(samples, plan%spectrum(0:length/2), 1.0_dp/size(left), .true., lines%frequency, floor, s, plain)
+      call taper(plan%spectrum(0:length/2), 4*pi*centre_of(samples)/length, seen)
+      call add_sensor(samples, seen, 1/(size(left)*taper_square), .false., lines%frequency, floor, s, tapered)
     end do
     tapered%deviation = plain%deviation
     call allow_for_common_noise(plain, nint(span_of(samples)/2), size(samples%value, 2))
@@ -79,27 +77,31 @@ contains
     ordinates%total = 0
   end subroutine prepare
 
-  subroutine add_sensor(span, power, coloured, fitted, floor, s, ordinates)
+  subroutine add_sensor(samples, spectrum, scale, coloured, fitted, floor, s, ordinates)
     !! Find the level of one sensor's noise, and add its ordinates over it.
-    real(dp), intent(in) :: span               !! of the samples
-    real(dp), intent(in) :: power(0:)
+    type(samples_type), intent(in) :: samples
+    complex(dp), intent(in) :: spectrum(0:)
+    real(dp), intent(in) :: scale              !! of its squares, that makes ordinates of them
     logical, intent(in) :: coloured
-    real(dp), intent(in) :: fitted(:)          !! frequencies of numbers that have been fitted
+    real(dp), intent(in) :: fitted(:)          !! frequencies of the lines
     real(dp), intent(in) :: floor
     integer, intent(in) :: s
     type(ordinates_type), intent(inout) :: ordinates
-    real(dp), allocatable :: level(:)
-    integer, allocatable :: sampled(:), at_knot(:)
+    real(dp), allocatable :: power(:), level(:)
     integer :: half, ranked, knots, k
-    half = size(power) - 1
+    half = size(spectrum) - 1
     ranked = min(half, most_ranked)
     knots = ubound(ordinates%noise%level, 1)
-    sampled = [(nint(k*(real(half, dp)/ranked)), k=0, ranked)]
-    at_knot = [(nint(k*(real(ranked, dp)/knots)), k=0, knots)]
-    allocate (level(0:ranked))
-    call find_level(power(sampled), min(max(1, nint(span/2)), size(sampled)/2), coloured, fitted, floor, level)
-    ordinates%noise%level(:, s) = level(at_knot)
-    call add_ratio(power, ordinates%noise%level(:, s), ordinates%total)
+    allocate (power(0:ranked), level(0:ranked))
+    do k = 0, ranked
+      power(k) = scale*square(spectrum(nint(k*(real(half, dp)/ranked))))
+    end do
+    call find_level(power, min(max(1, nint(span_of(samples)/2)), size(power)/2), coloured, fitted, &
+      & numbers_of_line + numbers_of_all/size(samples%value, 2), floor, level)
+    do k = 0, knots
+      ordinates%noise%level(k, s) = level(nint(k*(real(ranked, dp)/knots)))
+    end do
+    call add_ratio(spectrum, ordinates%noise%level(:, s)/scale, ordinates%total)
   end subroutine add_sensor
 
   subroutine allow_for_common_noise(ordinates, bins, sensors)
@@ -129,14 +131,15 @@ contains
     ordinates%noise%level = ordinates%noise%level*(sensors/ordinates%shape)
   end subroutine allow_for_common_noise
 
-  pure subroutine add_ratio(power, level, total)
-    !! Add the ordinates over their level, whose inverse is a straight line between its knots.
-    real(dp), intent(in) :: power(0:), level(0:)
+  pure subroutine add_ratio(spectrum, level, total)
+    !! Add the squares of a spectrum over a level, whose inverse is a straight line between its knots.
+    complex(dp), intent(in) :: spectrum(0:)
+    real(dp), intent(in) :: level(0:)
     real(dp), intent(inout) :: total(0:)
     real(dp) :: spacing, slope
     integer :: m, k, first, last, knots, half
     knots = size(level) - 1
-    half = size(power) - 1
+    half = size(total) - 1
     spacing = real(half, dp)/knots
     last = -1
     do k = 0, knots - 1
@@ -144,19 +147,16 @@ contains
       last = merge(half, int((k + 1)*spacing), k == knots - 1)
       slope = (1/level(k + 1) - 1/level(k))/spacing
       do m = first, last
-        total(m) = total(m) + power(m)*(1/level(k) + (m - k*spacing)*slope)
+        total(m) = total(m) + square(spectrum(m))*(1/level(k) + (m - k*spacing)*slope)
       end do
     end do
   end subroutine add_ratio
 
-  pure function numbers_of(lines, sensors) result(frequency)
-    !! The frequency of each real number that has been fitted to one sensor: an amplitude's two, and two that all sensors share.
-    type(damped_line), intent(in) :: lines(:)
-    integer, intent(in) :: sensors
-    real(dp), allocatable :: frequency(:)
-    integer :: k
-    frequency = [lines%frequency, lines%frequency, (lines(k)%frequency, lines(k)%frequency, k=1, size(lines), sensors)]
-  end function numbers_of
+  elemental real(dp) function square(value)
+    !! Of the absolute value.
+    complex(dp), intent(in) :: value
+    square = value%re**2 + value%im**2
+  end function square
 
   pure integer function padded_length(samples) result(length)
     !! The smallest product of 2 with small primes that holds the record twice.
@@ -185,67 +185,67 @@ contains
     mean_square = sum([(cos(2*pi*(place_of(samples, n) - centre)/length)**4, n=1, samples%count)])/samples%count
   end function mean_square
 
-  pure subroutine taper(spectrum, turn)
+  pure subroutine taper(spectrum, turn, seen)
     !! Turn the transform of samples into that of samples times Hann's window, ½(1 + cos(4π(τ − τ_c)/M)), which is as long as the
     !! record or a little longer: half of each ordinate and a quarter of those of one more and one fewer period in the window.
-    complex(dp), intent(inout) :: spectrum(0:)
+    complex(dp), intent(in) :: spectrum(0:)
     real(dp), intent(in) :: turn               !! 4πτ_c/M
-    complex(dp) :: before(-2:-1), after, factor
+    complex(dp), intent(out) :: seen(0:)
+    complex(dp) :: factor
     integer :: m, half
     half = ubound(spectrum, 1)
     factor = exp(cmplx(0, turn, dp))/4
-    before = conjg(spectrum(2:1:-1))
-    do m = 0, half
-      if (m + 2 <= half) then
-        after = spectrum(m + 2)
-      else if (m < half) then
-        after = conjg(spectrum(m))
-      else
-        after = conjg(before(-2))
-      end if
-      associate (now => spectrum(m))
-        after = now/2 + conjg(factor)*before(-2) + factor*after
-        before(-2) = before(-1)
-        before(-1) = now
-        now = after
-      end associate
+    do m = 2, half - 2
+      seen(m) = spectrum(m)/2 + conjg(factor)*spectrum(m - 2) + factor*spectrum(m + 2)
     end do
+    do m = 0, half
+      if (m > 1 .and. m < half - 1) cycle      ! mirror images below 0 and beyond half the sampling rate
+      seen(m) = spectrum(m)/2 + conjg(factor)*image(m - 2) + factor*image(m + 2)
+    end do
+
+  contains
+
+    pure complex(dp) function image(m)
+      integer, intent(in) :: m
+      if (m < 0) then
+        image = conjg(spectrum(-m))
+      else if (m > half) then
+        image = conjg(spectrum(2*half - m))
+      else
+        image = spectrum(m)
+      end if
+    end function image
+
   end subroutine taper
 
-  subroutine transform(samples, left, plan, spectrum)
-    !! The padded transform of one sensor.
+  subroutine transform(samples, left, plan, weight)
+    !! The padded transform of one sensor's numbers, into the plan's spectrum, at even frequencies from 0 to half the sampling rate.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: left(:)            !! (N)
     type(real_fourier), intent(inout) :: plan
-    complex(dp), intent(out) :: spectrum(0:)   !! (0:M/2)
+    real(dp), intent(in), optional :: weight(:)  !! of each number, (N)
+    complex(dp), allocatable :: spectrum(:)
+    integer :: length
+    length = padded_length(samples)
     if (allocated(samples%place)) then
-      call uneven_transform(samples%place, left, 2*(size(spectrum) - 1), plan, spectrum)
+      allocate (spectrum(0:length/2))
+      if (present(weight)) then
+        call uneven_transform(samples%place, weight*left, length, plan, spectrum)
+      else
+        call uneven_transform(samples%place, left, length, plan, spectrum)
+      end if
+      plan%spectrum(0:length/2) = spectrum
     else
-      call plan%prepare(2*(size(spectrum) - 1))
-      plan%samples(:size(left)) = left
+      call plan%prepare(length)
+      if (present(weight)) then
+        plan%samples(:size(left)) = weight*left
+      else
+        plan%samples(:size(left)) = left
+      end if
       plan%samples(size(left) + 1:) = 0
       call plan%transform()
-      spectrum = plan%spectrum
     end if
   end subroutine transform
-
-  subroutine find_power(samples, left, plan, spectrum, power)
-    !! The ordinates |X|²/N of one sensor's numbers at even frequencies from 0 to half the sampling rate. Memory that is there is
-    !! used again.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: left(:)            !! (N)
-    type(real_fourier), intent(inout) :: plan
-    complex(dp), allocatable, intent(inout) :: spectrum(:)
-    real(dp), allocatable, intent(inout) :: power(:)
-    integer :: last
-    last = padded_length(samples)/2
-    if (allocated(spectrum)) then
-      if (ubound(spectrum, 1) /= last) deallocate (spectrum, power)
-    end if
-    if (.not. allocated(spectrum)) allocate (spectrum(0:last), power(0:last))
-    call transform(samples, left, plan, spectrum)
-    power = (spectrum%re**2 + spectrum%im**2)/size(left)
-  end subroutine find_power
 
   pure real(dp) function chance_of(ordinate, shape, bins)
     !! How many ordinates of noise are expected to pass a value: Rice's formula for the transform between its bins.

@@ -61,7 +61,7 @@ contains
     type(motion_type), intent(in) :: motion      !! as `tabulated` made it of these samples
     integer, intent(in) :: s
     real(dp), allocatable, intent(inout) :: left(:)
-    real(dp) :: centre
+    real(dp) :: centre, offset, slope
     integer :: n
     if (allocated(left)) then
       if (size(left) /= samples%count) deallocate (left)
@@ -74,8 +74,10 @@ contains
       end do
       call take_out_uneven(samples, motion%others, s, left)
     else
+      slope = motion%still(2, s)/centre
+      offset = motion%still(1, s) - motion%still(2, s)
       do n = 1, samples%count
-        left(n) = samples%value(n, s) - motion%still(1, s) - motion%still(2, s)*((n - 1)/centre - 1)
+        left(n) = samples%value(n, s) - offset - slope*(n - 1)
       end do
       call take_out_steady(motion, s, left)
       call subtract_lines(motion%others, s, left)

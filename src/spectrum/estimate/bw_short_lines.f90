@@ -14,7 +14,7 @@ module bw_short_lines
   use bw_kinds, only: dp
   use bw_noise_level, only: find_level, level_at, level_knots, window_width
   use bw_order, only: local_maxima, vertex
-  use bw_ordinates, only: find_power, least_ordinate, padded_length
+  use bw_ordinates, only: add_ratio, least_ordinate, padded_length, square, transform
   use bw_remainder, only: find_remainder, motion_type, tabulated
   use bw_samples, only: place_of, samples_type, span_of
   implicit none (type, external)
@@ -23,7 +23,7 @@ module bw_short_lines
 
   real(dp), parameter :: first_decay = 8       !! over the record; others are seen well enough in all of it
   real(dp), parameter :: fastest = 0.2_dp      !! decay per step
-  real(dp), parameter :: lives = 5             !! decay times that are looked at
+  real(dp), parameter :: lives = 4             !! decay times that are looked at
   real(dp), parameter :: alike = sqrt(3.0_dp)/2  !! bins, at decay 1, of the record whose times scatter as those of such a line
   integer, parameter :: fewest = 64            !! samples
   integer, parameter :: long_enough = 256      !! samples that tell of the noise
@@ -40,8 +40,6 @@ module bw_short_lines
     real(dp), allocatable :: weight(:)         !! e^(−dτ), (samples of the part)
     real(dp), allocatable :: total(:)          !! ordinates over the level of their noise, (0:K)
     type(real_fourier) :: plan
-    complex(dp), allocatable :: spectrum(:)
-    real(dp), allocatable :: power(:)
   end type view_type
 
 contains
@@ -120,8 +118,7 @@ contains
     integer, intent(in) :: way                 !! 1 or −1
     type(view_type), allocatable, intent(out) :: views(:)
     type(samples_type) :: times
-    type(view_type) :: quiet
-    type(real_fourier) :: plan
+    type(real_fourier) :: plan, quiet          ! of two lengths
     real(dp), allocatable :: left(:), level(:)
     integer :: s, i
     times = times_of(samples, way)
@@ -144,7 +141,8 @@ contains
     do i = 1, size(views)
       associate (view => views(i), part => views(i)%part)
         view%decay = first_decay/span_of(times)*2.0_dp**(i - 1)
-        part%count = count([(place_of(times, m) < lives/view%decay, m=1, times%count)])
+        part%count = min(times%count, ceiling(lives/view%decay))
+        if (allocated(times%place)) part%count = count(times%place < lives/view%decay)
         if (allocated(times%place)) part%place = times%place(:part%count)
         view%weight = exp(-view%decay*[(place_of(times, m), m=1, part%count)])
         allocate (view%total(0:padded_length(part)/2), source=0.0_dp)
@@ -158,18 +156,9 @@ contains
     real(dp), intent(in) :: level(0:)
     type(real_fourier), intent(inout) :: plan
     type(view_type), intent(inout) :: view
-    real(dp) :: seen(0:size(level) - 1), place, scale
-    integer :: m, k, last, half
-    call find_power(view%part, view%weight*left(:view%part%count), view%plan, view%spectrum, view%power)
-    scale = view%part%count/sum(view%weight**2)
-    seen = seen_through(level, view%decay, plan)
-    last = ubound(seen, 1)
-    half = ubound(view%total, 1)
-    do m = 0, half
-      place = m*real(last, dp)/half
-      k = min(int(place), last - 1)
-      view%total(m) = view%total(m) + scale*view%power(m)/(seen(k)*(k + 1 - place) + seen(k + 1)*(place - k))
-    end do
+    call transform(view%part, left(:view%part%count), view%plan, view%weight)
+    call add_ratio(view%plan%spectrum(0:ubound(view%total, 1)), sum(view%weight**2)*seen_through(level, view%decay, plan), &
+      & view%total)
   end subroutine add_sensor
 
   pure subroutine find_highest(view, frequency, ordinate)
@@ -232,31 +221,49 @@ contains
     type(motion_type), intent(in) :: motion
     integer, intent(in) :: way
     real(dp), allocatable, intent(out) :: levels(:, :)
-    type(view_type) :: quiet
+    type(samples_type) :: times
+    type(real_fourier) :: plan
     real(dp), allocatable :: left(:), level(:)
     integer :: s
+    times = times_of(samples, way)
     do s = 1, size(samples%value, 2)
       call find_left(samples, motion, way, s, left)
-      call find_quiet_level(times_of(samples, way), left, quiet, level)
+      call find_quiet_level(times, left, plan, level)
       if (.not. allocated(levels)) allocate (levels(0:ubound(level, 1), size(samples%value, 2)))
       levels(:, s) = level
     end do
   end subroutine find_quiet_levels
 
-  subroutine find_quiet_level(times, left, quiet, level)
-    !! The noise's variance of one sensor at even frequencies from 0 to half the sampling rate, (0:K).
+  subroutine find_quiet_level(times, left, plan, level)
+    !! The noise's variance of one sensor at even frequencies from 0 to half the sampling rate, (0:K). Of a long record that is even
+    !! a short transform gives these ordinates: the samples before it are added up whenever its length has passed.
     type(samples_type), intent(in) :: times
     real(dp), intent(in) :: left(:)
-    type(view_type), intent(inout) :: quiet    !! memory that is used again
+    type(real_fourier), intent(inout) :: plan
     real(dp), allocatable, intent(inout) :: level(:)
-    integer, allocatable :: at(:)
-    integer :: k, last
-    quiet%part = quiet_part(times)
-    call find_power(quiet%part, left(times%count - quiet%part%count + 1:), quiet%plan, quiet%spectrum, quiet%power)
-    last = min(padded_length(quiet%part)/2, most_ordinates)
-    at = [(nint(k*(real(padded_length(quiet%part)/2, dp)/last)), k=0, last)]
+    type(samples_type) :: part
+    integer :: k, n, half, last
+    part = quiet_part(times)
+    half = padded_length(part)/2
+    last = min(half, most_ordinates)
+    associate (quiet => left(times%count - part%count + 1:))
+      if (half > last .and. .not. allocated(times%place)) then
+        half = last
+        call plan%prepare(2*half)
+        plan%samples = 0
+        do n = 0, part%count - 1, 2*half
+          associate (sums => plan%samples(:min(2*half, part%count - n)))
+            sums = sums + quiet(n + 1:n + size(sums))
+          end associate
+        end do
+        call plan%transform()
+      else
+        call transform(part, quiet, plan)
+      end if
+    end associate
     if (.not. allocated(level)) allocate (level(0:last))
-    call find_level(quiet%power(at), quiet_bins(times), .true., [real(dp) ::], least_level, level)
+    call find_level([(square(plan%spectrum(nint(k*(real(half, dp)/last))))/part%count, k=0, last)], quiet_bins(times), .true., &
+      & [real(dp) ::], 0.0_dp, least_level, level)
   end subroutine find_quiet_level
 
   pure type(samples_type) function quiet_part(times) result(part)
