@@ -7,12 +7,11 @@ module bw_remainder
   use bw_damped_line, only: damped_line, subtract_lines
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm
-  use bw_samples, only: bent_factor, centre_of, phase_factor, samples_type
+  use bw_samples, only: centre_of, find_wave, phase_factor, samples_type
   implicit none (type, external)
   private
   public :: find_remainder, tabulated
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: block = 256              !! samples
 
   type, public :: motion_type
@@ -115,18 +114,12 @@ contains
     type(damped_line), intent(in) :: lines(:)
     integer, intent(in) :: s
     real(dp), intent(inout) :: left(:)
-    complex(dp) :: factor
-    real(dp) :: centre, start, periods
-    integer :: k, n
-    centre = centre_of(samples)
+    real(dp), dimension(size(left)) :: along, across
+    integer :: k
     do k = 1, size(lines)
-      start = 2*min(lines(k)%decay, 0.0_dp)*centre
-      do n = 1, size(left)
-        periods = lines(k)%frequency*samples%place(n)
-        factor = exp(start - lines(k)%decay*samples%place(n))*lines(k)%amplitude(s)
-        if (lines(k)%powers > 1) factor = factor*bent_factor(lines(k)%bend(:lines(k)%powers), samples%place(n)/centre - 1)
-        left(n) = left(n) - real(factor*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp)), dp)
-      end do
+      call find_wave(samples%place(:size(left)), centre_of(samples), lines(k)%decay, lines(k)%frequency, &
+        & lines(k)%bend(:lines(k)%powers), along, across)
+      left = left - (lines(k)%amplitude(s)%re*along - lines(k)%amplitude(s)%im*across)
     end do
   end subroutine take_out_uneven
 

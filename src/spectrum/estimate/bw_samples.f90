@@ -8,7 +8,7 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, highest_of, phase_factor, place_of, span_of
+  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, find_wave, highest_of, phase_factor, place_of, span_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
@@ -235,24 +235,51 @@ contains
     real(dp), intent(in) :: decay, frequency
     integer, intent(in) :: order
     complex(dp), intent(in) :: bend(2:)
-    complex(dp) :: sums(size(blocks%first) - 1, 0:order), term
-    real(dp) :: centre, u, periods
-    integer :: b, n, m
+    complex(dp) :: sums(size(blocks%first) - 1, 0:order)
+    real(dp), allocatable :: along(:), across(:)
+    real(dp) :: centre
+    integer :: b, m
     centre = centre_of(samples)
-    sums = 0
     do b = 1, size(sums, 1)
-      do n = blocks%first(b), blocks%first(b + 1) - 1
-        periods = frequency*samples%place(n)
-        u = samples%place(n)/centre - 1
-        term = exp(-decay*samples%place(n) + 2*min(decay, 0.0_dp)*centre)*exp(cmplx(0, 2*pi*(periods - anint(periods)), dp))
-        if (size(bend) > 0) term = term*bent_factor(bend, u)
+      associate (place => samples%place(blocks%first(b):blocks%first(b + 1) - 1))
+        if (allocated(along)) then
+          if (size(along) /= size(place)) deallocate (along, across)
+        end if
+        if (.not. allocated(along)) allocate (along(size(place)), across(size(place)))
+        call find_wave(place, centre, decay, frequency, bend, along, across)
         do m = 0, order
-          sums(b, m) = sums(b, m) + term
-          term = term*u
+          sums(b, m) = cmplx(sum(along), sum(across), dp)
+          if (m == order) exit
+          along = along*(place/centre - 1)
+          across = across*(place/centre - 1)
         end do
-      end do
+      end associate
     end do
   end function uneven_sums
+
+  pure subroutine find_wave(place, centre, decay, frequency, bend, along, across)
+    !! Find real and imaginary part of e^(−dτ + 2πifτ) at uneven times, times the factor of a bend; that of a line that grows is
+    !! divided by its last value. Sines and cosines are not taken in one loop: a compiler then takes several at once.
+    real(dp), intent(in) :: place(:)         !! τ
+    real(dp), intent(in) :: centre           !! τ_c
+    real(dp), intent(in) :: decay, frequency
+    complex(dp), intent(in) :: bend(2:)      !! of size 0 where the line does not drift
+    real(dp), intent(out) :: along(:), across(:)
+    real(dp), dimension(size(place)) :: phase, height
+    integer :: m
+    phase = frequency*place
+    phase = 2*pi*(phase - int(phase))        ! below 2³¹ periods
+    height = 2*min(decay, 0.0_dp)*centre - decay*place
+    do m = 2, ubound(bend, 1)
+      height = height + bend(m)%re*(place/centre - 1)**m
+      phase = phase + bend(m)%im*(place/centre - 1)**m
+    end do
+    along = cos(phase)
+    across = sin(phase)
+    height = exp(height)
+    along = along*height
+    across = across*height
+  end subroutine find_wave
 
   elemental complex(dp) function phase_factor(frequency, n, rest)
     !! The factor e^(2πi·frequency·n); whole periods are taken off before anything is rounded.
