@@ -14,7 +14,7 @@ module bw_scene_states
 
   type, public :: measured_scene
     !! A scene with what was measured in its state.
-    type(scene_type) :: scene                    !! without sweeps
+    type(scene_type) :: scene                    !! without sweeps; scenes of one name are repeats
     type(measured_lines) :: lines
   end type measured_scene
 
