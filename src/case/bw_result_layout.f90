@@ -72,7 +72,7 @@ contains
     layout%of_record = allocated(scene%record)
     if (allocated(scene%beam%pieces)) layout%pieces = size(scene%beam%pieces)
     if (allocated(scene%bodies)) layout%bodies = size(scene%bodies)
-    if (allocated(scene%unknowns)) layout%unknowns = size(scene%unknowns)
+    if (allocated(scene%unknowns)) layout%unknowns = size(scene%unknowns) + scene%further_unknowns
     if (layout%of_record) then
       layout%peaks = scene%spectrum%max_peaks
       layout%windows = size(window_start)

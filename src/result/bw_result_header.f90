@@ -119,7 +119,7 @@ contains
       number_of('pooled', 'number of the line that repeats share, by frequency'), &
       number_of('piece', 'number of the piece of the beam, from the root'), &
       number_of('body', 'number of the body, in the order of the scene'), &
-      number_of('unknown', 'number of the unknown, in the order of the scene'), &
+      number_of('unknown', 'number of the unknown, in the order of the scene, then of further scenes'), &
       number_of('stage', 'stage of the work', joined(stage_words)), &
       variable_text('profile_position', 'profile', '1', 'place along the beam, x/l', is_complete=.true.), &
       point_row(layout), &

@@ -49,6 +49,7 @@ module bw_scene
     type(record_par), allocatable :: record       !! &record; absent: histories are simulated
     type(spectrum_par), allocatable :: spectrum   !! &spectrum; absent: no spectral analysis
     type(identify_par), allocatable :: unknowns(:)   !! &identify, in the order of the scene; of size 0 where nothing is fitted
+    integer :: further_unknowns = 0               !! of the scenes that these name, once they are read
     type(sweep_par), allocatable :: sweeps(:)     !! &sweep, the first varying slowest; of size 0 for one case
     type(group_values), allocatable :: groups(:)  !! all values by name, from which the components were built
   end type scene_type

@@ -141,6 +141,26 @@ def test_the_identified_scene_runs(together):
     np.testing.assert_allclose(np.hypot(computed, decay), again["angular_frequency"][:4], rtol=1e-12)
 
 
+def test_a_further_scene_may_have_unknowns_of_its_own(here):
+    """The beam alone was clamped at a length that is known to 1 cm only; with the mass its length is known."""
+    here.write("alone.csv", ring_down(1, frequencies()))
+    here.write("loaded.csv", ring_down(2, frequencies(RATIO)))
+    own = {"parameter": "beam%length", "first": 0.59, "last": 0.61}
+    here.write("alone.nml", scene_of("alone.csv", [own], beam={**BEAM, "length": 0.608, "youngs_modulus": 70e9}))
+    here.write("loaded.nml", scene_of("loaded.csv", [UNKNOWN, MORE], body={"mass": 0.1, "position": 1.0}))
+    result = here.run("loaded")
+    found, error = result["identified"], result["identified_error"]
+    names = [str(name).strip() for name in result["identified_parameter"]]
+    assert names == ["beam%youngs_modulus", "body%mass", "beam%length (alone)"]
+    assert (abs(found - [MODULUS, MASS, LENGTH]) < WIDE * error).all()
+    assert error[2] < 1e-3
+    assert result["misfit_freedom"] == 5
+    assert result["identified_first"].tolist() == [50e9, 0.01, 0.59]
+    lengths = [line for name in ["loaded", "alone"] for line in (here.directory / f"output/{name}.identified.nml").read_text().splitlines() if "length" in line]
+    assert float(lengths[0].split("=")[1]) == LENGTH
+    assert float(lengths[-1].split("=")[1]) == found[2]
+
+
 def test_a_second_run_has_nothing_to_do_until_a_further_record_is_another(together):
     here, _ = together
     again = here.beamwave("run", "loaded.nml")
@@ -205,6 +225,7 @@ def test_repeats_are_fitted_together(here):
     [
         ("missing.nml", None, "missing.nml"),
         ("plain.nml", "&beam length=1 density=1 youngs_modulus=1e9 diameter=0.1 /", "has no &record"),
+        ("more.nml", scene_of("ring.csv", [{**UNKNOWN, "with": "x.nml"}]), "more.nml names further scenes itself"),
     ],
 )
 def test_a_further_scene_that_is_none_of_a_record_is_refused(here, name, text, said):

@@ -77,7 +77,7 @@ def _verdict(ds: xr.Dataset) -> list[str]:
 def identified(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     """Draw the identified numbers with their intervals over their ranges, and the correlations of each two."""
     require(ds, "identified", "identified_low", "identified_high", "identified_correlation")
-    if "identify_first" not in ds or not np.isfinite(ds["identified"].values).any():
+    if "identified_first" not in ds or not np.isfinite(ds["identified"].values).any():
         raise NothingToDraw("no range of what was identified")
     count = ds.sizes["unknown"]
     sheet = sheet_for(ax, 1, 2, width=9.0, height=1.8 + 0.5 * count)
@@ -126,7 +126,7 @@ def _digits(number: float, width: float) -> int:
 
 def _draw_interval(axes: Axes, ds: xr.Dataset, i: int) -> None:
     """Where value and interval are in the range, by logarithms where that spans a factor of 10."""
-    first, last = (float(ds[f"identify_{word}"].values[i]) for word in ("first", "last"))
+    first, last = (float(ds[f"identified_{word}"].values[i]) for word in ("first", "last"))
     ends = np.array([float(ds[name].values[i]) for name in ("identified_low", "identified", "identified_high")])
     if first > 0.0 and last >= 10.0 * first:
         ends, first, last = np.log(ends), np.log(first), np.log(last)

@@ -33,7 +33,7 @@ module bw_identify_par
     'range is above 0 and spans a factor of 10 or more is searched by its logarithm. It excludes `&sweep`; several '// &
     'files of the record are fitted together. `with` names further scenes, beside this one, each with a `&record` of '// &
     'its own and the same beam in another state (with a mass, or of another length); an unknown has one value in '// &
-    'every scene that gives a value to its name.')
+    'every scene that gives a value to its name. `&identify` of a further scene is for what is unknown of that scene alone.')
 
   type(input_name), parameter, public :: identify_names(*) = [ &
     input_name('identify', 'parameter', text_input, required=.true., &

@@ -9,7 +9,7 @@ module bw_absent_mends
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_mend_candidates, only: candidate_type, list_candidates, put_in
-  use bw_scene_states, only: measured_scene, states_of
+  use bw_scene_states, only: all_unknowns, measured_scene, states_of
   use bw_text, only: text_of
   implicit none (type, external)
   private
@@ -55,6 +55,7 @@ contains
     type(beam_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
     real(dp), allocatable :: near(:)             ! where it is the model without the effect, at its fit
+    integer, allocatable :: added(:)             ! its unknowns, the last ones of the first scene
     logical :: thorough
     integer :: i, n
     call states_of(variant, states)
@@ -63,15 +64,17 @@ contains
       states(i)%is_harmonic = found%fit%mode_of(n + 1:n + size(states(i)%is_harmonic)) == 0
       n = n + size(states(i)%is_harmonic)
     end do
-    problem = problem_of(states, variant(1)%scene%unknowns)
+    problem = problem_of(states, all_unknowns(variant))
     thorough = count(candidate%unknown /= '') > 1 .and. .not. allocated(variant(1)%scene%stiffening)     ! there modes are dear
-    n = size(problem%unknowns) - count(candidate%unknown /= '')
-    near = position_in(problem%unknowns(n + 1:), candidate%neutral(:size(problem%unknowns) - n))
-    if (n > 0) near = [position_in(problem%unknowns(:n), found%values), near]
+    n = size(variant(1)%scene%unknowns) - count(candidate%unknown /= '')
+    added = [(i, i=n + 1, size(variant(1)%scene%unknowns))]
+    near = [candidate%neutral(:size(added))]
+    if (allocated(found%values)) near = [found%values(:n), near, found%values(n + 1:)]
+    near = position_in(problem%unknowns, near)
     call fit_beam(problem, 0.0_dp, thorough, mend%fit, others, near)
     mend%effect = trim(candidate%effect)
-    mend%unknowns = problem%unknowns(n + 1:)
-    mend%values = value_at(mend%unknowns, mend%fit%v(n + 1:))
+    mend%unknowns = problem%unknowns(added)
+    mend%values = value_at(mend%unknowns, mend%fit%v(added))
   end subroutine fit_again
 
   pure subroutine insert(mends, mend)

@@ -20,7 +20,7 @@ module bw_beam_supplement
   use bw_result_supplement, only: result_supplement
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
-  use bw_scene_states, only: measured_scene, states_of, unknowns_in
+  use bw_scene_states, only: all_unknowns, measured_scene, states_of, unknowns_in
   use bw_text, only: append, string, text_builder, text_of
   implicit none (type, external)
   private
@@ -211,7 +211,7 @@ contains
     do c = 1, size(states)
       states(c)%is_harmonic = btest(set%lines(c)%status, harmonic)
     end do
-    call identify(states, scene%unknowns, quantile, found)
+    call identify(states, all_unknowns(set%measured), quantile, found)
     allocate (findings%cases(size(states)), findings%misfits(1))
     findings%misfits(1) = misfit_type(found%fit%chi_squared, found%fit%freedom, found%fit%tail, found%fit%scatter)
     do c = 1, size(states)
@@ -250,7 +250,7 @@ contains
       end if
       path = directory//'/'//set%measured(c)%scene%name//'.identified.nml'
       call append(scenes, path)
-      call append(scenes, identified_text(set%measured(c)%scene, unknowns_in(set%measured(1)%scene, set%measured(c)%scene), found))
+      call append(scenes, identified_text(set%measured(c)%scene, unknowns_in(set%measured, c), found))
       call lines%append_line('  identified '//path)
     end do
   end subroutine list_scenes

@@ -2,6 +2,7 @@ module bw_further_scenes
   !! The scenes that `&identify` groups name beside their own: each has a record of the same beam in a state of its own.
   use bw_error, only: error_type, fail, status_bad_input
   use bw_files, only: directory_of
+  use bw_identify_par, only: most_unknowns
   use bw_input_values, only: group_values, position_of, positions_of
   use bw_scene, only: scene_type
   use bw_scene_reader, only: read_scene
@@ -29,6 +30,9 @@ contains
       call check_further(scene, scene%groups(places(i)), further, i, error)
       if (allocated(error)) return
     end do
+    i = sum([(size(further(i)%unknowns), i=1, size(further))])
+    if (size(scene%unknowns) + i > most_unknowns) call fail(error, status_bad_input, scene%file//': identify: is one of '// &
+      text_of(size(scene%unknowns) + i)//' with those of further scenes; accepted: at most '//text_of(most_unknowns))
   end subroutine further_scenes
 
   subroutine list_paths(scene, paths, places)
@@ -77,18 +81,22 @@ contains
   end subroutine add
 
   subroutine check_further(scene, group, further, i, error)
-    !! A further scene has a record and a beam, no unknowns of its own, and a result of its own.
+    !! A further scene has a record and a beam, names no further ones, and has a result of its own.
     type(scene_type), intent(in) :: scene
     type(group_values), intent(in) :: group              !! that names it
     type(scene_type), intent(in) :: further(:)
     integer, intent(in) :: i                             !! which of them
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: problem
+    integer, allocatable :: places(:)
     integer :: j
     problem = ''
     if (.not. allocated(further(i)%record)) problem = 'has no &record'
     if (position_of(further(i)%groups, 'beam') == 0) problem = 'has no &beam'
-    if (size(further(i)%unknowns) > 0) problem = 'has &identify groups of its own'
+    places = positions_of(further(i)%groups, 'identify')
+    do j = 1, size(places)
+      if (further(i)%groups(places(j))%known('with')) problem = 'names further scenes itself'
+    end do
     if (.not. all(further(i)%sweeps%implied)) problem = 'has sweeps'
     if (further(i)%name == scene%name) problem = 'would have the same result as this scene'
     do j = 1, i - 1
@@ -96,7 +104,7 @@ contains
     end do
     if (problem == '') return
     call fail(error, status_bad_input, scene%file//':'//text_of(group%line_of('with'))//': identify%with: '//further(i)%file// &
-              ' '//problem//'; accepted: scenes with &record and &beam, without &identify and &sweep, of other names than this one')
+              ' '//problem//'; accepted: scenes with &record and &beam, without &sweep and identify%with, and of other names')
   end subroutine check_further
 
 end module bw_further_scenes

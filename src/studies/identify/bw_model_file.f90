@@ -97,11 +97,13 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     integer :: n
     n = size(found%values)
-    call file%put_axis('unknown_too', n, 'number of the unknown, in the order of the scene', error)
+    call file%put_axis('unknown_too', n, 'number of the unknown, as unknown', error)
     call put_names(file, 'identified_parameter', 'input that the unknown is', padded(found, .true.), error)
     call put_names(file, 'identified_unit', 'unit of the unknown', padded(found, .false.), error)
     call file%put_numbers('identified', 'unknown', '1', 'value of the unknown, in its unit', found%values, error)
     call file%put_numbers('identified_error', 'unknown', '1', 'half its interval', 0.5_dp*(found%high - found%low), error)
+    call file%put_numbers('identified_first', 'unknown', '1', 'least value that it may have', found%unknowns%first, error)
+    call file%put_numbers('identified_last', 'unknown', '1', 'largest value that it may have', found%unknowns%last, error)
     call file%put_numbers('identified_low', 'unknown', '1', 'lower end of its interval', found%low, error)
     call file%put_numbers('identified_high', 'unknown', '1', 'upper end of its interval', found%high, error)
     call file%put_numbers('identified_correlation', 'unknown unknown_too', '1', 'correlation of two unknowns', &

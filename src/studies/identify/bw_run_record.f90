@@ -32,8 +32,9 @@ contains
     type(outcome_type), intent(out) :: outcome
     type(error_type), allocatable, intent(out) :: error
     type(beam_supplement) :: supplement
+    type(scene_type) :: whole                    ! the scene, with what further scenes add
     real(dp) :: nothing(0)
-    integer :: status
+    integer :: status, i
     if (position_of(scene%groups, 'beam') == 0) then
       call run_scene(scene, directory, overwrite, group, progress, outcome, error)
       return
@@ -43,6 +44,9 @@ contains
     supplement%scene = scene
     supplement%directory = directory
     call further_scenes(scene, supplement%further, error)
+    whole = scene
+    if (.not. allocated(error)) whole%further_unknowns = &
+      sum([(size(supplement%further(i)%unknowns), i=1, size(supplement%further))])
     call group%collect(nothing, error)
     if (.not. allocated(error)) call run_further(supplement%further, directory, overwrite, group, progress, outcome, error)
     if (allocated(error) .or. outcome%status == status_stopped) return
@@ -51,7 +55,7 @@ contains
     call group%collect(nothing, error)
     if (allocated(error)) return
     status = outcome%status
-    call run_scene(scene, directory, overwrite, group, progress, outcome, error, supplement)
+    call run_scene(whole, directory, overwrite, group, progress, outcome, error, supplement)
     outcome%status = max(outcome%status, status)
   end subroutine run_record
 

@@ -1,6 +1,7 @@
 module bw_scene_states
-  !! The states of a beam from scenes and their lines. The unknowns are those of the first scene; a number of another scene is
-  !! the same unknown where the scene gives a value to its name.
+  !! The states of a beam from scenes and their lines. The unknowns of the first scene are those of all: a number of another scene
+  !! is the same unknown where the scene gives a value to its name. What a further scene calls unknown itself is one of this
+  !! scene alone.
   use bw_beam_state, only: beam_state, measured_lines, state_of
   use bw_identify_par, only: identify_par
   use bw_input_values, only: positions_of
@@ -9,11 +10,11 @@ module bw_scene_states
   use bw_scene_unknowns, only: find_unknown
   implicit none (type, external)
   private
-  public :: states_of, unknowns_in
+  public :: all_unknowns, states_of, unknowns_in
 
   type, public :: measured_scene
     !! A scene with what was measured in its state.
-    type(scene_type) :: scene                    !! without sweeps
+    type(scene_type) :: scene                    !! without sweeps; scenes of one name are repeats
     type(measured_lines) :: lines
   end type measured_scene
 
@@ -26,20 +27,67 @@ contains
     integer :: i
     allocate (states(size(measured)))
     do i = 1, size(measured)
-      states(i) = state_of(measured(i)%scene, unknowns_in(measured(1)%scene, measured(i)%scene), measured(i)%lines)
+      states(i) = state_of(measured(i)%scene, unknowns_in(measured, i), measured(i)%lines)
     end do
   end subroutine states_of
 
-  function unknowns_in(first, scene) result(unknowns)
-    !! The unknowns of the first scene as they stand in another; of group 0 where it does not have them.
-    type(scene_type), intent(in) :: first, scene
+  function all_unknowns(measured) result(unknowns)
+    !! The unknowns of the first scene, then those of each further scene, called `name (scene)`.
+    type(measured_scene), intent(in) :: measured(:)      !! repeats of a scene one after another
     type(identify_par), allocatable :: unknowns(:)
+    integer :: i, j, n, pass
+    do pass = 1, 2                               ! they are counted first: array constructors of such types leak in gfortran 12
+      n = 0
+      do i = 1, size(measured)
+        if (is_repeat(measured, i)) cycle
+        do j = 1, size(measured(i)%scene%unknowns)
+          n = n + 1
+          if (pass == 1) cycle
+          unknowns(n) = measured(i)%scene%unknowns(j)
+          if (i > 1) unknowns(n)%parameter = unknowns(n)%parameter//' ('//measured(i)%scene%name//')'
+        end do
+      end do
+      if (pass == 1) allocate (unknowns(n))
+    end do
+  end function all_unknowns
+
+  pure logical function is_repeat(measured, i)
+    !! Another case of the scene before.
+    type(measured_scene), intent(in) :: measured(:)
+    integer, intent(in) :: i
+    is_repeat = .false.
+    if (i > 1) is_repeat = measured(i)%scene%name == measured(i - 1)%scene%name
+  end function is_repeat
+
+  function unknowns_in(measured, i) result(unknowns)
+    !! All unknowns as they stand in a scene; of group 0 where it does not have them.
+    type(measured_scene), intent(in) :: measured(:)
+    integer, intent(in) :: i                     !! which of them
+    type(identify_par), allocatable :: unknowns(:)
+    character(:), allocatable :: name
+    integer :: j, k
+    associate (own => measured(i)%scene%unknowns)
+      unknowns = all_unknowns(measured)
+      if (measured(i)%scene%name /= measured(1)%scene%name) call find_shared(measured(1)%scene, measured(i)%scene, unknowns)
+      unknowns(size(measured(1)%scene%unknowns) + 1:)%group = 0
+      if (measured(i)%scene%name == measured(1)%scene%name) return
+      do j = 1, size(own)
+        name = own(j)%parameter//' ('//measured(i)%scene%name//')'
+        where ([(unknowns(k)%parameter == own(j)%parameter, k=1, size(unknowns))]) unknowns%group = 0
+        where ([(unknowns(k)%parameter == name, k=1, size(unknowns))]) unknowns%group = own(j)%group
+      end do
+    end associate
+  end function unknowns_in
+
+  subroutine find_shared(first, scene, unknowns)
+    !! Where the unknowns of the first scene stand in another.
+    type(scene_type), intent(in) :: first, scene
+    type(identify_par), intent(inout) :: unknowns(:)     !! the first ones are those of the first scene
     type(scene_type) :: here                     !! the search may change what it is asked about
     type(message_list) :: messages               !! what is not found is no error
     integer, allocatable :: places(:)
     integer :: i
     places = positions_of(first%groups, 'identify')
-    allocate (unknowns(size(places)))
     here%groups = scene%groups
     do i = 1, size(places)
       call find_unknown(first%groups(places(i)), here%groups, unknowns(i), messages)
@@ -47,6 +95,6 @@ contains
       if (unknowns(i)%group == 0) cycle
       if (.not. scene%groups(unknowns(i)%group)%values(unknowns(i)%value)%given) unknowns(i)%group = 0
     end do
-  end function unknowns_in
+  end subroutine find_shared
 
 end module bw_scene_states
