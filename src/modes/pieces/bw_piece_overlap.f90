@@ -19,6 +19,8 @@ module bw_piece_overlap
   real(dp), parameter :: alike = 1.0e-2_dp
     !! product of modes of mass 1 from which it is integrated: the values at the body have lost digits where they are small
 
+  integer, parameter :: asked_every = 64         !! motions after which the monitor is asked
+
   type, public :: piece_modes
     !! Modes as their amplitudes.
     type(piece_system) :: system
@@ -41,26 +43,52 @@ contains
       !! the product holds the masses of either beam, but no inertia of a body that only one of them has; else neither
     class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
     real(dp) :: sums(size(onto%lambda))
-    real(dp) :: lost(size(sums)), terms(size(sums))
-    type(piece_part), allocatable :: parts(:, :)
-    logical :: known(size(sums))
+    integer, parameter :: batch = 512            ! modes whose numbers stay in the cache
     integer, allocatable :: changed(:)
-    integer :: i, j
+    integer :: first, j, last
     changed = [integer ::]
     do j = 1, size(onto%system%beam%joint)
       if (change_at(onto, from, j, 1) /= 0.0_dp .or. change_at(onto, from, j, 2) /= 0.0_dp) changed = [changed, j]
     end do
-    allocate (parts(size(onto%system%piece), size(sums)))
+    do first = 1, size(sums), batch
+      last = min(first + batch - 1, size(sums))
+      call find_sums(some_of(onto, first, last), from, amplitude, changed, with_mass, sums(first:last), monitor)
+      if (stops(monitor)) return
+    end do
+  end function overlap_sums
+
+  pure type(piece_modes) function some_of(modes, first, last) result(some)
+    !! Neighbours.
+    type(piece_modes), intent(in) :: modes
+    integer, intent(in) :: first, last
+    some = piece_modes(modes%system, modes%lambda(first:last), modes%square(first:last), modes%amplitude(:, :, first:last), &
+                       modes%deflection(:, first:last), modes%turning(:, first:last), modes%mass(first:last))
+  end function some_of
+
+  subroutine find_sums(onto, from, amplitude, changed, with_mass, sums, monitor)
+    !! As those of `overlap_sums`.
+    type(piece_modes), intent(in) :: onto, from
+    real(dp), intent(in) :: amplitude(:)
+    integer, intent(in) :: changed(:)            !! joints at which the beams differ
+    logical, intent(in) :: with_mass
+    real(dp), intent(out) :: sums(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: lost(size(sums)), terms(size(sums))
+    type(piece_part) :: parts(size(onto%system%piece), size(sums))
+    logical :: known(size(sums))
+    integer :: i
     known = .false.
     sums = 0.0_dp
     lost = 0.0_dp
     do i = 1, size(amplitude)
-      if (stops(monitor)) return
+      if (mod(i, asked_every) == 0) then
+        if (stops(monitor)) return
+      end if
       call products_with(onto, from, i, changed, with_mass, parts, known, terms)
       call add_exactly(terms*amplitude(i), sums, lost)
     end do
     sums = sums + lost
-  end function overlap_sums
+  end subroutine find_sums
 
   elemental real(dp) function change_at(onto, from, j, which) result(change)
     !! By how much `onto` has more mass (1) or inertia (2) at a joint.
@@ -84,10 +112,9 @@ contains
     real(dp), intent(out) :: products(:)         !! (k)
     real(dp), dimension(size(products)) :: gap, numerator, moved
     type(piece_part) :: own(size(parts, 1))      ! of φ_i
+    logical :: near(size(products))
     real(dp) :: mass, inertia
-    logical :: own_known
     integer :: c, j, k
-    own_known = .false.
     gap = (from%square(i)%hi - onto%square%hi) + (from%square(i)%lo - onto%square%lo)
     numerator = 0.0_dp
     moved = 0.0_dp
@@ -105,16 +132,17 @@ contains
         if (with_mass) moved = moved + abs(mass)*v
       end associate
     end do
+    products = alike*abs(gap)*sqrt(onto%mass*from%mass(i))
+    near = abs(numerator) >= products
+    if (any(near)) gap = merge(1.0_dp, gap, near)
+    products = numerator/gap
+    if (.not. any(near)) return
+    own = parts_of(from, i)
     do k = 1, size(products)
-      if (abs(numerator(k)) > alike*abs(gap(k))*sqrt(onto%mass(k)*from%mass(i)) .or. gap(k) == 0.0_dp) then
-        if (.not. own_known) own = parts_of(from, i)
-        own_known = .true.
-        if (.not. known(k)) parts(:, k) = parts_of(onto, k)
-        known(k) = .true.
-        products(k) = product_of(onto, k, parts(:, k), from, i, own) + moved(k)
-      else
-        products(k) = numerator(k)/gap(k)
-      end if
+      if (.not. near(k)) cycle
+      if (.not. known(k)) parts(:, k) = parts_of(onto, k)
+      known(k) = .true.
+      products(k) = product_of(onto, k, parts(:, k), from, i, own) + moved(k)
     end do
   end subroutine products_with
 
