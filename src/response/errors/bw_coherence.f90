@@ -133,12 +133,12 @@ contains
     motion = sums%growing + sums%paired
     if (sums%largest <= 0.0_dp) return
     first = first_passage(sums, path, stretch)
+    if (quadratic .and. .not. path%uniform) first = min(first, returns*near_sum(sums, half_pi*stretch%start))
     families = families_of(path, sums%alpha)
     if (quadratic .and. families == 1) then
       motion = motion + min(sums%magnitude, theta_sum(sums, first, stretch))
     else if (quadratic) then
-      motion = motion + min(sums%magnitude, family_sum(sums, families, min(first, returns*near_sum(sums, half_pi*stretch%start)), &
-                                                       stretch))
+      motion = motion + min(sums%magnitude, family_sum(sums, families, first, stretch))
     else
       motion = motion + min(sums%magnitude, max(random_sum(sums, stretch), first, agreement(sums)))
     end if
