@@ -21,25 +21,25 @@ module bw_some_modes
   private
   public :: find_some_modes
 
-  type(mode_demand), parameter :: frequencies_alone = mode_demand(digits=6, waves=.false.)
-    !! errors of frequencies 1e-12 relatively, of shapes 1e-6
+  integer, parameter :: fine = 6, rough = 4      !! digits of shapes; frequencies have twice as many
 
 contains
 
-  subroutine find_some_modes(scene, units, number, set, place)
+  subroutine find_some_modes(scene, units, number, set, place, roughly)
     !! Find modes by their numbers.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: number(:)             !! ascending; may be of size 0
     class(mode_set), allocatable, intent(out) :: set   !! not `resolved`, or unallocated, where there are none to be had
     integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
+    logical, intent(in) :: roughly               !! under tension frequencies may err by 1e-8, else by 1e-12
     type(case_modes) :: known
     type(mode_sources) :: sources
     type(silent_monitor) :: monitor
     integer :: i
     place = number
     if (allocated(scene%stiffening)) then
-      call find_under_tension(scene, units, max(1, maxval(number)), set)
+      call find_under_tension(scene, units, max(1, maxval(number)), mode_demand(merge(rough, fine, roughly), waves=.false.), set)
       return
     end if
     place = [(i, i=1, size(number))]
@@ -47,11 +47,12 @@ contains
     if (known%resolved) call sources%free%find(number, set)
   end subroutine find_some_modes
 
-  subroutine find_under_tension(scene, units, count, set)
+  subroutine find_under_tension(scene, units, count, demand, set)
     !! Find the first modes of a scene with tension.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     integer, intent(in) :: count                 !! ≥ 1
+    type(mode_demand), intent(in) :: demand
     class(mode_set), allocatable, intent(out) :: set
     type(struck_beam) :: pieces
     type(tension_set), allocatable :: of_pieces
@@ -60,12 +61,12 @@ contains
       allocate (of_pieces)
       pieces = pieces_of(scene, units, .false.)
       call tension_modes(tension_beam(pieces%beam, tension_in_pieces(pieces%beam, scene%stiffening%hub_radius/units%length)), &
-                         count, pieces%struck, of_pieces, demand=frequencies_alone)
+                         count, pieces%struck, of_pieces, demand=demand)
       of_pieces%struck_at = pieces%position
       call move_alloc(of_pieces, set)
     else
       allocate (uniform)
-      call galerkin_modes(operator_of(scene, units, .false.), count, uniform, demand=frequencies_alone)
+      call galerkin_modes(operator_of(scene, units, .false.), count, uniform, demand=demand)
       call move_alloc(uniform, set)
     end if
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))

@@ -124,8 +124,21 @@ def test_the_result_of_the_other_state_is_there_too(together):
     alone = here.result("alone")
     true = np.sqrt(frequencies(modulus=70e9) ** 2 - alone["measured_decay_rate"][:4] ** 2)
     assert alone["peak_count"] == 4
-    assert "peak_mode" not in alone.variables  # it is compared where it is run itself
+    assert "peak_mode" not in alone.variables
     assert (abs(alone["measured_angular_frequency"][:4] / true - np.sqrt(MODULUS / 70e9)) < 1e-4).all()
+
+
+def test_the_other_state_is_compared_where_it_is_run_itself(together):
+    here, _ = together
+    before = here.result("alone")
+    for _ in range(2):
+        ended = here.beamwave("run", "alone.nml")
+        assert ended.returncode == 0 and "Lines beside the modes" in ended.stdout
+    assert "nothing to do" in ended.stdout
+    alone = here.result("alone")
+    assert alone["peak_mode"][:4].tolist() == [1, 2, 3, 4]
+    assert alone["measured_angular_frequency"].tolist() == before["measured_angular_frequency"].tolist()
+    assert "nothing to do" in here.beamwave("run", "loaded.nml").stdout
 
 
 def test_the_identified_scene_runs(together):

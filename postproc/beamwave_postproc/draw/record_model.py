@@ -70,7 +70,7 @@ def _verdict(ds: xr.Dataset) -> list[str]:
         return []
     if float(ds["misfit_probability"]) >= 1e-3:
         return ["noise explains the differences"]
-    return [f"noise does not explain the differences: frequencies are off by {number_text(100 * float(ds['model_scatter']))} %"]
+    return [f"noise does not explain the differences: frequencies are off by {number_text(100 * float(ds['model_scatter']), 2)} %"]
 
 
 @styled

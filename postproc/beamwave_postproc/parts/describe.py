@@ -40,13 +40,19 @@ def description_of(ds: xr.Dataset) -> str:
 
 
 def _without_unknowns(ds: xr.Dataset) -> xr.Dataset:
-    """The same without the numbers that were identified; of several bodies those of the others stay."""
+    """The same without the numbers that were identified; of several bodies or pieces those of the others stay.
+
+    What is unknown of a further scene, `beam%length (scene)`, is none of this one.
+    """
     for parameter in ds["identified_parameter"].values if "identified_parameter" in ds else []:
         name = parameter.decode() if isinstance(parameter, bytes) else str(parameter)
-        group, number, value = re.fullmatch(r"(\w+)(?:\((\d+)\))?%(\w+)", name.strip()).groups()
+        found = re.fullmatch(r"(\w+)(?:\((\d+)\))?%(\w+)(?:\((\d+)\))?", name.strip())
+        if not found:
+            continue
+        group, number, value, piece = found.groups()
         variable = f"{group}_{value}"
-        if number and variable in ds:
-            ds = ds.assign({variable: ds[variable].where(np.arange(ds.sizes[group]) != int(number) - 1)})
+        if (number or piece) and variable in ds:
+            ds = ds.assign({variable: ds[variable].where(np.arange(ds[variable].size) != int(number or piece) - 1)})
         else:
             ds = ds.drop_vars(variable, errors="ignore")
     return ds

@@ -85,6 +85,13 @@ def test_the_head_does_not_tell_where_a_search_began(held):
     head = " ".join(text.get_text() for text in identified(scene).texts)
     assert "0.5\u00a0m" in head and "0.3\u00a0kg" in head
     assert "GPa" not in head and "0.4\u00a0kg" not in head
+    # nor of one piece; what is unknown of a further scene is none of this one
+    pieces = scene.assign(
+        beam_youngs_modulus=("piece", [6.5e10, 7.1e10], {"units": "Pa"}),
+        identified_parameter=("unknown", ["beam%youngs_modulus(1)", "beam%length (other)"]),
+    )
+    head = " ".join(text.get_text() for text in identified(pieces).texts)
+    assert "0.5\u00a0m" in head and "–,\u00a07.1e10\u00a0Pa" in head
 
 
 def test_without_a_model_there_is_nothing_to_draw(held):

@@ -49,6 +49,7 @@ module bw_beam_state
     logical, allocatable :: concerned(:)         !! by an unknown, (unknowns)
     type(scene_type), private :: varied, one
     real(dp), allocatable, private :: values(:)  !! of the unknowns that the last modes were found with
+    logical, private :: last_roughly = .false.
     type(state_modes), private :: last
     integer :: solutions = 0                     !! how often modes were found
     character(:), allocatable, private :: beam   !! all groups but those of measurement, unknowns where they start
@@ -89,14 +90,18 @@ contains
     if (is_twin_of) is_twin_of = all(self%lines%points == other%lines%points)
   end function is_twin_of
 
-  subroutine modes_at(self, values, number, modes)
+  subroutine modes_at(self, values, number, modes, roughly)
     !! Find modes; those that were found last are remembered.
     class(beam_state), intent(inout) :: self
     real(dp), intent(in) :: values(:)            !! of the unknowns
     integer, intent(in) :: number(:)             !! ascending, ≤ most_modes
     type(state_modes), intent(out) :: modes
+    logical, intent(in), optional :: roughly     !! frequencies may err by 1e-8, else by 1e-12
     integer :: place(size(number)), i
-    if (self%last%found .and. allocated(self%values)) then
+    logical :: rough
+    rough = .false.
+    if (present(roughly)) rough = roughly
+    if (self%last%found .and. allocated(self%values) .and. (rough .or. .not. self%last_roughly)) then
       if (all(values == self%values .or. .not. self%concerned)) then
         place = [(findloc(self%last%number, number(i), dim=1), i=1, size(number))]
         if (all(place > 0)) then
@@ -111,15 +116,17 @@ contains
     end if
     self%solutions = self%solutions + 1
     self%values = values
-    call solve(self, values, number, modes)
+    self%last_roughly = rough
+    call solve(self, values, number, rough, modes)
     self%last = modes
   end subroutine modes_at
 
-  subroutine solve(state, values, number, modes)
+  subroutine solve(state, values, number, roughly, modes)
     !! Find modes of the scene with these values.
     class(beam_state), intent(inout) :: state
     real(dp), intent(in) :: values(:)
     integer, intent(in) :: number(:)
+    logical, intent(in) :: roughly
     type(state_modes), intent(inout) :: modes
     type(error_type), allocatable :: error
     type(beam_units) :: units
@@ -131,7 +138,7 @@ contains
     call scene_with(state%varied, values, state%one, error)
     if (allocated(error)) return
     units = units_of(state%one%beam)
-    call find_some_modes(state%one, units, number, set, place)
+    call find_some_modes(state%one, units, number, set, place, roughly)
     if (allocated(set)) modes%found = set%resolved
     if (.not. modes%found) return
     associate (square => set%beta_squared(place)%hi)

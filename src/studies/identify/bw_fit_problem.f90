@@ -16,6 +16,7 @@ module bw_fit_problem
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
   real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
+  real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines from which modes are found roughly, to 1e-3 of it
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
 
   type, extends(residual_problem), public :: fit_problem
@@ -23,6 +24,7 @@ module bw_fit_problem
     type(beam_state), allocatable :: states(:)
     real(dp) :: scatter = 0.0_dp                 !! τ
     logical :: fits_decay = .false.
+    logical, private :: roughly = .false.        !! modes need fewer digits than they have at most
     real(dp), allocatable :: v(:)                !! of all unknowns, (unknowns)
     integer, allocatable :: free(:)              !! the unknowns that are changed
     integer, allocatable, private :: twin(:)     !! the first state with the same modes, (states)
@@ -181,9 +183,9 @@ contains
       do j = 1, size(self%states)
         if (self%twin(j) == i) needed(pack(self%states(j)%mode_of, self%states(j)%mode_of > 0)) = .true.
       end do
-      call self%states(i)%modes_at(values, pack([(k, k=1, size(needed))], needed), modes)
+      call self%states(i)%modes_at(values, pack([(k, k=1, size(needed))], needed), modes, self%roughly)
     end if
-    call self%states(leader)%modes_at(values, number, modes)
+    call self%states(leader)%modes_at(values, number, modes, self%roughly)
   end subroutine modes_of_twin
 
   pure subroutine put_amplitudes(amplitude, deviation, shape, residuals)
@@ -225,7 +227,7 @@ contains
         lines = lines + size(frequency)
         n = min(size(frequency) + at_once, state%most_modes)
         do
-          call self%states(self%twin(i))%modes_at(self%values(), [(k, k=1, n)], modes)
+          call self%states(self%twin(i))%modes_at(self%values(), [(k, k=1, n)], modes, self%roughly)
           if (.not. modes%found .or. n == state%most_modes) exit
           if (modes%frequency(n) > beyond*frequency(size(frequency))) exit
           n = min(n + at_once, state%most_modes)
@@ -259,7 +261,9 @@ contains
     type(pairing), allocatable :: records(:)
     type(band_type) :: band
     integer :: i
+    self%roughly = is_coarse(self, least)
     call self%pairs(records, band)
+    self%roughly = .false.
     call best_scatter(records, band, least, self%scatter, price)
     changed = .false.
     do i = 1, size(self%states)
@@ -282,9 +286,24 @@ contains
       call self%find_residuals(v, residuals)
       return
     end if
+    self%roughly = quick .and. is_coarse(self, self%scatter)
     call least_squares(self, self%count(), model_accuracy, merge(rough, fine, quick), v, residuals, evaluations)
+    self%roughly = .false.
     self%v(self%free) = v
   end subroutine minimise
+
+  pure logical function is_coarse(self, scatter)
+    !! No line asks for many digits of modes.
+    class(fit_problem), intent(in) :: self
+    real(dp), intent(in) :: scatter              !! τ
+    integer :: i
+    is_coarse = .true.
+    do i = 1, size(self%states)
+      associate (lines => self%states(i)%lines)
+        is_coarse = is_coarse .and. .not. any(hypot(lines%deviation/lines%frequency, scatter) < coarse)
+      end associate
+    end do
+  end function is_coarse
 
   subroutine find_derivatives(self, jacobian)
     !! Derivatives of the residuals by all unknowns, where these are, by central differences.

@@ -35,6 +35,7 @@ contains
     type(scene_type) :: whole                    ! the scene, with what further scenes add
     real(dp) :: nothing(0)
     integer :: status, i
+    logical :: again
     if (position_of(scene%groups, 'beam') == 0) then
       call run_scene(scene, directory, overwrite, group, progress, outcome, error)
       return
@@ -56,6 +57,9 @@ contains
     if (allocated(error)) return
     status = outcome%status
     call run_scene(whole, directory, overwrite, group, progress, outcome, error, supplement)
+    call clear_bare(supplement, group, outcome, again, error)
+    if (allocated(error)) return
+    if (again) call run_scene(whole, directory, overwrite, group, progress, outcome, error, supplement)
     outcome%status = max(outcome%status, status)
   end subroutine run_record
 
@@ -97,6 +101,27 @@ contains
       supplement%identity = supplement%identity//nl//scene//checksums
     end do
   end subroutine find_identity
+
+  subroutine clear_bare(supplement, group, outcome, again, error)
+    !! A finished result of this scene without the beam's findings was made as that of a further scene: away with it.
+    type(beam_supplement), intent(in) :: supplement
+    class(process_group), intent(inout) :: group
+    type(outcome_type), intent(in) :: outcome
+    logical, intent(out) :: again                !! the result is to be made anew
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: path, there
+    real(dp) :: nothing(0)
+    integer(i4), allocatable :: bare(:)
+    bare = [0_i4]
+    if (group%leads() .and. .not. allocated(error) .and. outcome%status /= status_stopped) then
+      path = supplement%directory//'/'//supplement%scene%name//'.nc'
+      call read_attribute(path, 'model', there)
+      if (there == '') bare = [merge(1_i4, 0_i4, remove_file(path) == 0)]
+    end if
+    call group%collect(nothing, error)
+    call group%share(bare)
+    again = bare(1) == 1
+  end subroutine clear_bare
 
   subroutine clear_outdated(supplement, overwrite, error)
     !! A finished result whose further records were others is not this one.
