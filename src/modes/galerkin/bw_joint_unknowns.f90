@@ -2,10 +2,10 @@ module bw_joint_unknowns
   !! The unknowns by which the joints of a beam of pieces move: v and ψ of each joint, but not of both joints of a piece that is
   !! short or thick, and so far stiffer than the beam.
   !!
-  !! In v and ψ of both its ends such a piece has stiffnesses of 12B/L³, and motions of the beam that hardly bend it would lose their
-  !! digits to these: of β² of the first mode L⁻³ roundings. So joints that stiff pieces join follow the heaviest of them, and for each such piece there
-  !! are two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e and v' = v + L(ψ + ½e + d). A body
-  !! stands in one column as long as no heavier one is near.
+  !! In v and ψ of both its ends such a piece has stiffnesses of 12B/L³, and motions that hardly bend it would lose their digits
+  !! to these: β² of the first mode some L⁻³ roundings. So joints that stiff pieces join follow the heaviest of them, and for each
+  !! such piece there are two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e and
+  !! v' = v + L(ψ + ½e + d). A body stands in one column as long as no heavier one is near.
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
   implicit none (type, external)
