@@ -155,28 +155,6 @@ def linear_widths(here, beams):
     return widths
 
 
-def growth_beside(here, beam, held):
-    """By how much the least misfit grows, at the least, where an unknown is held an eighth of its range to either side of its value:
-    below 3.84 an interval of 95 % reaches over a quarter of the range. A line that is lost there is worse than that."""
-    values = dict(zip(beam["true"], beam["result"]["identified"].tolist()))
-    names = []
-    for side in (-1, 1):
-        v = place_of(held, values[held]) + side * HARDLY
-        if abs(v) > 1:
-            continue
-        names.append(f"h{beam['number']}_{list(values).index(held)}_{side + 1}")
-        here.write(f"held/s{beam['number']}.csv", (here.directory / f"found/s{beam['number']}.csv").read_text(encoding="utf-8"))
-        groups = with_values(KINDS[beam["kind"]][0], {**values, held: at(held, v)}, KINDS[beam["kind"]][2])
-        groups = {**beam["known"], **groups, "record": {"file": f"s{beam['number']}.csv"}, "spectrum": {}}
-        others = [name for name in values if name != held]
-        text = "".join(namelist({"identify": {"parameter": name, "first": RANGES[name][0], "last": RANGES[name][1]}}) for name in others)
-        here.write(f"held/{names[-1]}.nml", namelist(groups) + text)
-    run(here, *[f"held/{name}.nml" for name in names])
-    there = [here.result(name) for name in names]
-    lost = [result["misfit_freedom"] < beam["result"]["misfit_freedom"] + 1 for result in there]
-    return min(np.inf if gone else float(result["misfit"] - beam["result"]["misfit"]) for gone, result in zip(lost, there))
-
-
 def print_tables(here, beams):
     """How many are inside, by level; and what is named as not fixed beside what the information matrix says."""
     print("| signal over noise | beams | true numbers | inside intervals of 95 % | noise explains the misfit |")
@@ -196,7 +174,7 @@ def print_tables(here, beams):
                 low, high = (place_of(name, result[f"identified_{end}"][i]) for end in ("low", "high"))
                 differing.append(
                     f"beam {beam['number']}, {name}: {'' if named else 'not '}named; {50 * (high - low):.1f} % of its range, "
-                    f"{100 * wide[i]:.1f} % by the information matrix; chi squared grows by {growth_beside(here, beam, name):.1f} beside"
+                    f"{100 * wide[i]:.1f} % by the information matrix"
                 )
     for line in differing:
         print(line)

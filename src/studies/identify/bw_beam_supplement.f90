@@ -182,7 +182,7 @@ contains
     text = ''
     if (size(set%measured) == 1) return
     text = ', case '//text_of(c)
-    if (c > set%own) text = ', '//set%measured(c)%scene%name
+    if (c > set%own .or. set%own == 1) text = ', '//set%measured(c)%scene%name
   end function case_text
 
   subroutine note_misfit(misfit, which, notes)

@@ -91,7 +91,8 @@ contains
 
   subroutine follow(problem, fit, i, way, quantile, belief, end, is_open, place)
     !! Go from the fit to one side until the least sum of squares has grown by the square of the quantile. Its root grows
-    !! about linearly, so that secants get there in a few steps.
+    !! about linearly, so that secants get there in a few steps; but where another unknown comes to the end of its range it bends
+    !! sharply, and what lies between is halved where a secant does not.
     type(fit_problem), intent(inout) :: problem
     type(fit_type), intent(in) :: fit
     integer, intent(in) :: i                     !! the unknown
@@ -103,14 +104,15 @@ contains
     real(dp), allocatable, intent(out) :: place(:)
     real(dp), parameter :: near = 0.01_dp
     real(dp), parameter :: lower = 0.01_dp       !! sum of squares that makes a place a better fit
-    integer, parameter :: most_steps = 12
-    real(dp) :: t, inner, outer, g, g_inner, g_outer, room
+    integer, parameter :: most_steps = 20
+    real(dp) :: t, inner, outer, g, g_inner, g_outer, room, share, width
     integer :: step
     room = 1 - way*fit%v(i)
     inner = 0
     g_inner = 0
     outer = -1
     g_outer = 0
+    width = huge(width)
     place = fit%v
     t = min(room, quantile*belief%deviation(i))
     do step = 1, most_steps
@@ -128,7 +130,10 @@ contains
       if (outer < 0) then
         t = min(room, merge(min(4*t, t*quantile/max(g, 0.1_dp*quantile)), 4*t, g > 0))
       else
-        t = inner + (outer - inner)*min(0.9_dp, max(0.1_dp, (quantile - g_inner)/(g_outer - g_inner)))
+        share = (quantile - g_inner)/(g_outer - g_inner)
+        if (outer - inner > 0.5_dp*width) share = 0.5_dp
+        width = outer - inner
+        t = inner + width*min(0.9_dp, max(0.1_dp, share))
       end if
     end do
     end = fit%v(i) + way*t

@@ -17,6 +17,7 @@ module bw_fit_problem
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
   real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
   real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines from which modes are found roughly, to 1e-3 of it
+  real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation of a line from which it may be any mode
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
 
   type, extends(residual_problem), public :: fit_problem
@@ -211,7 +212,6 @@ contains
     type(band_type), intent(out) :: band
     integer, parameter :: at_once = 4
     real(dp), parameter :: beyond = 1.1_dp       !! times the highest line, up to where modes are looked for
-    real(dp), parameter :: vague = 0.05_dp       !! chosen: relative deviation of a line from which it may be any mode
     type(state_modes) :: modes
     real(dp) :: low, high
     integer :: i, k, n, lines

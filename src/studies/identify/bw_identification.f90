@@ -69,14 +69,36 @@ contains
     !! The places at the ends of all intervals fit alike: an interval reaches at least to where these are. (Where curves of
     !! equal fit turn back, what is found by going along one unknown is not all of them.)
     type(interval_type), intent(inout) :: intervals(:)
-    integer :: i, j
-    do i = 1, size(intervals)
-      do j = 1, size(intervals)
-        intervals(i)%low = min(intervals(i)%low, intervals(j)%at_low(i), intervals(j)%at_high(i))
-        intervals(i)%high = max(intervals(i)%high, intervals(j)%at_low(i), intervals(j)%at_high(i))
-      end do
+    type(interval_type) :: ends(size(intervals))
+    integer :: i
+    ends = intervals
+    do i = 1, size(ends)
+      call reach(intervals, ends(i)%at_low)
+      call reach(intervals, ends(i)%at_high)
     end do
   end subroutine widen
+
+  pure subroutine reach(intervals, place)
+    !! All intervals hold a place that fits alike.
+    type(interval_type), intent(inout) :: intervals(:)
+    real(dp), intent(in) :: place(:)             !! (unknowns)
+    real(dp), parameter :: end = 0.999_dp        !! of half the range, from which it is the end of this
+    integer :: i
+    do i = 1, size(intervals)
+      associate (interval => intervals(i))
+        if (place(i) < interval%low) then
+          interval%low = place(i)
+          interval%low_open = place(i) < -end
+          interval%at_low = place
+        end if
+        if (place(i) > interval%high) then
+          interval%high = place(i)
+          interval%high_open = place(i) > end
+          interval%at_high = place
+        end if
+      end associate
+    end do
+  end subroutine reach
 
   subroutine reach_others(problem, others, quantile, found)
     !! Intervals reach over all places that fit as well; those outside of what one place says are named.
@@ -86,7 +108,7 @@ contains
     type(identification), intent(inout) :: found
     type(belief_type) :: belief
     type(fit_type) :: other
-    integer :: i, n
+    integer :: i, j, n
     allocate (found%others(size(found%unknowns), size(others)))
     n = 0
     do i = 1, size(others)
@@ -101,8 +123,11 @@ contains
         other%sum = sum(other%residuals**2)
         if (all(other%mode_of == found%fit%mode_of)) other%sum = found%fit%sum     ! the same level bounds both
         call find_intervals(problem, other, quantile, belief)
-        intervals%low = min(intervals%low, others(i)%v, belief%intervals%low)
-        intervals%high = max(intervals%high, others(i)%v, belief%intervals%high)
+        call reach(intervals, others(i)%v)
+        do j = 1, size(intervals)
+          call reach(intervals, belief%intervals(j)%at_low)
+          call reach(intervals, belief%intervals(j)%at_high)
+        end do
       end associate
     end do
     found%others = found%others(:, :n)

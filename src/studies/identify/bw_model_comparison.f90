@@ -2,7 +2,7 @@ module bw_model_comparison
   !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
   use bw_beam_state, only: beam_state, state_modes
   use bw_chi_squared, only: chi_squared_tail
-  use bw_fit_problem, only: fit_problem, problem_of
+  use bw_fit_problem, only: fit_problem, problem_of, vague
   use bw_fit_search, only: explain, unlikely
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
@@ -15,6 +15,7 @@ module bw_model_comparison
   type, public :: compared_lines
     !! The lines of one case with their modes; missing where a line is no mode.
     integer, allocatable :: mode(:)              !! 0: none, (lines)
+    character(24), allocatable :: why_none(:)    !! why a line is hardly one, whatever the beam; empty: it may be, (lines)
     real(dp), allocatable :: frequency(:)        !! of the mode, were it damped as the line is [rad/s], (lines)
     real(dp), allocatable :: decay(:)            !! of the mode [1/s], (lines)
     real(dp), allocatable :: frequency_misfit(:) !! measured − computed over half the interval, (lines)
@@ -66,6 +67,7 @@ contains
     n = size(state%mode_of)
     compared%mode = state%mode_of
     allocate (compared%frequency(n), compared%decay(n), compared%frequency_misfit(n), compared%decay_misfit(n), source=missing)
+    compared%why_none = [(why_none(state, k), k=1, n)]
     line = pack([(k, k=1, n)], state%mode_of > 0)
     call state%modes_at(values, state%mode_of(line), modes)
     if (.not. modes%found) return
@@ -80,5 +82,16 @@ contains
         (measured%lines%decay(k) - modes%decay(i))/measured%decay_error(k)
     end do
   end subroutine compare_case
+
+  pure function why_none(state, k) result(words)
+    !! Why a line is hardly a mode before any beam is asked.
+    type(beam_state), intent(in) :: state
+    integer, intent(in) :: k
+    character(24) :: words
+    words = ''
+    if (state%chance(k) > 0.5_dp) words = 'a tone, or a multiple'
+    if (state%lines%deviation(k) > vague*state%lines%frequency(k)) words = 'not known to 5 %'
+    if (state%is_harmonic(k)) words = 'a harmonic'
+  end function why_none
 
 end module bw_model_comparison

@@ -25,7 +25,7 @@ contains
     type(result_lines), intent(in) :: measured
     type(compared_lines), intent(in) :: compared
     type(text_builder), intent(inout) :: lines
-    character(24) :: words(size(widths))
+    character(24) :: words(size(widths) + 1)
     integer :: k
     call lines%append_line('')
     call lines%append_line('  '//title)
@@ -33,6 +33,7 @@ contains
     call put_row(lines, '      ', [character(24) :: 'Hz', 'Hz', '', 'Hz', '%', '', 'over +/-'])
     do k = 1, size(compared%mode)
       words = '-'
+      words(8) = ''
       words(1) = to_its_error(measured%angular_frequency(k)/two_pi, measured%error(k)/two_pi)
       words(2) = shortest(measured%error(k)/two_pi, 2)
       if (compared%mode(k) > 0) words(3) = text_of(compared%mode(k))
@@ -42,19 +43,23 @@ contains
       end if
       if (.not. is_missing(compared%frequency_misfit(k))) words(6) = shortest(compared%frequency_misfit(k), 3)
       if (.not. is_missing(compared%decay_misfit(k))) words(7) = shortest(compared%decay_misfit(k), 3)
+      if (compared%mode(k) == 0) words(8) = compared%why_none(k)
       call put_row(lines, right(text_of(k), 6), words)
     end do
   end subroutine report_comparison
 
   subroutine put_row(lines, first, words)
-    !! Words at the right of their columns.
+    !! Words at the right of their columns; a remark behind.
     type(text_builder), intent(inout) :: lines
     character(*), intent(in) :: first, words(:)
     integer :: c
     call lines%append(first)
-    do c = 1, size(words)
+    do c = 1, size(widths)
       call lines%append(right(trim(words(c)), widths(c)))
     end do
+    if (size(words) > size(widths)) then
+      if (words(size(words)) /= '') call lines%append('   '//trim(words(size(words))))
+    end if
     call lines%append_line('')
   end subroutine put_row
 
@@ -128,10 +133,10 @@ contains
   end function to_width
 
   subroutine report_correlations(found, lines)
-    !! Those that matter.
+    !! Those that make an interval twice as wide as it were if the other unknown were known: (1 − ρ²)^(−1/2) ≥ 2.
     type(identification), intent(in) :: found
     type(text_builder), intent(inout) :: lines
-    real(dp), parameter :: least = 0.5_dp
+    real(dp), parameter :: least = 0.86_dp
     integer :: i, j
     do i = 1, size(found%values)
       do j = i + 1, size(found%values)
