@@ -64,19 +64,23 @@ contains
     type(measured_scene), intent(in) :: measured(:)
     integer, intent(in) :: i                     !! which of them
     type(identify_par), allocatable :: unknowns(:)
-    character(:), allocatable :: name
-    integer :: j, k
-    associate (own => measured(i)%scene%unknowns)
-      unknowns = all_unknowns(measured)
-      if (measured(i)%scene%name /= measured(1)%scene%name) call find_shared(measured(1)%scene, measured(i)%scene, unknowns)
-      unknowns(size(measured(1)%scene%unknowns) + 1:)%group = 0
-      if (measured(i)%scene%name == measured(1)%scene%name) return
-      do j = 1, size(own)
-        name = own(j)%parameter//' ('//measured(i)%scene%name//')'
-        where ([(unknowns(k)%parameter == own(j)%parameter, k=1, size(unknowns))]) unknowns%group = 0
-        where ([(unknowns(k)%parameter == name, k=1, size(unknowns))]) unknowns%group = own(j)%group
-      end do
-    end associate
+    integer :: j, k, shared
+    unknowns = all_unknowns(measured)
+    shared = size(measured(1)%scene%unknowns)
+    unknowns(shared + 1:)%group = 0
+    if (measured(i)%scene%name == measured(1)%scene%name) return
+    call find_shared(measured(1)%scene, measured(i)%scene, unknowns)
+    do j = 1, size(measured(i)%scene%unknowns)
+      associate (own => measured(i)%scene%unknowns(j))
+        do k = 1, shared
+          if (unknowns(k)%group == own%group .and. unknowns(k)%value == own%value .and. unknowns(k)%element == own%element) &
+            unknowns(k)%group = 0
+        end do
+        do k = shared + 1, size(unknowns)
+          if (unknowns(k)%parameter == own%parameter//' ('//measured(i)%scene%name//')') unknowns(k)%group = own%group
+        end do
+      end associate
+    end do
   end function unknowns_in
 
   subroutine find_shared(first, scene, unknowns)
