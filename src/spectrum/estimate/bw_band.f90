@@ -10,13 +10,14 @@ module bw_band
   !!
   !! Where a record holds no noise but other lines, a few bins of the tapered transform serve instead: they tell less of a line,
   !! and nothing of lines in other bins.
+  use bw_block_sums, only: block_sums, blocks_type, even_blocks, find_moments, part_of
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
-  use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
+  use bw_samples, only: centre_of, find_wave, phase_factor, samples_type, span_of
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, cut_band, fill_bands, line_columns, still_columns, tapered_band
+  public :: band_around, cut_band, fill_bands, line_columns, still_columns, tapered_band, uneven_rows
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: sums_per_bin = 32    !! loses (π/32)²/3 of the information at the edge of the band
@@ -64,6 +65,7 @@ contains
     end if
     band%half_width = width
     band%blocks = even_blocks(samples, blocks)
+    if (allocated(samples%place)) call find_moments(samples, [0.0_dp, -2*band%centre], band%blocks)
     call find_noise(samples, band)
   end function band_around
 
@@ -128,7 +130,19 @@ contains
   end function rows_of
 
   pure subroutine fill_bands(samples, bands)
-    !! Give bands their rows. A long record is read once for all of them, stretch by stretch.
+    !! Give bands their rows.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(inout) :: bands(:)
+    integer :: i
+    if (.not. allocated(samples%place)) call fill_evenly(samples, bands)
+    if (.not. allocated(samples%place)) return
+    do i = 1, size(bands)
+      bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
+    end do
+  end subroutine fill_bands
+
+  pure subroutine fill_evenly(samples, bands)
+    !! Give bands their rows of even samples. A long record is read once for all of them, stretch by stretch.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(inout) :: bands(:)
     type :: sums_type
@@ -138,14 +152,13 @@ contains
       integer :: next = 1                    !! block
     end type sums_type
     type(sums_type) :: work(size(bands))
-    complex(dp), allocatable :: wave(:)
     integer :: i, n, s, first
     do i = 1, size(bands)
       associate (band => bands(i), own => work(i))
         allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
-        wave = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
-        own%re = wave%re
-        own%im = wave%im
+        allocate (own%re(longest_block(band%blocks)), own%im(longest_block(band%blocks)))
+        own%re(:) = real(phase_factor(-band%centre, [(n, n=0, size(own%re) - 1)]), dp)
+        own%im(:) = aimag(phase_factor(-band%centre, [(n, n=0, size(own%im) - 1)]))
         own%turn = phase_factor(-band%centre, band%blocks%first(:size(band%turn)) - 1)
       end associate
     end do
@@ -159,11 +172,11 @@ contains
         end do
       end do
       do i = 1, size(bands)
-        if (.not. allocated(samples%place)) work(i)%sums = work(i)%turn*work(i)%sums
+        work(i)%sums = work(i)%turn*work(i)%sums
         bands(i)%rows(:, s) = rows_of(bands(i), work(i)%sums)
       end do
     end do
-  end subroutine fill_bands
+  end subroutine fill_evenly
 
   pure subroutine add_blocks(samples, s, last, band, re, im, sums, next)
     !! Sum one sensor's samples, turned by the band's centre, over each block that starts before sample `last`.
@@ -178,20 +191,34 @@ contains
       low = band%blocks%first(next)
       high = band%blocks%first(next + 1) - 1
       if (low >= last) return
-      if (allocated(samples%place)) then
-        sums(next) = sum(samples%value(low:high, s)*uneven_turn(samples%place(low:high), band%centre))
-      else
-        sums(next) = turned_sum(samples%value(low:high, s), re, im)
-      end if
+      sums(next) = turned_sum(samples%value(low:high, s), re, im)
       next = next + 1
     end do
   end subroutine add_blocks
 
-  elemental complex(dp) function uneven_turn(place, centre)
-    !! The factor by which a band's centre turns a sample at any time.
-    real(dp), intent(in) :: place, centre
-    uneven_turn = exp(cmplx(0, -2*pi*(centre*place - anint(centre*place)), dp))
-  end function uneven_turn
+  pure function uneven_rows(samples, band, value) result(rows)
+    !! The rows of values at the samples' uneven times, (rows, S).
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: value(:, :)      !! (N or more, S)
+    real(dp) :: rows(size(band%root), size(value, 2))
+    complex(dp) :: sums(size(band%turn), size(value, 2))
+    real(dp), allocatable :: along(:), across(:)
+    integer :: b, s
+    do b = 1, size(sums, 1)
+      associate (first => band%blocks%first(b), last => band%blocks%first(b + 1) - 1)
+        allocate (along(last - first + 1), across(last - first + 1))
+        call find_wave(samples%place(first:last), centre_of(samples), 0.0_dp, -band%centre, [complex(dp) ::], along, across)
+        do s = 1, size(value, 2)
+          sums(b, s) = turned_sum(value(first:last, s), along, across)
+        end do
+        deallocate (along, across)
+      end associate
+    end do
+    do s = 1, size(value, 2)
+      rows(:, s) = rows_of(band, sums(:, s))
+    end do
+  end function uneven_rows
 
   pure integer function longest_block(blocks)
     !! Samples of the longest block.
@@ -279,7 +306,7 @@ contains
     part%centre = band%centre
     part%half_width = band%half_width
     part%is_real = band%is_real
-    part%blocks%first = band%blocks%first(low:high + 1)
+    part%blocks = part_of(band%blocks, low, high)
     part%turn = band%turn(low:high)
     part%root = band%root(low:high, :)
     if (band%is_real) then
