@@ -128,13 +128,20 @@ contains
   end subroutine give_start
 
   pure subroutine with_unknowns(scene, unknowns, varied)
-    !! The scene as one whose cases have other values of the unknowns.
+    !! The scene as one whose cases have other values of the unknowns; of repeats of a record it is the first.
     type(scene_type), intent(in) :: scene                !! without sweeps
     type(identify_par), intent(in) :: unknowns(:)        !! those of group 0 are none of this scene
     type(scene_type), intent(out) :: varied
     type(sweep_par), allocatable :: sweeps(:)
-    integer :: i
+    integer :: i, g, v
     varied = scene
+    do g = 1, size(varied%groups)
+      do v = 1, size(varied%groups(g)%values)
+        associate (value => varied%groups(g)%values(v))
+          if (allocated(value%sweeps)) value%sweeps = 0
+        end associate
+      end do
+    end do
     allocate (sweeps(size(unknowns)))
     do i = 1, size(unknowns)
       sweeps(i)%parameter = unknowns(i)%parameter
