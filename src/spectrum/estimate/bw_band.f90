@@ -12,11 +12,12 @@ module bw_band
   !! and nothing of lines in other bins.
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
-  use bw_samples, only: block_sums, blocks_type, even_blocks, phase_factor, samples_type, span_of
+  use bw_samples, only: block_sums, blocks_type, centre_of, even_blocks, find_moments, find_wave, part_of, phase_factor, &
+    & samples_type, span_of
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private
-  public :: band_around, cut_band, fill_bands, line_columns, still_columns, tapered_band
+  public :: band_around, cut_band, fill_bands, line_columns, still_columns, tapered_band, uneven_rows
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: sums_per_bin = 32    !! loses (π/32)²/3 of the information at the edge of the band
@@ -64,6 +65,7 @@ contains
     end if
     band%half_width = width
     band%blocks = even_blocks(samples, blocks)
+    if (allocated(samples%place)) call find_moments(samples, [0.0_dp, -2*band%centre], band%blocks)
     call find_noise(samples, band)
   end function band_around
 
@@ -140,6 +142,12 @@ contains
     type(sums_type) :: work(size(bands))
     complex(dp), allocatable :: wave(:)
     integer :: i, n, s, first
+    if (allocated(samples%place)) then
+      do i = 1, size(bands)
+        bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
+      end do
+      return
+    end if
     do i = 1, size(bands)
       associate (band => bands(i), own => work(i))
         allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
@@ -159,7 +167,7 @@ contains
         end do
       end do
       do i = 1, size(bands)
-        if (.not. allocated(samples%place)) work(i)%sums = work(i)%turn*work(i)%sums
+        work(i)%sums = work(i)%turn*work(i)%sums
         bands(i)%rows(:, s) = rows_of(bands(i), work(i)%sums)
       end do
     end do
@@ -178,20 +186,34 @@ contains
       low = band%blocks%first(next)
       high = band%blocks%first(next + 1) - 1
       if (low >= last) return
-      if (allocated(samples%place)) then
-        sums(next) = sum(samples%value(low:high, s)*uneven_turn(samples%place(low:high), band%centre))
-      else
-        sums(next) = turned_sum(samples%value(low:high, s), re, im)
-      end if
+      sums(next) = turned_sum(samples%value(low:high, s), re, im)
       next = next + 1
     end do
   end subroutine add_blocks
 
-  elemental complex(dp) function uneven_turn(place, centre)
-    !! The factor by which a band's centre turns a sample at any time.
-    real(dp), intent(in) :: place, centre
-    uneven_turn = exp(cmplx(0, -2*pi*(centre*place - anint(centre*place)), dp))
-  end function uneven_turn
+  pure function uneven_rows(samples, band, value) result(rows)
+    !! The rows of values at the samples' uneven times, (rows, S).
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(in) :: band
+    real(dp), intent(in) :: value(:, :)      !! (N or more, S)
+    real(dp) :: rows(size(band%root), size(value, 2))
+    complex(dp) :: sums(size(band%turn), size(value, 2))
+    real(dp), allocatable :: along(:), across(:)
+    integer :: b, s
+    do b = 1, size(sums, 1)
+      associate (first => band%blocks%first(b), last => band%blocks%first(b + 1) - 1)
+        allocate (along(last - first + 1), across(last - first + 1))
+        call find_wave(samples%place(first:last), centre_of(samples), 0.0_dp, -band%centre, [complex(dp) ::], along, across)
+        do s = 1, size(value, 2)
+          sums(b, s) = turned_sum(value(first:last, s), along, across)
+        end do
+        deallocate (along, across)
+      end associate
+    end do
+    do s = 1, size(value, 2)
+      rows(:, s) = rows_of(band, sums(:, s))
+    end do
+  end function uneven_rows
 
   pure integer function longest_block(blocks)
     !! Samples of the longest block.
@@ -279,7 +301,7 @@ contains
     part%centre = band%centre
     part%half_width = band%half_width
     part%is_real = band%is_real
-    part%blocks%first = band%blocks%first(low:high + 1)
+    part%blocks = part_of(band%blocks, low, high)
     part%turn = band%turn(low:high)
     part%root = band%root(low:high, :)
     if (band%is_real) then

@@ -1,14 +1,14 @@
 module bw_line_bands
   !! Lines that share a band, and all bands of a record: each is fitted while the images of all other lines are taken out, in
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
-  use bw_band, only: band_around, band_type, fill_bands
+  use bw_band, only: band_around, band_type, fill_bands, uneven_rows
   use bw_band_fit, only: damped_line, excess, fit_band, fit_type, image_of, still_image
   use bw_damped_line, only: bend_reach
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
   use bw_order, only: ascending
-  use bw_samples, only: centre_of, samples_type, span_of
+  use bw_samples, only: centre_of, find_wave, samples_type, span_of
   implicit none (type, external)
   private
   public :: own_rows, prepare_bands, refine
@@ -213,6 +213,44 @@ contains
     end do
   end function own_rows
 
+  function rows_with_own(samples, left, own, still, band) result(rows)
+    !! The same of uneven samples, from what all lines, offset and slope leave of them: lines far from a band are taken out of samples
+    !! sooner than out of its rows.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: left(:, :)
+    type(damped_line), intent(in) :: own(:)    !! the band's lines
+    real(dp), intent(in) :: still(:, :)
+    type(line_band), intent(in) :: band
+    real(dp), allocatable :: rows(:, :)
+    integer :: k
+    rows = uneven_rows(samples, band%band, left)
+    if (band%with_still) rows = rows + still_image(samples, band%band, still)
+    do k = 1, size(own)
+      rows = rows + image_of(samples, band%band, own(k))
+    end do
+  end function rows_with_own
+
+  pure subroutine add_motion(samples, lines, still, factor, value)
+    !! Add lines, offset and slope to values at uneven times, times a factor.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: still(:, :)
+    real(dp), intent(in) :: factor
+    real(dp), intent(inout) :: value(:, :)     !! (N, S)
+    real(dp), dimension(samples%count) :: along, across
+    integer :: k, s
+    do s = 1, size(value, 2)
+      value(:, s) = value(:, s) + factor*(still(1, s) + still(2, s)*(samples%place(:samples%count)/centre_of(samples) - 1))
+    end do
+    do k = 1, size(lines)
+      call find_wave(samples%place(:samples%count), centre_of(samples), lines(k)%decay, lines(k)%frequency, &
+        & lines(k)%bend(:lines(k)%powers), along, across)
+      do s = 1, size(value, 2)
+        value(:, s) = value(:, s) + factor*(lines(k)%amplitude(s)%re*along - lines(k)%amplitude(s)%im*across)
+      end do
+    end do
+  end subroutine add_motion
+
   subroutine refine(samples, noise, bands, lines, still, monitor, work)
     !! Fit band after band until nothing is gained; those that have come to rest are left as they are.
     type(samples_type), intent(in) :: samples
@@ -224,17 +262,26 @@ contains
     real(dp), intent(inout), optional :: work    !! numbers of lines' images that are computed, added up
     type(fit_type) :: fit
     real(dp), allocatable :: rows(:, :), weight(:)
+    real(dp) :: left(samples%count, merge(size(still, 2), 0, allocated(samples%place)))
     real(dp) :: before, moved
     integer :: sweep, i
+    if (allocated(samples%place)) then
+      left = samples%value(:samples%count, :)
+      call add_motion(samples, lines, still, -1.0_dp, left)
+    end if
     do sweep = 1, most_sweeps
       moved = 0
       do i = 1, size(bands)
         if (size(bands(i)%member) == 0 .and. .not. bands(i)%with_still) cycle
         if (stops(monitor)) return
         before = bands(i)%left
-        rows = own_rows(samples, lines, still, bands(i))
         weight = 1/level_at(noise, bands(i)%band%centre, size(still, 2))
         fit%lines = lines(bands(i)%member)
+        if (allocated(samples%place)) then
+          rows = rows_with_own(samples, left, fit%lines, still, bands(i))
+        else
+          rows = own_rows(samples, lines, still, bands(i))
+        end if
         fit%work = fit%work + size(rows, 1)*2.0_dp*(size(lines) - size(fit%lines))
         if (is_at_rest(bands(i), rows, weight, fit%lines)) cycle
         call fit_band(samples, bands(i)%band, rows, weight, bands(i)%with_still, fit)
@@ -242,8 +289,13 @@ contains
         bands(i)%fitted = fit%lines
         bands(i)%seen = rows
         bands(i)%weight = weight
+        if (.not. bands(i)%with_still) fit%still = still
+        if (allocated(samples%place)) then
+          call add_motion(samples, lines(bands(i)%member), still - fit%still, 1.0_dp, left)
+          call add_motion(samples, fit%lines, 0*still, -1.0_dp, left)
+        end if
         lines(bands(i)%member) = fit%lines
-        if (bands(i)%with_still) still = fit%still
+        still = fit%still
         bands(i)%left = fit%left
         moved = max(moved, abs(before - fit%left)/excess(fit%left, rows))
       end do

@@ -8,13 +8,17 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, find_wave, highest_of, phase_factor, place_of, span_of
+  public :: bent_factor, bent_series, block_sums, centre_of, even_blocks, find_moments, find_wave, highest_of
+  public :: part_of, phase_factor, place_of, span_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
   real(dp), parameter, public :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
   integer, parameter :: series = 8           !! powers of a block's length over half the record, in which a bend is expanded there;
                                              !! where the bend turns a block by 0.4 this leaves 1e-9
+
+  real(dp), parameter :: most_turned = 0.4_dp  !! of an exponent in half a block, so that its series leaves 1e-9
+  integer, parameter :: fewest = 16          !! samples of a block for each of which moments are worth while
 
   type, public :: samples_type
     integer :: count = 0                     !! N
@@ -26,6 +30,10 @@ module bw_samples
 
   type, public :: blocks_type
     integer, allocatable :: first(:)         !! index of the first sample of each block, and N + 1, (B + 1)
+    real(dp), allocatable :: middle(:)       !! u there, of uneven samples, (B)
+    real(dp) :: reach = huge(1.0_dp)         !! of u from there in the longest block
+    real(dp), allocatable :: reference(:)    !! frequencies g, in periods per step, of the moments, (G)
+    complex(dp), allocatable :: moment(:, :, :)  !! Σ (u − middle)^p e^(2πigτ) over a block, (0:highest, B, G)
   end type blocks_type
 
 contains
@@ -92,7 +100,15 @@ contains
     integer, intent(in) :: order
     complex(dp), intent(in) :: bend(2:)      !! of size 0 where the line does not drift
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
-    if (allocated(samples%place)) then
+    integer :: near
+    near = 0
+    if (allocated(blocks%reference)) near = minloc(abs(blocks%reference - frequency), dim=1)
+    if (near > 0) then
+      if (abs(cmplx(decay, 2*pi*(frequency - blocks%reference(near)), dp))*centre_of(samples)*blocks%reach > most_turned) near = 0
+    end if
+    if (near > 0) then
+      sums = sums_of_moments(blocks, near, centre_of(samples), decay, frequency, order, bend)
+    else if (allocated(samples%place)) then
       sums = uneven_sums(samples, blocks, decay, frequency, order, bend)
     else
       sums = even_sums(samples%count, blocks, decay, frequency, order, bend)
@@ -145,28 +161,31 @@ contains
     end do
   end function even_sums
 
-  pure function bent(moment, bend, u, order) result(about)
+  pure function bent(moment, bend, u, order, rate) result(about)
     !! A block's moments with the factor of a bend, over its value where the block starts.
     complex(dp), intent(in) :: moment(0:), bend(2:)
     real(dp), intent(in) :: u
     integer, intent(in) :: order
+    complex(dp), intent(in), optional :: rate  !! the factor of an exponential e^(rate·u) too
     complex(dp) :: about(0:order), a(0:series)
     integer :: m
-    a = bent_series(bend, u)
+    a = bent_series(bend, u, rate)
     do m = 0, order
       about(m) = sum(a*moment(m:m + series))
     end do
   end function bent
 
-  pure function bent_series(bend, u) result(a)
+  pure function bent_series(bend, u, rate) result(a)
     !! The factor of a bend at u + x over that at u, as a₀ + a₁x + a₂x² + …: the exponent is r₁x + r₂x² + …, and its exponential has
     !! n·a_n = Σ j·r_j·a_(n−j).
     complex(dp), intent(in) :: bend(2:)
     real(dp), intent(in) :: u
+    complex(dp), intent(in), optional :: rate  !! as above
     complex(dp) :: a(0:series), r(series)
     integer :: j, m, n
     do j = 1, series
       r(j) = 0
+      if (present(rate) .and. j == 1) r(j) = rate
       do m = max(2, j), ubound(bend, 1)
         r(j) = r(j) + binomial(m, j)*bend(m)*u**(m - j)
       end do
@@ -227,6 +246,74 @@ contains
       factor(b:last) = coarse*fine(:last - b)
     end do
   end function powers
+
+  pure subroutine find_moments(samples, references, blocks)
+    !! Find the moments of blocks of uneven samples, if these are long: they stand for the samples in sums of any exponential that
+    !! turns little against one of the references within a block.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: references(:)
+    type(blocks_type), intent(inout) :: blocks
+    integer, parameter :: highest = series + 8
+    real(dp), allocatable :: along(:), across(:), u(:)
+    real(dp) :: centre
+    integer :: b, g, p
+    associate (count => size(blocks%first) - 1)
+      if (samples%count < fewest*count) return
+      blocks%reference = references
+      allocate (blocks%middle(count), blocks%moment(0:highest, count, size(references)))
+    end associate
+    centre = centre_of(samples)
+    blocks%reach = 0
+    do b = 1, size(blocks%middle)
+      associate (place => samples%place(blocks%first(b):blocks%first(b + 1) - 1))
+        blocks%middle(b) = (place(1) + place(size(place)))/(2*centre) - 1
+        u = place/centre - 1 - blocks%middle(b)
+        blocks%reach = max(blocks%reach, u(size(u)))
+        do g = 1, size(references)
+          if (allocated(along)) deallocate (along, across)
+          allocate (along(size(u)), across(size(u)))
+          call find_wave(place, centre, 0.0_dp, references(g), [complex(dp) ::], along, across)
+          do p = 0, highest
+            blocks%moment(p, b, g) = cmplx(sum(along), sum(across), dp)
+            along = along*u
+            across = across*u
+          end do
+        end do
+      end associate
+    end do
+  end subroutine find_moments
+
+  pure function part_of(blocks, low, high) result(part)
+    !! Some of the blocks.
+    type(blocks_type), intent(in) :: blocks
+    integer, intent(in) :: low, high         !! the first and the last
+    type(blocks_type) :: part
+    part%first = blocks%first(low:high + 1)
+    if (.not. allocated(blocks%reference)) return
+    part%reference = blocks%reference
+    part%reach = blocks%reach
+    part%middle = blocks%middle(low:high)
+    part%moment = blocks%moment(:, low:high, :)
+  end function part_of
+
+  pure function sums_of_moments(blocks, g, centre, decay, frequency, order, bend) result(sums)
+    !! Block by block, where an exponential turns little against a reference.
+    type(blocks_type), intent(in) :: blocks
+    integer, intent(in) :: g                 !! which
+    real(dp), intent(in) :: centre           !! τ_c
+    real(dp), intent(in) :: decay, frequency
+    integer, intent(in) :: order
+    complex(dp), intent(in) :: bend(2:)
+    complex(dp) :: sums(size(blocks%first) - 1, 0:order), rate
+    integer :: b
+    rate = cmplx(-decay, 2*pi*(frequency - blocks%reference(g)), dp)*centre
+    do b = 1, size(sums, 1)
+      associate (u => blocks%middle(b))
+        sums(b, :) = exp(rate*(u + 1) + 2*min(decay, 0.0_dp)*centre)*bent_factor(bend, u)* &
+          & shifted(bent(blocks%moment(:, b, g), bend, u, order, rate), u)
+      end associate
+    end do
+  end function sums_of_moments
 
   pure function uneven_sums(samples, blocks, decay, frequency, order, bend) result(sums)
     !! Sample by sample.
