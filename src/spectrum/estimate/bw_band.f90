@@ -10,10 +10,10 @@ module bw_band
   !!
   !! Where a record holds no noise but other lines, a few bins of the tapered transform serve instead: they tell less of a line,
   !! and nothing of lines in other bins.
+  use bw_block_sums, only: block_sums, blocks_type, even_blocks, find_moments, part_of
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
-  use bw_samples, only: block_sums, blocks_type, centre_of, even_blocks, find_moments, find_wave, part_of, phase_factor, &
-    & samples_type, span_of
+  use bw_samples, only: centre_of, find_wave, phase_factor, samples_type, span_of
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
   private

@@ -4,10 +4,10 @@ module bw_damped_line
   !! A frequency is kept as two numbers, the second below the rounding of the first, so that the phase at a record's end loses
   !! nothing to the number of periods before it.
   use bw_kinds, only: dp
-  use bw_samples, only: bent_factor, bent_series, grain, phase_factor
+  use bw_samples, only: bent_factor, bent_series, centre_of, find_wave, grain, phase_factor, samples_type
   implicit none (type, external)
   private
-  public :: bend_reach, cancels, line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
+  public :: add_uneven, bend_reach, cancels, line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
 
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
   real(dp), parameter :: most_cancelled = 30     !! amplitude, of the record's highest sample: equal lines 1/200 bin apart
@@ -142,6 +142,33 @@ contains
       end do
     end do
   end subroutine subtract_lines
+
+  pure subroutine add_uneven(samples, lines, first, factor, value)
+    !! Add the motion of lines at uneven times, times a factor, to values of some sensors. Sections of the record are short enough for a
+    !! processor to have them at hand.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    integer, intent(in) :: first                 !! of the sensors
+    real(dp), intent(in) :: factor
+    real(dp), intent(inout) :: value(:, :)       !! (N, sensors)
+    real(dp), dimension(table) :: along, across
+    real(dp) :: centre
+    integer :: n, last, length, k, s
+    centre = centre_of(samples)
+    do n = 1, samples%count, table
+      last = min(n + table - 1, samples%count)
+      length = last - n + 1
+      do k = 1, size(lines)
+        call find_wave(samples%place(n:last), centre, lines(k)%decay, lines(k)%frequency, lines(k)%bend(:lines(k)%powers), &
+          & along(:length), across(:length))
+        do s = 1, size(value, 2)
+          associate (a => factor*lines(k)%amplitude(first + s - 1))
+            value(n:last, s) = value(n:last, s) + (a%re*along(:length) - a%im*across(:length))
+          end associate
+        end do
+      end do
+    end do
+  end subroutine add_uneven
 
   pure function bent_tone(line, start, length, count) result(factor)
     !! The factors of a line's bend at some of the even samples.

@@ -3,12 +3,12 @@ module bw_line_bands
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
   use bw_band, only: band_around, band_type, fill_bands, uneven_rows
   use bw_band_fit, only: damped_line, excess, fit_band, fit_type, image_of, still_image
-  use bw_damped_line, only: bend_reach
+  use bw_damped_line, only: add_uneven, bend_reach
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots
   use bw_order, only: ascending
-  use bw_samples, only: centre_of, find_wave, samples_type, span_of
+  use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
   public :: own_rows, prepare_bands, refine
@@ -203,8 +203,15 @@ contains
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: still(:, :)
     type(line_band), intent(in) :: band
-    real(dp), allocatable :: rows(:, :)
+    real(dp), allocatable :: rows(:, :), left(:, :)
     integer :: k
+    if (allocated(samples%place)) then         ! a line far from a band takes two sums of all samples there
+      left = samples%value(:samples%count, :)
+      call add_motion(samples, pack(lines, [(all(band%member /= k), k=1, size(lines))]), &
+        & merge(0.0_dp, still, band%with_still), -1.0_dp, left)
+      rows = rows_of_values(samples, band%band, left)
+      return
+    end if
     rows = band%band%rows
     if (.not. band%with_still) rows = rows - still_image(samples, band%band, still)
     do k = 1, size(lines)
@@ -237,18 +244,12 @@ contains
     real(dp), intent(in) :: still(:, :)
     real(dp), intent(in) :: factor
     real(dp), intent(inout) :: value(:, :)     !! (N, S)
-    real(dp), dimension(samples%count) :: along, across
-    integer :: k, s
+    integer :: s
     do s = 1, size(value, 2)
+      if (.not. any(abs(still(:, s)) > 0)) cycle
       value(:, s) = value(:, s) + factor*(still(1, s) + still(2, s)*(samples%place(:samples%count)/centre_of(samples) - 1))
     end do
-    do k = 1, size(lines)
-      call find_wave(samples%place(:samples%count), centre_of(samples), lines(k)%decay, lines(k)%frequency, &
-        & lines(k)%bend(:lines(k)%powers), along, across)
-      do s = 1, size(value, 2)
-        value(:, s) = value(:, s) + factor*(lines(k)%amplitude(s)%re*along - lines(k)%amplitude(s)%im*across)
-      end do
-    end do
+    call add_uneven(samples, lines, 1, factor, value)
   end subroutine add_motion
 
   subroutine refine(samples, noise, bands, lines, still, monitor, work)

@@ -4,10 +4,10 @@ module bw_remainder
   !! All sensors share decays and frequencies. Of even samples each line is tabulated once for all of them: over one block of samples,
   !! and where each block starts. A sensor's amplitudes turn that into the product of two small matrices, and no error builds up
   !! along the record. Lines that drift, and uneven samples, are taken out one by one.
-  use bw_damped_line, only: damped_line, subtract_lines
+  use bw_damped_line, only: add_uneven, damped_line, subtract_lines
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm
-  use bw_samples, only: centre_of, find_wave, phase_factor, samples_type
+  use bw_samples, only: centre_of, phase_factor, samples_type
   implicit none (type, external)
   private
   public :: find_remainder, tabulated
@@ -60,6 +60,7 @@ contains
     type(motion_type), intent(in) :: motion      !! as `tabulated` made it of these samples
     integer, intent(in) :: s
     real(dp), allocatable, intent(inout) :: left(:)
+    real(dp), allocatable :: uneven(:, :)
     real(dp) :: centre, offset, slope
     integer :: n
     if (allocated(left)) then
@@ -68,10 +69,10 @@ contains
     if (.not. allocated(left)) allocate (left(samples%count))
     centre = centre_of(samples)
     if (allocated(samples%place)) then
-      do n = 1, samples%count
-        left(n) = samples%value(n, s) - motion%still(1, s) - motion%still(2, s)*(samples%place(n)/centre - 1)
-      end do
-      call take_out_uneven(samples, motion%others, s, left)
+      uneven = reshape(samples%value(:samples%count, s) - motion%still(1, s) &
+        & - motion%still(2, s)*(samples%place(:samples%count)/centre - 1), [samples%count, 1])
+      call add_uneven(samples, motion%others, s, -1.0_dp, uneven)
+      left = uneven(:, 1)
     else
       slope = motion%still(2, s)/centre
       offset = motion%still(1, s) - motion%still(2, s)
@@ -107,20 +108,5 @@ contains
         & left(whole*block + 1:), rest)
     end associate
   end subroutine take_out_steady
-
-  pure subroutine take_out_uneven(samples, lines, s, left)
-    !! Take lines out of the uneven samples of a sensor.
-    type(samples_type), intent(in) :: samples
-    type(damped_line), intent(in) :: lines(:)
-    integer, intent(in) :: s
-    real(dp), intent(inout) :: left(:)
-    real(dp), dimension(size(left)) :: along, across
-    integer :: k
-    do k = 1, size(lines)
-      call find_wave(samples%place(:size(left)), centre_of(samples), lines(k)%decay, lines(k)%frequency, &
-        & lines(k)%bend(:lines(k)%powers), along, across)
-      left = left - (lines(k)%amplitude(s)%re*along - lines(k)%amplitude(s)%im*across)
-    end do
-  end subroutine take_out_uneven
 
 end module bw_remainder

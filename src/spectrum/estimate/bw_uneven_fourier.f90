@@ -20,18 +20,22 @@ contains
     integer, intent(in) :: length              !! M, even
     type(real_fourier), intent(inout) :: plan
     complex(dp), intent(out) :: spectrum(0:)   !! (0:M/2)
-    real(dp) :: width, away
+    real(dp) :: width, away, first, ratio, fixed(-reach:reach)
     integer :: n, l, nearest
     width = pi*reach/(real(length, dp)**2*3)
+    fixed = [(exp(-(pi*l/length)**2/(4*width)), l=-reach, reach)]
     call plan%prepare(2*length)
     plan%samples = 0
     do n = 1, size(place)
       nearest = nint(2*place(n))
-      do l = nearest - reach, nearest + reach
-        away = pi*(2*place(n) - l)/length
-        associate (cell => plan%samples(modulo(l, 2*length) + 1))
-          cell = cell + value(n)*exp(-away**2/(4*width))
+      away = pi*(2*place(n) - nearest)/length  ! e^(−(a − bl)²) = e^(−a²) (e^(2ab))^l e^(−b²l²)
+      ratio = exp(pi*away/(2*length*width))
+      first = value(n)*exp(-away**2/(4*width))*ratio**(-reach)
+      do l = -reach, reach
+        associate (cell => plan%samples(modulo(nearest + l, 2*length) + 1))
+          cell = cell + first*fixed(l)
         end associate
+        first = first*ratio
       end do
     end do
     call plan%transform()
