@@ -177,11 +177,10 @@ contains
     do b = 1, size(blocks%middle)
       associate (place => samples%place(blocks%first(b):blocks%first(b + 1) - 1))
         blocks%middle(b) = (place(1) + place(size(place)))/(2*centre) - 1
-        u = place/centre - 1 - blocks%middle(b)
+        allocate (along(size(place)), across(size(place)), u(size(place)))
+        u(:) = place/centre - 1 - blocks%middle(b)
         blocks%reach = max(blocks%reach, u(size(u)))
         do g = 1, size(references)
-          if (allocated(along)) deallocate (along, across)
-          allocate (along(size(u)), across(size(u)))
           call find_wave(place, centre, 0.0_dp, references(g), [complex(dp) ::], along, across)
           do p = 0, highest
             blocks%moment(p, b, g) = cmplx(sum(along), sum(across), dp)
@@ -189,6 +188,7 @@ contains
             across = across*u
           end do
         end do
+        deallocate (along, across, u)
       end associate
     end do
   end subroutine find_moments

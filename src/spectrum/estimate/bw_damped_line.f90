@@ -7,8 +7,11 @@ module bw_damped_line
   use bw_samples, only: bent_factor, bent_series, centre_of, find_wave, grain, phase_factor, samples_type
   implicit none (type, external)
   private
-  public :: add_uneven, bend_reach, cancels, line_in_record, move_line, place_in_bins, position_of, strength_of, subtract_lines
+  public :: add_uneven, bend_reach, cancels, line_in_record, move_line, overlap, place_in_bins, position_of, strength_of
+  public :: subtract_lines
 
+  real(dp), parameter :: pi = acos(-1.0_dp)
+  real(dp), parameter, public :: same_peak = 1.5_dp  !! bins from a line, where it is tried as two before a further one is
   integer, parameter :: table = 256              !! samples between two turns of a line's coefficient
   real(dp), parameter :: most_cancelled = 30     !! amplitude, of the record's highest sample: equal lines 1/200 bin apart
   real(dp), parameter :: gone = 5                !! e-folds below its largest amplitude, where a line that drifts has ended
@@ -106,6 +109,13 @@ contains
     real(dp), intent(in) :: highest              !! of the samples, as the length of a vector of all sensors
     cancels = strength_of(line)*abs(bent_factor(line%bend(:line%powers), sign(1.0_dp, -line%decay))) > most_cancelled*highest
   end function cancels
+
+  elemental logical function overlap(line, other, span)
+    !! Whether two lines share a peak: they are within a bin and a half, or within half their widths at half their power.
+    type(damped_line), intent(in) :: line, other
+    real(dp), intent(in) :: span                 !! of the record, in steps
+    overlap = abs(line%frequency - other%frequency) < same_peak/span + (abs(line%decay) + abs(other%decay))/(2*pi)
+  end function overlap
 
   elemental real(dp) function strength_of(line) result(strength)
     !! The amplitudes of all sensors together; it is never 0.

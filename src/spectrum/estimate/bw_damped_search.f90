@@ -1,10 +1,10 @@
 module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_close_pair, only: split_lines
-  use bw_damped_line, only: damped_line
+  use bw_damped_line, only: damped_line, same_peak
   use bw_filter_renewal, only: filters_lines, take_filter_off
   use bw_fourier, only: real_fourier
-  use bw_found_lines, only: beside_drift, far_above, found_lines, not_needed, rejected_line, same_peak
+  use bw_found_lines, only: beside_drift, far_above, found_lines, not_needed, rejected_line
   use bw_joined_lines, only: join_lines
   use bw_kinds, only: dp
   use bw_line_bands, only: prepare_bands, refine

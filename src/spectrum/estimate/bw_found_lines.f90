@@ -10,7 +10,6 @@ module bw_found_lines
   private
 
   real(dp), parameter, public :: far_above = 4     !! times the threshold, what no colour of the noise does
-  real(dp), parameter, public :: same_peak = 1.5_dp  !! bins from a line, where it is tried as two before a further one is
   real(dp), parameter, public :: drift_reach = 3   !! bins; the ordinates of a drift are below half of what it gains
 
   integer, parameter, public :: not_needed = 1, too_broad = 2, beside_drift = 3, uncertain = 4, &

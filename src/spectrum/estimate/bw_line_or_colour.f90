@@ -4,7 +4,7 @@ module bw_line_or_colour
   !! Where the spectrum of the noise is steep its level is known badly, and a line that is taken out of the record takes the colour
   !! beside it along. So the noise is judged twice, with the line left in and taken out, each time with an autoregression of its own
   !! order: the logarithm of the ratio of their likelihoods is what the line pays.
-  use bw_damped_line, only: damped_line, subtract_lines
+  use bw_damped_line, only: damped_line, overlap, subtract_lines
   use bw_kinds, only: dp
   use bw_order, only: ascending
   use bw_samples, only: samples_type
@@ -21,7 +21,8 @@ contains
 
   function are_lines(samples, lines, pays, threshold) result(stays)
     !! Whether each of the lines of even samples pays more than the threshold. Those that pay enough by the level of the noise are
-    !! taken out at once, and the others, while they pay, one after the other, the one that pays most first. How well the level is
+    !! taken out at once, and the others, while they pay, one after the other, the one that pays most first; but lines that share a
+    !! peak are taken out together if they pay so, for one of two whose motions cancel leaves more than both. How well the level is
     !! known is asked of the colour without the line: left in, a line draws a resonance to it, whose level few ordinates tell.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
@@ -32,7 +33,9 @@ contains
     real(dp), dimension(size(samples%value, 2)) :: cost, cost_without
     type(whitening_type), dimension(size(samples%value, 2)) :: colour, colour_without
     real(dp) :: freedom
-    integer :: order(size(lines)), i, s
+    logical :: tried(size(lines))
+    integer :: order(size(lines)), i, k, s
+    integer, allocatable :: peak(:)
     stays = pays > without_doubt*threshold
     if (all(stays)) return
     left = samples%value(:samples%count, :)
@@ -41,21 +44,37 @@ contains
       call judge_noise(without_trend(left(:, s)), colour(s), cost(s))
     end do
     order = ascending(-pays)
+    tried = stays
     do i = count(stays) + 1, size(lines)
-      associate (k => order(i))
-        without = left
-        do s = 1, size(left, 2)
-          call subtract_lines(lines(k:k), s, without(:, s))
-          call judge_noise(without_trend(without(:, s)), colour_without(s), cost_without(s))
-        end do
-        freedom = minval([(freedom_of_level(colour_without(s), lines(k)%frequency, samples%count), s=1, size(colour))])
-        stays(k) = sum(cost - cost_without)/2 > threshold*(1 + min(most_raised, raised/freedom))
-        if (.not. stays(k)) cycle
-        left = without
-        cost = cost_without
-        colour = colour_without
-      end associate
+      if (tried(order(i))) cycle
+      peak = pack([(k, k=1, size(lines))], .not. tried .and. overlap(lines, lines(order(i)), real(samples%count, dp)))
+      tried(peak) = .true.
+      call try(peak)
+      if (stays(peak(1)) .or. size(peak) == 1) cycle
+      peak = pack(order, [(any(peak == order(k)), k=1, size(lines))])
+      do k = 1, size(peak)
+        call try(peak(k:k))
+      end do
     end do
+
+  contains
+
+    subroutine try(member)
+      !! Take lines out if all of them together pay.
+      integer, intent(in) :: member(:)
+      without = left
+      do s = 1, size(left, 2)
+        call subtract_lines(lines(member), s, without(:, s))
+        call judge_noise(without_trend(without(:, s)), colour_without(s), cost_without(s))
+      end do
+      freedom = minval([(freedom_of_level(colour_without(s), lines(member(1))%frequency, samples%count), s=1, size(colour))])
+      if (sum(cost - cost_without)/2 <= size(member)*threshold*(1 + min(most_raised, raised/freedom))) return
+      stays(member) = .true.
+      left = without
+      cost = cost_without
+      colour = colour_without
+    end subroutine try
+
   end function are_lines
 
   pure function without_trend(value) result(left)

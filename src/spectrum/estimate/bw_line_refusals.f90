@@ -1,10 +1,10 @@
 module bw_line_refusals
   !! Lines that are none: not needed, too broad, taken astray by a fit, uncertain, or explained by the colour of the noise.
   use bw_band_fit, only: reduce, reduced_type, widest_drift
-  use bw_damped_line, only: bend_reach, cancels, damped_line, strength_of
+  use bw_damped_line, only: bend_reach, cancels, damped_line, overlap, same_peak, strength_of
   use bw_filter_renewal, only: unfiltered_lines
   use bw_found_lines, only: beside_drift, drift_reach, far_above, found_lines, noise_colour, not_needed, rejected_line, &
-    & same_peak, too_broad, uncertain
+    & too_broad, uncertain
   use bw_kinds, only: dp
   use bw_line_bands, only: own_rows
   use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
@@ -135,7 +135,7 @@ contains
   end function ordinate_at
 
   subroutine drop_uncertain(samples, found, changed)
-    !! Leave out lines by themselves that the record does not determine: at no sensor is the amplitude, where it is largest, above
+    !! Leave out lines that share no peak and that the record does not determine: at no sensor is the amplitude, where it is largest, above
     !! its own interval, or the frequency's interval is as wide as the frequency, or wider than the line, or a drift takes it to
     !! 0 or to half the sampling rate. They are not tried again.
     type(samples_type), intent(in) :: samples
@@ -153,7 +153,7 @@ contains
           & band%with_still), 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
         do j = 1, size(own)
           if (own(j)%frequency*span > same_peak .and. &
-            & count(abs(own%frequency - own(j)%frequency)*span < same_peak) > 1) cycle
+            & count(overlap(own, own(j), span)) > 1) cycle
           if (.not. stands_out(errors, own(j), j)) reason(band%member(j)) = uncertain
           if (leaves(samples, own(j))) reason(band%member(j)) = uncertain
           if (own(j)%frequency*span < 1) cycle
