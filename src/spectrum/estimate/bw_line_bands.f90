@@ -209,7 +209,7 @@ contains
       left = samples%value(:samples%count, :)
       call add_motion(samples, pack(lines, [(all(band%member /= k), k=1, size(lines))]), &
         & merge(0.0_dp, still, band%with_still), -1.0_dp, left)
-      rows = rows_of_values(samples, band%band, left)
+      rows = uneven_rows(samples, band%band, left)
       return
     end if
     rows = band%band%rows
