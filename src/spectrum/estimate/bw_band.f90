@@ -130,7 +130,19 @@ contains
   end function rows_of
 
   pure subroutine fill_bands(samples, bands)
-    !! Give bands their rows. A long record is read once for all of them, stretch by stretch.
+    !! Give bands their rows.
+    type(samples_type), intent(in) :: samples
+    type(band_type), intent(inout) :: bands(:)
+    integer :: i
+    if (.not. allocated(samples%place)) call fill_evenly(samples, bands)
+    if (.not. allocated(samples%place)) return
+    do i = 1, size(bands)
+      bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
+    end do
+  end subroutine fill_bands
+
+  pure subroutine fill_evenly(samples, bands)
+    !! Give bands their rows of even samples. A long record is read once for all of them, stretch by stretch.
     type(samples_type), intent(in) :: samples
     type(band_type), intent(inout) :: bands(:)
     type :: sums_type
@@ -140,20 +152,13 @@ contains
       integer :: next = 1                    !! block
     end type sums_type
     type(sums_type) :: work(size(bands))
-    complex(dp), allocatable :: wave(:)
     integer :: i, n, s, first
-    if (allocated(samples%place)) then
-      do i = 1, size(bands)
-        bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
-      end do
-      return
-    end if
     do i = 1, size(bands)
       associate (band => bands(i), own => work(i))
         allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
-        wave = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
-        own%re = wave%re
-        own%im = wave%im
+        allocate (own%re(longest_block(band%blocks)), own%im(longest_block(band%blocks)))
+        own%re(:) = real(phase_factor(-band%centre, [(n, n=0, size(own%re) - 1)]), dp)
+        own%im(:) = aimag(phase_factor(-band%centre, [(n, n=0, size(own%im) - 1)]))
         own%turn = phase_factor(-band%centre, band%blocks%first(:size(band%turn)) - 1)
       end associate
     end do
@@ -171,7 +176,7 @@ contains
         bands(i)%rows(:, s) = rows_of(bands(i), work(i)%sums)
       end do
     end do
-  end subroutine fill_bands
+  end subroutine fill_evenly
 
   pure subroutine add_blocks(samples, s, last, band, re, im, sums, next)
     !! Sum one sensor's samples, turned by the band's centre, over each block that starts before sample `last`.
