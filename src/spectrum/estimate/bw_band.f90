@@ -138,14 +138,13 @@ contains
       integer :: next = 1                    !! block
     end type sums_type
     type(sums_type) :: work(size(bands))
-    complex(dp), allocatable :: wave(:)
     integer :: i, n, s, first
     do i = 1, size(bands)
       associate (band => bands(i), own => work(i))
         allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
-        wave = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
-        own%re = wave%re
-        own%im = wave%im
+        own%turn = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
+        own%re = own%turn%re
+        own%im = own%turn%im
         own%turn = phase_factor(-band%centre, band%blocks%first(:size(band%turn)) - 1)
       end associate
     end do
