@@ -156,9 +156,9 @@ contains
     do i = 1, size(bands)
       associate (band => bands(i), own => work(i))
         allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
-        allocate (own%re(longest_block(band%blocks)), own%im(longest_block(band%blocks)))
-        own%re(:) = real(phase_factor(-band%centre, [(n, n=0, size(own%re) - 1)]), dp)
-        own%im(:) = aimag(phase_factor(-band%centre, [(n, n=0, size(own%im) - 1)]))
+        own%turn = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
+        own%re = own%turn%re
+        own%im = own%turn%im
         own%turn = phase_factor(-band%centre, band%blocks%first(:size(band%turn)) - 1)
       end associate
     end do

@@ -144,7 +144,7 @@ contains
       deallocate (columns)
     end do
     if (with_still) matrix(:, reduced%linear - 1:reduced%linear) = still_columns(samples, band)
-    reduced%length = norm2(matrix, dim=1)
+    reduced%length = [(length_of(matrix(:, k)), k=1, n)]
     where (reduced%length <= 0) reduced%length = 1
     do k = 1, n
       matrix(:, k) = matrix(:, k)/reduced%length(k)
@@ -170,6 +170,13 @@ contains
       reduced%linear_part(k, :) = reduced%linear_part(k, :)/reduced%length(k)
     end do
   end function reduce
+
+  pure real(dp) function length_of(column) result(length)
+    !! Of a vector. Where squares may have been lost or have overflowed, by the slower way that avoids them.
+    real(dp), contiguous, intent(in) :: column(:)
+    length = sqrt(dot_product(column, column))
+    if (.not. (length > 1.0e-140_dp .and. length < 1.0e140_dp)) length = norm2(column)
+  end function length_of
 
   pure function solved(triangle, right) result(x)
     !! R⁻¹ of the right sides; what R does not determine is 0.

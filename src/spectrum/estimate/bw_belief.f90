@@ -86,7 +86,7 @@ contains
         if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
         line%decay_error = quantile*line%decay_bound
         line%frequency_error = quantile*line%frequency_bound
-        if (oscillates) then
+        if (oscillates .and. found%at_rest) then  ! elsewhere the squares that are left tell nothing of noise
           width = profile_widths(samples, band, rows, errors%weight, own, j, deviation, quantile)
           line%decay_error = width(1)/half
           line%frequency_error = width(2)/(2*pi*half)

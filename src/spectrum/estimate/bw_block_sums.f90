@@ -77,8 +77,8 @@ contains
     complex(dp), intent(in) :: bend(2:)
     complex(dp) :: sums(size(blocks%first) - 1, 0:order)
     complex(dp) :: factor(size(blocks%first) - 1), moment(0:order + merge(series, 0, size(bend) > 0))
-    real(dp) :: centre, u
-    integer :: b, length, start
+    real(dp) :: centre, u(size(blocks%first) - 1)
+    integer :: b, j, m, length, start
     centre = max(count - 1, 1)/2.0_dp
     start = blocks%first(1) - 1
     length = blocks%first(2) - blocks%first(1)
@@ -89,17 +89,26 @@ contains
       factor = powers(decay, frequency, length, size(factor))*exp(-decay*start)*phase_factor(frequency, start)
     end if
     moment = moments(decay, frequency, length, centre, ubound(moment, 1))
+    u = [((blocks%first(b) - 1 - centre)/centre, b=1, size(u))]
+    do m = 0, order
+      sums(:, m) = moment(m)
+    end do
     do b = 1, size(sums, 1)
+      if (size(bend) == 0 .and. b < size(sums, 1)) cycle
       if (length /= blocks%first(b + 1) - blocks%first(b)) then
         length = blocks%first(b + 1) - blocks%first(b)
         moment = moments(decay, frequency, length, centre, ubound(moment, 1))
       end if
-      u = (blocks%first(b) - 1 - centre)/centre
-      if (size(bend) > 0) then
-        sums(b, :) = factor(b)*bent_factor(bend, u)*shifted(bent(moment, bend, u, order), u)
-      else
-        sums(b, :) = factor(b)*shifted(moment, u)
-      end if
+      sums(b, :) = moment(:order)
+      if (size(bend) > 0) sums(b, :) = bent_factor(bend, u(b))*bent(moment, bend, u(b), order)
+    end do
+    do m = 1, order                            ! about the record's middle, by the binomial theorem
+      do j = order, m, -1
+        sums(:, j) = sums(:, j) + u*sums(:, j - 1)
+      end do
+    end do
+    do m = 0, order
+      sums(:, m) = factor*sums(:, m)
     end do
   end function even_sums
 

@@ -29,6 +29,9 @@ module bw_damped_search
   integer, parameter :: most_last = 8            !! rounds of refusals after these
   integer, parameter :: most_idle = 3            !! rounds of drifts and pairs, after each of which as much is left as before
   real(dp), parameter :: no_gain = 0.999_dp      !! of what was left
+  integer, parameter :: most_stuck = 4           !! rounds in which far more is left than noise, and as much as before
+  real(dp), parameter :: some_gain = 0.95_dp     !! of what was left
+  real(dp), parameter :: far_from_noise = 100    !! times the threshold
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
   integer, parameter :: most_lines = 200
   real(dp), parameter :: most_fitted = 0.7_dp    !! unknowns for each sample
@@ -38,8 +41,8 @@ contains
   subroutine find_damped_lines(samples, false_alarm, found, monitor)
     !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`. Where the noise of
     !! even samples is coloured they are whitened in their memory, and searched once more; where it was lines that made the filter,
-    !! all is done again from the lines that are known now. Of samples that are known to be pure there are the lines and what they
-    !! leave, and nothing else.
+    !! all is done again from the lines that are known now. What a search leaves that is given up is no noise, and makes no filter.
+    !! Of samples that are known to be pure there are the lines and what they leave, and nothing else.
     type(samples_type), intent(inout) :: samples
     real(dp), intent(in) :: false_alarm
     type(found_lines), intent(out) :: found    !! of no use where the monitor stops
@@ -59,7 +62,7 @@ contains
       call settle(samples, found)
       call search(samples, false_alarm, plan, found, monitor)
       found%deviation = found%ordinates%deviation
-      if (allocated(samples%place)) return
+      if (allocated(samples%place) .or. .not. found%at_rest) return
       if (stops(monitor)) return
       if (samples%count <= longest) then
         raw = samples
@@ -83,7 +86,7 @@ contains
         call settle(samples, found)
         call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       end if
-      if (pass == most_filters) return
+      if (pass == most_filters .or. .not. found%at_rest) return
       if (.not. filters_lines(raw, found)) return
       samples = raw
       call take_filter_off(found)
@@ -117,28 +120,48 @@ contains
   end subroutine take_if_pure
 
   subroutine search(samples, false_alarm, plan, found, monitor)
-    !! Take up peaks, lines that drift and two lines for one, and leave lines out again, until nothing changes. The search for
-    !! short lines is the dearest, and is not repeated for what a further fit of the same lines leaves.
+    !! Take up peaks, lines that drift and two lines for one, and leave lines out again, until nothing changes, or until far more
+    !! is left than noise and further lines do not describe it. The search for short lines is the dearest, and is not repeated for
+    !! what a further fit of the same lines leaves.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: false_alarm
     type(real_fourier), intent(inout) :: plan
     type(found_lines), intent(inout) :: found
     class(monitor_type), intent(inout), optional :: monitor
     type(ordinates_type) :: tapered
-    real(dp) :: threshold, before
-    integer :: round, known, idle
+    type(damped_line), allocatable :: kept_lines(:)  !! that left least
+    real(dp), allocatable :: kept_still(:, :)
+    real(dp) :: threshold, before, best, least
+    integer :: round, known, idle, stuck
     logical :: changed, better, astray, cancels
     logical :: searched                        !! no short line was found, and no line has been changed but by a fit since
     before = huge(1.0_dp)
+    best = before
+    least = before
     idle = 0
+    stuck = 0
     searched = .false.
     found%highest = highest_of(samples)
-    found%work = 0
+    kept_lines = found%lines
+    kept_still = found%still
+    changed = .true.
     do round = 1, most_rounds
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
       known = size(found%lines)
       if (norm2(found%ordinates%deviation) < no_gain*before) idle = 0
+      stuck = stuck + 1
+      if (norm2(found%ordinates%deviation) < some_gain*best .or. maxval(tapered%total) < far_from_noise*threshold) then
+        stuck = 0
+        best = norm2(found%ordinates%deviation)
+      end if
+      found%at_rest = stuck <= most_stuck .and. found%work < least_allowed + most_work*samples%count*size(samples%value, 2)
+      if (.not. found%at_rest) exit
+      if (norm2(found%ordinates%deviation) < least) then
+        least = norm2(found%ordinates%deviation)
+        kept_lines = found%lines
+        kept_still = found%still
+      end if
       call change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
       better = norm2(found%ordinates%deviation) < no_better*before
       before = norm2(found%ordinates%deviation)
@@ -155,9 +178,13 @@ contains
       call drop_cancelling(samples, found, cancels)
       if (cancels) call settle(samples, found, monitor)
       searched = searched .and. .not. (changed .or. astray .or. cancels)
-      if (found%work > least_allowed + most_work*samples%count*size(samples%value, 2)) exit
     end do
     if (stops(monitor)) return
+    if (.not. found%at_rest) then              ! a fit may have led astray since
+      found%lines = kept_lines
+      found%still = kept_still
+      call settle(samples, found, monitor)
+    end if
     if (changed) call conclude(samples, false_alarm, plan, found, monitor)
   end subroutine search
 

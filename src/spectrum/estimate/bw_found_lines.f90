@@ -30,7 +30,8 @@ module bw_found_lines
     real(dp), allocatable :: still(:, :)         !! offset and slope over half the record, about its middle, (2, S)
     type(line_band), allocatable :: bands(:)
     real(dp) :: highest = huge(1.0_dp)           !! sample, as the length of a vector of all sensors
-    real(dp) :: work = 0                         !! numbers of lines' images that a search has computed
+    real(dp) :: work = 0                         !! numbers of lines' images that have been computed
+    logical :: at_rest = .true.                  !! .false.: the search was given up: what is left is more than noise
     type(ordinates_type) :: ordinates            !! what the lines leave
     type(rejected_line), allocatable :: rejected(:)
     type(whitening_type), allocatable :: whitening(:)  !! what the samples, and with them the amplitudes, went through, (S)

@@ -41,7 +41,7 @@ contains
     broad = abs(found%lines%decay) > pi*window_width(span_of(samples)/2)/(2*span_of(samples))
     gone = abs(found%lines%decay) > shortest_life
     if (.not. any(broad .or. gone)) return
-    pays = pays_of(samples, found)
+    pays = pays_of(samples, found, broad .or. gone)
     gone = gone .or. (broad .and. pays < far_above*threshold)
     call reject(merge(too_broad, 0, gone), pays, found, changed)
   end subroutine drop_broad
@@ -53,7 +53,9 @@ contains
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed
     real(dp) :: pays(size(found%lines))
-    pays = pays_of(samples, found)
+    logical :: all_lines(size(found%lines))
+    all_lines = .true.
+    pays = pays_of(samples, found, all_lines)
     call reject(merge(not_needed, 0, pays <= kept*threshold), pays, found, changed)
   end subroutine drop_needless
 
@@ -93,7 +95,7 @@ contains
       exit
     end do
     changed = any(reason > 0)
-    if (changed) call reject(reason, pays_of(samples, found), found, changed)
+    if (changed) call reject(reason, pays_of(samples, found, reason > 0), found, changed)
   end subroutine drop_cancelling
 
   subroutine drop_beside_drift(samples, found, changed)
@@ -124,7 +126,7 @@ contains
       end do
     end associate
     changed = any(reason > 0)
-    if (changed) call reject(reason, pays_of(samples, found), found, changed)
+    if (changed) call reject(reason, pays_of(samples, found, reason > 0), found, changed)
   end subroutine drop_beside_drift
 
   pure real(dp) function ordinate_at(ordinates, frequency)
@@ -163,7 +165,7 @@ contains
       end associate
     end do
     pays = 0
-    if (any(reason > 0)) pays = pays_of(samples, found)
+    if (any(reason > 0)) pays = pays_of(samples, found, reason > 0)
     call reject(reason, pays, found, changed)
   end subroutine drop_uncertain
 
@@ -206,7 +208,8 @@ contains
     logical :: stays(size(found%lines))
     real(dp) :: pays(size(found%lines))
     integer :: k
-    pays = pays_of(samples, found)
+    stays = .true.
+    pays = pays_of(samples, found, stays)
     lines = unfiltered_lines(found)
     stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
     dropped = .not. all(stays)
@@ -217,22 +220,25 @@ contains
     found%lines = pack(found%lines, stays)
   end subroutine drop_colour
 
-  function pays_of(samples, found) result(pays)
-    !! What each line takes off half the squares over the noise's level, beside the others of its band.
+  function pays_of(samples, found, asked) result(pays)
+    !! What each line that is asked for takes off half the squares over the noise's level, beside the others of its band.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(in) :: found
+    logical, intent(in) :: asked(:)
     real(dp) :: pays(size(found%lines))
     type(reduced_type) :: with, without
     real(dp), allocatable :: rows(:, :), weight(:)
     integer, allocatable :: others(:)
     integer :: i, j
+    pays = 0
     do i = 1, size(found%bands)
-      if (size(found%bands(i)%member) == 0) cycle
+      if (.not. any(asked(found%bands(i)%member))) cycle
       associate (band => found%bands(i))
         rows = own_rows(samples, found%lines, found%still, band)
         weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
         with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0*band%member)
         do j = 1, size(band%member)
+          if (.not. asked(band%member(j))) cycle
           others = pack(band%member, band%member /= band%member(j))
           without = reduce(samples, band%band, rows, found%lines(others), band%with_still, 0*others)
           pays(band%member(j)) = sum(weight*(without%left - with%left))/2

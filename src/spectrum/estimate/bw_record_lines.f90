@@ -58,6 +58,7 @@ module bw_record_lines
     real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
     real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
     integer :: left_out = 0                       !! weaker lines that are not among these
+    logical :: at_rest = .true.                   !! .false.: the search was given up where far more was left than noise
   end type record_lines
 
 contains
@@ -78,6 +79,7 @@ contains
     rate = 1/samples%step
     turn = two_pi/samples%step
     lines%left_out = size(believed) - size(chosen)
+    lines%at_rest = found%at_rest
     lines%angular_frequency = turn*believed(chosen)%frequency
     lines%angular_frequency_error = told(believed(chosen)%frequency_error, turn)
     lines%angular_frequency_bound = told(believed(chosen)%frequency_bound, turn)
