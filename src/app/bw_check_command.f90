@@ -17,7 +17,8 @@ module bw_check_command
   use bw_result_layout, only: result_layout, layout_of
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
-  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, record_seconds, scene_heading, scene_summary, working_bytes
+  use bw_scene_summary, only: bytes_text, cost_summary, disk_bytes, record_seconds, scene_heading, scene_summary, &
+    & unknowns_text, working_bytes
   use bw_scene_tally, only: scene_tally, warning_kinds
   use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: duration_text, terminal_progress, terminal_progress_to
@@ -151,30 +152,48 @@ contains
   end function expected_text
 
   subroutine check_records(scene, layout, text, notes, error)
-    !! Read every file of a record: what there is.
+    !! Read every file of a record, and those of the scenes that are fitted with it: what there is.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(inout) :: layout   !! gets what the files tell
     character(:), allocatable, intent(out) :: text, notes
     type(error_type), allocatable, intent(out) :: error
-    type(record_extent), allocatable :: extents(:)
-    type(record_type) :: record
     type(scene_type), allocatable :: further(:)
-    integer :: f, n
+    type(result_layout) :: beside
+    integer :: i
     text = ''
     notes = ''
-    call plan_record(scene, layout, extents, record, error)
+    call add_files(scene, layout, text, notes, error)
     if (.not. allocated(error)) call further_scenes(scene, further, error)
+    if (allocated(error)) return
+    notes = room_notes(scene, layout)//notes
+    do i = 1, size(further)
+      text = text//'  with       '//further(i)%file//new_line('a')//unknowns_text(further(i))
+      beside = layout_of(further(i))
+      call add_files(further(i), beside, text, notes, error)
+      if (allocated(error)) return
+    end do
+  end subroutine check_records
+
+  subroutine add_files(scene, layout, text, notes, error)
+    !! Say what the files of one record hold.
+    type(scene_type), intent(in) :: scene
+    type(result_layout), intent(inout) :: layout   !! gets what the files tell
+    character(:), allocatable, intent(inout) :: text, notes
+    type(error_type), allocatable, intent(out) :: error
+    type(record_extent), allocatable :: extents(:)
+    type(record_type) :: record
+    integer :: f, n
+    call plan_record(scene, layout, extents, record, error)
     if (allocated(error)) return
     do f = 1, size(extents)
       text = text//record_summary(extents(f))
-      if (f == 1) notes = room_notes(scene, layout)
       do n = 1, size(extents(f)%notes)
         notes = notes//extents(f)%notes(n)%text
         if (size(extents) > 1) notes = notes//' ('//extents(f)%path//')'
         notes = notes//new_line('a')
       end do
     end do
-  end subroutine check_records
+  end subroutine add_files
 
   subroutine plan_tolerance(scene, monitor, text, error)
     !! Say how many modes a tolerance takes; of a sweep, whose cases take different ones, nothing is said.

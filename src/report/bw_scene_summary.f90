@@ -15,7 +15,7 @@ module bw_scene_summary
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, bytes_text, cost_summary, disk_bytes, record_seconds, working_bytes
+  public :: scene_heading, scene_summary, unknowns_text, bytes_text, cost_summary, disk_bytes, record_seconds, working_bytes
 
 contains
 
@@ -50,26 +50,27 @@ contains
       call lines%append_line('  method     '//method_text(scene)//', '//modes_text(scene, layout))
     end if
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
-    call put_unknowns(scene, lines)
+    call lines%append(unknowns_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
     if (.not. allocated(scene%record)) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 
-  subroutine put_unknowns(scene, lines)
+  function unknowns_text(scene) result(text)
     !! A line for each number that is to be identified, with its range.
     type(scene_type), intent(in) :: scene
-    type(text_builder), intent(inout) :: lines
+    character(:), allocatable :: text
     integer :: i
+    text = ''
     if (.not. allocated(scene%unknowns)) return
     do i = 1, size(scene%unknowns)
       associate (unknown => scene%unknowns(i))
-        call lines%append('  unknown    '//unknown%parameter//', '//shortest(unknown%first, 6)//' to '//shortest(unknown%last, 6))
-        if (unknown%unit /= '1') call lines%append(' '//unknown%unit)
-        call lines%append_line('')
+        text = text//'  unknown    '//unknown%parameter//', '//shortest(unknown%first, 6)//' to '//shortest(unknown%last, 6)
+        if (unknown%unit /= '1') text = text//' '//unknown%unit
+        text = text//new_line('a')
       end associate
     end do
-  end subroutine put_unknowns
+  end function unknowns_text
 
   pure function method_text(scene) result(text)
     !! How modes are found; of a sweep in how many cases, where not all have the same method.

@@ -174,6 +174,17 @@ def test_a_further_scene_may_have_unknowns_of_its_own(here):
     assert float(lengths[-1].split("=")[1]) == found[2]
 
 
+def test_check_reads_the_records_of_further_scenes_too(here, together):
+    there, _ = together
+    said = there.beamwave("check", "loaded.nml").stdout
+    assert "with       ./alone.nml" in said and "alone.csv: 2048 samples" in said.split("with       ./alone.nml")[1]
+    here.write("loaded.csv", ring_down(2, frequencies(RATIO)))
+    here.write("loaded.nml", scene_of("loaded.csv", [UNKNOWN, MORE], body={"mass": 0.1, "position": 1.0}))
+    here.write("alone.nml", scene_of("nowhere.csv", beam={**BEAM, "youngs_modulus": 70e9}))
+    ended = here.beamwave("check", "loaded.nml")
+    assert ended.returncode == 3 and "nowhere.csv: cannot be read" in ended.stderr
+
+
 def test_a_second_run_has_nothing_to_do_until_a_further_record_is_another(together):
     here, _ = together
     again = here.beamwave("run", "loaded.nml")
