@@ -1,16 +1,18 @@
 module bw_scene_pieces
   !! The beam of a scene as uniform pieces with bodies and springs at their ends, without its tension and without dimensions:
-  !! lengths in l, times in l²/h, masses in m_i. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
+  !! lengths in l, times in l²/h, masses in m_i. Where tension leaves bending to thin layers these are pieces of their own. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, second_moment_of
   use bw_beam_units, only: beam_units
   use bw_body_par, only: body_par
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp, qp
   use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, uniform_piece, operator(==)
+  use bw_piece_tension, only: tension_in_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_shear_par, only: shear_par
   use bw_support_par, only: support_par
+  use bw_tension_layers, only: cut_layers
   implicit none (type, external)
   private
   public :: mass_struck, pieces_of
@@ -74,12 +76,28 @@ contains
       end if
       if (allocated(scene%impact)) pieces%position = scene%impact%position
       call cut_at(beam, to_dd(pieces%position), pieces%struck)
-      if (.not. loaded) return
+    end associate
+    if (allocated(scene%capture)) then
       pieces%captured%mass = dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low)
       pieces%captured%inertia = to_dd(scene%capture%rotary_inertia/full%mass/full%length**2)
-      call attach(beam, to_dd(pieces%position), pieces%captured)
-    end associate
+    end if
+    if (allocated(scene%stiffening)) call cut_its_layers(scene%stiffening%hub_radius/units%length, pieces)
+    if (loaded) then
+      call attach(pieces%beam, to_dd(pieces%position), pieces%captured)
+    else
+      pieces%captured = beam_joint()
+    end if
   end function pieces_of
+
+  pure subroutine cut_its_layers(hub_radius, pieces)
+    !! Cut layers as thin as they become with what the beam captures, so that its pieces are the same with it and without.
+    real(dp), intent(in) :: hub_radius             !! R in l
+    type(struck_beam), intent(inout) :: pieces     !! with what it captures, which its beam does not have yet
+    type(piece_beam) :: heaviest
+    heaviest = pieces%beam
+    call attach(heaviest, to_dd(pieces%position), pieces%captured)
+    call cut_layers(pieces%beam, tension_in_pieces(heaviest, hub_radius), pieces%struck)
+  end subroutine cut_its_layers
 
   pure real(dp) function mass_struck(scene, units) result(mass)
     !! Mass of the bodies at the place of the blow, in m_i.

@@ -53,14 +53,16 @@ contains
   end subroutine tension_modes
 
   pure function first_guess(given, count, wanted) result(functions)
-    !! Half a wave needs π/2 polynomials, and waves share among the pieces as they do in the beam; the ends of each need more,
-    !! and layers where tension leaves bending to them, 4/√δ of them, δ = √(B(1 + sT)/T).
+    !! Half a wave needs π/2 polynomials, and waves share among the pieces as they do in the beam; the ends of each need more, and
+    !! layers where tension leaves bending to them, 4√(L/δ), δ = √(B(1 + sT)/T). Thin layers are pieces of their own
+    !! (bw_tension_layers), which leave a few to the long ones.
     type(tension_beam), intent(in) :: given
     integer, intent(in) :: count
     type(mode_demand), intent(in) :: wanted
     integer :: functions(size(given%beam%piece))
     real(dp) :: waves(size(functions)), pull
-    integer, parameter :: ends = 20                ! tuned, as the factors are
+    integer, parameter :: ends = 20                ! tuned, as the other numbers are
+    real(dp) :: layers                             ! √(L/δ)
     integer :: i
     associate (piece => given%beam%piece)
       waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
@@ -68,7 +70,8 @@ contains
       do i = 1, size(functions)
         pull = given%beam%spin_squared%hi*given%tension(1, i)
         pull = pull/(piece(i)%stiffness%hi*(1.0_dp + piece(i)%compliance%hi*pull))
-        functions(i) = max(functions(i), ceiling(2.5_dp*sqrt(sqrt(pull)*piece(i)%length%hi)))
+        layers = sqrt(sqrt(pull)*piece(i)%length%hi)
+        functions(i) = max(functions(i), ceiling(min(5.4_dp*layers, 24.0_dp)), ceiling(min(2.5_dp*layers, 60.0_dp)))
       end do
     end associate
   end function first_guess

@@ -1,0 +1,75 @@
+module bw_tension_layers
+  !! Pieces of their own for the layers in which tension that is far stronger than bending leaves bending to a beam.
+  !!
+  !! At the ends of a piece, where something holds it, turns it or jumps, bending falls as e^(−x/δ) with δ = √(B(1 + sT)/T), and where
+  !! T itself rises from 0 with T' as an Airy function of x/δ with δ = (B/T')^⅓. Polynomials over a whole piece of length L need
+  !! several √(L/δ) to resolve that; over a piece of 20δ they need a few tens, however strong the tension.
+  use bw_double_double, only: dd, to_dd, operator(-)
+  use bw_kinds, only: dp
+  use bw_piece_beam, only: beam_joint, piece_beam, uniform_piece
+  implicit none (type, external)
+  private
+  public :: cut_layers
+
+  real(dp), parameter :: depth = 20.0_dp           !! δ in a layer's piece: 2e-9 of the bending is left beyond it
+  real(dp), parameter :: thin = 0.05_dp            !! of a piece is a layer that gets a piece of its own
+
+contains
+
+  pure subroutine cut_layers(beam, tension, joint)
+    !! Cut thin layers off the ends of the pieces of a beam.
+    type(piece_beam), intent(inout) :: beam
+    real(dp), intent(in) :: tension(:, :)          !! T/Ω² as that of `tension_in_pieces`, (3, n)
+    integer, intent(inout) :: joint                !! the number of a joint, which it keeps track of
+    type(piece_beam) :: whole
+    type(dd), allocatable :: parts(:)
+    real(dp) :: layer(2)
+    integer :: i, j, kept
+    whole = beam
+    kept = joint
+    beam%piece = [uniform_piece ::]
+    beam%joint = [beam_joint ::]
+    do i = 1, size(whole%piece)
+      layer = depth*widths_of(whole%piece(i), whole%spin_squared%hi*tension(:, i))
+      parts = parts_of(whole%piece(i)%length, layer)
+      do j = 1, size(parts)
+        beam%piece = [beam%piece, whole%piece(i)]
+        beam%piece(size(beam%piece))%length = parts(j)
+        beam%joint = [beam%joint, beam_joint()]
+      end do
+      beam%joint(size(beam%joint)) = whole%joint(i)
+      if (i == kept) joint = size(beam%joint)
+    end do
+  end subroutine cut_layers
+
+  pure function parts_of(length, layer) result(parts)
+    !! The lengths of the parts of a piece, which add up to its own.
+    type(dd), intent(in) :: length
+    real(dp), intent(in) :: layer(2)               !! at the inner end and at the outer one
+    type(dd), allocatable :: parts(:)
+    type(dd) :: rest
+    rest = length
+    allocate (parts(0))
+    if (layer(1) < thin*length%hi) then
+      parts = [to_dd(layer(1))]
+      rest = rest - to_dd(layer(1))
+    end if
+    if (layer(2) < thin*length%hi) then
+      parts = [parts, rest - to_dd(layer(2)), to_dd(layer(2))]
+    else
+      parts = [parts, rest]
+    end if
+  end function parts_of
+
+  pure function widths_of(piece, tension) result(width)
+    !! δ at the inner end of a piece and at the outer one, in l.
+    type(uniform_piece), intent(in) :: piece
+    real(dp), intent(in) :: tension(3)             !! T as a polynomial in x from 0 to 1
+    real(dp) :: width(2), pull(2), rise(2)
+    pull = [tension(1), max(0.0_dp, sum(tension))]
+    rise = abs([tension(2), tension(2) + 2.0_dp*tension(3)])/piece%length%hi
+    width = 1.0_dp/max(sqrt(pull/piece%stiffness%hi/(1.0_dp + piece%compliance%hi*pull)), &
+                       (rise/piece%stiffness%hi)**(1.0_dp/3.0_dp), tiny(1.0_dp))
+  end function widths_of
+
+end module bw_tension_layers
