@@ -1,6 +1,7 @@
 module bw_scene_pieces
   !! The beam of a scene as uniform pieces with bodies and springs at their ends, without its tension and without dimensions:
-  !! lengths in l, times in l²/h, masses in m_i. Where tension leaves bending to thin layers these are pieces of their own. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
+  !! lengths in l, times in l²/h, masses in m_i. So EI of the root piece is 1, and so is the mean of ρA. Numbers are double-double.
+  !! Where tension leaves bending to thin layers these are pieces of their own.
   use bw_beam_par, only: area_of, beam_mass, beam_par, beam_piece, piece_mass, second_moment_of
   use bw_beam_units, only: beam_units
   use bw_body_par, only: body_par

@@ -2,6 +2,7 @@ module bw_case_errors
   !! How far the histories of a case may be from the truth. Of a captured mass that is the motion of infinitely many modes:
   !! what the modes that are not summed add, after a release too. Of contacts it is the exact motion of the modes at hand: what
   !! the contacts have made of every error. Rounding of the sums and of phases is added to either.
+  use bw_case_drift, only: drift_errors, phase_drift
   use bw_case_histories, only: last_sample
   use bw_case_modes, only: largest_phase_error
   use bw_case_notes, only: note_failure
@@ -83,7 +84,17 @@ contains
     if (error <= slack*scene%modes%tolerance*peak + maxval(rounding_errors(scene, motion, response, .false.))) return
     errors%status = case_not_converged
     call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
-                shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m')
+                shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m'//drifted())
+  contains
+    function drifted() result(words)
+      !! Where most of it is that of phases.
+      character(:), allocatable :: words
+      real(dp) :: drift
+      words = ''
+      drift = maxval(drift_errors(scene, motion, .false.))
+      if (drift > 0.5_dp*error) words = ', most of it what the rounding of frequencies under tension comes to by the end of so '// &
+        'long a record; accepted: a tolerance of '//shortest(1.05_dp*error/peak, 2)//' or a shorter duration'
+    end function drifted
   end subroutine note_missed_tolerance
 
   subroutine estimate_truncation(scene, motion, response, monitor, errors)
@@ -96,12 +107,12 @@ contains
     real(dp) :: speed
     speed = abs(scene%impact%approach_velocity)
     errors%displacement = missing_motion(scene, motion, .false., monitor)*(speed*motion%units%time%hi) &
-      + rounding_errors(scene, motion, response, .false.)
+      + rounding_errors(scene, motion, response, .false.) + drift_errors(scene, motion, .false.)
     if (scene%response%velocity) errors%velocity = &
       with_start(missing_motion(scene, motion, .true., monitor)*speed, response%velocity(1, :), &
                  scene%response%points == scene%impact%position, &
                  scene%impact%approach_velocity*(1.0_dp + scene%impact%restitution)) &
-      + rounding_errors(scene, motion, response, .true.)
+      + rounding_errors(scene, motion, response, .true.) + drift_errors(scene, motion, .true.)
   end subroutine estimate_truncation
 
   function missing_motion(scene, motion, velocity, monitor) result(values)
@@ -199,19 +210,15 @@ contains
 
   pure real(dp) function phase_error(scene, modes, grid) result(error)
     !! Of the first mode, whose motion is most of the whole: what the rounding of its root comes to at the end of the record,
-    !! in its phase or as a part of its growth. A root that binary64 does not carry so far has more digits.
+    !! in its phase or as a part of its growth. A root that binary64 does not carry so far has more digits; of those that never have
+    !! more, `drift_errors` tells.
     type(scene_type), intent(in) :: scene
     class(mode_set), intent(in) :: modes
     type(time_grid), intent(in) :: grid
     real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; where it is less roots have more digits too (bw_refined_root)
-    real(dp) :: longest, half
-    longest = grid%samples*grid%step%hi
-    if (allocated(modes%damping) .and. modes%beta_squared(1)%hi > 0.0_dp) then
-      half = 0.5_dp*max(modes%damping(1), tiny(1.0_dp))       ! the motion falls as e^(−ct/2) while phases drift as t,
-      longest = min(longest, max(grid%step%hi, 1.0_dp/half))  ! together the most at 2/c; its peak may be the first sample
-      longest = longest*exp(-half*max(0.0_dp, longest - grid%step%hi))
-    end if
-    error = 2.0_dp*epsilon(error)*modes%alpha(1)**4*longest/max(sqrt(abs(modes%beta_squared(1)%hi)), 1.0_dp/longest)
+    error = 0.0_dp
+    if (allocated(modes%square_rounding)) return
+    error = phase_drift(modes, 1, 4.0_dp*epsilon(error)*modes%alpha(1)**4, grid)
     error = min(error, largest_phase_error(scene)/least_turning)
   end function phase_error
 

@@ -5,6 +5,7 @@ module bw_case_moments
   !! Amplitudes of curvatures fall two powers of the mode number more slowly than those of displacements, as those of velocities
   !! do: h v'' and v_t are the two parts of one wave function. So the modes that a tolerance leaves out are judged as those of the
   !! velocity are, and no tolerance is promised.
+  use bw_case_drift, only: drift_errors
   use bw_case_errors, only: estimate_contacts, missing_motion, rounding_errors
   use bw_case_histories, only: sum_histories
   use bw_case_result, only: case_diverged, case_histories, case_motion, history_errors
@@ -84,7 +85,8 @@ contains
     if (allocated(plain%damping)) then                    ! few modes are left then, whose signs count: those of the moment itself
       error = max(error, missing_motion(plain, bent, .false., part))
     end if
-    error = error*(abs(plain%impact%approach_velocity)*motion%units%time%hi) + rounding_errors(plain, bent, response, .false.)
+    error = error*(abs(plain%impact%approach_velocity)*motion%units%time%hi) + rounding_errors(plain, bent, response, .false.) &
+      + drift_errors(plain, bent, .false.)
   end subroutine find_errors
 
   subroutine bend(motion, scaled, bent)

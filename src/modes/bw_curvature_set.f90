@@ -55,6 +55,7 @@ contains
     found%gamma = modes%gamma
     if (allocated(modes%alpha)) found%alpha = modes%alpha        ! not of a beam with a mass pressed against it
     found%beta_squared = modes%beta_squared
+    if (allocated(modes%square_rounding)) found%square_rounding = modes%square_rounding
     if (allocated(modes%damping)) found%damping = modes%damping
     if (allocated(modes%damped_squared)) found%damped_squared = modes%damped_squared
     if (allocated(modes%law)) found%law = modes%law

@@ -17,6 +17,8 @@ module bw_mode_set
     real(dp) :: gamma = 0.0_dp                    !! captured mass γ; 0 for the beam alone
     real(dp), allocatable :: alpha(:)             !! α = P l, wave number times length, (n)
     type(dd), allocatable :: beta_squared(:)      !! β², > 0 stable, 0 critical, < 0 growing, (n)
+    real(dp), allocatable :: square_rounding(:)
+      !! what rounding may have left β² off by; unallocated where roots have as many digits as a record asks for, (n)
     real(dp), allocatable :: damping(:)           !! c_k of q̈ + cq̇ + β²q = 0; unallocated where nothing damps, (n)
     type(dd), allocatable :: damped_squared(:)    !! β² − c²/4 where modes are damped, to more digits than c has, (n)
     type(damping_law), allocatable :: law         !! that c_k follow from; unallocated where nothing damps
@@ -224,6 +226,7 @@ contains
     elastic = full%hi
     numbers%square = to_quad(self%beta_squared)
     numbers%square_error = relative_error*(elastic + abs(self%beta_squared%hi))
+    if (allocated(self%square_rounding)) numbers%square_error = max(numbers%square_error, self%square_rounding)
     numbers%mass = real(self%modal_mass, qp)
     numbers%mass_error = relative_error + 0.5_dp*epsilon(1.0_dp)*[(k, k=1, self%count)]*sqrt(elastic)
     numbers%damping = 0.0_qp*numbers%square

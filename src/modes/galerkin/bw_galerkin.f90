@@ -15,6 +15,7 @@ module bw_galerkin
   use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type
   use bw_strain_basis, only: slope_of, times_quadratic, tip_value
+  use bw_strain_set, only: choose_squares
   use bw_strain_modes, only: solve_strain_modes, strain_modes
   implicit none (type, external)
   private
@@ -66,14 +67,9 @@ contains
     type(beam_operator), intent(in) :: operator
     type(strain_modes), intent(in) :: modes
     type(galerkin_set), intent(inout) :: set
-    real(dp), parameter :: agreement = 1.0e-8_dp
-    real(dp), dimension(size(modes%period)) :: quotient, scale
     set%rotation = rotation_terms(operator, modes)
     set%beta_squared = squares_of(modes%period, modes%system%shift)
-    quotient = sum(modes%strain**2, dim=1) + set%rotation               ! λ = K_kk, and what rotation adds
-    scale = abs(set%beta_squared%hi) + modes%system%shift%hi
-    set%resolved = all(abs(quotient - set%beta_squared%hi) <= agreement*scale)
-    where (abs(set%beta_squared%hi) < 0.5_dp*modes%system%shift%hi) set%beta_squared = to_dd(quotient)
+    call choose_squares(set, sum(modes%strain**2, dim=1) + set%rotation, modes%system%shift%hi)    ! K_kk, and rotation's part
   end subroutine find_squares
 
   ! What rotation adds to Rayleigh's quotient

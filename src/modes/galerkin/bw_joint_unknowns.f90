@@ -3,9 +3,9 @@ module bw_joint_unknowns
   !! short or thick, and so far stiffer than the beam.
   !!
   !! In v and ψ of both its ends such a piece has stiffnesses of 12B/L³, and motions that hardly bend it would lose their digits
-  !! to these: β² of the first mode some L⁻³ roundings. So joints that stiff pieces join follow the heaviest of them, and for each
-  !! such piece there are two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e and
-  !! v' = v + L(ψ + ½e + d). A body stands in one column as long as no heavier one is near.
+  !! to these: β² of the first mode some L⁻³ roundings. So joints that stiff pieces join follow the one of them that is hardest to
+  !! move, and for each such piece there are two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e
+  !! and v' = v + L(ψ + ½e + d). A body or a spring stands in one column as long as nothing near is harder to move.
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
   implicit none (type, external)
@@ -34,7 +34,7 @@ contains
     n = size(beam%piece)
     weight = [0.0_dp, max(beam%joint%mass%hi, beam%joint%inertia%hi)]
     tied = is_tied(beam)
-    leads = [(leader_of(beam, tied, weight, j) == j, j=0, n)]
+    leads = [(leader_of(beam, tied, holds(beam), j) == j, j=0, n)]
     allocate (unknowns%deflection(2*n + 2, 0:n), unknowns%turning(2*n + 2, 0:n), source=0.0_dp)
     allocate (unknowns%bend(2*n + 2, n), unknowns%shift(2*n + 2, n), source=0.0_dp)
     do i = 1, n
@@ -75,16 +75,27 @@ contains
     if (beam%root%holds_deflection .and. beam%root%holds_turning) tied(1) = .false.
   end function is_tied
 
-  pure integer function leader_of(beam, tied, weight, j) result(leader)
+  pure function holds(beam) result(hold)
+    !! How hard it is to move each joint: inertia, springs, and at the end of a short piece of a clamped root that piece.
+    type(piece_beam), intent(in) :: beam
+    real(dp) :: hold(0:size(beam%piece))
+    hold(0) = 0.0_dp
+    associate (joint => beam%joint, first => beam%piece(1))
+      hold(1:) = max(joint%mass%hi, joint%inertia%hi, joint%stiffness%hi, joint%turning_stiffness%hi)
+      if (beam%root%holds_deflection .and. beam%root%holds_turning) hold(1) = max(hold(1), first%stiffness%hi/first%length%hi**3)
+    end associate
+  end function holds
+
+  pure integer function leader_of(beam, tied, hold, j) result(leader)
     !! The joint that joint j follows, or j itself; the root is not moved by another joint where something holds it.
     type(piece_beam), intent(in) :: beam
     logical, intent(in) :: tied(:)
-    real(dp), intent(in) :: weight(0:)
+    real(dp), intent(in) :: hold(0:)
     integer, intent(in) :: j
     integer :: first, last
     first = findloc([.false., tied(:j)], .false., dim=1, back=.true.) - 1
     last = findloc([tied(j + 1:), .false.], .false., dim=1) + j - 1
-    leader = maxloc(weight(first:last), 1) + first - 1
+    leader = maxloc(hold(first:last), 1) + first - 1
     if (first == 0 .and. (beam%root%holds_deflection .or. beam%root%holds_turning)) leader = 0
   end function leader_of
 

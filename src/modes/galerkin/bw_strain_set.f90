@@ -2,12 +2,12 @@ module bw_strain_set
   !! What sets and sources of modes that are known by the coefficients of their strains have in common, be the beam uniform or of
   !! several pieces: modes are taken from those that were solved for, and Rayleigh's damping couples them.
   use bw_damping, only: damping_law
-  use bw_double_double, only: dd
+  use bw_double_double, only: dd, to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: products
+  public :: choose_squares, products
 
   type, abstract, extends(mode_set), public :: strain_set
     !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
@@ -40,6 +40,25 @@ module bw_strain_set
 
 contains
 
+  pure subroutine choose_squares(self, quotient, shift)
+    !! Choose β² between that of the singular values, which the set has, and Rayleigh's quotient of the modes' shapes. The former is
+    !! a small difference where the shift is larger; and where a system is badly conditioned, as with springs of very different
+    !! strength, it is off by all that the two differ, since the quotient is off by the square of what a shape is. Where the two do
+    !! not agree at all the modes are not resolved.
+    class(strain_set), intent(inout) :: self
+    real(dp), intent(in) :: quotient(:)            !! (n)
+    real(dp), intent(in) :: shift                  !! σ ≥ 0
+    real(dp), parameter :: agreement = 1.0e-8_dp
+    real(dp), parameter :: conditioned = 2.0e-14_dp       ! what the two differ by at most where all is well, by experience
+    real(dp), parameter :: rounding = 16.0_dp*epsilon(1.0_dp)   ! of β² + σ otherwise, by comparison with power series
+    real(dp), dimension(size(quotient)) :: scale, difference
+    scale = abs(self%beta_squared%hi) + shift
+    difference = abs(quotient - self%beta_squared%hi)
+    self%resolved = all(difference <= agreement*scale)
+    self%square_rounding = max(rounding*scale, min(difference, conditioned*scale))
+    where (abs(self%beta_squared%hi) < 0.5_dp*shift .or. difference > conditioned*scale) self%beta_squared = to_dd(quotient)
+  end subroutine choose_squares
+
   pure subroutine take_numbers(self, all, number)
     !! Take the numbers of some modes, but not their shapes, from those of all that were solved for.
     class(strain_set), intent(inout) :: self
@@ -55,6 +74,7 @@ contains
     self%grows_at_any_speed = all%grows_at_any_speed
     self%alpha = all%alpha(number)
     self%beta_squared = all%beta_squared(number)
+    if (allocated(all%square_rounding)) self%square_rounding = all%square_rounding(number)
     self%struck = all%struck(number)
     self%modal_mass = all%modal_mass(number)
     self%phase_velocity = all%phase_velocity(number)

@@ -1,8 +1,7 @@
 module bw_tension_modes
   !! Modes of a beam of pieces with tension, in as many functions as they need.
   !!
-  !! As in bw_galerkin β² comes from singular values, and again from Rayleigh's quotient, which says it where the shift would leave
-  !! a small difference; where the two do not agree the modes are not resolved.
+  !! As in bw_galerkin β² comes from singular values and again from Rayleigh's quotient.
   use bw_double_double, only: dd, to_dd, operator(*), operator(-), operator(/)
   use bw_kinds, only: dp
   use bw_lapack, only: dsygv
@@ -13,6 +12,7 @@ module bw_tension_modes
   use bw_piece_strains, only: ends_of, motions_of, strain_layout, strains_inside
   use bw_strain_basis, only: times_quadratic
   use bw_strain_modes, only: solve_system, strain_modes
+  use bw_strain_set, only: choose_squares
   use bw_tension_set, only: tension_set
   use bw_tension_system, only: build_tension_system, tension_beam, tension_matrices
   implicit none (type, external)
@@ -142,8 +142,6 @@ contains
     type(tension_beam), intent(in) :: given
     type(strain_modes), intent(in) :: modes
     type(tension_set), intent(inout) :: set
-    real(dp), parameter :: agreement = 1.0e-8_dp
-    real(dp) :: quotient(set%count), scale(set%count)
     type(dd) :: elastic(set%count), p
     integer :: k
     allocate (set%beta_squared(set%count), set%rotation(set%count), set%modal_mass(set%count))
@@ -155,10 +153,7 @@ contains
     set%rotation = huge(1.0_dp)                    ! asks for strains alone
     elastic = set%elastic()
     set%rotation = [(rotation_term(given, set, k), k=1, set%count)]
-    quotient = elastic%hi + set%rotation
-    scale = abs(set%beta_squared%hi) + modes%system%shift%hi
-    set%resolved = all(abs(quotient - set%beta_squared%hi) <= agreement*scale)
-    where (abs(set%beta_squared%hi) < 0.5_dp*modes%system%shift%hi) set%beta_squared = to_dd(quotient)
+    call choose_squares(set, elastic%hi + set%rotation, modes%system%shift%hi)
   end subroutine find_squares
 
   pure real(dp) function rotation_term(given, set, k) result(term)
