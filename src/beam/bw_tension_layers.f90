@@ -1,9 +1,9 @@
 module bw_tension_layers
   !! Pieces of their own for the layers in which tension that is far stronger than bending leaves bending to a beam.
   !!
-  !! At the ends of a piece, where something holds it, turns it or jumps, bending falls as e^(−x/δ) with δ = √(B(1 + sT)/T), and where
-  !! T itself rises from 0 with T' as an Airy function of x/δ with δ = (B/T')^⅓. Polynomials over a whole piece of length L need
-  !! several √(L/δ) to resolve that; over a piece of 20δ they need a few tens, however strong the tension.
+  !! At the ends of a piece, where something holds it, turns it or jumps, bending falls as e^(−x/δ) with δ = √(B(1 + sT)/T), and
+  !! where T itself rises from 0 with T' as an Airy function of x/δ with δ = (B/T')^⅓. Polynomials over a whole piece of length L
+  !! need several √(L/δ) to resolve that; over a piece of 20δ they need a few tens, however strong the tension.
   use bw_double_double, only: dd, to_dd, operator(-)
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_joint, piece_beam, uniform_piece

@@ -1,6 +1,6 @@
 module bw_case_drift
-  !! What rounding of frequencies comes to by the end of a record: phases drift as time goes on. Roots of beams without tension get as
-  !! many digits as a record asks for; those of beams with tension have the digits of binary64.
+  !! What rounding of frequencies comes to by the end of a record: phases drift as time goes on. Roots of beams without tension get
+  !! as many digits as a record asks for; those of beams with tension have the digits of binary64.
   use bw_case_plan, only: captured_samples, seen_after_release, shows_release
   use bw_case_result, only: case_motion
   use bw_coherence, only: observation_type, stretch_type

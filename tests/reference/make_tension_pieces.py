@@ -98,6 +98,10 @@ BEAMS = [  # hub radius, beam
                 [Joint(0.5), Joint(), Joint(0.125, 0.03125), Joint(1.0, 0.25)], (2000.0, 10.0), 4.0)),
     (0.0, Beam([Piece(1 - 2.0**-10), Piece(2.0**-10)], [Joint(), Joint(1024.0)], omega=0.125)),
     (0.0, Beam([Piece(0.25), Piece(0.25, 2.0**20, 2.0), Piece(0.5)], [Joint(), Joint(), Joint(0.5)], omega=4.0)),
+    (0.0, Beam([Piece(2.0**-30), Piece(2.0**-13 - 2.0**-30), Piece(1 - 2.0**-13)],
+               [Joint(0.03125, 0.125), Joint(8.0), Joint()], omega=6.0, in_plane=0)),
+    (0.0, Beam([Piece(0.5), Piece(2.0**-20), Piece(0.5 - 2.0**-20)],
+               [Joint(0.25, 0.0625, 0.0, 2.0**40), Joint(0.5, 0.25, 0.0, 2.0**-10), Joint()], omega=6.0)),
 ]
 
 if __name__ == "__main__":

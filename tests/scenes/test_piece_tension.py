@@ -60,6 +60,23 @@ def assert_alike(one, other, tolerance):
         np.testing.assert_allclose(one[name], other[name], rtol=tolerance, err_msg=name)
 
 
+def test_phases_of_a_long_record_under_tension_drift_within_the_errors(ran):
+    # two ways to the same beam, whose frequencies are rounded differently: after 1e11 s that is what histories differ by
+    long = {**STRUCK, "response": {"duration": 1e11, "samples": 100, "points": [0.3, 0.55, 1.0]}, "modes": {"tolerance": 1e-4}}
+    del long["release"]
+    for name, length in (("one", LENGTH), ("two", [0.3, 0.6])):
+        groups = {"beam": {"length": length, **SECTION}, "rotation": ROTATION, "stiffening": {"hub_radius": 0.15}, **long}
+        ran.write(f"long/{name}.nml", text_of(groups))
+    ended = ran.beamwave("run", "long")
+    assert ended.returncode == 4
+    assert ended.stderr.count("the rounding of frequencies under tension") == 2
+    one, two = ran.result("one"), ran.result("two")
+    difference = np.abs(one["displacement"] - two["displacement"]).max(axis=-1)
+    errors = np.array(one["displacement_error"]) + np.array(two["displacement_error"])
+    assert np.all(difference < errors)
+    assert np.all(difference > 0.01 * errors)
+
+
 @pytest.mark.parametrize("kind", ["", "_with_shear", "_thin"])
 def test_a_cut_changes_nothing_of_a_uniform_beam_under_tension(ran, kind):
     # shapes are good to rounding over the gap between neighbouring values; thin layers are pieces of their own where there is a cut
