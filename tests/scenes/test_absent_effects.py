@@ -12,7 +12,7 @@ SOURCE = Path(__file__).parents[2] / "src"
 # Modules of each effect that the paper's scene lacks, or one procedure of a module. The modules of src/beam that are here in
 # neither table fail.
 ABSENT = {
-    "stiffening": ["bw_rotation%tension_of"],
+    "stiffening": ["bw_rotation%tension_of", "bw_piece_tension", "bw_tension_layers"],
     "shear": ["bw_beam_units%shear_of"],
     "damping": ["bw_damping", "bw_damped_modes"],
     "body inertia": ["bw_beam_units%body_inertia"],
