@@ -22,19 +22,19 @@ contains
     real(dp), intent(in) :: tension(:, :)          !! T/Ω² as that of `tension_in_pieces`, (3, n)
     integer, intent(inout) :: joint                !! the number of a joint, which it keeps track of
     type(piece_beam) :: whole
-    type(dd), allocatable :: parts(:)
+    type(dd) :: part(3)
     real(dp) :: layer(2)
-    integer :: i, j, kept
+    integer :: i, j, parts, kept
     whole = beam
     kept = joint
     beam%piece = [uniform_piece ::]
     beam%joint = [beam_joint ::]
     do i = 1, size(whole%piece)
       layer = depth*widths_of(whole%piece(i), whole%spin_squared%hi*tension(:, i))
-      parts = parts_of(whole%piece(i)%length, layer)
-      do j = 1, size(parts)
+      call cut_piece(whole%piece(i)%length, layer, part, parts)
+      do j = 1, parts
         beam%piece = [beam%piece, whole%piece(i)]
-        beam%piece(size(beam%piece))%length = parts(j)
+        beam%piece(size(beam%piece))%length = part(j)
         beam%joint = [beam%joint, beam_joint()]
       end do
       beam%joint(size(beam%joint)) = whole%joint(i)
@@ -42,24 +42,26 @@ contains
     end do
   end subroutine cut_layers
 
-  pure function parts_of(length, layer) result(parts)
+  pure subroutine cut_piece(length, layer, part, parts)
     !! The lengths of the parts of a piece, which add up to its own.
     type(dd), intent(in) :: length
     real(dp), intent(in) :: layer(2)               !! at the inner end and at the outer one
-    type(dd), allocatable :: parts(:)
+    type(dd), intent(out) :: part(3)               !! the first `parts` of them
+    integer, intent(out) :: parts
     type(dd) :: rest
     rest = length
-    allocate (parts(0))
+    parts = 1
     if (layer(1) < thin*length%hi) then
-      parts = [to_dd(layer(1))]
-      rest = rest - to_dd(layer(1))
+      part(1) = to_dd(layer(1))
+      rest = rest - part(1)
+      parts = 2
     end if
-    if (layer(2) < thin*length%hi) then
-      parts = [parts, rest - to_dd(layer(2)), to_dd(layer(2))]
-    else
-      parts = [parts, rest]
-    end if
-  end function parts_of
+    part(parts) = rest
+    if (.not. layer(2) < thin*length%hi) return
+    part(parts + 1) = to_dd(layer(2))
+    part(parts) = rest - part(parts + 1)
+    parts = parts + 1
+  end subroutine cut_piece
 
   pure function widths_of(piece, tension) result(width)
     !! δ at the inner end of a piece and at the outer one, in l.
