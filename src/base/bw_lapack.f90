@@ -4,12 +4,20 @@ module bw_lapack
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: dgemm, dtrsm
+  public :: ddot, dgemm, dtrsm
   public :: dpotrf, dpotri, dgeqp3, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
     ! BLAS
+
+    pure real(dp) function ddot(n, x, incx, y, incy)
+      !! Σ x y.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: n, incx, incy
+      real(dp), intent(in) :: x(*), y(*)
+    end function ddot
 
     pure subroutine dgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc)
       !! C ← alpha·A B + beta·C, A and B as they are or transposed.

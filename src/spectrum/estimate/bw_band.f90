@@ -13,6 +13,7 @@ module bw_band
   use bw_block_sums, only: block_sums, blocks_type, even_blocks, find_moments, part_of
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
+  use bw_lapack, only: ddot
   use bw_samples, only: centre_of, find_wave, phase_factor, samples_type, span_of
   use bw_tapered_line, only: parts, tapered_columns
   implicit none (type, external)
@@ -227,21 +228,10 @@ contains
   end function longest_block
 
   pure complex(dp) function turned_sum(value, re, im)
-    !! The sum of numbers times those of a wave, by lanes, as a processor adds them.
+    !! The sum of numbers times those of a wave.
     real(dp), contiguous, intent(in) :: value(:)
     real(dp), contiguous, intent(in) :: re(:), im(:)  !! as many or more
-    integer, parameter :: lanes = 16
-    real(dp) :: sum_re(lanes), sum_im(lanes)
-    integer :: l, rest
-    sum_re = 0
-    sum_im = 0
-    do l = 1, size(value) - lanes + 1, lanes
-      sum_re = sum_re + value(l:l + lanes - 1)*re(l:l + lanes - 1)
-      sum_im = sum_im + value(l:l + lanes - 1)*im(l:l + lanes - 1)
-    end do
-    rest = size(value) - modulo(size(value), lanes) + 1
-    turned_sum = cmplx(sum(sum_re) + dot_product(value(rest:), re(rest:size(value))), &
-      & sum(sum_im) + dot_product(value(rest:), im(rest:size(value))), dp)
+    turned_sum = cmplx(ddot(size(value), value, 1, re, 1), ddot(size(value), value, 1, im, 1), dp)
   end function turned_sum
 
   function line_columns(samples, band, line, order) result(columns)
