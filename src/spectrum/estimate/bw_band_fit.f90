@@ -10,9 +10,10 @@ module bw_band_fit
   use bw_damped_line, only: bend_reach, damped_line, move_line
   use bw_lapack, only: dgelsy, dgeqrf, dormqr
   use bw_samples, only: centre_of, samples_type, span_of
+  use bw_triangle, only: dependent, length_of, scaled, solved
   implicit none (type, external)
   private
-  public :: damped_line, eliminate, excess, fit_band, image_of, reduce, slopes, still_image, triangle_of
+  public :: damped_line, excess, fit_band, image_of, reduce, slopes, still_image
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 20, most_halvings = 5
@@ -21,7 +22,6 @@ module bw_band_fit
   real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
   real(dp), parameter :: farthest = 3           !! half widths of a band from its middle; its sums see nothing beyond 32
   real(dp), parameter, public :: widest_drift = 25  !! of −decay and 2π·frequency over half the record; one bin is π
-  real(dp), parameter :: dependent = 1.0e-12_dp !! columns this close to the others are left out of a solution
 
   type, public :: reduced_type
     !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each power of each
@@ -171,30 +171,6 @@ contains
     end do
   end function reduce
 
-  pure real(dp) function length_of(column) result(length)
-    !! Of a vector. Where squares may have been lost or have overflowed, by the slower way that avoids them.
-    real(dp), contiguous, intent(in) :: column(:)
-    length = sqrt(dot_product(column, column))
-    if (.not. (length > 1.0e-140_dp .and. length < 1.0e140_dp)) length = norm2(column)
-  end function length_of
-
-  pure function solved(triangle, right) result(x)
-    !! R⁻¹ of the right sides; what R does not determine is 0.
-    real(dp), intent(in) :: triangle(:, :), right(:, :)
-    real(dp) :: x(size(right, 1), size(right, 2))
-    integer :: i, j
-    do j = 1, size(right, 2)
-      do i = size(right, 1), 1, -1
-        x(i, j) = right(i, j) - dot_product(triangle(i, i + 1:size(right, 1)), x(i + 1:, j))
-        if (abs(triangle(i, i)) > dependent) then
-          x(i, j) = x(i, j)/triangle(i, i)
-        else
-          x(i, j) = 0
-        end if
-      end do
-    end do
-  end function solved
-
   function slopes(reduced, weight) result(matrix)
     !! The slopes of all sensors by the coefficients in the exponents, those by what is held left out, amplitudes, offset and
     !! slope eliminated, (sensors × rows, unknowns).
@@ -259,18 +235,6 @@ contains
     step = unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp)
   end subroutine step_of
 
-  function scaled(matrix) result(length)
-    !! The lengths of a matrix's columns, which are brought to length 1; 1 for a column of zeros.
-    real(dp), intent(inout) :: matrix(:, :)
-    real(dp) :: length(size(matrix, 2))
-    integer :: k
-    length = norm2(matrix, dim=1)
-    where (.not. length > 0) length = 1
-    do k = 1, size(matrix, 2)
-      matrix(:, k) = matrix(:, k)/length(k)
-    end do
-  end function scaled
-
   function moved_lines(samples, lines, step) result(moved)
     !! The lines after a step; a frequency that passes 0 or half the sampling rate comes back as its mirror image.
     type(samples_type), intent(in) :: samples
@@ -294,44 +258,6 @@ contains
       moved(k)%bend = conjg(moved(k)%bend)
     end do
   end function moved_lines
-
-  subroutine triangle_of(matrix, triangle, length)
-    !! The triangle R of matrix·diag(1/length) = QR, which gives the covariance of a fit; zeros where there are fewer rows than
-    !! columns.
-    real(dp), intent(in) :: matrix(:, :)
-    real(dp), allocatable, intent(out) :: triangle(:, :)
-    real(dp), allocatable, intent(out) :: length(:)  !! of the columns
-    real(dp), allocatable :: factors(:, :), tau(:), work(:)
-    integer :: info, n
-    n = size(matrix, 2)
-    factors = matrix
-    length = scaled(factors)
-    allocate (triangle(n, n), source=0.0_dp)
-    if (size(matrix, 1) < n .or. n == 0) return
-    allocate (tau(n), work(64*n))
-    call dgeqrf(size(matrix, 1), n, factors, size(matrix, 1), tau, work, size(work), info)
-    triangle = factors(:n, :)
-  end subroutine triangle_of
-
-  pure subroutine eliminate(triangle, length, gradient, y, determined)
-    !! Find y = R⁻ᵀ (gradient/length), whose length is the standard deviation of gradient·x in noise of variance 1, or that the fit
-    !! does not determine that number.
-    real(dp), intent(in) :: triangle(:, :), length(:)  !! R and the lengths of the columns that it is of
-    real(dp), intent(in) :: gradient(:)
-    real(dp), intent(out) :: y(:)
-    logical, intent(out) :: determined
-    integer :: i
-    determined = .true.
-    do i = 1, size(y)
-      y(i) = gradient(i)/length(i) - dot_product(triangle(:i - 1, i), y(:i - 1))
-      if (abs(triangle(i, i)) > dependent) then
-        y(i) = y(i)/triangle(i, i)
-      else
-        determined = determined .and. abs(y(i)) <= dependent
-        y(i) = 0
-      end if
-    end do
-  end subroutine eliminate
 
   function image_of(samples, band, line) result(image)
     !! The rows of one line at all sensors, (rows, S).

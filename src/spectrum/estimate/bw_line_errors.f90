@@ -1,7 +1,8 @@
 module bw_line_errors
   !! What noise does to the lines of a fit: standard deviations of decays, frequencies and amplitudes, all unknowns being free.
-  use bw_band_fit, only: eliminate, reduced_type, slopes, triangle_of
+  use bw_band_fit, only: reduced_type, slopes
   use bw_kinds, only: dp
+  use bw_triangle, only: eliminate, triangle_of
   implicit none (type, external)
   private
   public :: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors_of
