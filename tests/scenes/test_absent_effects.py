@@ -12,7 +12,8 @@ SOURCE = Path(__file__).parents[2] / "src"
 # Modules of each effect that the paper's scene lacks, or one procedure of a module. The modules of src/beam that are here in
 # neither table fail.
 ABSENT = {
-    "stiffening": ["bw_rotation%tension_of", "bw_piece_tension", "bw_tension_layers"],
+    "stiffening": ["bw_rotation%tension_of"],
+    "tension in pieces": ["bw_piece_tension", "bw_tension_layers"],
     "shear": ["bw_beam_units%shear_of"],
     "damping": ["bw_damping", "bw_damped_modes"],
     "body inertia": ["bw_beam_units%body_inertia"],
@@ -95,11 +96,14 @@ def test_an_effect_that_is_there_is_seen(shared):
     few = {"modes": {"before": 3, "after": 3}, "shear": {}}
     here.scene("shear", captured_beam(**few))
     here.scene("tension", captured_beam(**few, stiffening={}))
-    pieces, tension = (callgrind.entered(here, "run", f"{name}.nml") for name in ("shear", "tension"))
-    if pieces is None or tension is None:
+    here.scene("both", captured_beam(modes=few["modes"], stiffening={}, body={"position": 0.5, "mass": 0.1}))
+    pieces, tension, both = (callgrind.entered(here, "run", f"{name}.nml") for name in ("shear", "tension", "both"))
+    if pieces is None or tension is None or both is None:
         pytest.skip("valgrind does not know an instruction of this build, which is tuned for its processor")
     for module in ABSENT["pieces"]:
         assert callers_outside(pieces, module), module
     for module in (*ABSENT["stiffening"], *ABSENT["shear"], *ABSENT["Galerkin"]):
         assert callers_outside(tension, module), module
+    for module in ABSENT["tension in pieces"]:
+        assert callers_outside(both, module), module
     assert [procedure for procedure in tension.procedures if EIGENSOLVER.fullmatch(procedure)]
