@@ -64,14 +64,14 @@ contains
   end subroutine cut_piece
 
   pure function widths_of(piece, tension) result(width)
-    !! δ at the inner end of a piece and at the outer one, in l.
+    !! δ at the inner end of a piece and at the outer one, in l; 1 where it is more, as in a beam that does not turn.
     type(uniform_piece), intent(in) :: piece
     real(dp), intent(in) :: tension(3)             !! T as a polynomial in x from 0 to 1
     real(dp) :: width(2), pull(2), rise(2)
     pull = [tension(1), max(0.0_dp, sum(tension))]
     rise = abs([tension(2), tension(2) + 2.0_dp*tension(3)])/piece%length%hi
     width = 1.0_dp/max(sqrt(pull/piece%stiffness%hi/(1.0_dp + piece%compliance%hi*pull)), &
-                       (rise/piece%stiffness%hi)**(1.0_dp/3.0_dp), tiny(1.0_dp))
+                       (rise/piece%stiffness%hi)**(1.0_dp/3.0_dp), 1.0_dp)
   end function widths_of
 
 end module bw_tension_layers

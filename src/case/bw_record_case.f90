@@ -131,8 +131,8 @@ contains
         'stands out of the noise by more than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
       if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) > 0) call append(result%notes, 'no line: all that '// &
         'stands out of the noise was refused; the report says why')
-      if (.not. lines%at_rest) call append(result%notes, 'the search for lines was given up: they leave far '// &
-        'more than noise, and further ones do not describe it; weak lines may be parts of stronger ones that change as they decay')
+      if (.not. lines%at_rest) call append(result%notes, 'the search for lines was given up before '// &
+        'it came to rest: some may be missing, and weak ones may be parts of stronger ones that change as they decay')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &

@@ -17,7 +17,7 @@ module bw_scene_messages
 
   type, public :: message_list
     character(:), allocatable :: file         !! the scene's path, as the user wrote it
-    character(:), allocatable :: case         !! that is looked at, as ` (in the case a = 1, b = 2)`; unallocated: the scene as it is
+    character(:), allocatable :: case         !! that is looked at, as ` (in the case a = 1)`; unallocated: the scene as it is
     integer :: count = 0                      !! of all errors, listed or not
     logical :: cut = .false.                  !! more is wrong than is listed: whoever reads on may stop
     type(located_message), allocatable, private :: items(:)

@@ -135,11 +135,13 @@ contains
     type(samples_type), intent(in) :: samples
     type(band_type), intent(inout) :: bands(:)
     integer :: i
-    if (.not. allocated(samples%place)) call fill_evenly(samples, bands)
-    if (.not. allocated(samples%place)) return
-    do i = 1, size(bands)
-      bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
-    end do
+    if (.not. allocated(samples%place)) then
+      call fill_evenly(samples, bands)
+    else
+      do i = 1, size(bands)
+        bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
+      end do
+    end if
   end subroutine fill_bands
 
   pure subroutine fill_evenly(samples, bands)

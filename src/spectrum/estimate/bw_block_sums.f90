@@ -1,8 +1,8 @@
 module bw_block_sums
   !! Sums of exponentials over blocks of a record's samples.
   !!
-  !! Even blocks differ by a factor and by where they start. Of long uneven blocks a few moments are known, which stand for the samples
-  !! where an exponential turns little against a reference: its series is summed instead. Other sums take every sample.
+  !! Even blocks differ by a factor and by where they start. Of long uneven blocks a few moments are known, which stand for the
+  !! samples where an exponential turns little against a reference: its series is summed instead. Other sums take every sample.
   use bw_kinds, only: dp
   use bw_samples, only: bent_factor, bent_series, centre_of, find_wave, phase_factor, samples_type, series, span_of
   implicit none (type, external)

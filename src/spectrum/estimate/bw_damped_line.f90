@@ -154,8 +154,8 @@ contains
   end subroutine subtract_lines
 
   pure subroutine add_uneven(samples, lines, first, factor, value)
-    !! Add the motion of lines at uneven times, times a factor, to values of some sensors. Sections of the record are short enough for a
-    !! processor to have them at hand.
+    !! Add the motion of lines at uneven times, times a factor, to values of some sensors. Sections of the record are short enough
+    !! for a processor to have them at hand.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
     integer, intent(in) :: first                 !! of the sensors

@@ -31,7 +31,7 @@ module bw_found_lines
     type(line_band), allocatable :: bands(:)
     real(dp) :: highest = huge(1.0_dp)           !! sample, as the length of a vector of all sensors
     real(dp) :: work = 0                         !! numbers of lines' images that have been computed
-    logical :: at_rest = .true.                  !! .false.: the search was given up: what is left is more than noise
+    logical :: at_rest = .true.                  !! .false.: the search was given up, and what is left may be no noise
     type(ordinates_type) :: ordinates            !! what the lines leave
     type(rejected_line), allocatable :: rejected(:)
     type(whitening_type), allocatable :: whitening(:)  !! what the samples, and with them the amplitudes, went through, (S)

@@ -221,8 +221,8 @@ contains
   end function own_rows
 
   function rows_with_own(samples, left, own, still, band) result(rows)
-    !! The same of uneven samples, from what all lines, offset and slope leave of them: lines far from a band are taken out of samples
-    !! sooner than out of its rows.
+    !! The same of uneven samples, from what all lines, offset and slope leave of them: lines far from a band are taken out of
+    !! samples sooner than out of its rows.
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: left(:, :)
     type(damped_line), intent(in) :: own(:)    !! the band's lines

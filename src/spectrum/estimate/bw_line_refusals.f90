@@ -137,9 +137,9 @@ contains
   end function ordinate_at
 
   subroutine drop_uncertain(samples, found, changed)
-    !! Leave out lines that share no peak and that the record does not determine: at no sensor is the amplitude, where it is largest, above
-    !! its own interval, or the frequency's interval is as wide as the frequency, or wider than the line, or a drift takes it to
-    !! 0 or to half the sampling rate. They are not tried again.
+    !! Leave out lines that share no peak and that the record does not determine: at no sensor is the amplitude, where it is
+    !! largest, above its own interval, or the frequency's interval is as wide as the frequency, or wider than the line, or a
+    !! drift takes it to 0 or to half the sampling rate. They are not tried again.
     type(samples_type), intent(in) :: samples
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: changed

@@ -58,7 +58,7 @@ module bw_record_lines
     real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
     real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
     integer :: left_out = 0                       !! weaker lines that are not among these
-    logical :: at_rest = .true.                   !! .false.: the search was given up where far more was left than noise
+    logical :: at_rest = .true.                   !! .false.: the search was given up
   end type record_lines
 
 contains
