@@ -8,7 +8,7 @@ module bw_line_or_colour
   use bw_kinds, only: dp
   use bw_order, only: ascending
   use bw_samples, only: samples_type
-  use bw_whitening, only: freedom_of_level, judge_noise, whitening_type
+  use bw_whitening, only: freedom_of_level, judge_noise, judged_order, whitening_type
   implicit none (type, external)
   private
   public :: are_lines, without_trend
@@ -34,14 +34,17 @@ contains
     type(whitening_type), dimension(size(samples%value, 2)) :: colour, colour_without
     real(dp) :: freedom
     logical :: tried(size(lines))
-    integer :: order(size(lines)), i, k, s
+    integer :: order(size(lines)), highest(size(samples%value, 2)), i, k, s
     integer, allocatable :: peak(:)
     stays = pays > without_doubt*threshold
     if (all(stays)) return
     left = samples%value(:samples%count, :)
     do s = 1, size(left, 2)
+      without(:, s) = left(:, s)
+      call subtract_lines(lines, s, without(:, s))
+      highest(s) = judged_order(without_trend(without(:, s)))
       call subtract_lines(pack(lines, stays), s, left(:, s))
-      call judge_noise(without_trend(left(:, s)), colour(s), cost(s))
+      call judge_noise(without_trend(left(:, s)), highest(s), colour(s), cost(s))
     end do
     order = ascending(-pays)
     tried = stays
@@ -65,7 +68,7 @@ contains
       without = left
       do s = 1, size(left, 2)
         call subtract_lines(lines(member), s, without(:, s))
-        call judge_noise(without_trend(without(:, s)), colour_without(s), cost_without(s))
+        call judge_noise(without_trend(without(:, s)), highest(s), colour_without(s), cost_without(s))
       end do
       freedom = minval([(freedom_of_level(colour_without(s), lines(member(1))%frequency, samples%count), s=1, size(colour))])
       if (sum(cost - cost_without)/2 <= size(member)*threshold*(1 + min(most_raised, raised/freedom))) return

@@ -10,12 +10,16 @@ module bw_whitening
   use bw_samples, only: phase_factor, samples_type
   implicit none (type, external)
   private
-  public :: find_whitening, freedom_of_level, gain_of, judge_noise, no_whitening, whiten
+  public :: find_whitening, freedom_of_level, gain_of, judge_noise, judged_order, no_whitening, whiten
 
-  integer, parameter :: highest_order = 16
+  integer, parameter :: highest_order = 128
+  integer, parameter :: usual_order = 16       !! higher ones are for noise that is as strong all along the record
+  integer, parameter :: looked_ahead = 16      !! orders beyond twice the best so far
   real(dp), parameter :: worth = 0.99_dp        !! of the noise's variance: a filter that leaves more changes nothing
   integer, parameter, public :: longest = 65536         !! samples that tell enough of the noise
-  integer, parameter :: samples_per_order = 32  !! fewer do not tell of so high an order
+  integer, parameter :: samples_per_order = 8  !! fewer do not tell of so high an order
+  integer, parameter :: samples_per_usual = 32 !! nor of an order that is not high
+  real(dp), parameter :: most_uneven = 8       !! variances of two quarters of the record
 
   type, public :: whitening_type
     !! One sensor's filter y'_n = Σ_i h_i y_(n−i), i = 0 … order.
@@ -48,26 +52,51 @@ contains
       call find_remainder(samples, motion, s, left)
       first = max(0, (size(left) - longest)/2)
       associate (middle => left(first + 1:size(left) - first))
-        call burg(middle, log(real(size(middle), dp)), samples_per_order, worth, whitening(s), cost)
+        call burg(middle, log(real(size(middle), dp)), highest_of(middle, samples_per_usual), worth, whitening(s), cost)
       end associate
     end do
     whitening%lost = maxval(whitening%order)
   end subroutine find_whitening
 
-  pure subroutine judge_noise(left, whitening, cost)
+  pure integer function highest_of(left, per_order) result(highest)
+    !! The highest order that noise may have. A filter with steep edges, or with zeros, takes a high one. But what a mode leaves that
+    !! no line describes looks the same by frequency; it dies away, and noise does not.
+    real(dp), intent(in) :: left(:)
+    integer, intent(in) :: per_order           !! samples for each usual order
+    real(dp) :: quarter(4)
+    integer :: n, i
+    n = size(left)
+    quarter = [(sum(left(1 + (i - 1)*n/4:i*n/4)**2), i=1, 4)]
+    highest = min(usual_order, n/per_order)
+    if (maxval(quarter) < most_uneven*minval(quarter)) highest = max(highest, min(highest_order, n/samples_per_order))
+  end function highest_of
+
+  pure integer function judged_order(left) result(highest)
+    !! The highest order that noise may have where lines are judged: the usual one, unless the Bayesian criterion likes a higher one
+    !! best for what all lines leave; for an autoregression of a high order describes damped lines in noise that has no colour.
+    real(dp), intent(in) :: left(:)
+    type(whitening_type) :: whitening
+    real(dp) :: cost
+    highest = highest_of(left, samples_per_usual/2)
+    call burg(left, log(real(size(left), dp)), highest, 1.0_dp, whitening, cost)
+    if (whitening%order <= usual_order) highest = min(usual_order, 2*size(left)/samples_per_usual)
+  end function judged_order
+
+  pure subroutine judge_noise(left, highest, whitening, cost)
     !! Find the filter of noise, and what noise costs: minus twice the logarithm of its likelihood, and two for each coefficient
     !! (Akaike, 1974).
     real(dp), intent(in) :: left(:)
+    integer, intent(in) :: highest             !! order
     type(whitening_type), intent(out) :: whitening
     real(dp), intent(out) :: cost
-    call burg(left, 2.0_dp, samples_per_order/2, 1.0_dp, whitening, cost)
+    call burg(left, 2.0_dp, highest, 1.0_dp, whitening, cost)
   end subroutine judge_noise
 
-  pure subroutine burg(left, cost_of_order, per_order, worth_it, whitening, least)
+  pure subroutine burg(left, cost_of_order, highest, worth_it, whitening, least)
     !! Fit autoregressions of rising order; the one that a criterion likes best stays.
     real(dp), intent(in) :: left(:)
     real(dp), intent(in) :: cost_of_order      !! log n in the Bayesian criterion, 2 in Akaike's
-    integer, intent(in) :: per_order           !! samples at least
+    integer, intent(in) :: highest             !! order
     real(dp), intent(in) :: worth_it           !! part of the variance: what leaves more changes nothing
     type(whitening_type), intent(inout) :: whitening
     real(dp), intent(out) :: least             !! the criterion
@@ -83,7 +112,8 @@ contains
     least = n*log(max(power, tiny(1.0_dp)))
     whitening%order = 0
     whitening%coefficient = h
-    do p = 1, min(highest_order, n/per_order)
+    do p = 1, highest
+      if (p > 2*whitening%order + looked_ahead) exit
       reflection = sum(forward(p + 1:)**2) + sum(backward(p:n - 1)**2)
       if (.not. reflection > 0) exit
       reflection = -2*dot_product(forward(p + 1:), backward(p:n - 1))/reflection
