@@ -62,8 +62,7 @@ contains
       call settle(samples, found)
       call search(samples, false_alarm, plan, found, monitor)
       found%deviation = found%ordinates%deviation
-      if (allocated(samples%place) .or. .not. found%at_rest) return
-      if (stops(monitor)) return
+      if (.not. found%at_rest .or. stops(monitor)) return
       if (samples%count <= longest) then
         raw = samples
         call drop_colour(raw, samples, false_alarm, found, dropped)
@@ -73,6 +72,7 @@ contains
           found%deviation = found%ordinates%deviation
         end if
       end if
+      if (allocated(samples%place)) return
       call find_whitening(samples, found%lines, found%still, found%whitening)
       if (all(found%whitening%order == 0)) return
       call whiten(samples, found%whitening, found%lines)

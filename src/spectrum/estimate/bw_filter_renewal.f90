@@ -6,7 +6,7 @@ module bw_filter_renewal
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_or_colour, only: without_trend
-  use bw_samples, only: samples_type
+  use bw_samples, only: place_of, samples_type
   use bw_whitening, only: gain_of, no_whitening
   implicit none (type, external)
   private
@@ -22,12 +22,12 @@ contains
     type(found_lines), intent(in) :: found     !! its deviation is that of what was left when the filter was made
     type(damped_line) :: lines(size(found%lines))
     real(dp) :: left(raw%count), deviation(size(raw%value, 2))
-    integer :: s
+    integer :: n, s
     lines = unfiltered_lines(found)
     do s = 1, size(deviation)
       left = raw%value(:raw%count, s)
       call subtract_lines(lines, s, left)
-      deviation(s) = norm2(without_trend(left))/sqrt(real(raw%count, dp))
+      deviation(s) = norm2(without_trend(left, [(place_of(raw, n), n=1, raw%count)]))/sqrt(real(raw%count, dp))
     end do
     filters_lines = norm2(deviation) < fewer*norm2(found%deviation)
   end function filters_lines

@@ -4,10 +4,11 @@ module bw_line_or_colour
   !! Where the spectrum of the noise is steep its level is known badly, and a line that is taken out of the record takes the colour
   !! beside it along. So the noise is judged twice, with the line left in and taken out, each time with an autoregression of its own
   !! order: the logarithm of the ratio of their likelihoods is what the line pays.
-  use bw_damped_line, only: damped_line, overlap, subtract_lines
+  use bw_damped_line, only: add_uneven, damped_line, overlap, subtract_lines
   use bw_kinds, only: dp
   use bw_order, only: ascending
-  use bw_samples, only: samples_type
+  use bw_samples, only: place_of, samples_type, span_of
+  use bw_uneven_colour, only: judge_uneven_noise
   use bw_whitening, only: freedom_of_level, judge_noise, judged_order, whitening_type
   implicit none (type, external)
   private
@@ -20,7 +21,7 @@ module bw_line_or_colour
 contains
 
   function are_lines(samples, lines, pays, threshold) result(stays)
-    !! Whether each of the lines of even samples pays more than the threshold. Those that pay enough by the level of the noise are
+    !! Whether each of the lines pays more than the threshold. Those that pay enough by the level of the noise are
     !! taken out at once, and the others, while they pay, one after the other, the one that pays most first; but lines that share a
     !! peak are taken out together if they pay so, for one of two whose motions cancel leaves more than both. How well the level is
     !! known is asked of the colour without the line: left in, a line draws a resonance to it, whose level few ordinates tell.
@@ -32,25 +33,26 @@ contains
     real(dp) :: left(samples%count, size(samples%value, 2)), without(samples%count, size(samples%value, 2))
     real(dp), dimension(size(samples%value, 2)) :: cost, cost_without
     type(whitening_type), dimension(size(samples%value, 2)) :: colour, colour_without
-    real(dp) :: freedom
+    real(dp) :: freedom, place(samples%count)
     logical :: tried(size(lines))
-    integer :: order(size(lines)), highest(size(samples%value, 2)), i, k, s
+    integer :: order(size(lines)), highest(size(samples%value, 2)), i, k, n, s
     integer, allocatable :: peak(:)
     stays = pays > without_doubt*threshold
     if (all(stays)) return
+    place = [(place_of(samples, n), n=1, samples%count)]
     left = samples%value(:samples%count, :)
+    without = left
     do s = 1, size(left, 2)
-      without(:, s) = left(:, s)
-      call subtract_lines(lines, s, without(:, s))
-      highest(s) = judged_order(without_trend(without(:, s)))
-      call subtract_lines(pack(lines, stays), s, left(:, s))
-      call judge_noise(without_trend(left(:, s)), highest(s), colour(s), cost(s))
+      call take_out(lines, s, without)
+      if (.not. allocated(samples%place)) highest(s) = judged_order(without_trend(without(:, s), place))
+      call take_out(pack(lines, stays), s, left)
+      call judge(left, s, colour(s), cost(s))
     end do
     order = ascending(-pays)
     tried = stays
     do i = count(stays) + 1, size(lines)
       if (tried(order(i))) cycle
-      peak = pack([(k, k=1, size(lines))], .not. tried .and. overlap(lines, lines(order(i)), real(samples%count, dp)))
+      peak = pack([(k, k=1, size(lines))], .not. tried .and. overlap(lines, lines(order(i)), span_of(samples)))
       tried(peak) = .true.
       call try(peak)
       if (stays(peak(1)) .or. size(peak) == 1) cycle
@@ -67,8 +69,8 @@ contains
       integer, intent(in) :: member(:)
       without = left
       do s = 1, size(left, 2)
-        call subtract_lines(lines(member), s, without(:, s))
-        call judge_noise(without_trend(without(:, s)), highest(s), colour_without(s), cost_without(s))
+        call take_out(lines(member), s, without)
+        call judge(without, s, colour_without(s), cost_without(s))
       end do
       freedom = minval([(freedom_of_level(colour_without(s), lines(member(1))%frequency, samples%count), s=1, size(colour))])
       if (sum(cost - cost_without)/2 <= size(member)*threshold*(1 + min(most_raised, raised/freedom))) return
@@ -78,14 +80,38 @@ contains
       colour = colour_without
     end subroutine try
 
+    subroutine take_out(some, s, value)
+      !! Take lines out of the samples of one sensor.
+      type(damped_line), intent(in) :: some(:)
+      integer, intent(in) :: s
+      real(dp), intent(inout) :: value(:, :)
+      if (allocated(samples%place)) then
+        call add_uneven(samples, some, s, -1.0_dp, value(:, s:s))
+      else
+        call subtract_lines(some, s, value(:, s))
+      end if
+    end subroutine take_out
+
+    subroutine judge(value, s, colour, cost)
+      !! Find the colour of what is left at one sensor, but for a straight line.
+      real(dp), intent(in) :: value(:, :)
+      integer, intent(in) :: s
+      type(whitening_type), intent(out) :: colour
+      real(dp), intent(out) :: cost
+      if (allocated(samples%place)) then
+        call judge_uneven_noise(without_trend(value(:, s), place), place, colour, cost)
+      else
+        call judge_noise(without_trend(value(:, s), place), highest(s), colour, cost)
+      end if
+    end subroutine judge
+
   end function are_lines
 
-  pure function without_trend(value) result(left)
-    !! Numbers less the straight line that fits them best.
-    real(dp), intent(in) :: value(:)
+  pure function without_trend(value, place) result(left)
+    !! Numbers less the straight line over their times that fits them best.
+    real(dp), intent(in) :: value(:), place(:)
     real(dp) :: left(size(value)), u(size(value))
-    integer :: n
-    u = [(n - (size(value) + 1)/2.0_dp, n=1, size(value))]
+    u = place - sum(place)/size(place)
     left = value - sum(value)/size(value)
     left = left - u*(dot_product(u, left)/dot_product(u, u))
   end function without_trend
