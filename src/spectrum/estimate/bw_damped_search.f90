@@ -31,6 +31,8 @@ module bw_damped_search
   real(dp), parameter :: no_gain = 0.999_dp      !! of what was left
   integer, parameter :: most_stuck = 4           !! rounds in which far more is left than noise, and as much as before
   real(dp), parameter :: some_gain = 0.95_dp     !! of what was left
+  real(dp), parameter :: above = 2               !! times the threshold of tapered ordinates, where no others pass it: the skirt of a
+                                                 !! line that nobody has found raises the level that others are told by
   real(dp), parameter :: far_from_noise = 100    !! times the threshold
   real(dp), parameter :: no_better = 0.9_dp      !! of what was left before: another fit will not find more
   integer, parameter :: most_lines = 200
@@ -62,7 +64,8 @@ contains
       call settle(samples, found)
       call search(samples, false_alarm, plan, found, monitor)
       found%deviation = found%ordinates%deviation
-      if (.not. found%at_rest .or. stops(monitor)) return
+      if (.not. found%at_rest) return
+      if (stops(monitor)) return
       if (samples%count <= longest) then
         raw = samples
         call drop_colour(raw, samples, false_alarm, found, dropped)
@@ -239,6 +242,9 @@ contains
     call drop_needless(samples, threshold, found, changed)
     if (changed) return
     call add(samples, candidates(samples, found, found%ordinates, threshold, same_peak), found, changed)
+    if (changed) return
+    call add(samples, candidates(samples, found, tapered, &
+      & above*least_ordinate(tapered%shape, span_of(samples)/2, false_alarm), same_peak), found, changed)
     if (changed) return
     associate (noise => found%ordinates%noise)
       if (idle < most_idle) call split_lines(samples, false_alarm, found%ordinates, found%bands, found%lines, found%still, &
