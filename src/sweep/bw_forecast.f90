@@ -22,7 +22,7 @@ module bw_forecast
     !! What cases that were run for their time had to say.
     type(notes_type) :: notes
     integer(i8), allocatable :: cases(:)      !! their numbers
-    logical :: from_few = .false.             !! there was only time for few modes and samples of one case
+    logical :: from_few = .false.             !! there was no time to run any case to its end
   contains
     procedure :: add
     procedure :: foretell
@@ -63,8 +63,8 @@ contains
       if (.not. whole) return
       call take_notes(result%notes, .true., notes)
     end if
+    self%from_few = self%from_few .or. size(self%cases) == 0
     call self%add(index, notes)
-    self%from_few = .true.
   end subroutine foretell
 
   subroutine run_few(few, layout, monitor, result, whole)

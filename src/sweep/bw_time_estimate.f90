@@ -52,7 +52,7 @@ module bw_time_estimate
     type(time_limit) :: limit
     type(forecast_type) :: forecast
   contains
-    procedure :: sample, guess
+    procedure :: sample, guess, foretell
   end type case_timer
 
 contains
@@ -81,7 +81,7 @@ contains
     seconds = spent/part
     whole = part >= 1.0_dp
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
-    if (size(timer%forecast%cases) == 0) call timer%forecast%foretell(timer%index, timer%one, timer%layout, monitor)
+    if (.not. any(timer%forecast%cases == timer%index)) call timer%foretell(monitor)
     forecast = timer%forecast
     seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
   end function estimated_seconds
@@ -129,6 +129,18 @@ contains
     spent = case_seconds(self%one)
     part = nearest(1.0_dp, -1.0_dp)
   end subroutine guess
+
+  subroutine foretell(self, monitor)
+    !! What few modes and samples say of the case at hand, which was not run to its end, and of the last: what is extreme is often
+    !! the last.
+    class(case_timer), intent(inout) :: self
+    class(monitor_type), intent(inout) :: monitor !! nothing is foretold where it asks to stop
+    type(error_type), allocatable :: error
+    call self%forecast%foretell(self%index, self%one, self%layout, monitor)
+    self%index = case_count(self%scene)
+    call case_scene(self%scene, self%index, self%one, error)
+    if (.not. allocated(error)) call self%forecast%foretell(self%index, self%one, self%layout, monitor)
+  end subroutine foretell
 
   pure real(dp) function writing_seconds(layout) result(seconds)
     !! How long it takes to write a case onto the disk, s.
