@@ -12,7 +12,7 @@ module bw_belief
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band, own_rows
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors, &
-    & line_errors_of
+    & line_errors_of, noise_share, sensors_of
   use bw_line_names, only: at_edge, believed_line, close_pair, drifting, harmonic, name_lines
   use bw_line_windows, only: steady_at, window_end, window_start, windows_of
   use bw_noise_level, only: level_at
@@ -64,7 +64,7 @@ contains
     real(dp), allocatable :: rows(:, :), windows(:, :, :)
     type(damped_line), allocatable :: own(:)
     type(damped_line) :: steady
-    real(dp) :: half, quantile, at, deviation(2), width(2)
+    real(dp) :: half, quantile, share, at, deviation(2), width(2)
     integer :: j
     logical :: oscillates
     own = found%lines(band%member)
@@ -72,20 +72,21 @@ contains
     errors = line_errors_of(reduce(samples, band%band, rows, own, band%with_still), &
       & 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
     half = centre_of(samples)
-    quantile = student_quantile(confidence, span_of(samples), size(errors%weight))
     do j = 1, size(own)
       associate (line => believed(band%member(j)))
         at = best_time(errors, j)
+        share = noise_share(errors, j)
+        quantile = student_quantile(confidence, span_of(samples), sensors_of(errors, j))/(1 - share)
         steady = steady_at(samples, own(j), at)
         deviation = [decay_deviation(errors, j, at), frequency_deviation(errors, j, at)]
         line%frequency = steady%frequency
         line%decay = steady%decay
-        line%decay_bound = min(deviation(1)/half, undetermined)
-        line%frequency_bound = min(deviation(2)/(2*pi*half), undetermined)
+        line%decay_bound = min(deviation(1)/(half*sqrt(1 - share)), undetermined)
+        line%frequency_bound = min(deviation(2)/(2*pi*half*sqrt(1 - share)), undetermined)
         oscillates = line%frequency_bound < undetermined
         if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
-        line%decay_error = quantile*line%decay_bound
-        line%frequency_error = quantile*line%frequency_bound
+        line%decay_error = quantile*sqrt(1 - share)*line%decay_bound
+        line%frequency_error = quantile*sqrt(1 - share)*line%frequency_bound
         if (oscillates .and. found%at_rest) then  ! elsewhere the squares that are left tell nothing of noise
           width = profile_widths(samples, band, rows, errors%weight, own, j, deviation, quantile)
           line%decay_error = width(1)/half
@@ -222,15 +223,17 @@ contains
     end do
   end subroutine judge_amplitude
 
-
   pure real(dp) function student_quantile(confidence, span, sensors) result(quantile)
-    !! How many standard deviations hold so much of a normal number whose deviation is known from the noise of a window only.
+    !! How many standard deviations hold so much of a normal number whose deviation is known from the noise of a window only. Where
+    !! it is a mean over sensors, of which each has a weight from its own noise, these weights are off as well: with f numbers in a
+    !! window their means over sensors make the deviation look 1/f too small, and it is 1/f more than that of the best weights.
     real(dp), intent(in) :: confidence, span
-    integer, intent(in) :: sensors
+    real(dp), intent(in) :: sensors            !! that tell the line, 1 or more
     real(dp) :: freedom
+    freedom = max(10.0_dp, min(span, 96.0_dp))
     quantile = normal_quantile((1 + confidence)/2)
-    freedom = sensors*max(10.0_dp, min(span, 96.0_dp))
-    quantile = quantile + (quantile**3 + quantile)/(4*freedom)
+    quantile = quantile + (quantile**3 + quantile)/(4*freedom*sensors)
+    quantile = quantile*(1 + (1 - 1/sensors)*2/freedom)
   end function student_quantile
 
 end module bw_belief

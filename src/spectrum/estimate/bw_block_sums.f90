@@ -12,6 +12,7 @@ module bw_block_sums
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: table = 32           !! factors of the fine one of two tables
   real(dp), parameter :: most_turned = 0.4_dp  !! of an exponent in half a block, so that its series leaves 1e-9
+  integer, parameter :: at_once = 64         !! blocks whose series fit a processor's cache
   integer, parameter :: fewest = 16          !! samples of a block for each of which moments are worth while
 
   integer, parameter :: highest = series + 6 !! power of time in a moment: a line's slopes take six
@@ -90,18 +91,22 @@ contains
     end if
     moment = moments(decay, frequency, length, centre, ubound(moment, 1))
     u = [((blocks%first(b) - 1 - centre)/centre, b=1, size(u))]
-    do m = 0, order
-      sums(:, m) = moment(m)
-    end do
-    do b = 1, size(sums, 1)
-      if (size(bend) == 0 .and. b < size(sums, 1)) cycle
-      if (length /= blocks%first(b + 1) - blocks%first(b)) then
-        length = blocks%first(b + 1) - blocks%first(b)
-        moment = moments(decay, frequency, length, centre, ubound(moment, 1))
+    if (size(bend) == 0) then
+      do m = 0, order
+        sums(:, m) = moment(m)
+      end do
+    else
+      sums = bent(moment, bend, u, order)
+    end if
+    b = size(u)                                ! the last block may be shorter
+    if (length /= blocks%first(b + 1) - blocks%first(b)) then
+      moment = moments(decay, frequency, blocks%first(b + 1) - blocks%first(b), centre, ubound(moment, 1))
+      if (size(bend) == 0) then
+        sums(b, :) = moment
+      else
+        sums(b:, :) = bent(moment, bend, u(b:), order)
       end if
-      sums(b, :) = moment(:order)
-      if (size(bend) > 0) sums(b, :) = bent_factor(bend, u(b))*bent(moment, bend, u(b), order)
-    end do
+    end if
     do m = 1, order                            ! about the record's middle, by the binomial theorem
       do j = order, m, -1
         sums(:, j) = sums(:, j) + u*sums(:, j - 1)
@@ -112,17 +117,25 @@ contains
     end do
   end function even_sums
 
-  pure function bent(moment, bend, u, order, rate) result(about)
-    !! A block's moments with the factor of a bend, over its value where the block starts.
+  pure function bent(moment, bend, u, order) result(about)
+    !! Moments that several blocks have from where they start, with the factor of a bend, (blocks, 0:order).
     complex(dp), intent(in) :: moment(0:), bend(2:)
-    real(dp), intent(in) :: u
+    real(dp), intent(in) :: u(:)             !! where these start
     integer, intent(in) :: order
-    complex(dp), intent(in), optional :: rate  !! the factor of an exponential e^(rate·u) too
-    complex(dp) :: about(0:order), a(0:series)
-    integer :: m
-    a = bent_series(bend, u, rate)
-    do m = 0, order
-      about(m) = sum(a*moment(m:m + series))
+    complex(dp) :: about(size(u), 0:order), a(at_once, 0:series)
+    integer :: first, last, m, j, b
+    do first = 1, size(u), at_once
+      last = min(size(u), first + at_once - 1)
+      a(:last - first + 1, :) = bent_series(bend, u(first:last))
+      do m = 0, order
+        about(first:last, m) = 0
+        do j = 0, series
+          about(first:last, m) = about(first:last, m) + a(:last - first + 1, j)*moment(m + j)
+        end do
+      end do
+    end do
+    do b = 1, size(u)
+      about(b, :) = bent_factor(bend, u(b))*about(b, :)
     end do
   end function bent
 
@@ -223,13 +236,17 @@ contains
     real(dp), intent(in) :: decay, frequency
     integer, intent(in) :: order
     complex(dp), intent(in) :: bend(2:)
-    complex(dp) :: sums(size(blocks%first) - 1, 0:order), rate
-    integer :: b
+    complex(dp), dimension(size(blocks%first) - 1, 0:order) :: sums
+    complex(dp) :: rate, about(0:order), a(size(sums, 1), 0:series)
+    integer :: b, m
     rate = cmplx(-decay, 2*pi*(frequency - blocks%reference(g)), dp)*centre
+    a = bent_series(bend, blocks%middle, rate)
     do b = 1, size(sums, 1)
+      do m = 0, order
+        about(m) = sum(a(b, :)*blocks%moment(m:m + series, b, g))
+      end do
       associate (u => blocks%middle(b))
-        sums(b, :) = exp(rate*(u + 1) + 2*min(decay, 0.0_dp)*centre)*bent_factor(bend, u)* &
-          & shifted(bent(blocks%moment(:, b, g), bend, u, order, rate), u)
+        sums(b, :) = exp(rate*(u + 1) + 2*min(decay, 0.0_dp)*centre)*bent_factor(bend, u)*shifted(about, u)
       end associate
     end do
   end function sums_of_moments

@@ -184,17 +184,17 @@ contains
     !! The factors of a line's bend at some of the even samples.
     type(damped_line), intent(in) :: line
     integer, intent(in) :: start, length, count  !! samples before these, these, in the record
-    complex(dp), allocatable :: a(:)
+    complex(dp), allocatable :: a(:, :)
     complex(dp) :: factor(length)
     real(dp) :: centre
     integer :: l, m
     centre = max(count - 1, 1)/2.0_dp
     associate (bend => line%bend(:line%powers), u => (start - centre)/centre)
-      a = bent_series(bend, u)*bent_factor(bend, u)
+      a = bent_series(bend, [u])*bent_factor(bend, u)
     end associate
-    factor = a(size(a))
+    factor = a(1, size(a))
     do m = size(a) - 1, 1, -1
-      factor = factor*[((l - 1)/centre, l=1, length)] + a(m)
+      factor = factor*[((l - 1)/centre, l=1, length)] + a(1, m)
     end do
   end function bent_tone
 

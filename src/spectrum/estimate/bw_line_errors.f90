@@ -5,9 +5,11 @@ module bw_line_errors
   use bw_triangle, only: eliminate, triangle_of
   implicit none (type, external)
   private
-  public :: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors_of
+  public :: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors_of, noise_share, &
+    & sensors_of
 
   integer, parameter :: looks = 32             !! times, less one, among which the best one is
+  real(dp), parameter :: most_share = 0.9_dp   !! of noise in a line's squares
 
   type, public :: line_errors
     !! A fit as its errors follow from it.
@@ -148,6 +150,14 @@ contains
     !! imaginary part is the same but for what is within a period of the record's ends.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j, s
+    deviation = white_deviation(errors, j)
+    if (deviation < huge(1.0_dp)) deviation = deviation/sqrt(errors%weight(s))
+  end function amplitude_noise
+
+  pure real(dp) function white_deviation(errors, j) result(deviation)
+    !! The same in noise of variance 1.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
     real(dp), dimension(errors%reduced%linear) :: gradient, y
     logical :: determined
     gradient = 0
@@ -155,9 +165,43 @@ contains
     associate (fit => errors%reduced)
       call eliminate(fit%triangle(:fit%linear, :fit%linear), fit%length(:fit%linear), gradient, y, determined)
     end associate
-    deviation = huge(1.0_dp)
-    if (determined) deviation = norm2(y)/sqrt(errors%weight(s))
-  end function amplitude_noise
+    deviation = merge(norm2(y), huge(1.0_dp), determined)
+  end function white_deviation
+
+  pure real(dp) function noise_share(errors, j) result(share)
+    !! The part of the squares of line j's amplitudes, each sensor's over its noise, that noise is expected to have added; 0 where
+    !! the amplitudes are not determined. It is small where a sensor shows the line, and large where only many together do.
+    !!
+    !! The information of a line's frequency and decay is taken to grow with these squares, so it is F/(1 − share) where it is F.
+    !! Noise turns the slopes as well, so that the estimates scatter with the variance 1/(F (1 − share)): the factor of Stoica and
+    !! Nehorai (1990) for one line, by which maximum likelihood misses the bound of given amplitudes.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: white
+    white = white_deviation(errors, j)
+    share = 0
+    if (white < huge(1.0_dp)) share = min(most_share, size(errors%weight)*2*white**2/max(sum(squares_of(errors, j)), tiny(1.0_dp)))
+  end function noise_share
+
+  pure real(dp) function sensors_of(errors, j) result(sensors)
+    !! How many equal sensors would tell line j as unevenly as these do: 1 … S, 1 where one tells nearly all.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: squares(size(errors%weight))
+    squares = squares_of(errors, j)
+    squares = squares/max(maxval(squares), tiny(1.0_dp))
+    sensors = max(1.0_dp, sum(squares)**2/max(sum(squares**2), tiny(1.0_dp)))
+  end function sensors_of
+
+  pure function squares_of(errors, j) result(squares)
+    !! The squares of line j's amplitudes over the variances of the noise, (S).
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: squares(size(errors%weight))
+    associate (a => errors%reduced%linear_part)
+      squares = errors%weight*(a(2*j - 1, :)**2 + a(2*j, :)**2)
+    end associate
+  end function squares_of
 
   pure function turned(one, other, amplitude) result(slope)
     !! The slopes by −decay and by 2π·frequency of a line of an amplitude, where those of amplitudes 1 and i are known.

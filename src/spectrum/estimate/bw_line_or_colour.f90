@@ -24,7 +24,8 @@ contains
     !! Whether each of the lines pays more than the threshold. Those that pay enough by the level of the noise are
     !! taken out at once, and the others, while they pay, one after the other, the one that pays most first; but lines that share a
     !! peak are taken out together if they pay so, for one of two whose motions cancel leaves more than both. How well the level is
-    !! known is asked of the colour without the line: left in, a line draws a resonance to it, whose level few ordinates tell.
+    !! known is asked of the colour without the line: left in, a line draws a resonance to it, whose level few ordinates tell. Nor
+    !! do more ordinates tell it than there are below the line: noise may rise towards 0 as steeply as no autoregression does.
     type(samples_type), intent(in) :: samples
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: pays(:)            !! of each line over the noise's level, by which they are ordered
@@ -73,6 +74,7 @@ contains
         call judge(without, s, colour_without(s), cost_without(s))
       end do
       freedom = minval([(freedom_of_level(colour_without(s), lines(member(1))%frequency, samples%count), s=1, size(colour))])
+      freedom = min(freedom, lines(member(1))%frequency*span_of(samples))
       if (sum(cost - cost_without)/2 <= size(member)*threshold*(1 + min(most_raised, raised/freedom))) return
       stays(member) = .true.
       left = without

@@ -73,34 +73,35 @@ contains
 
   pure function bent_series(bend, u, rate) result(a)
     !! The factor of a bend at u + x over that at u, as a₀ + a₁x + a₂x² + …: the exponent is r₁x + r₂x² + …, and its exponential has
-    !! n·a_n = Σ j·r_j·a_(n−j).
+    !! n·a_n = Σ j·r_j·a_(n−j). Many places are taken at once, as a processor does several.
     complex(dp), intent(in) :: bend(2:)
-    real(dp), intent(in) :: u
-    complex(dp), intent(in), optional :: rate  !! as above
-    complex(dp) :: a(0:series), r(series)
-    integer :: j, m, n
-    do j = 1, series
-      r(j) = 0
-      if (present(rate) .and. j == 1) r(j) = rate
-      do m = max(2, j), ubound(bend, 1)
-        r(j) = r(j) + binomial(m, j)*bend(m)*u**(m - j)
+    real(dp), intent(in) :: u(:)             !! (places)
+    complex(dp), intent(in), optional :: rate  !! the factor of an exponential e^(rate·x) too
+    complex(dp) :: a(size(u), 0:series), r(size(u), 0:max(ubound(bend, 1), 1))
+    integer :: j, m, n, last
+    last = ubound(bend, 1)
+    r(:, :1) = 0
+    do m = 2, last
+      r(:, m) = bend(m)
+    end do
+    do j = 0, last - 1                         ! the powers of u + x, by Horner's scheme
+      do m = last - 1, j, -1
+        r(:, m) = r(:, m) + u*r(:, m + 1)
       end do
     end do
-    a(0) = 1
+    if (present(rate)) r(:, 1) = r(:, 1) + rate
+    do j = 2, last
+      r(:, j) = j*r(:, j)
+    end do
+    a(:, 0) = 1
     do n = 1, series
-      a(n) = sum([(j*r(j)*a(n - j), j=1, n)])/n
+      a(:, n) = 0
+      do j = 1, min(n, ubound(r, 2))
+        a(:, n) = a(:, n) + r(:, j)*a(:, n - j)
+      end do
+      a(:, n) = a(:, n)/n
     end do
   end function bent_series
-
-  pure real(dp) function binomial(n, k)
-    !! n!/(k!(n − k)!).
-    integer, intent(in) :: n, k
-    integer :: i
-    binomial = 1
-    do i = 1, k
-      binomial = binomial*(n - k + i)/i
-    end do
-  end function binomial
 
   pure subroutine find_wave(place, centre, decay, frequency, bend, along, across)
     !! Find real and imaginary part of e^(−dτ + 2πifτ) at uneven times, times the factor of a bend; that of a line that grows is
