@@ -2,9 +2,9 @@ module bw_record_case
   !! A case whose histories are read from a file: record ► lines ► waves ► result. The main line of records, beside that of simulated
   !! cases.
   use bw_amplitude_spectrum, only: spectrum_plan
-  use bw_belief, only: believed_line, believed_lines
+  use bw_belief, only: believed_line
+  use bw_believed_search, only: find_believed_lines
   use bw_case_result, only: add_notes, case_result
-  use bw_damped_search, only: find_damped_lines
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
@@ -66,9 +66,8 @@ contains
 
     samples = samples_of(record)
     call move_alloc(record%values, samples%value)
-    call find_damped_lines(samples, scene%spectrum%false_alarm, found, monitor)
+    call find_believed_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, believed, monitor)
     if (monitor%stop_requested()) return
-    believed = believed_lines(samples, found, scene%spectrum%confidence, scene%spectrum%false_alarm)
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
     call view_noise(record, layout, scene%spectrum%window, found, result%record%noise)
     call view_fit(record, layout, found, result%record)

@@ -8,9 +8,9 @@ module bw_band_fit
   use bw_kinds, only: dp
   use bw_band, only: band_type, line_columns, still_columns
   use bw_damped_line, only: bend_reach, damped_line, move_line
-  use bw_lapack, only: dgelsy, dgeqrf, dormqr
+  use bw_lapack, only: dgelsy
   use bw_samples, only: centre_of, samples_type, span_of
-  use bw_triangle, only: dependent, length_of, scaled, solved
+  use bw_triangle, only: dependent, length_of, scaled, solved, triangulate
   implicit none (type, external)
   private
   public :: damped_line, excess, fit_band, image_of, reduce, slopes, still_image
@@ -120,8 +120,8 @@ contains
     logical, intent(in) :: with_still
     integer, intent(in), optional :: powers(:)  !! of time by which each line has slopes: its own if absent, 0 for none
     type(reduced_type) :: reduced
-    real(dp), allocatable :: matrix(:, :), turned(:, :), tau(:), work(:), columns(:, :, :)
-    integer :: highest(size(lines)), k, m, n, c, last, info
+    real(dp), allocatable :: matrix(:, :), columns(:, :, :)
+    integer :: highest(size(lines)), k, m, n, c
     highest = lines%powers
     if (present(powers)) highest = powers
     reduced%lines = size(lines)
@@ -132,7 +132,7 @@ contains
     do k = 1, size(lines)
       if (highest(k) > 0) reduced%free(reduced%first(k):reduced%first(k) + 1) = .not. [lines(k)%steady, lines(k)%fixed]
     end do
-    allocate (matrix(size(rows, 1), n), tau(n), work(64*max(n, size(rows, 2), 1)))
+    allocate (matrix(size(rows, 1), n))
     do k = 1, size(lines)
       allocate (columns(size(rows, 1), 2, 0:highest(k)))
       columns(:, :, :) = line_columns(samples, band, lines(k), highest(k))
@@ -149,21 +149,13 @@ contains
     do k = 1, n
       matrix(:, k) = matrix(:, k)/reduced%length(k)
     end do
-    turned = rows
-    last = min(n, size(rows, 1))
-    if (n > 0) then
-      call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
-      call dormqr('L', 'T', size(rows, 1), size(rows, 2), last, matrix, size(matrix, 1), tau, turned, size(rows, 1), &
-        & work, size(work), info)
-    end if
-    reduced%triangle = matrix(:last, :)
-    reduced%rotated = turned(:last, :)
+    call triangulate(matrix, rows, reduced%triangle, reduced%rotated, reduced%left)
     associate (triangle => reduced%triangle(:reduced%linear, :reduced%linear))
       reduced%linear_part = solved(triangle, reduced%rotated(:reduced%linear, :))
-      reduced%left = sum(turned(reduced%linear + 1:, :)**2, dim=1)
+      reduced%left = reduced%left + sum(reduced%rotated(reduced%linear + 1:, :)**2, dim=1)
       do k = 1, reduced%linear                  ! where the triangle does not determine a number, something stays
         if (abs(triangle(k, k)) > dependent) cycle
-        reduced%left = reduced%left + (turned(k, :) - matmul(triangle(k, k:), reduced%linear_part(k:, :)))**2
+        reduced%left = reduced%left + (reduced%rotated(k, :) - matmul(triangle(k, k:), reduced%linear_part(k:, :)))**2
       end do
     end associate
     do k = 1, reduced%linear

@@ -74,19 +74,20 @@ contains
     half = centre_of(samples)
     do j = 1, size(own)
       associate (line => believed(band%member(j)))
+        line%number = band%member(j)
         at = best_time(errors, j)
         share = noise_share(errors, j)
-        quantile = student_quantile(confidence, span_of(samples), sensors_of(errors, j))/(1 - share)
+        quantile = student_quantile(confidence, span_of(samples), sensors_of(errors, j))/sqrt(1 - share)
         steady = steady_at(samples, own(j), at)
-        deviation = [decay_deviation(errors, j, at), frequency_deviation(errors, j, at)]
+        deviation = [decay_deviation(errors, j, at), frequency_deviation(errors, j, at)]/sqrt(1 - share)
         line%frequency = steady%frequency
         line%decay = steady%decay
-        line%decay_bound = min(deviation(1)/(half*sqrt(1 - share)), undetermined)
-        line%frequency_bound = min(deviation(2)/(2*pi*half*sqrt(1 - share)), undetermined)
+        line%decay_bound = min(deviation(1)/half, undetermined)
+        line%frequency_bound = min(deviation(2)/(2*pi*half), undetermined)
         oscillates = line%frequency_bound < undetermined
         if (.not. oscillates) line%frequency_bound = 1/span_of(samples)  ! e^(−dτ) is at 0, as far as a record tells
-        line%decay_error = quantile*sqrt(1 - share)*line%decay_bound
-        line%frequency_error = quantile*sqrt(1 - share)*line%frequency_bound
+        line%decay_error = quantile*line%decay_bound
+        line%frequency_error = quantile*line%frequency_bound
         if (oscillates .and. found%at_rest) then  ! elsewhere the squares that are left tell nothing of noise
           width = profile_widths(samples, band, rows, errors%weight, own, j, deviation, quantile)
           line%decay_error = width(1)/half

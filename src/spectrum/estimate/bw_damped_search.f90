@@ -10,7 +10,7 @@ module bw_damped_search
   use bw_line_bands, only: prepare_bands, refine
   use bw_line_candidates, only: candidates, short_candidates
   use bw_line_refusals, only: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, &
-    & drop_uncertain, place_of
+    & drop_uncertain, drop_untold, place_of
   use bw_monitor, only: monitor_type, stops
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_pure_record, only: find_lines_if_pure, safety
@@ -20,7 +20,7 @@ module bw_damped_search
   use bw_whitening, only: find_whitening, longest, no_whitening, whiten
   implicit none (type, external)
   private
-  public :: find_damped_lines
+  public :: find_damped_lines, fit_without
 
   integer, parameter :: most_filters = 3         !! one after the other, where lines are found behind a filter
   integer, parameter :: most_rounds = 24
@@ -95,6 +95,19 @@ contains
       call take_filter_off(found)
     end do
   end subroutine find_damped_lines
+
+  subroutine fit_without(samples, untold, found, monitor)
+    !! Leave out lines of which the record tells nothing, and fit the others again.
+    type(samples_type), intent(in) :: samples  !! as `find_damped_lines` has left them
+    logical, intent(in) :: untold(:)           !! (lines)
+    type(found_lines), intent(inout) :: found
+    class(monitor_type), intent(inout), optional :: monitor
+    type(real_fourier) :: plan
+    type(ordinates_type) :: tapered
+    call drop_untold(samples, untold, found)
+    call settle(samples, found, monitor)
+    call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
+  end subroutine fit_without
 
   subroutine take_if_pure(samples, plan, found, pure, monitor)
     !! Take the lines of a record that holds nothing else but rounding, which is its noise.

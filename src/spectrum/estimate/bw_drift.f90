@@ -6,14 +6,12 @@ module bw_drift
   use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type, slopes
   use bw_damped_line, only: damped_line, most_powers
   use bw_kinds, only: dp
-  use bw_lapack, only: dgeqrf, dormqr
   use bw_line_bands, only: line_band
   use bw_samples, only: samples_type
+  use bw_triangle, only: dependent, triangulate
   implicit none (type, external)
   private
   public :: drift_gain, drift_of, drift_taken
-
-  real(dp), parameter :: dependent = 1.0e-12_dp
 
   type, public :: drift_type
     !! The exponent of a line by powers of u, without the constant, two real numbers each: −decay and 2π·frequency over half the
@@ -66,14 +64,15 @@ contains
     integer, intent(in) :: j, powers
     type(drift_type) :: drift
     type(reduced_type) :: reduced
-    real(dp), allocatable :: matrix(:, :), right(:, :), tau(:), work(:), length(:), inverse(:, :)
-    integer :: info, s, n, k, first
+    real(dp), allocatable, dimension(:, :) :: matrix, right, triangle, turned, inverse
+    real(dp), allocatable :: length(:), beyond(:)
+    integer :: s, n, k, first
     reduced = reduce(samples, band%band, rows, [lines(:j - 1), lines(j + 1:), lines(j)], band%with_still, &
       & [lines(:j - 1)%powers, lines(j + 1:)%powers, powers])
     n = size(reduced%length) - reduced%linear
     first = reduced%first(size(lines))
     matrix = slopes(reduced, weight)
-    allocate (right(size(matrix, 1), 1), tau(n), work(64*n))
+    allocate (right(size(matrix, 1), 1))
     do s = 1, size(weight)
       right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
     end do
@@ -81,18 +80,17 @@ contains
     do k = 1, n
       matrix(:, k) = matrix(:, k)/length(k)
     end do
-    call dgeqrf(size(matrix, 1), n, matrix, size(matrix, 1), tau, work, size(work), info)
-    call dormqr('L', 'T', size(matrix, 1), 1, n, matrix, size(matrix, 1), tau, right, size(matrix, 1), work, size(work), info)
-    inverse = inverted(matrix(first:n, first:n))
+    call triangulate(matrix, right, triangle, turned, beyond)
+    inverse = inverted(triangle(first:n, first:n))
     do k = first, n
       inverse(k - first + 1, :) = inverse(k - first + 1, :)/length(k)
     end do
-    drift%value = matmul(inverse, right(first:n, 1))
+    drift%value = matmul(inverse, turned(first:n, 1))
     do k = 2, lines(j)%powers
       drift%value(2*k - 1:2*k) = drift%value(2*k - 1:2*k) + [lines(j)%bend(k)%re, lines(j)%bend(k)%im]
     end do
     drift%covariance = matmul(inverse, transpose(inverse))
-    drift%gain = sum(right(first + 2*lines(j)%powers:n, 1)**2)
+    drift%gain = sum(turned(first + 2*lines(j)%powers:n, 1)**2)
   end function drift_of
 
   pure function inverted(triangle) result(inverse)

@@ -172,9 +172,9 @@ contains
     !! The part of the squares of line j's amplitudes, each sensor's over its noise, that noise is expected to have added; 0 where
     !! the amplitudes are not determined. It is small where a sensor shows the line, and large where only many together do.
     !!
-    !! The information of a line's frequency and decay is taken to grow with these squares, so it is F/(1 − share) where it is F.
-    !! Noise turns the slopes as well, so that the estimates scatter with the variance 1/(F (1 − share)): the factor of Stoica and
-    !! Nehorai (1990) for one line, by which maximum likelihood misses the bound of given amplitudes.
+    !! The slopes of a fit grow with these amplitudes, so that the information F that they tell is F (1 − share) in truth: a
+    !! deviation is 1/√(1 − share) times as large. As noise turns the slopes too, estimates scatter by as much more than that
+    !! bound of known amplitudes: the factor of Stoica and Nehorai (1990) for one line.
     type(line_errors), intent(in) :: errors
     integer, intent(in) :: j
     real(dp) :: white

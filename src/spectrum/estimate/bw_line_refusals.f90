@@ -15,7 +15,7 @@ module bw_line_refusals
   implicit none (type, external)
   private
   public :: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, drop_uncertain, &
-    & place_of
+    & drop_untold, place_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: kept = 1                !! times the threshold, that a line must still pay among the others
@@ -168,6 +168,15 @@ contains
     if (any(reason > 0)) pays = pays_of(samples, found, reason > 0)
     call reject(reason, pays, found, changed)
   end subroutine drop_uncertain
+
+  subroutine drop_untold(samples, untold, found)
+    !! Leave out lines whose intervals, with what they drift, are as wide as their frequencies.
+    type(samples_type), intent(in) :: samples
+    logical, intent(in) :: untold(:)
+    type(found_lines), intent(inout) :: found
+    logical :: changed
+    call reject(merge(uncertain, 0, untold), pays_of(samples, found, untold), found, changed)
+  end subroutine drop_untold
 
   logical function leaves(samples, line)
     !! Whether a drift takes a line to 0 or to half the sampling rate.

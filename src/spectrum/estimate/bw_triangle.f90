@@ -1,12 +1,13 @@
 module bw_triangle
   !! Triangles R of columns QR scaled to length 1: what solves a least-squares problem, and what its covariance follows from.
   use bw_kinds, only: dp
-  use bw_lapack, only: dgeqrf
+  use bw_lapack, only: dgeqrf, dormqr
   implicit none (type, external)
   private
-  public :: dependent, eliminate, length_of, scaled, solved, triangle_of
+  public :: dependent, eliminate, length_of, scaled, solved, triangle_of, triangulate
 
   real(dp), parameter :: dependent = 1.0e-12_dp  !! columns this close to the others are left out of a solution
+  integer, parameter :: stretch = 512            !! rows whose reflections a processor's cache holds
 
 contains
 
@@ -63,6 +64,42 @@ contains
     call dgeqrf(size(matrix, 1), n, factors, size(matrix, 1), tau, work, size(work), info)
     triangle = factors(:n, :)
   end subroutine triangle_of
+
+  subroutine triangulate(matrix, right, triangle, turned, beyond)
+    !! The triangle R of matrix = QR, with fewer rows than columns where the matrix has fewer, Qᵀ·right in its rows, and the squares
+    !! of the rows of Qᵀ·right below it. Many rows are taken stretch by stretch, each below the triangle of those before.
+    real(dp), intent(in) :: matrix(:, :), right(:, :)
+    real(dp), allocatable, intent(out) :: triangle(:, :), turned(:, :)
+    real(dp), allocatable, intent(out) :: beyond(:)  !! (right sides)
+    real(dp), allocatable :: part(:, :), side(:, :), tau(:), work(:)
+    integer :: n, s, rows, most, held, first, last, k, info
+    n = size(matrix, 2)
+    s = size(right, 2)
+    most = min(size(matrix, 1), n + stretch)
+    allocate (part(most, n), side(most, s), tau(n), work(64*max(n, s, 1)), beyond(s))
+    beyond = 0
+    held = 0
+    last = 0
+    do
+      first = last + 1
+      last = min(size(matrix, 1), last + most - held)
+      rows = held + last - first + 1
+      part(held + 1:rows, :) = matrix(first:last, :)
+      side(held + 1:rows, :) = right(first:last, :)
+      held = min(n, rows)
+      if (n > 0) then
+        call dgeqrf(rows, n, part, most, tau, work, size(work), info)
+        call dormqr('L', 'T', rows, s, held, part, most, tau, side, most, work, size(work), info)
+      end if
+      beyond = beyond + sum(side(held + 1:rows, :)**2, dim=1)
+      if (last == size(matrix, 1)) exit
+      do k = 1, n
+        part(k + 1:held, k) = 0
+      end do
+    end do
+    triangle = part(:held, :)
+    turned = side(:held, :)
+  end subroutine triangulate
 
   pure subroutine eliminate(triangle, length, gradient, y, determined)
     !! Find y = R⁻ᵀ (gradient/length), whose length is the standard deviation of gradient·x in noise of variance 1, or that the fit

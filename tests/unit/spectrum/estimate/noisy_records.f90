@@ -1,8 +1,8 @@
 module noisy_records
   !! Random records of known lines in noise, the Cramér–Rao bounds of their lines from the whole Jacobian, and how often what
   !! is found keeps to them. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
-  use bw_belief, only: believed_line, believed_lines, drifting, harmonic
-  use bw_damped_search, only: find_damped_lines
+  use bw_belief, only: believed_line, drifting, harmonic
+  use bw_believed_search, only: find_believed_lines
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, qp
   use bw_samples, only: samples_type
@@ -90,8 +90,7 @@ contains
     type(samples_type) :: used
     type(found_lines) :: found
     used = samples
-    call find_damped_lines(used, false_alarm, found)
-    lines = believed_lines(used, found, confidence, false_alarm)
+    call find_believed_lines(used, confidence, false_alarm, found, lines)
   end function analysed
 
   subroutine judge(recipe, tally)
