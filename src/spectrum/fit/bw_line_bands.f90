@@ -2,8 +2,8 @@ module bw_line_bands
   !! Lines that share a band, and all bands of a record: each is fitted while the images of all other lines are taken out, in
   !! turn, until nothing moves. Lines further apart than a few bins hardly see each other, so that this ends soon.
   use bw_band, only: band_around, band_type, fill_bands, uneven_rows
-  use bw_band_fit, only: damped_line, excess, fit_band, fit_type, image_of, still_image
-  use bw_damped_line, only: add_uneven, bend_reach
+  use bw_band_fit, only: excess, fit_band, fit_type, image_of, still_image
+  use bw_damped_line, only: add_uneven, bend_reach, damped_line
   use bw_kinds, only: dp
   use bw_monitor, only: monitor_type, stops
   use bw_noise_level, only: level_at, level_knots

@@ -5,8 +5,8 @@ module bw_belief
   !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it, or what the likelihood says where noise
   !! moves a line too far for that. Frequency and decay of a line that drifts are those at the time at which the record tells them
   !! best; the interval reaches to where they are at both ends of the record, or of the line's life if that is shorter.
-  use bw_band_fit, only: damped_line, reduce
-  use bw_damped_line, only: most_powers
+  use bw_band_fit, only: reduce
+  use bw_damped_line, only: damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp

@@ -1,8 +1,8 @@
 module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
-  use bw_band_fit, only: damped_line
   use bw_belief, only: believed_line, undetermined
+  use bw_damped_line, only: damped_line
   use bw_found_lines, only: found_lines, rejected_line
   use bw_kinds, only: dp
   use bw_line_windows, only: window_start

@@ -5,7 +5,8 @@ module bw_profile_width
   !! that noise moves by a part of its own width has a likelihood that is no parabola, and estimates that scatter more. So the
   !! place on either side is sought where the squares, all other unknowns fitted again, are by the quantile's square above the
   !! least; what is told is half of the way between them.
-  use bw_band_fit, only: damped_line, fit_band, fit_type
+  use bw_band_fit, only: fit_band, fit_type
+  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band
   use bw_samples, only: centre_of, samples_type

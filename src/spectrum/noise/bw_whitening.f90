@@ -4,7 +4,7 @@ module bw_whitening
   !! The autoregression of each sensor comes from what the lines leave (Burg, 1975), its order from the Bayesian criterion. The
   !! filter h changes a line's amplitude by a factor and neither its decay nor its frequency, so that the fit of the filtered
   !! samples is the maximum likelihood in such noise, but for the first samples, one for each order, that are used up.
-  use bw_band_fit, only: damped_line
+  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_remainder, only: find_remainder, motion_type, tabulated
   use bw_samples, only: phase_factor, samples_type

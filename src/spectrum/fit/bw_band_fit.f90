@@ -13,7 +13,7 @@ module bw_band_fit
   use bw_triangle, only: dependent, length_of, scaled, solved, triangulate
   implicit none (type, external)
   private
-  public :: damped_line, excess, fit_band, image_of, reduce, slopes, still_image
+  public :: excess, fit_band, image_of, reduce, slopes, still_image
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_steps = 20, most_halvings = 5

@@ -6,7 +6,8 @@ module bw_line_windows
   !! x − S is the line's. The slope of the ordinates at their peak scatters by the noise beside the line, and by the noise beside
   !! noise, in the ratio (x − S) to S, so that the variance is (x/(x − S))² times what the fitted amplitudes promise.
   use bw_band, only: band_type, cut_band
-  use bw_band_fit, only: damped_line, fit_band, fit_type, reduce, reduced_type
+  use bw_band_fit, only: fit_band, fit_type, reduce, reduced_type
+  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band
   use bw_line_errors, only: decay_deviation, frequency_deviation, line_errors, line_errors_of
