@@ -28,7 +28,7 @@ module bw_record_lines
     'the other lines explain as much but for noise', &
     'too broad to be told from the colour of the noise', &
     'beside a line whose frequency drifts, and explained by that', &
-    'its amplitude or frequency is within its own interval of nothing', &
+    'its interval reaches to 0, or over a line of more energy', &
     'the colour of the noise explains it as well']
 
   type, public :: rejected_candidate
