@@ -15,7 +15,7 @@ module bw_line_refusals
   implicit none (type, external)
   private
   public :: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, drop_uncertain, &
-    & drop_untold, place_of
+    & drop_untold, place_of, refuse_untold
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: kept = 1                !! times the threshold, that a line must still pay among the others
@@ -170,13 +170,24 @@ contains
   end subroutine drop_uncertain
 
   subroutine drop_untold(samples, untold, found)
-    !! Leave out lines whose intervals, with what they drift, are as wide as their frequencies.
+    !! Leave out lines of which the record tells nothing.
     type(samples_type), intent(in) :: samples
     logical, intent(in) :: untold(:)
     type(found_lines), intent(inout) :: found
     logical :: changed
     call reject(merge(uncertain, 0, untold), pays_of(samples, found, untold), found, changed)
   end subroutine drop_untold
+
+  subroutine refuse_untold(samples, untold, found)
+    !! The same of lines that stay in the fit.
+    type(samples_type), intent(in) :: samples
+    logical, intent(in) :: untold(:)
+    type(found_lines), intent(inout) :: found
+    type(damped_line) :: lines(size(found%lines))
+    lines = found%lines
+    call drop_untold(samples, untold, found)
+    found%lines = lines
+  end subroutine refuse_untold
 
   logical function leaves(samples, line)
     !! Whether a drift takes a line to 0 or to half the sampling rate.
