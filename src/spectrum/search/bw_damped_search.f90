@@ -147,13 +147,14 @@ contains
     type(ordinates_type) :: tapered
     type(damped_line), allocatable :: kept_lines(:)  !! that left least
     real(dp), allocatable :: kept_still(:, :)
-    real(dp) :: threshold, before, best, least
+    real(dp), dimension(size(samples%value, 2)) :: before, best, left  !! deviation of what is left of each sensor, whatever its unit
+    real(dp) :: threshold, least
     integer :: round, known, idle, stuck
     logical :: changed, better, astray, cancels
     logical :: searched                        !! no short line was found, and no line has been changed but by a fit since
     before = huge(1.0_dp)
     best = before
-    least = before
+    least = huge(1.0_dp)
     idle = 0
     stuck = 0
     searched = .false.
@@ -165,22 +166,23 @@ contains
       call find_ordinates(samples, found%lines, found%still, plan, found%ordinates, tapered)
       threshold = least_ordinate(found%ordinates%shape, span_of(samples)/2, false_alarm)
       known = size(found%lines)
-      if (norm2(found%ordinates%deviation) < no_gain*before) idle = 0
+      left = found%ordinates%deviation
+      if (any(left < no_gain*before)) idle = 0
       stuck = stuck + 1
-      if (norm2(found%ordinates%deviation) < some_gain*best .or. maxval(tapered%total) < far_from_noise*threshold) then
+      if (any(left < some_gain*best) .or. maxval(tapered%total) < far_from_noise*threshold) then
         stuck = 0
-        best = norm2(found%ordinates%deviation)
+        best = left
       end if
       found%at_rest = stuck <= most_stuck .and. found%work < least_allowed + most_work*samples%count*size(samples%value, 2)
       if (.not. found%at_rest) exit
-      if (norm2(found%ordinates%deviation) < least) then
-        least = norm2(found%ordinates%deviation)
+      if (sum(log(max(left, tiny(1.0_dp)))) < least) then
+        least = sum(log(max(left, tiny(1.0_dp))))
         kept_lines = found%lines
         kept_still = found%still
       end if
       call change(samples, false_alarm, threshold, tapered, found, changed, idle, monitor)
-      better = norm2(found%ordinates%deviation) < no_better*before
-      before = norm2(found%ordinates%deviation)
+      better = any(left < no_better*before)
+      before = left
       if (.not. (changed .or. searched)) then
         call add(samples, short_candidates(samples, found, false_alarm), found, changed)
         searched = .true.

@@ -29,7 +29,7 @@ contains
       call subtract_lines(lines, s, left)
       deviation(s) = norm2(without_trend(left, [(place_of(raw, n), n=1, raw%count)]))/sqrt(real(raw%count, dp))
     end do
-    filters_lines = norm2(deviation) < fewer*norm2(found%deviation)
+    filters_lines = any(deviation < fewer*found%deviation)
   end function filters_lines
 
   subroutine take_filter_off(found)
