@@ -10,12 +10,11 @@ module bw_belief
   use bw_drift, only: drift_of, drift_type
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
-  use bw_line_bands, only: line_band, own_rows
+  use bw_line_bands, only: line_band, own_rows, weight_of
   use bw_line_errors, only: amplitude_deviation, amplitude_noise, best_time, decay_deviation, frequency_deviation, line_errors, &
     & line_errors_of, noise_share, sensors_of
   use bw_line_names, only: at_edge, believed_line, close_pair, drifting, harmonic, name_lines
   use bw_line_windows, only: steady_at, window_end, window_start, windows_of
-  use bw_noise_level, only: level_at
   use bw_order, only: ascending
   use bw_ordinates, only: ordinates_type
   use bw_profile_width, only: profile_widths
@@ -70,7 +69,7 @@ contains
     own = found%lines(band%member)
     rows = own_rows(samples, found%lines, found%still, band)
     errors = line_errors_of(reduce(samples, band%band, rows, own, band%with_still), &
-      & 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
+      & weight_of(found%ordinates%noise, band, size(samples%value, 2)))
     half = centre_of(samples)
     do j = 1, size(own)
       associate (line => believed(band%member(j)))

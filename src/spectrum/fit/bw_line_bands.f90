@@ -11,7 +11,7 @@ module bw_line_bands
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
   private
-  public :: own_rows, prepare_bands, refine
+  public :: own_rows, prepare_bands, refine, weight_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: together = 4          !! bins between lines of one band
@@ -197,6 +197,16 @@ contains
     new%band = band_around(samples, new%lowest, new%highest, new%widest)
   end subroutine make
 
+  pure function weight_of(noise, band, sensors) result(weight)
+    !! One over the noise's variance of each sensor where the band's lines are, which is not the middle of a band that reaches to 0
+    !! or to half the sampling rate, (S).
+    type(level_knots), intent(in) :: noise
+    type(line_band), intent(in) :: band
+    integer, intent(in) :: sensors
+    real(dp) :: weight(sensors)
+    weight = 1/level_at(noise, (band%lowest + band%highest)/2, sensors)
+  end function weight_of
+
   function own_rows(samples, lines, still, band) result(rows)
     !! The rows of a band without the lines that are not its own, and without offset and slope where they are not.
     type(samples_type), intent(in) :: samples
@@ -276,7 +286,7 @@ contains
         if (size(bands(i)%member) == 0 .and. .not. bands(i)%with_still) cycle
         if (stops(monitor)) return
         before = bands(i)%left
-        weight = 1/level_at(noise, bands(i)%band%centre, size(still, 2))
+        weight = weight_of(noise, bands(i), size(still, 2))
         fit%lines = lines(bands(i)%member)
         if (allocated(samples%place)) then
           rows = rows_with_own(samples, left, fit%lines, still, bands(i))

@@ -8,9 +8,8 @@ module bw_close_pair
   use bw_damped_line, only: bend_reach, cancels, damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_kinds, only: dp
-  use bw_line_bands, only: line_band, own_rows
+  use bw_line_bands, only: line_band, own_rows, weight_of
   use bw_monitor, only: monitor_type, stops
-  use bw_noise_level, only: level_at
   use bw_ordinates, only: ordinates_type
   use bw_samples, only: centre_of, samples_type, span_of
   use bw_shape_price, only: least_gain, price_of_drift
@@ -70,11 +69,11 @@ contains
       if (size(bands(i)%member) == 0) cycle
       if (stops(monitor)) return
       quiet(i) = max(least, -2*log(false_alarm/size(lines)))/ &
-        & maxval(1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)))
+        & maxval(weight_of(ordinates%noise, bands(i), size(samples%value, 2)))
       if (quiet(i) > again*bands(i)%refused) cycle
       best(i)%lines = lines(bands(i)%member)
       call shape_band(samples, bands(i), own_rows(samples, lines, still, bands(i)), &
-        & 1/level_at(ordinates%noise, bands(i)%band%centre, size(samples%value, 2)), false_alarm/size(lines), &
+        & weight_of(ordinates%noise, bands(i), size(samples%value, 2)), false_alarm/size(lines), &
         & highest, single, best(i)%lines, pays(i), least, spent)
       if (present(work)) work = work + spent
     end do

@@ -4,8 +4,8 @@ module bw_joined_lines
   use bw_band_fit, only: fit_band, fit_type
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
-  use bw_line_bands, only: line_band, own_rows
-  use bw_noise_level, only: level_at, level_knots
+  use bw_line_bands, only: line_band, own_rows, weight_of
+  use bw_noise_level, only: level_knots
   use bw_samples, only: samples_type, span_of
   use bw_shape_price, only: least_gain, price_of_drift
   implicit none (type, external)
@@ -55,7 +55,7 @@ contains
       own = lines(band%member)
       if (all(own%powers == 1)) return
       rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
+      weight = weight_of(noise, band, size(samples%value, 2))
       chance = false_alarm/size(lines)
       fit%lines = own
       call fit_band(samples, band%band, rows, weight, band%with_still, fit)
@@ -85,7 +85,7 @@ contains
       integer :: j, chosen
       own = lines(band%member)
       rows = own_rows(samples, lines, still, band)
-      weight = 1/level_at(noise, band%band%centre, size(samples%value, 2))
+      weight = weight_of(noise, band, size(samples%value, 2))
       fit%lines = own
       call fit_band(samples, band%band, rows, weight, band%with_still, fit)
       left = fit%left

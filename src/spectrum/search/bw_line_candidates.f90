@@ -5,8 +5,7 @@ module bw_line_candidates
   use bw_drift, only: drift_gain, drift_taken
   use bw_found_lines, only: beside_drift, drift_reach, found_lines
   use bw_kinds, only: dp
-  use bw_line_bands, only: own_rows
-  use bw_noise_level, only: level_at
+  use bw_line_bands, only: own_rows, weight_of
   use bw_order, only: local_maxima, vertex
   use bw_ordinates, only: ordinates_type
   use bw_samples, only: centre_of, samples_type, span_of
@@ -95,7 +94,7 @@ contains
         do j = 1, size(own)
           if (abs(own(j)%frequency - frequency)*span_of(samples) > drift_reach + broadened(own(j))) cycle
           rows = own_rows(samples, found%lines, found%still, band)
-          weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+          weight = weight_of(found%ordinates%noise, band, size(samples%value, 2))
           is_drift = 2*ordinate < drift_gain(samples, band, rows, weight, own, j)
           if (is_drift) return
           if (own(j)%powers > 1) is_drift = 2*ordinate < undescribed*drift_taken(samples, band, rows, weight, own, j)

@@ -6,10 +6,10 @@ module bw_line_refusals
   use bw_found_lines, only: beside_drift, drift_reach, far_above, found_lines, noise_colour, not_needed, rejected_line, &
     & too_broad, uncertain
   use bw_kinds, only: dp
-  use bw_line_bands, only: own_rows
+  use bw_line_bands, only: own_rows, weight_of
   use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_line_or_colour, only: are_lines
-  use bw_noise_level, only: level_at, window_width
+  use bw_noise_level, only: window_width
   use bw_ordinates, only: least_ordinate, ordinates_type
   use bw_samples, only: centre_of, samples_type, span_of
   implicit none (type, external)
@@ -152,7 +152,7 @@ contains
       if (size(found%bands(i)%member) == 0) cycle
       associate (band => found%bands(i), own => found%lines(found%bands(i)%member))
         errors = line_errors_of(reduce(samples, band%band, own_rows(samples, found%lines, found%still, band), own, &
-          & band%with_still), 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2)))
+          & band%with_still), weight_of(found%ordinates%noise, band, size(samples%value, 2)))
         do j = 1, size(own)
           if (own(j)%frequency*span > same_peak .and. &
             & count(overlap(own, own(j), span)) > 1) cycle
@@ -255,7 +255,7 @@ contains
       if (.not. any(asked(found%bands(i)%member))) cycle
       associate (band => found%bands(i))
         rows = own_rows(samples, found%lines, found%still, band)
-        weight = 1/level_at(found%ordinates%noise, band%band%centre, size(samples%value, 2))
+        weight = weight_of(found%ordinates%noise, band, size(samples%value, 2))
         with = reduce(samples, band%band, rows, found%lines(band%member), band%with_still, 0*band%member)
         do j = 1, size(band%member)
           if (.not. asked(band%member(j))) cycle
