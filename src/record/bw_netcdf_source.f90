@@ -150,6 +150,8 @@ contains
     if (index(quantities, ' '//column%quantity//' ') == 0) column%quantity = ''
     if (column%quantity /= '') self%is_labelled = .true.
     if (column%quantity == '') column%quantity = quantity_of(column%unit)
+    if (name == 'recorded') self%is_labelled = .true.  ! a result of a record: what was fitted to it is not measured
+    if (name == 'fitted') column%quantity = ''
     call mark_time(column)
     column%position = sensor_position(self%file, found)
     n = size(self%columns)

@@ -48,7 +48,7 @@ def test_known_lines_are_inside_their_intervals(ringing):
 
 def test_a_record_whose_candidates_are_all_refused_says_so(here):
     """Noise of one broad resonance: an autoregression of second order, with poles 1.5 % inside the circle."""
-    draws = np.random.default_rng(7)
+    draws = np.random.default_rng(30)
     noise = [0.0, 0.0]
     while len(noise) < 514:
         noise.append(2 * 0.985 * np.cos(0.6) * noise[-1] - 0.985**2 * noise[-2] + draws.standard_normal())
@@ -77,6 +77,16 @@ def test_a_result_holds_what_its_pictures_show(ringing):
     assert there[:, 0].all()
     off = abs(windows - 2 * np.pi * FREQUENCY[:, None]) / result["window_angular_frequency_bound"][: FREQUENCY.size]
     assert off[there].max() < 5.0
+
+
+def test_a_result_of_a_record_is_the_record(ringing):
+    """What was fitted stands beside it, and has no noise: it is no sensor unless it is asked for."""
+    here, result = ringing
+    here.scene("again", {"record": {"file": "output/ring.nc"}, "spectrum": {}})
+    again = here.run("again")
+    assert again["measured_amplitude"].shape[0] == result["measured_amplitude"].shape[0]
+    np.testing.assert_array_equal(again["measured_angular_frequency"], result["measured_angular_frequency"])
+    np.testing.assert_array_equal(again["measured_angular_frequency_error"], result["measured_angular_frequency_error"])
 
 
 def test_the_file_says_what_it_is_about(ringing):
