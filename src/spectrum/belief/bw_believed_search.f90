@@ -5,7 +5,7 @@ module bw_believed_search
   !! Noise that is smooth, as behind a filter, and what a mode leaves that changes as it dies away, are described by lines that
   !! drift as one likes. Each pays for its unknowns; but only its interval, which holds the ends of its drift and counts what is
   !! left beside it, shows that its frequency may be any, or that of a stronger line.
-  use bw_belief, only: believed_line, believed_lines, drifting
+  use bw_belief, only: believed_line, believed_lines, close_pair, drifting
   use bw_damped_search, only: find_damped_lines, fit_without
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
@@ -22,7 +22,8 @@ module bw_believed_search
 contains
 
   subroutine find_believed_lines(samples, confidence, false_alarm, found, believed, monitor)
-    !! Find the lines of a record with their intervals. Those whose intervals say nothing are refused as uncertain.
+    !! Find the lines of a record with their intervals. Those whose intervals say nothing are refused as uncertain; but not one of a
+    !! close pair, which are known together far better than a drift of either.
     type(samples_type), intent(inout) :: samples   !! even ones are whitened in their memory
     real(dp), intent(in) :: confidence             !! of the intervals, 0 … 1
     real(dp), intent(in) :: false_alarm            !! that noise alone makes any line, or a steady line is said to drift
@@ -59,7 +60,8 @@ contains
     type(samples_type), intent(in) :: samples
     type(believed_line), intent(in) :: believed(:)
     logical :: nothing(size(believed))
-    nothing = believed%frequency_error >= believed%frequency .and. believed%frequency*span_of(samples) >= 1
+    nothing = believed%frequency_error >= believed%frequency .and. believed%frequency*span_of(samples) >= 1 &
+      & .and. iand(believed%status, close_pair) == 0
   end function reaches_0
 
   pure function reaches_over(samples, believed) result(nothing)
@@ -76,7 +78,7 @@ contains
     strength = strength/sqrt(max(abs(believed%decay)*span, 1.0_dp))
     nothing = .false.
     do k = 1, size(believed)
-      if (iand(believed(k)%status, drifting) == 0) cycle
+      if (iand(believed(k)%status, drifting) == 0 .or. iand(believed(k)%status, close_pair) > 0) cycle
       nothing(k) = any(strength > strength(k) .and. &
         & abs(believed%frequency - believed(k)%frequency) < believed(k)%frequency_error)
     end do
