@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: ddot, dgemm, dtrsm
-  public :: dpotrf, dpotri, dgeqp3, dgeqrf, dormqr, dgelsy, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dpotri, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
 
   interface
 
@@ -112,6 +112,17 @@ module bw_lapack
       real(dp), intent(in) :: rcond
       integer, intent(out) :: rank, info
     end subroutine dgelsy
+
+    subroutine dsyev(jobz, uplo, n, a, lda, w, work, lwork, info)
+      !! All eigenvalues of a symmetric matrix, ascending, and with jobz = 'V' its eigenvectors in A.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: jobz, uplo
+      integer, intent(in) :: n, lda, lwork
+      real(dp), intent(inout) :: a(lda, *)
+      real(dp), intent(out) :: w(*), work(*)
+      integer, intent(out) :: info
+    end subroutine dsyev
 
     subroutine dsterf(n, d, e, info)
       !! All eigenvalues of a symmetric tridiagonal matrix, ascending, without vectors.

@@ -6,6 +6,7 @@ module bw_belief
   !! moves a line too far for that. Frequency and decay of a line that drifts are those at the time at which the record tells them
   !! best; the interval reaches to where they are at both ends of the record, or of the line's life if that is shorter.
   use bw_band_fit, only: reduce
+  use bw_common_noise, only: parts_of
   use bw_damped_line, only: damped_line, most_powers
   use bw_drift, only: drift_of, drift_type
   use bw_found_lines, only: found_lines
@@ -20,6 +21,7 @@ module bw_belief
   use bw_profile_width, only: profile_widths
   use bw_pure_record, only: rounding
   use bw_quantile, only: normal_quantile
+  use bw_recorded_sensors, only: undetermined
   use bw_samples, only: bent_factor, centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
@@ -27,7 +29,6 @@ module bw_belief
   public :: at_edge, believed_line, believed_lines, close_pair, drifting, harmonic
 
   real(dp), parameter :: pi = acos(-1.0_dp)
-  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
   real(dp), parameter :: life = 3              !! decay times after which a line is taken for gone
   real(dp), parameter :: told = 0.1_dp         !! bins of a window, of the bound of a frequency that the window tells
   real(dp), parameter :: near = 4              !! bins on either side of a line in which its shape leaves something
@@ -94,8 +95,7 @@ contains
         end if
         line%decay_error = line%decay_error + 2*pi*rounding*line%frequency
         line%frequency_error = line%frequency_error + rounding*line%frequency
-        call judge_amplitude(errors, own(j), j, centre_of(samples) + maxval(found%whitening%lost)/2.0_dp, &
-          & gain_of(found%whitening, own(j)), line)
+        call judge_amplitude(errors, found, own(j), j, centre_of(samples) + maxval(found%whitening%lost)/2.0_dp, line)
         if (oscillates) call judge_drift(samples, drift_of(samples, band, rows, errors%weight, own, j, max(own(j)%powers, 2)), &
           & own(j)%powers > 1, false_alarm, line)
         if (iand(line%status, drifting) > 0) call reach_ends(samples, &
@@ -194,33 +194,46 @@ contains
     if (-line%decay*2*half > life) u(1) = 1 + life/(line%decay*half)
   end function life_of
 
-  subroutine judge_amplitude(errors, own, j, centre, gain, line)
-    !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases.
+  subroutine judge_amplitude(errors, found, own, j, centre, line)
+    !! Amplitudes at the first sample of the record as it was, and the bounds of their lengths and phases. Each is a sum over what
+    !! the sensors were separated into, where they share noise.
     type(line_errors), intent(in) :: errors
+    type(found_lines), intent(in) :: found
     type(damped_line), intent(in) :: own
     integer, intent(in) :: j                   !! its place among the band's lines
     real(dp), intent(in) :: centre             !! time in the middle of the record as it was, in steps
-    complex(dp), intent(in) :: gain(:)         !! of the filters that the samples went through, (S)
     type(believed_line), intent(inout) :: line
-    real(dp), dimension(2, size(gain)) :: along, across
-    real(dp) :: growth
+    complex(dp) :: factor(size(own%amplitude)), gain(size(own%amplitude)), turn
     complex(dp) :: start
+    real(dp) :: noise(size(own%amplitude)), length
     integer :: s
     start = exp(2*min(own%decay, 0.0_dp)*centre)*bent_factor(own%bend(:own%powers), -1.0_dp)
-    growth = abs(start)
-    line%amplitude = own%amplitude/gain*start
+    gain = gain_of(found%whitening, own)
+    noise = [(min(amplitude_noise(errors, j, s), undetermined), s=1, size(noise))]
+    allocate (line%amplitude(size(gain)))
     allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))
     do s = 1, size(gain)
-      associate (a => own%amplitude(s))
-        along = 0
-        along(:, s) = [a%re, a%im]/max(abs(a), tiny(1.0_dp))
-        across = 0
-        across(:, s) = [-along(2, s), along(1, s)]
-        line%amplitude_bound(s) = min(amplitude_deviation(errors, j, along), undetermined)*growth/abs(gain(s))
-        line%amplitude_noise(s) = min(amplitude_noise(errors, j, s), undetermined)*growth/abs(gain(s))
-        line%phase_bound(s) = min(amplitude_deviation(errors, j, across), pi*abs(a))/max(abs(a), tiny(1.0_dp))
-      end associate
+      factor = parts_of(found%mixture, s, size(gain))*start/gain(s)
+      line%amplitude(s) = sum(factor*own%amplitude)
+      length = abs(line%amplitude(s))
+      turn = 1
+      if (length > 0) turn = line%amplitude(s)/length
+      line%amplitude_noise(s) = norm2(abs(factor)*noise)
+      line%amplitude_bound(s) = min(amplitude_deviation(errors, j, plane(turn*conjg(factor))), undetermined)
+      turn = cmplx(-turn%im, turn%re, dp)
+      line%phase_bound(s) = min(amplitude_deviation(errors, j, plane(turn*conjg(factor))), pi*length)/max(length, tiny(1.0_dp))
     end do
+
+  contains
+
+    pure function plane(direction)
+      !! Real and imaginary parts.
+      complex(dp), intent(in) :: direction(:)
+      real(dp) :: plane(2, size(direction))
+      plane(1, :) = real(direction, dp)
+      plane(2, :) = aimag(direction)
+    end function plane
+
   end subroutine judge_amplitude
 
   pure real(dp) function student_quantile(confidence, span, sensors) result(quantile)

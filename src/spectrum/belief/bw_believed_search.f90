@@ -6,11 +6,13 @@ module bw_believed_search
   !! drift as one likes. Each pays for its unknowns; but only its interval, which holds the ends of its drift and counts what is
   !! left beside it, shows that its frequency may be any, or that of a stronger line.
   use bw_belief, only: believed_line, believed_lines, close_pair, drifting
+  use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
   use bw_damped_search, only: find_damped_lines, fit_without
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp
   use bw_line_refusals, only: refuse_untold
   use bw_monitor, only: monitor_type, stops
+  use bw_recorded_sensors, only: mix_again, repeat_sensors
   use bw_samples, only: samples_type, span_of
   implicit none (type, external)
   private
@@ -30,8 +32,11 @@ contains
     type(found_lines), intent(out) :: found        !! with all lines of the fit
     type(believed_line), allocatable, intent(out) :: believed(:)   !! by ascending frequency
     class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
+    type(distinct_type) :: distinct
     logical, allocatable :: nothing(:)
     integer :: round
+    distinct = find_distinct(samples)
+    call keep_distinct(distinct, samples)
     call find_damped_lines(samples, false_alarm, found, monitor)
     allocate (believed(0))
     do round = 1, most_rounds
@@ -44,6 +49,8 @@ contains
     nothing = nothing .or. reaches_over(samples, believed)
     call refuse_untold(samples, numbered(nothing, believed), found)
     believed = pack(believed, .not. nothing)
+    call mix_again(found)
+    call repeat_sensors(distinct, found, believed)
   end subroutine find_believed_lines
 
   pure function numbered(nothing, believed) result(untold)

@@ -1,14 +1,16 @@
 module bw_record_lines
   !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
   !! of the program takes from this folder.
-  use bw_belief, only: believed_line, undetermined
+  use bw_belief, only: believed_line
   use bw_damped_line, only: damped_line
   use bw_found_lines, only: found_lines, rejected_line
   use bw_kinds, only: dp
   use bw_line_windows, only: window_start
-  use bw_missing, only: missing, scaled
+  use bw_missing, only: missing
   use bw_noise_level, only: level_at
+  use bw_polar_intervals, only: length_error, phase_error
   use bw_quantile, only: normal_quantile
+  use bw_recorded_sensors, only: undetermined
   use bw_remainder, only: find_remainder, tabulated
   use bw_samples, only: centre_of, samples_type
   use bw_whitening, only: gain_of
@@ -103,8 +105,9 @@ contains
         lines%windows(:, :, i) = windows_in_si(line%windows, turn, rate)
       end associate
     end do
-    lines%amplitude_error = scaled(lines%amplitude_bound, lines%quantile)
-    lines%phase_error = scaled(lines%phase_bound, lines%quantile)
+    lines%amplitude_error = length_error(abs(lines%amplitude), lines%amplitude_bound, lines%phase_bound*abs(lines%amplitude), &
+      & lines%quantile)
+    lines%phase_error = phase_error(lines%phase_bound, lines%quantile, confidence)
     lines%rejected = candidates_in_si(found%rejected, turn)
     lines%noise_deviation = [(deviation_of(samples, found, i), i=1, size(found%deviation))]
   end function lines_in_si

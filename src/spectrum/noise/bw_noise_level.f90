@@ -7,7 +7,7 @@ module bw_noise_level
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: find_level, level_at, quantile_of, window_width
+  public :: find_level, level_at, mean_deviation, quantile_of, window_width
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter :: cut = 4               !! of the level, above which an ordinate of noise lies once in 55
@@ -48,6 +48,13 @@ contains
     k = min(int(place), last - 1)
     level = level_at_knot(knots%level(k, :), knots%level(k + 1, :), place - k)
   end function level_at
+
+  pure function mean_deviation(knots) result(deviation)
+    !! The geometric mean over frequency of the root of each sensor's level, (S).
+    type(level_knots), intent(in) :: knots
+    real(dp) :: deviation(size(knots%level, 2))
+    deviation = exp(sum(log(knots%level), dim=1)/(2*size(knots%level, 1)))
+  end function mean_deviation
 
   subroutine find_level(power, bins, coloured, taken, each, floor, level)
     !! Find the level at the ordinates.

@@ -14,6 +14,7 @@ module bw_ordinates
   real(dp), parameter :: pi = acos(-1.0_dp)
   integer, parameter :: most_knots = 4096
   integer, parameter :: most_ranked = 32768    !! ordinates that the noise's level is found from
+  integer, parameter :: most_seen = 4096       !! that correlations of the sensors' noise are found from
   real(dp), parameter :: quartile = 0.67449_dp !! of a normal number, in standard deviations
   real(dp), parameter :: numbers_of_line = 2   !! real ones that a line's amplitude is at each sensor
   real(dp), parameter :: numbers_of_all = 2    !! frequency and decay, which all sensors share
@@ -25,6 +26,7 @@ module bw_ordinates
     type(level_knots) :: noise
     real(dp) :: shape = 1                      !! as many sensors of independent noise have ordinates that scatter so
     real(dp), allocatable :: deviation(:)      !! of what is left, (S)
+    complex(dp), allocatable :: seen(:, :)     !! X_s/√(N·level) at places a period or more apart, (places, S); without a taper
   end type ordinates_type
 
 contains
@@ -46,6 +48,8 @@ contains
     length = padded_length(samples)
     call prepare(length, size(samples%value, 2), plain)
     call prepare(length, size(samples%value, 2), tapered)
+    if (.not. allocated(plain%seen)) &
+      & allocate (plain%seen(min(most_seen, max(1, nint(span_of(samples)/2) - 1)), size(samples%value, 2)))
     allocate (seen(0:length/2))
     taper_square = mean_square(samples, length)
     motion = tabulated(samples, lines, still)
@@ -102,6 +106,12 @@ contains
       ordinates%noise%level(k, s) = level(nint(k*(real(ranked, dp)/knots)))
     end do
     call add_ratio(spectrum, ordinates%noise%level(:, s)/scale, ordinates%total)
+    if (.not. allocated(ordinates%seen)) return
+    do k = 1, size(ordinates%seen, 1)
+      associate (part => k/(size(ordinates%seen, 1) + 1.0_dp))
+        ordinates%seen(k, s) = spectrum(nint(part*half))*sqrt(scale/level(nint(part*ranked)))
+      end associate
+    end do
   end subroutine add_sensor
 
   subroutine allow_for_common_noise(ordinates, bins, sensors)

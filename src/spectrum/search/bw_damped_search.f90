@@ -1,6 +1,7 @@
 module bw_damped_search
   !! All lines of a record: peaks that stand out of the noise are taken up, fitted, and what is left is searched again.
   use bw_close_pair, only: split_lines
+  use bw_common_noise, only: find_mixture, separate
   use bw_damped_line, only: damped_line, same_peak
   use bw_filter_renewal, only: filters_lines, take_filter_off
   use bw_fourier, only: real_fourier
@@ -12,6 +13,7 @@ module bw_damped_search
   use bw_line_refusals, only: drop_astray, drop_beside_drift, drop_broad, drop_cancelling, drop_colour, drop_needless, &
     & drop_uncertain, drop_untold, place_of
   use bw_monitor, only: monitor_type, stops
+  use bw_noise_level, only: mean_deviation
   use bw_ordinates, only: find_ordinates, least_ordinate, ordinates_type
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: highest_of, samples_type, span_of
@@ -41,18 +43,65 @@ module bw_damped_search
 contains
 
   subroutine find_damped_lines(samples, false_alarm, found, monitor)
-    !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`. Where the noise of
-    !! even samples is coloured they are whitened in their memory, and searched once more; where it was lines that made the filter,
-    !! all is done again from the lines that are known now. What a search leaves that is given up is no noise, and makes no filter.
-    !! Of samples that are known to be pure there are the lines and what they leave, and nothing else.
+    !! Find the lines of a record in which noise alone makes any line with the probability `false_alarm`. Where sensors share
+    !! noise, lines are found once more at mixtures of sensors that do not. A search that is given up leaves no noise to tell it from.
     type(samples_type), intent(inout) :: samples
     real(dp), intent(in) :: false_alarm
     type(found_lines), intent(out) :: found    !! of no use where the monitor stops
     class(monitor_type), intent(inout), optional :: monitor
     type(real_fourier) :: plan
+    logical :: pure
+    call find_whitened_lines(samples, false_alarm, plan, found, pure, monitor)
+    if (pure .or. .not. found%at_rest) return
+    if (stops(monitor)) return
+    call find_mixture(found%ordinates%seen, mean_deviation(found%ordinates%noise), found%mixture)
+    if (allocated(found%mixture%mixed)) call find_separate_lines(samples, false_alarm, plan, found, monitor)
+  end subroutine find_damped_lines
+
+  subroutine find_separate_lines(samples, false_alarm, plan, found, monitor)
+    !! Turn the samples, as filters have left them, into those of mixtures of sensors whose noise is independent, and find their
+    !! lines from the beginning: noise that sensors share has made some of those that were found.
+    type(samples_type), intent(inout) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(real_fourier), intent(inout) :: plan
+    type(found_lines), intent(inout) :: found
+    class(monitor_type), intent(inout), optional :: monitor
+    type(found_lines) :: fresh
+    type(ordinates_type) :: tapered
+    logical :: dropped
+    call separate(found%mixture, samples)
+    allocate (fresh%lines(0), fresh%rejected(0))
+    fresh%still = 0*found%still
+    fresh%whitening = no_whitening(size(found%whitening))
+    fresh%mixture = found%mixture
+    fresh%deviation = found%deviation
+    call settle(samples, fresh)
+    call search(samples, false_alarm, plan, fresh, monitor)
+    if (stops(monitor)) return
+    if (fresh%at_rest .and. samples%count <= longest) then
+      call drop_colour(samples, samples, false_alarm, fresh, dropped)
+      if (dropped) then
+        call settle(samples, fresh)
+        call find_ordinates(samples, fresh%lines, fresh%still, plan, fresh%ordinates, tapered)
+      end if
+    end if
+    fresh%whitening = found%whitening
+    found = fresh
+  end subroutine find_separate_lines
+
+  subroutine find_whitened_lines(samples, false_alarm, plan, found, pure, monitor)
+    !! Find the lines of a record whose sensors' noise is taken for independent. Where the noise of even samples is coloured they are whitened in their memory, and searched once more; where it was lines that made the filter,
+    !! all is done again from the lines that are known now. What a search leaves that is given up is no noise, and makes no filter.
+    !! Of samples that are known to be pure there are the lines and what they leave, and nothing else.
+    type(samples_type), intent(inout) :: samples
+    real(dp), intent(in) :: false_alarm
+    type(real_fourier), intent(inout) :: plan
+    type(found_lines), intent(inout) :: found
+    logical, intent(out) :: pure
+    class(monitor_type), intent(inout), optional :: monitor
     type(samples_type) :: raw
     type(ordinates_type) :: tapered
-    logical :: pure, dropped
+    logical :: dropped
     integer :: pass
     allocate (found%lines(0), found%rejected(0))
     allocate (found%still(2, size(samples%value, 2)), source=0.0_dp)
@@ -94,7 +143,7 @@ contains
       samples = raw
       call take_filter_off(found)
     end do
-  end subroutine find_damped_lines
+  end subroutine find_whitened_lines
 
   subroutine fit_without(samples, untold, found, monitor)
     !! Leave out lines of which the record tells nothing, and fit the others again.

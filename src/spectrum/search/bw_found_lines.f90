@@ -1,5 +1,6 @@
 module bw_found_lines
   !! What the search of a record's lines has found so far: lines, what they leave, and what was refused.
+  use bw_common_noise, only: mixture_type
   use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_line_bands, only: line_band
@@ -37,6 +38,7 @@ module bw_found_lines
     type(whitening_type), allocatable :: whitening(:)  !! what the samples, and with them the amplitudes, went through, (S)
     type(residual_type) :: left                  !! what the lines of a record that is known to be pure leave of it
     real(dp), allocatable :: deviation(:)        !! of what the lines leave of the record as it was, (S)
+    type(mixture_type) :: mixture                !! of the sensors, whose noise is not independent; lines are those of its parts
   end type found_lines
 
 end module bw_found_lines

@@ -1,0 +1,137 @@
+module bw_common_noise
+  !! Noise that sensors share, and sums of sensors whose noise is independent.
+  !!
+  !! Samples y = Mx of sensors whose noise has the covariance MMᵀ hold the same lines as x = M⁻¹y, with other amplitudes, and the
+  !! noise of x is independent: all that is said of lines at sensors of independent noise holds for x. M comes from what lines
+  !! leave of the transforms, over the level of each sensor's noise: an estimate of their correlations R that few large ordinates,
+  !! as of lines that nobody has found, do not move (Huber, 1964; Maronna, 1976). R is known from as many ordinates only, and
+  !! is raised to a power below 1 that is the smaller, the more of it chance explains.
+  use bw_kinds, only: dp
+  use bw_lapack, only: dgemm, dsyev
+  use bw_samples, only: samples_type
+  implicit none (type, external)
+  private
+  public :: find_mixture, parts_of, separate
+
+  integer, parameter :: rounds = 10
+  integer, parameter :: rows = 1024            !! samples that are separated at once
+  real(dp), parameter :: by_chance = 3.09_dp   !! standard deviations of a normal number: independent noise makes it once in 1000
+  real(dp), parameter :: worth = 0.01_dp       !! squared correlations of a sensor with all others; less changes nothing
+  real(dp), parameter :: least = 1.0e-12_dp    !! eigenvalue of R, whose trace is S: noise is not the same to rounding
+
+  type, public :: mixture_type
+    !! Not allocated: the sensors' noise is independent.
+    real(dp), allocatable :: mixed(:, :)       !! M, (S, S)
+    real(dp), allocatable :: separating(:, :)  !! its inverse
+  end type mixture_type
+
+contains
+
+  subroutine find_mixture(seen, deviation, mixture)
+    !! Find M where sensors share noise beyond doubt.
+    complex(dp), intent(in) :: seen(:, :)      !! independent ordinates over the root of the noise's level, (ordinates, S)
+    real(dp), intent(in) :: deviation(:)       !! of each sensor's noise, (S)
+    type(mixture_type), intent(out) :: mixture
+    real(dp), dimension(size(deviation), size(deviation)) :: correlation, vectors, root, inverse
+    real(dp) :: values(size(deviation)), squares, pairs, chance, power
+    integer :: s, sensors
+    sensors = size(deviation)
+    if (sensors == 1 .or. size(seen, 1) < 2) return
+    correlation = correlations(seen)
+    squares = sum(correlation**2) - sensors
+    pairs = 0.5_dp*sensors*(sensors - 1)
+    chance = size(seen, 1)*squares*sensors/(sensors + 1.0_dp)  ! χ² of as many degrees of freedom as there are pairs
+    if (squares < worth*sensors) return
+    if ((chance/pairs)**(1/3.0_dp) < 1 - 2/(9*pairs) + by_chance*sqrt(2/(9*pairs))) return
+    power = 1 - pairs/chance - sensors/(2.0_dp*size(seen, 1))
+    if (.not. power > 0) return
+    call decompose(correlation, values, vectors)
+    values = values**(power/2)
+    do s = 1, sensors
+      root(:, s) = vectors(:, s)*values(s)
+      inverse(:, s) = vectors(:, s)/values(s)
+    end do
+    mixture%mixed = matmul(root, transpose(vectors))
+    mixture%separating = matmul(inverse, transpose(vectors))
+    do s = 1, sensors
+      mixture%mixed(s, :) = deviation(s)*mixture%mixed(s, :)
+      mixture%separating(:, s) = mixture%separating(:, s)/deviation(s)
+    end do
+  end subroutine find_mixture
+
+  function correlations(seen) result(correlation)
+    !! Those of the real parts, and of the imaginary parts, with 1 on the diagonal. An ordinate counts the less, the further it is
+    !! beyond those of such noise.
+    complex(dp), intent(in) :: seen(:, :)
+    real(dp), dimension(size(seen, 2), size(seen, 2)) :: correlation, vectors
+    real(dp), dimension(2*size(seen, 1), size(seen, 2)) :: parts, weighted
+    real(dp) :: values(size(seen, 2)), weight(size(seen, 1)), scale(size(seen, 2)), square
+    integer :: round, s, n, sensors
+    n = size(seen, 1)
+    sensors = size(seen, 2)
+    parts(:n, :) = real(seen, dp)
+    parts(n + 1:, :) = aimag(seen)
+    weight = 1
+    do round = 1, rounds
+      do s = 1, sensors
+        weighted(:n, s) = weight*parts(:n, s)
+        weighted(n + 1:, s) = weight*parts(n + 1:, s)
+      end do
+      call dgemm('T', 'N', sensors, sensors, 2*n, 1.0_dp/n, parts, 2*n, weighted, 2*n, 0.0_dp, correlation, sensors)
+      scale = [(sqrt(max(correlation(s, s), tiny(1.0_dp))), s=1, sensors)]
+      do s = 1, sensors
+        parts(:, s) = parts(:, s)/scale(s)
+        correlation(:, s) = correlation(:, s)/(scale*scale(s))
+        correlation(s, s) = 1
+      end do
+      if (round == rounds) exit
+      call decompose(correlation, values, vectors)
+      do s = 1, sensors
+        vectors(:, s) = vectors(:, s)/sqrt(values(s))
+      end do
+      call dgemm('N', 'N', 2*n, sensors, sensors, 1.0_dp, parts, 2*n, vectors, sensors, 0.0_dp, weighted, 2*n)
+      do s = 1, n
+        square = sum(weighted(s, :)**2) + sum(weighted(n + s, :)**2)
+        weight(s) = 1/max(square/sensors, 1.0_dp)
+      end do
+    end do
+  end function correlations
+
+  subroutine decompose(matrix, values, vectors)
+    !! Eigenvalues and eigenvectors of correlations.
+    real(dp), intent(in) :: matrix(:, :)
+    real(dp), intent(out) :: values(:), vectors(:, :)
+    real(dp) :: work(64*size(values))
+    integer :: info
+    vectors = matrix
+    call dsyev('V', 'U', size(values), vectors, size(values), values, work, size(work), info)
+    if (info /= 0) error stop 'the eigenvalues of correlations did not converge'
+    values = max(values, least)
+  end subroutine decompose
+
+  subroutine separate(mixture, samples)
+    !! Turn samples y into x, in their memory.
+    type(mixture_type), intent(in) :: mixture
+    type(samples_type), intent(inout) :: samples
+    real(dp) :: part(rows, size(samples%value, 2))
+    integer :: first, n, sensors
+    sensors = size(samples%value, 2)
+    do first = 1, samples%count, rows
+      n = min(rows, samples%count - first + 1)
+      part(:n, :) = samples%value(first:first + n - 1, :)
+      call dgemm('N', 'T', n, sensors, sensors, 1.0_dp, part, rows, mixture%separating, sensors, 0.0_dp, &
+        & samples%value(first, 1), size(samples%value, 1))
+    end do
+  end subroutine separate
+
+  pure function parts_of(mixture, s, sensors) result(parts)
+    !! How much of each x is in sensor s, (S).
+    type(mixture_type), intent(in) :: mixture
+    integer, intent(in) :: s, sensors
+    real(dp) :: parts(sensors)
+    parts = 0
+    parts(s) = 1
+    if (allocated(mixture%mixed)) parts = mixture%mixed(s, :)
+  end function parts_of
+
+end module bw_common_noise

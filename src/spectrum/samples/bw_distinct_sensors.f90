@@ -1,0 +1,83 @@
+module bw_distinct_sensors
+  !! Sensors that tell nothing of a motion: one whose samples are all the same, and one whose samples are those of another sensor
+  !! times a number. Noise is judged, and lines are found, without them: their samples would be counted twice, or their lack of
+  !! noise taken for accuracy.
+  use bw_kinds, only: dp
+  use bw_samples, only: samples_type
+  implicit none (type, external)
+  private
+  public :: find_distinct, keep_distinct
+
+  real(dp), parameter :: rounding = 4*epsilon(1.0_dp)  !! of a sample
+
+  type, public :: distinct_type
+    !! What the samples of each sensor are: factor(s) times those of the sensor kept(place(s)); where place(s) is 0, the
+    !! number constant(s).
+    integer, allocatable :: kept(:)            !! sensors whose samples are no other's, rising
+    integer, allocatable :: place(:)           !! (S)
+    real(dp), allocatable :: factor(:), constant(:)  !! (S)
+  end type distinct_type
+
+contains
+
+  pure function find_distinct(samples) result(distinct)
+    !! Compare all sensors. Where all of them are constant the first one is kept.
+    type(samples_type), intent(in) :: samples
+    type(distinct_type) :: distinct
+    integer :: highest(size(samples%value, 2)), s, j
+    logical :: is_constant(size(samples%value, 2))
+    distinct%kept = [integer ::]
+    associate (value => samples%value(:samples%count, :))
+      highest = maxloc(abs(value), dim=1)
+      is_constant = [(all_are(value(:, s), value(1, s)), s=1, size(highest))]
+      if (all(is_constant)) is_constant(1) = .false.
+      distinct%place = 0*highest
+      distinct%factor = [(1.0_dp, s=1, size(highest))]
+      distinct%constant = value(1, :)
+      do s = 1, size(highest)
+        if (is_constant(s)) cycle
+        do j = 1, size(distinct%kept)
+          associate (other => value(:, distinct%kept(j)))
+            if (.not. abs(other(highest(s))) > 0) cycle
+            distinct%factor(s) = value(highest(s), s)/other(highest(s))
+            if (is_multiple(value(:, s), other, distinct%factor(s))) exit
+          end associate
+        end do
+        distinct%place(s) = j
+        if (j <= size(distinct%kept)) cycle
+        distinct%factor(s) = 1
+        distinct%kept = [distinct%kept, s]
+      end do
+    end associate
+  end function find_distinct
+
+  pure logical function all_are(value, number)
+    !! Whether all numbers are this one; the first that is not ends the search.
+    real(dp), intent(in) :: value(:), number
+    integer :: n
+    all_are = .false.
+    do n = 1, size(value)
+      if (abs(value(n) - number) > 0) return
+    end do
+    all_are = .true.
+  end function all_are
+
+  pure logical function is_multiple(value, other, factor)
+    !! Whether numbers are others times a factor, but for rounding.
+    real(dp), intent(in) :: value(:), other(:), factor
+    integer :: n
+    is_multiple = .false.
+    do n = 1, size(value)
+      if (abs(value(n) - factor*other(n)) > rounding*abs(value(n))) return
+    end do
+    is_multiple = .true.
+  end function is_multiple
+
+  subroutine keep_distinct(distinct, samples)
+    !! Leave out the samples of all other sensors.
+    type(distinct_type), intent(in) :: distinct
+    type(samples_type), intent(inout) :: samples
+    if (size(distinct%kept) < size(distinct%place)) samples%value = samples%value(:, distinct%kept)
+  end subroutine keep_distinct
+
+end module bw_distinct_sensors
