@@ -22,6 +22,8 @@ class Cell:
     samples: int = 512
     sensors: int = 1
     colour: float = 0.0  # φ of AR(1) noise
+    kind: str = ""  # of noise that is none of AR(1): pink, or behind a filter
+    share: float = 0.0  # of the noise's variance, that all sensors have in common
     bits: int = 0  # the record is rounded to so many over ±2; 0: not rounded
     uneven: bool = False
     draws: int = 10_000
@@ -47,9 +49,21 @@ CELLS = (
     Cell("AR(1) noise and 12 bits, 30 dB", 30, colour=0.9, bits=12),
     *(Cell(f"one line, gone after 1/{2 * fold} of the record, 40 dB", 40, decays=(6.0 * fold,)) for fold in (1, 4, 16)),
     Cell("64 sensors, 0 dB", 0, sensors=64, draws=1000, few=20),
+    Cell("8 sensors that share 0.8 of the noise, 20 dB", 20, sensors=8, share=0.8, few=20),
     Cell("uneven times with two gaps, 30 dB", 30, uneven=True),
 )
-SMALL_CELLS = (CELLS[2], CELLS[-1])
+NOISE = (
+    Cell("white noise", 0, ()),
+    Cell("white noise at uneven times with two gaps", 0, (), uneven=True),
+    Cell("AR(1) noise, φ = 0.9", 0, (), colour=0.9),
+    Cell("1/f noise", 0, (), kind="pink"),
+    Cell("noise behind a low-pass filter of 101 coefficients", 0, (), kind="low pass"),
+    Cell("noise behind Hann's window of 31 samples", 0, (), kind="hann"),
+    Cell("8 sensors, white noise", 0, (), sensors=8),
+    Cell("8 sensors that share 0.3 of white noise", 0, (), sensors=8, share=0.3),
+    Cell("2 sensors that share 0.5 of white noise", 0, (), sensors=2, share=0.5),
+)
+SMALL_CELLS = (CELLS[2], CELLS[-1], NOISE[3], NOISE[-1])
 
 
 def lines_of(cell: Cell) -> int:
@@ -71,7 +85,9 @@ def draw(cell: Cell, number: int) -> Draw:
     if cell.bits:
         step = 4.0 / 2**cell.bits
         values = step * np.round(values / step)
-    errors = bounds(times, waves, turned, sigma, cell.colour)
+    if not cell.decays:
+        return Draw(times, values, frequencies, decays, np.zeros((2, 0)), True)
+    errors = bounds(times, waves, turned @ separation(cell), sigma, cell.colour)
     return Draw(times, values, frequencies, decays, errors[:2], bool(not cell.near or errors[2, 0] <= cell.near / cell.samples / 6))
 
 
@@ -80,7 +96,7 @@ def truth(cell: Cell, random: np.random.Generator) -> tuple[np.ndarray, np.ndarr
     if cell.near:
         first = SPACED[1] + random.random() / cell.samples
         return np.array([first, first + cell.near / cell.samples]), np.zeros(2)
-    places = np.array(SPACED) if len(cell.decays) == len(SPACED) else np.array(SPACED[1:2])
+    places = np.array(SPACED) if len(cell.decays) == len(SPACED) else np.array(SPACED[1:2])[: len(cell.decays)]
     return places + random.random(len(places)) / cell.samples, np.array(cell.decays) / cell.samples
 
 
@@ -93,11 +109,34 @@ def uneven_times(cell: Cell, random: np.random.Generator) -> np.ndarray:
 
 
 def noise(cell: Cell, random: np.random.Generator) -> np.ndarray:
-    """Of standard deviation 1, white or AR(1)."""
+    """Of standard deviation 1."""
+    if cell.kind:
+        return shaped(cell, random)
     white = random.standard_normal((cell.samples, cell.sensors))
+    if cell.share:
+        white = np.sqrt(1 - cell.share) * white + np.sqrt(cell.share) * random.standard_normal((cell.samples, 1))
     for row in range(1, cell.samples) if cell.colour else ():
         white[row] = cell.colour * white[row - 1] + np.sqrt(1 - cell.colour**2) * white[row]
     return white
+
+
+def shaped(cell: Cell, random: np.random.Generator) -> np.ndarray:
+    """Noise whose power falls as 1/f, cut out of ten times as much, or behind a filter that lets nothing through beyond its band."""
+    if cell.kind == "pink":
+        spectrum = np.fft.rfft(random.standard_normal((10 * cell.samples, cell.sensors)), axis=0)
+        spectrum[1:] /= np.sqrt(np.arange(1, len(spectrum)))[:, None]
+        long = np.fft.irfft(spectrum * (np.arange(len(spectrum)) > 0)[:, None], axis=0)[: cell.samples]
+        return long / long.std()
+    steps = np.arange(-50, 51)
+    taps = np.sinc(0.4 * steps) * np.hamming(101) if cell.kind == "low pass" else np.sin(np.pi * np.arange(1, 32) / 32) ** 2
+    white = random.standard_normal((cell.samples + len(taps) - 1, cell.sensors))
+    return np.column_stack([np.convolve(column, taps / np.linalg.norm(taps), "valid") for column in white.T])
+
+
+def separation(cell: Cell) -> np.ndarray:
+    """What makes sensors that share noise independent, times amplitudes from the left: (sensors, sensors)."""
+    covariance = np.full((cell.sensors, cell.sensors), cell.share) + (1 - cell.share) * np.eye(cell.sensors)
+    return np.linalg.inv(np.linalg.cholesky(covariance)).T
 
 
 def bounds(times: np.ndarray, waves: np.ndarray, turned: np.ndarray, sigma: float, colour: float) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import beamwave, esprit, harminv, hlsvd, pyoma
-from .cells import CELLS, SMALL_CELLS, Cell, Draw, draw, lines_of
+from .cells import CELLS, NOISE, SMALL_CELLS, Cell, Draw, draw, lines_of
 from .tool import Lines, Tool
 
 TOOLS = (beamwave.TOOL, esprit.TOOL, hlsvd.TOOL, harminv.TOOL, pyoma.TOOL)
@@ -22,7 +22,7 @@ def measure(small: bool) -> list[dict[str, Any]]:
     """One row for each cell and tool; a tool that is missing has one row that says so."""
     rows: list[dict[str, Any]] = [{"peer": tool.name, "not_measured": f"no {tool.missing()}"} for tool in TOOLS if tool.missing()]
     able = [tool for tool in TOOLS if not tool.missing()]
-    for cell in SMALL_CELLS if small else CELLS:
+    for cell in SMALL_CELLS if small else CELLS + NOISE:
         draws = sensible_draws(cell, SMALL_DRAWS if small else round(cell.draws * float(os.environ.get(PART, "1"))))
         for tool in able:
             rows.append(row(tool, cell, draws))
@@ -40,6 +40,8 @@ def row(tool: Tool, cell: Cell, draws: list[Draw]) -> dict[str, Any]:
     known = {"peer": tool.name, "cell": cell.words}
     if why := tool.refuses(cell):
         return {**known, "refused": why}
+    if cell in NOISE:
+        return noise_row(tool, cell, draws)
     tried = draws[: cell.few] if tool.slow else draws
     answers, seconds = tool.estimate(cell, tried)
     matched = [match(drawn, lines, cell) for drawn, lines in zip(tried, answers)]
@@ -56,6 +58,20 @@ def row(tool: Tool, cell: Cell, draws: list[Draw]) -> dict[str, Any]:
         "extra": rounded(np.mean([extra for _, _, extra in matched])),
         "inside": None if np.isnan(inside[found]).any() or not found.any() else [rounded(v) for v in inside[found].mean(axis=0)],
         "squares": squares,
+    }
+
+
+def noise_row(tool: Tool, cell: Cell, draws: list[Draw]) -> dict[str, Any]:
+    """Lines of a tool in noise alone; one that is told how many lines there are finds as many."""
+    known = {"peer": tool.name, "cell": cell.words}
+    if tool.told != "nothing":
+        return {**known, "refused": "is told of lines"}
+    answers, seconds = tool.estimate(cell, draws)
+    print(f"  {cell.words}, {tool.name}: {1e3 * seconds / len(draws):.3g} ms", file=sys.stderr, flush=True)
+    return {
+        **known,
+        "false": rounded(np.mean([len(lines.frequencies) > 0 for lines in answers])),
+        "tried": len(draws),
     }
 
 

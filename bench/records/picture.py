@@ -14,7 +14,7 @@ MARKS = "osD^v"
 
 def draw(measured: dict[str, Any]) -> Figure:
     """A line for each kind of record; at the left the error of the frequency, at the right the time."""
-    rows = [row for row in measured["rows"] if "draws" in row]
+    rows = [row for row in measured["rows"] if "draws" in row]  # those with lines
     cells = list(dict.fromkeys(row["cell"] for row in rows))[::-1]
     with mpl.rc_context(RC):
         figure = Figure(figsize=(8.6, 0.9 + 0.32 * len(cells)), layout="constrained")

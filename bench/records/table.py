@@ -28,15 +28,22 @@ def section(measured: dict[str, Any], picture: str) -> str:
     rows = measured["rows"]
     told = "; ".join(f"{tool.name}, {tool.told}" for tool in TOOLS)
     words = WORDS.format(told=told, picture=picture)
-    return "\n\n".join([words.strip(), measured_with(measured["machine"]), errors(rows), verdict(rows), "All numbers:", details(rows)])
+    parts = [measured_with(measured["machine"]), errors(rows), verdict(rows), false_lines(rows), "All numbers:", details(rows)]
+    return "\n\n".join([words.strip(), *parts])
 
 
 def errors(rows: list[dict[str, Any]]) -> str:
     """Errors of frequency and decay, a line for each kind of record."""
     body = [["record", *(tool.name for tool in TOOLS)]]
-    for cell in dict.fromkeys(row["cell"] for row in rows if "cell" in row):
+    for cell in dict.fromkeys(row["cell"] for row in rows if "over_bound" in row):
         body.append([cell, *(short(find(rows, tool.name, cell)) for tool in TOOLS)])
     return table(body)
+
+
+def false_lines(rows: list[dict[str, Any]]) -> str:
+    """Records of noise alone in which the program finds any line."""
+    body = [[row["cell"], str(row["tried"]), percent(row["false"])] for row in rows if "false" in row]
+    return "Noise alone, with `false_alarm` = 0.01:\n\n" + table([["record", "draws", "with any line"], *body])
 
 
 def find(rows: list[dict[str, Any]], peer: str, cell: str) -> dict[str, Any]:

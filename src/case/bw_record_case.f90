@@ -25,6 +25,8 @@ module bw_record_case
 
   integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
 
+  real(dp), parameter :: most_unsteady = 0.05_dp               !! part of the squares, that goes without saying
+
   type, public :: record_cache
     !! The record of the last case, and the part of it.
     type(record_type) :: record
@@ -125,13 +127,22 @@ contains
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result
+    integer :: s
     associate (lines => result%record%lines)
+      do s = 1, size(lines%own)
+        if (lines%own(s) .or. .not. lines%noise_deviation(s) > 0) cycle
+        call append(result%notes, 'copy: the samples of '//result%record%extent%sensors(s)%name//' are those of a sensor '// &
+                    'before it times a number; they tell nothing more, and noise and waves are judged without them')
+      end do
       if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) == 0) call append(result%notes, 'no line: nothing '// &
         'stands out of the noise by more than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
       if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) > 0) call append(result%notes, 'no line: all that '// &
         'stands out of the noise was refused; the report says why')
       if (.not. lines%at_rest) call append(result%notes, 'the search for lines was given up before '// &
         'it came to rest: some may be missing, and weak ones may be parts of stronger ones that change as they decay')
+    if (lines%unsteady > most_unsteady) call append(result%notes, 'unsteady: '//shortest(100*lines%unsteady, 2)// &
+        ' % of the squares of the samples are neither lines nor noise that stays as it is; lines that describe a frequency '// &
+        'that sweeps, or blows in the record, tell nothing')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &

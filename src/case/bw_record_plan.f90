@@ -105,8 +105,8 @@ contains
     type(record_extent), intent(in) :: extent, first
     type(error_type), allocatable, intent(inout) :: error
     if (measure_the_same(extent%sensors, first%sensors)) return
-    call fail(error, status_bad_input, extent%path//': its sensors, '//quantities_of(extent%sensors)//', are not those of '// &
-              record_path(scene, 1)//', '//quantities_of(first%sensors)//'; accepted: repeats of one measurement')
+    call fail(error, status_bad_input, extent%path//': its sensors ('//quantities_of(extent%sensors)//') are not those of '// &
+              record_path(scene, 1)//' ('//quantities_of(first%sensors)//'); accepted: repeats of one measurement')
   end subroutine check_sensors
 
   subroutine set_axes(extents, times, many_starts, layout)

@@ -55,13 +55,15 @@ contains
     type(record_result), intent(in) :: record
     type(sensor_facts) :: facts
     type(beam_units) :: units
+    integer, allocatable :: own(:)
     integer :: s
+    own = own_sensors(record)
     units = units_of(scene%beam)
     facts%length = units%length
-    facts%position = record%extent%sensors%position
-    allocate (facts%quantity(size(facts%position)))
-    do s = 1, size(facts%position)
-      facts%quantity(s)%text = record%extent%sensors(s)%quantity
+    facts%position = record%extent%sensors(own)%position
+    allocate (facts%quantity(size(own)))
+    do s = 1, size(own)
+      facts%quantity(s)%text = record%extent%sensors(own(s))%quantity
     end do
     facts%ends = scene%spectrum%ends
     facts%confidence = scene%spectrum%confidence
@@ -72,12 +74,23 @@ contains
     !! The lines with the deviations that their intervals stand for.
     type(record_result), intent(in) :: record
     type(measured_lines) :: lines
+    integer, allocatable :: own(:)
+    own = own_sensors(record)
     lines%angular_frequency = record%lines%angular_frequency
     lines%frequency_deviation = record%lines%angular_frequency_error/record%lines%quantile
     lines%decay_rate = record%lines%decay_rate
-    lines%amplitude = record%lines%amplitude
-    lines%deviation = record%lines%amplitude_noise
+    lines%amplitude = record%lines%amplitude(own, :)
+    lines%deviation = record%lines%amplitude_noise(own, :)
+    if (allocated(record%lines%noise_correlation)) lines%correlation = record%lines%noise_correlation(own, own, :)
   end function lines_of
+
+  pure function own_sensors(record) result(own)
+    !! The sensors that are neither constant nor multiples of others: the others tell nothing of shapes.
+    type(record_result), intent(in) :: record
+    integer, allocatable :: own(:)
+    integer :: s
+    own = pack([(s, s=1, size(record%lines%own))], record%lines%own)
+  end function own_sensors
 
   pure subroutine join_notes(notes, result)
     !! All that there is to say of waves as one warning, of shapes and wave numbers that fit no uniform beam, and one remark, since

@@ -34,7 +34,7 @@ contains
   end subroutine report_record
 
   subroutine report_lines(record, confidence, lines)
-    !! A row for each line, with the amplitude where it is largest.
+    !! A row for each line, with the amplitude where it stands out of the noise most.
     type(record_result), intent(in) :: record
     real(dp), intent(in) :: confidence
     type(text_builder), intent(inout) :: lines
@@ -42,9 +42,11 @@ contains
     call lines%append_line('')
     call lines%append_line('  Lines; +/- is half an interval of '//shortest(100*confidence, 6)//' %, the bound what '// &
                            'noise alone does to the best estimate (one standard deviation)')
+    if (size(record%extent%sensors) > 1) call lines%append_line('  The amplitude is that at the sensor where it stands out of '// &
+                                                              'the noise most')
     call put_row(lines, '  line', [character(12) :: 'frequency', '+/-', 'bound', 'decay rate', '+/-', 'bound', 'damping', &
                                    'amplitude', '+/-'], '   what')
-    call put_row(lines, '      ', [character(12) :: 'Hz', 'Hz', 'Hz', '1/s', '1/s', '1/s', '%', 'largest', ''], '')
+    call put_row(lines, '      ', [character(12) :: 'Hz', 'Hz', 'Hz', '1/s', '1/s', '1/s', '%', '', ''], '')
     do k = 1, min(shown_lines, size(record%lines%angular_frequency))
       call report_line(record, k, lines)
     end do

@@ -100,7 +100,7 @@ def test_repeats_are_files_with_the_same_sensors(here):
     here.scene("three", {"record": {"file": ["a.csv", "c.csv"]}, "spectrum": {}})
     ended = here.beamwave("check", "three.nml")
     assert ended.returncode == 2
-    assert ended.stderr.startswith("c.csv: its sensors, displacement, are not those of a.csv, 2 x displacement; accepted: ")
+    assert ended.stderr.startswith("c.csv: its sensors (displacement) are not those of a.csv (2 x displacement); accepted: ")
 
 
 def test_a_result_is_a_record(here):

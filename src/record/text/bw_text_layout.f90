@@ -35,6 +35,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     type(probed_line) :: probed(size(lines)), best(size(lines))
     integer :: i, n, numbers, most, columns
+    character(:), allocatable :: where_text
     real :: share, largest_share
     most = 0
     largest_share = 0.0
@@ -53,8 +54,10 @@ contains
       best = probed
     end do
     if (most == 0) then
-      call fail(error, status_bad_input, path//': has no rows of numbers in its first '//text_of(size(lines))// &
-                ' lines; accepted: columns of numbers separated by commas, semicolons, tabs or blanks, or NetCDF '// &
+      where_text = ''
+      if (size(lines) > 0) where_text = ' in its first '//text_of(size(lines))//' lines'
+      call fail(error, status_bad_input, path//': has no rows of numbers'//where_text// &
+                '; accepted: columns of numbers separated by commas, semicolons, tabs or blanks, or NetCDF '// &
                 '(beamwave-record makes it of UFF 58, .mat, .npy and .wav files)')
       return
     end if

@@ -204,6 +204,7 @@ contains
     real(dp), intent(in) :: centre             !! time in the middle of the record as it was, in steps
     type(believed_line), intent(inout) :: line
     complex(dp) :: factor(size(own%amplitude)), gain(size(own%amplitude)), turn
+    complex(dp) :: noises(size(own%amplitude), size(own%amplitude))  ! in each sensor of what the sensors were separated into
     complex(dp) :: start
     real(dp) :: noise(size(own%amplitude)), length
     integer :: s
@@ -219,10 +220,12 @@ contains
       turn = 1
       if (length > 0) turn = line%amplitude(s)/length
       line%amplitude_noise(s) = norm2(abs(factor)*noise)
+      noises(:, s) = factor*noise/max(line%amplitude_noise(s), tiny(1.0_dp))
       line%amplitude_bound(s) = min(amplitude_deviation(errors, j, plane(turn*conjg(factor))), undetermined)
       turn = cmplx(-turn%im, turn%re, dp)
       line%phase_bound(s) = min(amplitude_deviation(errors, j, plane(turn*conjg(factor))), pi*length)/max(length, tiny(1.0_dp))
     end do
+    if (allocated(found%mixture%mixed)) line%noise_correlation = matmul(transpose(noises), conjg(noises))
 
   contains
 

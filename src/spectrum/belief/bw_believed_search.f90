@@ -19,13 +19,14 @@ module bw_believed_search
   public :: find_believed_lines
 
   integer, parameter :: most_rounds = 4
+  real(dp), parameter :: usual = 0.95_dp         !! confidence of the intervals that refuse a line
   real(dp), parameter :: most_growth = 300       !! logarithm over the record, that is told
 
 contains
 
   subroutine find_believed_lines(samples, confidence, false_alarm, found, believed, monitor)
-    !! Find the lines of a record with their intervals. Those whose intervals say nothing are refused as uncertain; but not one of a
-    !! close pair, which are known together far better than a drift of either.
+    !! Find the lines of a record with their intervals. Those whose intervals say nothing, at the usual confidence whatever is asked
+    !! for, are refused as uncertain; but not one of a close pair, which are known together far better than a drift of either.
     type(samples_type), intent(inout) :: samples   !! even ones are whitened in their memory
     real(dp), intent(in) :: confidence             !! of the intervals, 0 … 1
     real(dp), intent(in) :: false_alarm            !! that noise alone makes any line, or a steady line is said to drift
@@ -41,13 +42,14 @@ contains
     allocate (believed(0))
     do round = 1, most_rounds
       if (stops(monitor)) return
-      believed = believed_lines(samples, found, confidence, false_alarm)
+      believed = believed_lines(samples, found, usual, false_alarm)
       nothing = reaches_0(samples, believed)
       if (round == most_rounds .or. .not. any(nothing)) exit
       call fit_without(samples, numbered(nothing, believed), found, monitor)
     end do
     nothing = nothing .or. reaches_over(samples, believed)
     call refuse_untold(samples, numbered(nothing, believed), found)
+    if (abs(confidence - usual) > 0) believed = believed_lines(samples, found, confidence, false_alarm)
     believed = pack(believed, .not. nothing)
     call mix_again(found)
     call repeat_sensors(distinct, found, believed)

@@ -20,6 +20,8 @@ module bw_line_names
     real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
     real(dp), allocatable :: amplitude_noise(:)
       !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
+    complex(dp), allocatable :: noise_correlation(:, :)
+      !! of these parts of the amplitudes at each pair of sensors, (S, S); allocated where the sensors share noise
     integer :: number = 0                      !! its place among the lines that were found
     integer :: status = 0
     real(dp) :: drift = 0, drift_bound = 0     !! change of frequency over its life, and its bound

@@ -12,14 +12,14 @@ module bw_record_lines
   use bw_quantile, only: normal_quantile
   use bw_recorded_sensors, only: undetermined
   use bw_remainder, only: find_remainder, tabulated
-  use bw_samples, only: centre_of, samples_type
+  use bw_samples, only: centre_of, samples_type, span_of
   use bw_whitening, only: gain_of
   implicit none (type, external)
   private
   public :: fitted_history, lines_in_si, noise_level
 
   real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
-  real(dp), parameter :: same_place = 1.0e-9_dp  !! periods per step
+  real(dp), parameter :: same_place = 0.5_dp     !! bins between candidates that are one
 
   character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']
     !! bit by bit, 1, 2, 4, …; `line` is one that is none of the others
@@ -27,7 +27,7 @@ module bw_record_lines
     'noise_colour']
     !! by number, from 1
   character(*), parameter, public :: reason_texts(*) = [character(64) :: &
-    'the other lines explain as much but for noise', &
+    'as much is explained without it, but for noise', &
     'too broad to be told from the colour of the noise', &
     'beside a line whose frequency drifts, and explained by that', &
     'its interval reaches to 0, or over a line of more energy', &
@@ -49,6 +49,9 @@ module bw_record_lines
     real(dp), allocatable :: amplitude_error(:, :), amplitude_bound(:, :)                 !! of |A|, (sensors, lines)
     real(dp), allocatable :: amplitude_noise(:, :)
       !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
+    complex(dp), allocatable :: noise_correlation(:, :, :)
+      !! of these parts at each pair of sensors, (sensors, sensors, lines); allocated where sensors share noise
+    logical, allocatable :: own(:)                !! the sensor is neither constant nor a multiple of one before it, (sensors)
     real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
     real(dp), allocatable :: drift(:), drift_bound(:)
       !! change of β from the first sample to the last, or over three decay times where these are shorter, rad/s, (lines)
@@ -59,6 +62,7 @@ module bw_record_lines
     type(rejected_candidate), allocatable :: rejected(:)
     real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
     real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
+    real(dp) :: unsteady = 0                      !! part of the record's squares that is neither lines nor steady noise
     integer :: left_out = 0                       !! weaker lines that are not among these
     logical :: at_rest = .true.                   !! .false.: the search was given up
   end type record_lines
@@ -82,6 +86,7 @@ contains
     turn = two_pi/samples%step
     lines%left_out = size(believed) - size(chosen)
     lines%at_rest = found%at_rest
+    lines%unsteady = found%unsteady
     lines%angular_frequency = turn*believed(chosen)%frequency
     lines%angular_frequency_error = told(believed(chosen)%frequency_error, turn)
     lines%angular_frequency_bound = told(believed(chosen)%frequency_bound, turn)
@@ -108,7 +113,11 @@ contains
     lines%amplitude_error = length_error(abs(lines%amplitude), lines%amplitude_bound, lines%phase_bound*abs(lines%amplitude), &
       & lines%quantile)
     lines%phase_error = phase_error(lines%phase_bound, lines%quantile, confidence)
-    lines%rejected = candidates_in_si(found%rejected, turn)
+    if (any([(allocated(believed(i)%noise_correlation), i=1, size(believed))])) &
+      & lines%noise_correlation = reshape([(believed(chosen(i))%noise_correlation, i=1, size(chosen))], &
+      & [size(found%own), size(found%own), size(chosen)])
+    lines%own = found%own
+    lines%rejected = candidates_in_si(found%rejected, same_place/span_of(samples), turn)
     lines%noise_deviation = [(deviation_of(samples, found, i), i=1, size(found%deviation))]
   end function lines_in_si
 
@@ -119,14 +128,15 @@ contains
     if (deviation < undetermined/100) told = unit*deviation
   end function told
 
-  pure function candidates_in_si(rejected, turn) result(candidates)
+  pure function candidates_in_si(rejected, apart, turn) result(candidates)
     !! Those that stand out most come first; what was rejected twice stands there once, with the last reason.
     type(rejected_line), intent(in) :: rejected(:)
+    real(dp), intent(in) :: apart                 !! periods per step, between candidates that are not one
     real(dp), intent(in) :: turn
     type(rejected_candidate), allocatable :: candidates(:)
     logical :: again(size(rejected))
     integer :: i, best
-    again = [(any(abs(rejected(i + 1:)%frequency - rejected(i)%frequency) < same_place), i=1, size(rejected))]
+    again = [(any(abs(rejected(i + 1:)%frequency - rejected(i)%frequency) < apart), i=1, size(rejected))]
     allocate (candidates(0))
     do i = 1, count(.not. again)
       best = maxloc(rejected%ordinate, dim=1, mask=.not. again)

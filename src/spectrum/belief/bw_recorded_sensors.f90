@@ -38,10 +38,12 @@ contains
     !! nothing of amplitudes.
     type(distinct_type), intent(in) :: distinct
     type(found_lines), intent(inout) :: found
-    type(believed_line), intent(inout) :: believed(:)
+    type(believed_line), intent(inout) :: believed(:)  !! correlations of their noise are those of the sensors that were kept
     type(whitening_type) :: whitening(size(distinct%place))
+    complex(dp), allocatable :: correlation(:, :)
     integer :: k, s
-    if (size(distinct%kept) == size(distinct%place)) return
+    found%own = [(any(distinct%kept == s), s=1, size(distinct%place))]
+    if (all(found%own)) return
     whitening = no_whitening(size(whitening))
     whitening%lost = maxval(found%whitening%lost)
     do s = 1, size(whitening)
@@ -61,6 +63,10 @@ contains
         line%amplitude_bound = scaled(line%amplitude_bound, undetermined)
         line%amplitude_noise = scaled(line%amplitude_noise, undetermined)
         line%phase_bound = [(merge(line%phase_bound(max(distinct%place(s), 1)), pi, distinct%place(s) > 0), s=1, size(whitening))]
+        if (.not. allocated(line%noise_correlation)) cycle
+        allocate (correlation(size(whitening), size(whitening)), source=(0.0_dp, 0.0_dp))
+        correlation(distinct%kept, distinct%kept) = line%noise_correlation
+        call move_alloc(correlation, line%noise_correlation)
       end associate
     end do
 

@@ -11,13 +11,14 @@ module bw_common_noise
   use bw_samples, only: samples_type
   implicit none (type, external)
   private
-  public :: find_mixture, parts_of, separate
+  public :: find_mixture, parts_of, separate, separation_of
 
   integer, parameter :: rounds = 10
   integer, parameter :: rows = 1024            !! samples that are separated at once
   real(dp), parameter :: by_chance = 3.09_dp   !! standard deviations of a normal number: independent noise makes it once in 1000
   real(dp), parameter :: worth = 0.01_dp       !! squared correlations of a sensor with all others; less changes nothing
-  real(dp), parameter :: least = 1.0e-12_dp    !! eigenvalue of R, whose trace is S: noise is not the same to rounding
+  real(dp), parameter :: alike = 1.0e-5_dp     !! root of an eigenvalue: noise is the same at some sensors but for rounding
+  real(dp), parameter :: least = 1.0e-12_dp    !! eigenvalue of R, whose trace is S
 
   type, public :: mixture_type
     !! Not allocated: the sensors' noise is independent.
@@ -51,8 +52,13 @@ contains
       root(:, s) = vectors(:, s)*values(s)
       inverse(:, s) = vectors(:, s)/values(s)
     end do
-    mixture%mixed = matmul(root, transpose(vectors))
-    mixture%separating = matmul(inverse, transpose(vectors))
+    if (values(1) > alike) then                ! as near to the sensors as x can be
+      mixture%mixed = matmul(root, transpose(vectors))
+      mixture%separating = matmul(inverse, transpose(vectors))
+    else                                       ! rounding tells noise apart, and R does not tell how much of it there is
+      mixture%mixed = root
+      mixture%separating = transpose(inverse)
+    end if
     do s = 1, sensors
       mixture%mixed(s, :) = deviation(s)*mixture%mixed(s, :)
       mixture%separating(:, s) = mixture%separating(:, s)/deviation(s)
@@ -108,6 +114,19 @@ contains
     if (info /= 0) error stop 'the eigenvalues of correlations did not converge'
     values = max(values, least)
   end subroutine decompose
+
+  function separation_of(correlation) result(separating)
+    !! What turns numbers of these correlations into independent ones of the same variance.
+    real(dp), intent(in) :: correlation(:, :)
+    real(dp), dimension(size(correlation, 1), size(correlation, 2)) :: separating, vectors
+    real(dp) :: values(size(correlation, 1))
+    integer :: s
+    call decompose(correlation, values, vectors)
+    do s = 1, size(values)
+      separating(:, s) = vectors(:, s)/sqrt(values(s))
+    end do
+    separating = matmul(separating, transpose(vectors))
+  end function separation_of
 
   subroutine separate(mixture, samples)
     !! Turn samples y into x, in their memory.

@@ -18,6 +18,7 @@ module bw_damped_search
   use bw_pure_record, only: find_lines_if_pure, safety
   use bw_samples, only: highest_of, samples_type, span_of
   use bw_short_lines, only: cap_noise
+  use bw_steady_noise, only: unsteady_share
   use bw_tapered_line, only: taper_costs
   use bw_whitening, only: find_whitening, longest, no_whitening, whiten
   implicit none (type, external)
@@ -75,6 +76,7 @@ contains
     fresh%whitening = no_whitening(size(found%whitening))
     fresh%mixture = found%mixture
     fresh%deviation = found%deviation
+    fresh%unsteady = found%unsteady
     call settle(samples, fresh)
     call search(samples, false_alarm, plan, fresh, monitor)
     if (stops(monitor)) return
@@ -113,8 +115,9 @@ contains
       call settle(samples, found)
       call search(samples, false_alarm, plan, found, monitor)
       found%deviation = found%ordinates%deviation
-      if (.not. found%at_rest) return
       if (stops(monitor)) return
+      found%unsteady = unsteady_share(samples, found%lines, found%still)
+      if (.not. found%at_rest) return
       if (samples%count <= longest) then
         raw = samples
         call drop_colour(raw, samples, false_alarm, found, dropped)

@@ -27,6 +27,7 @@ module bw_sensor_lines
     complex(dp), allocatable :: amplitude(:, :)  !! of e^(iβt), (S, line)
     real(dp), allocatable :: deviation(:, :)   !! standard deviation of real and of imaginary part at known frequency and decay;
                                                !! 0: not known, the same for all sensors of a line, (S, line)
+    complex(dp), allocatable :: correlation(:, :, :)  !! of these parts; allocated where sensors share noise, (S, S, line)
   end type measured_lines
 
   type, public :: sensor_waves

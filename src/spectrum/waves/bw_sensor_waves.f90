@@ -1,6 +1,7 @@
 module bw_sensor_waves
   !! Waves along a beam from the complex amplitudes of lines at two or more sensors: wave number and phase velocity of each line
   !! from what the sensors say of its shape, group velocity, √(EI/ρA) and ω from the dispersion of all.
+  use bw_common_noise, only: separation_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_quantile, only: normal, squares_deviation, student_quantile
@@ -69,7 +70,7 @@ contains
     allocate (waves%notes(0))
   end subroutine start
 
-  pure subroutine find_motions(facts, lines, motions)
+  subroutine find_motions(facts, lines, motions)
     !! Amplitudes of displacement, or strain, over their deviations: velocity is −δ + iβ times displacement, acceleration the
     !! square of that times it. Deviations are no less than rounding; where one is not known, all are taken as equal parts of the
     !! largest amplitude of their quantity.
@@ -94,6 +95,11 @@ contains
       motions(k)%weight = 1/max(deviation, rounding*largest)
       motions(k)%data = motion*motions(k)%weight
       motions(k)%weight = scale(motions(k)%weight, -exponent(maxval(motions(k)%weight)))
+      if (motions(k)%freed .or. .not. allocated(lines%correlation)) cycle
+      factor = factor/abs(factor)
+      motions(k)%separating = separation_of(reshape([(real(lines%correlation(:, s, k)*conjg(factor)*factor(s)), &
+        & s=1, size(factor))], shape(lines%correlation(:, :, k))))
+      motions(k)%data = matmul(motions(k)%separating, motions(k)%data)
     end do
 
   contains

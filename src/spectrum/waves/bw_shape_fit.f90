@@ -28,6 +28,7 @@ module bw_shape_fit
     !! One line at the sensors, over the deviations.
     complex(dp), allocatable :: data(:)        !! (S)
     real(dp), allocatable :: weight(:)         !! one over the deviation of real and of imaginary part, times any number, (S)
+    real(dp), allocatable :: separating(:, :)  !! what makes the noise of all sensors independent; allocated where it is not, (S, S)
     logical :: freed = .false.                 !! the deviation is known to a factor only
   end type motion_type
 
@@ -147,7 +148,7 @@ contains
     triangle = 0
     factor = 0
     do j = 1, size(basis, 2)
-      basis(:, j) = functions(:, j)%re*motion%weight
+      basis(:, j) = weighted(motion, functions(:, j)%re)
       length = norm2(basis(:, j))
       do pass = 1, 2
         do i = 1, j - 1
@@ -171,7 +172,7 @@ contains
     end do
     change = 0
     do j = 1, size(basis, 2)
-      change = change + factor(j)*functions(:, j)%im*motion%weight
+      change = change + factor(j)*weighted(motion, functions(:, j)%im)
     end do
     do j = 1, size(basis, 2)
       change = change - sum(basis(:, j)*change)*basis(:, j)
@@ -179,6 +180,15 @@ contains
     projection%slope = -sum(change%re*left%re + change%im*left%im)
     projection%curvature = sum(change%re**2 + change%im**2)
   end function projected
+
+  pure function weighted(motion, values) result(independent)
+    !! Numbers at the sensors over the deviations, such that their noise is independent.
+    type(motion_type), intent(in) :: motion
+    real(dp), intent(in) :: values(:)          !! (S)
+    real(dp) :: independent(size(values))
+    independent = values*motion%weight
+    if (allocated(motion%separating)) independent = matmul(motion%separating, independent)
+  end function weighted
 
   pure type(projection_type) function projection_at(sensors, motion, alpha) result(projection)
     !! What the functions leave at one α, with slope and curvature.

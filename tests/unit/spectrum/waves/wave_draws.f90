@@ -160,18 +160,28 @@ contains
     end select
   end function shape_of
 
-  subroutine noisy(clean, noise, known, lines)
+  subroutine noisy(clean, noise, known, lines, share)
     !! Add normal noise, a part of each line's root mean square over the sensors of the same unit; frequencies get a hundredth.
+    !! Sensors may share a part of its variance.
     type(measured_lines), intent(in) :: clean
     real(dp), intent(in) :: noise(:, :)        !! standard deviation of real and imaginary part, (sensor, line)
     logical, intent(in) :: known               !! it is told
     type(measured_lines), intent(out) :: lines
-    integer :: k, s
+    real(dp), intent(in), optional :: share
+    complex(dp) :: common
+    integer :: i, k, s
     lines = clean
+    if (present(share)) lines%correlation = reshape([(((cmplx(merge(1.0_dp, share, s == i), 0, dp), s=1, size(noise, 1)), &
+      & i=1, size(noise, 1)), k=1, size(noise, 2))], [size(noise, 1), size(noise, 1), size(noise, 2)])
     if (known) lines%deviation = noise
     do k = 1, size(noise, 2)
+      common = normal_pair()
       do s = 1, size(noise, 1)
-        lines%amplitude(s, k) = lines%amplitude(s, k) + noise(s, k)*normal_pair()
+        if (present(share)) then
+          lines%amplitude(s, k) = lines%amplitude(s, k) + noise(s, k)*(sqrt(share)*common + sqrt(1 - share)*normal_pair())
+        else
+          lines%amplitude(s, k) = lines%amplitude(s, k) + noise(s, k)*normal_pair()
+        end if
       end do
       lines%frequency_deviation(k) = 1.0e-5_dp*lines%angular_frequency(k)
       lines%angular_frequency(k) = lines%angular_frequency(k) + lines%frequency_deviation(k)*real(normal_pair())
@@ -187,13 +197,14 @@ contains
     normal_pair = sqrt(-2*log(1 - one))*exp(cmplx(0.0_dp, 2*pi*other, dp))
   end function normal_pair
 
-  function judge(facts, mass_ratio, modes, decibels, draws) result(tally)
+  function judge(facts, mass_ratio, modes, decibels, draws, share) result(tally)
     !! Draw beams with noise, and count.
     type(sensor_facts), intent(in) :: facts
     real(dp), intent(in) :: mass_ratio
     integer, intent(in) :: modes
     real(dp), intent(in) :: decibels           !! of each line's root mean square at the sensors, over the noise
     integer, intent(in) :: draws
+    real(dp), intent(in), optional :: share    !! of the noise's variance, that all sensors have in common
     type(tally_type) :: tally
     type(measured_lines) :: clean, lines
     type(truth_type) :: truth
@@ -207,7 +218,7 @@ contains
         & /count(same_unit(i))), i=1, size(noise, 1))]
     end do
     do i = 1, draws
-      call noisy(clean, noise, .true., lines)
+      call noisy(clean, noise, .true., lines, share)
       call measure_sensor_waves(facts, lines, waves)
       call add_to(tally, truth, waves, facts%rotates)
     end do
