@@ -41,6 +41,10 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
         raise NothingToDraw("the record has no lines")
     shown = np.sort(lines[np.argsort(-size[:, lines].max(axis=0))][:MAX_LINES])
     place = case["point_position"].values if "point_position" in case else np.arange(1, case.sizes["point"] + 1)
+    told = np.isfinite(size_error[:, lines]).any(axis=1)  # not at a sensor that is constant
+    if not told.any():
+        raise NothingToDraw("the record tells no amplitudes")
+    place, size, phase, size_error, phase_error = (values[told] for values in (place, size, phase, size_error, phase_error))
     order = np.argsort(place)
     sheet = sheet_for(ax, height=max(0.75 * shown.size, 1.5) + 0.7)
     axes = sheet.axes[0]
@@ -68,5 +72,7 @@ def record_shapes(ds: xr.Dataset, *, ax: Given = None) -> Figure:
     axes.set(ylim=(-0.6, shown.size - 0.35), xlabel=axis_label(case["point_position"]) if along else "Sensor")
     if along:
         axes.set_xlim(-0.02, 1.04)
+    else:
+        axes.xaxis.get_major_locator().set_params(integer=True)
     left = f"the {shown.size} strongest of {lines.size} lines" if shown.size < lines.size else ""
     return sheet.finish(case, [note, left])

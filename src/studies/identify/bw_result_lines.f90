@@ -32,9 +32,10 @@ contains
     type(result_lines), allocatable, intent(out) :: cases(:)
     type(error_type), allocatable, intent(out) :: error
     real(dp), allocatable, dimension(:, :, :) :: frequency, frequency_error, decay, decay_error, status
-    real(dp), allocatable, dimension(:, :, :) :: amplitude, amplitude_error, phase, place, quantity
+    real(dp), allocatable, dimension(:, :, :) :: amplitude, amplitude_bound, phase, place, quantity
     logical :: placed
-    integer :: file, problem, c, k, n
+    integer, allocatable :: told(:)
+    integer :: file, problem, c, k, n, s
     problem = nf90_open(plain_path(path), nf90_nowrite, file)
     call read_block(file, 'measured_angular_frequency', frequency, problem)
     call read_block(file, 'measured_angular_frequency_error', frequency_error, problem)
@@ -46,7 +47,7 @@ contains
       return
     end if
     call read_block(file, 'measured_amplitude', amplitude, problem)
-    call read_block(file, 'measured_amplitude_error', amplitude_error, problem)
+    call read_block(file, 'measured_amplitude_bound', amplitude_bound, problem)
     call read_block(file, 'measured_phase', phase, problem)
     call read_block(file, 'point_position', place, problem)
     call read_block(file, 'sensor_quantity', quantity, problem)
@@ -67,11 +68,12 @@ contains
         one%lines%decay_deviation = [(max(least_decay_error*frequency(k, c, 1), decay_error(k, c, 1)/quantile), k=1, n)]
         if (allocated(amplitude)) one%lines%strength = [(norm2(amplitude(k, :, c)), k=1, n)]
         if (.not. placed .or. n == 0) cycle
-        if (any(is_missing(amplitude_error(:n, :, c)))) cycle
-        one%lines%points = place(:, 1, 1)
+        told = pack([(s, s=1, size(place))], .not. any(is_missing(amplitude_bound(:n, :, c)), dim=1))  ! not by a constant sensor
+        if (size(told) < 2) cycle
+        one%lines%points = place(told, 1, 1)
         one%lines%bends = nint(quantity(1, 1, 1)) == findloc(quantities == 'strain', .true., dim=1)
-        one%lines%amplitude = transpose(amplitude(:n, :, c)*exp((0.0_dp, 1.0_dp)*phase(:n, :, c)))
-        one%lines%amplitude_deviation = transpose(amplitude_error(:n, :, c))/quantile
+        one%lines%amplitude = transpose(amplitude(:n, told, c)*exp((0.0_dp, 1.0_dp)*phase(:n, told, c)))
+        one%lines%amplitude_deviation = transpose(amplitude_bound(:n, told, c))
       end associate
     end do
   end subroutine read_result_lines
