@@ -140,9 +140,9 @@ contains
         'stands out of the noise was refused; the report says why')
       if (.not. lines%at_rest) call append(result%notes, 'the search for lines was given up before '// &
         'it came to rest: some may be missing, and weak ones may be parts of stronger ones that change as they decay')
-    if (lines%unsteady > most_unsteady) call append(result%notes, 'unsteady: '//shortest(100*lines%unsteady, 2)// &
-        ' % of the squares of the samples are neither lines nor noise that stays as it is; lines that describe a frequency '// &
-        'that sweeps, or blows in the record, tell nothing')
+      if (lines%unsteady > most_unsteady) call append(result%notes, 'unsteady: '//shortest(100*lines%unsteady, 2)// &
+        ' % of the squares of the samples come and go and are left by the lines, which no steady noise is; '// &
+        'where a frequency sweeps, or a second blow falls, lines tell nothing')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &

@@ -161,7 +161,7 @@ def test_a_frequency_that_sweeps_is_told(here):
     here.write("ring.csv", as_text(time, np.array([sweep, 0.5 * sweep]) + noise))
     here.scene("ring", ASKED)
     said = here.beamwave("run", "ring.nml").stderr
-    assert "% of the squares of the samples are neither lines nor noise that stays as it is" in said
+    assert "% of the squares of the samples come and go and are left by the lines" in said
     here.write("ring.csv", text_of(6))
     assert "unsteady" not in here.beamwave("run", "ring.nml").stderr
 

@@ -203,8 +203,8 @@ contains
     integer, intent(in) :: j                   !! its place among the band's lines
     real(dp), intent(in) :: centre             !! time in the middle of the record as it was, in steps
     type(believed_line), intent(inout) :: line
-    complex(dp) :: factor(size(own%amplitude)), gain(size(own%amplitude)), turn
-    complex(dp) :: noises(size(own%amplitude), size(own%amplitude))  ! in each sensor of what the sensors were separated into
+    complex(dp) :: factor(size(own%amplitude)), gain(size(found%whitening)), turn
+    complex(dp) :: noises(size(own%amplitude), size(found%whitening))  ! in each sensor of what the sensors were separated into
     complex(dp) :: start
     real(dp) :: noise(size(own%amplitude)), length
     integer :: s
@@ -214,7 +214,7 @@ contains
     allocate (line%amplitude(size(gain)))
     allocate (line%amplitude_bound(size(gain)), line%phase_bound(size(gain)), line%amplitude_noise(size(gain)))
     do s = 1, size(gain)
-      factor = parts_of(found%mixture, s, size(gain))*start/gain(s)
+      factor = parts_of(found%mixture, s, size(factor))*start/gain(s)
       line%amplitude(s) = sum(factor*own%amplitude)
       length = abs(line%amplitude(s))
       turn = 1

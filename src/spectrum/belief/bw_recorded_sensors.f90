@@ -20,14 +20,18 @@ contains
   pure subroutine mix_again(found)
     !! Turn lines, offsets, slopes and noise of what the sensors were separated into back into those of the sensors.
     type(found_lines), intent(inout) :: found
+    real(dp), allocatable :: level(:, :)
     integer :: k, s
     if (.not. allocated(found%mixture%mixed)) return
     associate (mixed => found%mixture%mixed, ordinates => found%ordinates)
       do k = 1, size(found%lines)
-        found%lines(k)%amplitude = [(sum(parts_of(found%mixture, s, size(mixed, 1))*found%lines(k)%amplitude), s=1, size(mixed, 1))]
+        found%lines(k)%amplitude = [(sum(parts_of(found%mixture, s, size(mixed, 2))*found%lines(k)%amplitude), s=1, size(mixed, 1))]
       end do
       found%still = matmul(found%still, transpose(mixed))
-      ordinates%noise%level = matmul(ordinates%noise%level, transpose(mixed**2))
+      allocate (level(0:ubound(ordinates%noise%level, 1), size(mixed, 1)))
+      level(:, :) = matmul(ordinates%noise%level, transpose(mixed**2))
+      call move_alloc(level, ordinates%noise%level)
+      ordinates%shape = ordinates%shape*size(mixed, 1)/size(mixed, 2)
       ordinates%deviation = sqrt(matmul(mixed**2, ordinates%deviation**2))
       deallocate (found%mixture%mixed)
     end associate

@@ -4,8 +4,8 @@ module bw_common_noise
   !! Samples y = Mx of sensors whose noise has the covariance MMᵀ hold the same lines as x = M⁻¹y, with other amplitudes, and the
   !! noise of x is independent: all that is said of lines at sensors of independent noise holds for x. M comes from what lines
   !! leave of the transforms, over the level of each sensor's noise: an estimate of their correlations R that few large ordinates,
-  !! as of lines that nobody has found, do not move (Huber, 1964; Maronna, 1976). R is known from as many ordinates only, and
-  !! is raised to a power below 1 that is the smaller, the more of it chance explains.
+  !! as of lines that nobody has found, do not move (Huber, 1964; Maronna, 1976). The x are its principal components. Their levels
+  !! are found anew, by frequency, so that it is the directions alone that R has to tell.
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
   use bw_samples, only: samples_type
@@ -17,24 +17,28 @@ module bw_common_noise
   integer, parameter :: rows = 1024            !! samples that are separated at once
   real(dp), parameter :: by_chance = 3.09_dp   !! standard deviations of a normal number: independent noise makes it once in 1000
   real(dp), parameter :: worth = 0.01_dp       !! squared correlations of a sensor with all others; less changes nothing
-  real(dp), parameter :: alike = 1.0e-5_dp     !! root of an eigenvalue: noise is the same at some sensors but for rounding
-  real(dp), parameter :: least = 1.0e-12_dp    !! eigenvalue of R, whose trace is S
+  real(dp), parameter :: least = 1.0e-3_dp     !! eigenvalue of R, whose trace is S: noise is the same but for a thirtieth
+  real(dp), parameter :: faint = 0.1_dp        !! deviations of the sensors' noise, that lines and all have in such a mixture
 
   type, public :: mixture_type
     !! Not allocated: the sensors' noise is independent.
-    real(dp), allocatable :: mixed(:, :)       !! M, (S, S)
-    real(dp), allocatable :: separating(:, :)  !! its inverse
+    real(dp), allocatable :: mixed(:, :)       !! M, (S, x)
+    real(dp), allocatable :: separating(:, :)  !! its inverse, (x, S)
   end type mixture_type
 
 contains
 
-  subroutine find_mixture(seen, deviation, mixture)
-    !! Find M where sensors share noise beyond doubt.
+  subroutine find_mixture(samples, seen, deviation, mixture)
+    !! Find M where sensors share noise beyond doubt. A mixture in which neither noise nor lines are left, as the difference of two
+    !! copies that were rounded, is left out: there are fewer x than sensors.
+    type(samples_type), intent(in) :: samples
     complex(dp), intent(in) :: seen(:, :)      !! independent ordinates over the root of the noise's level, (ordinates, S)
     real(dp), intent(in) :: deviation(:)       !! of each sensor's noise, (S)
     type(mixture_type), intent(out) :: mixture
-    real(dp), dimension(size(deviation), size(deviation)) :: correlation, vectors, root, inverse
-    real(dp) :: values(size(deviation)), squares, pairs, chance, power
+    real(dp), dimension(size(deviation), size(deviation)) :: correlation, vectors
+    real(dp) :: values(size(deviation)), squares, pairs, chance
+    logical :: tells(size(deviation))
+    integer, allocatable :: kept(:)
     integer :: s, sensors
     sensors = size(deviation)
     if (sensors == 1 .or. size(seen, 1) < 2) return
@@ -44,26 +48,24 @@ contains
     chance = size(seen, 1)*squares*sensors/(sensors + 1.0_dp)  ! χ² of as many degrees of freedom as there are pairs
     if (squares < worth*sensors) return
     if ((chance/pairs)**(1/3.0_dp) < 1 - 2/(9*pairs) + by_chance*sqrt(2/(9*pairs))) return
-    power = 1 - pairs/chance - sensors/(2.0_dp*size(seen, 1))
-    if (.not. power > 0) return
     call decompose(correlation, values, vectors)
-    values = values**(power/2)
     do s = 1, sensors
-      root(:, s) = vectors(:, s)*values(s)
-      inverse(:, s) = vectors(:, s)/values(s)
+      tells(s) = values(s) > least
+      if (.not. tells(s)) tells(s) = deviation_of(samples, vectors(:, s)/deviation) > faint
     end do
-    if (values(1) > alike) then                ! as near to the sensors as x can be
-      mixture%mixed = matmul(root, transpose(vectors))
-      mixture%separating = matmul(inverse, transpose(vectors))
-    else                                       ! rounding tells noise apart, and R does not tell how much of it there is
-      mixture%mixed = root
-      mixture%separating = transpose(inverse)
-    end if
-    do s = 1, sensors
-      mixture%mixed(s, :) = deviation(s)*mixture%mixed(s, :)
-      mixture%separating(:, s) = mixture%separating(:, s)/deviation(s)
-    end do
+    kept = pack([(s, s=1, sensors)], tells)
+    mixture%mixed = spread(deviation, 2, size(kept))*vectors(:, kept)*spread(sqrt(values(kept)), 1, sensors)
+    mixture%separating = transpose(vectors(:, kept)/(spread(deviation, 2, size(kept))*spread(sqrt(values(kept)), 1, sensors)))
   end subroutine find_mixture
+
+  pure real(dp) function deviation_of(samples, factor) result(deviation)
+    !! The standard deviation of a sum of all sensors, each times a factor.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: factor(:)
+    real(dp) :: values(samples%count)
+    values = matmul(samples%value(:samples%count, :), factor)
+    deviation = norm2(values - sum(values)/size(values))/sqrt(real(size(values), dp))
+  end function deviation_of
 
   function correlations(seen) result(correlation)
     !! Those of the real parts, and of the imaginary parts, with 1 on the diagonal. An ordinate counts the less, the further it is
@@ -133,21 +135,24 @@ contains
     type(mixture_type), intent(in) :: mixture
     type(samples_type), intent(inout) :: samples
     real(dp) :: part(rows, size(samples%value, 2))
-    integer :: first, n, sensors
+    integer :: first, n, sensors, independent
     sensors = size(samples%value, 2)
+    independent = size(mixture%separating, 1)
     do first = 1, samples%count, rows
       n = min(rows, samples%count - first + 1)
       part(:n, :) = samples%value(first:first + n - 1, :)
-      call dgemm('N', 'T', n, sensors, sensors, 1.0_dp, part, rows, mixture%separating, sensors, 0.0_dp, &
+      call dgemm('N', 'T', n, independent, sensors, 1.0_dp, part, rows, mixture%separating, independent, 0.0_dp, &
         & samples%value(first, 1), size(samples%value, 1))
     end do
+    if (independent < sensors) samples%value = samples%value(:, :independent)
   end subroutine separate
 
-  pure function parts_of(mixture, s, sensors) result(parts)
-    !! How much of each x is in sensor s, (S).
+  pure function parts_of(mixture, s, independent) result(parts)
+    !! How much of each x is in sensor s, (x).
     type(mixture_type), intent(in) :: mixture
-    integer, intent(in) :: s, sensors
-    real(dp) :: parts(sensors)
+    integer, intent(in) :: s
+    integer, intent(in) :: independent         !! how many x there are
+    real(dp) :: parts(independent)
     parts = 0
     parts(s) = 1
     if (allocated(mixture%mixed)) parts = mixture%mixed(s, :)

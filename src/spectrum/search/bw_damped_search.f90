@@ -37,7 +37,7 @@ contains
     call find_whitened_lines(samples, false_alarm, plan, found, pure, monitor)
     if (pure .or. .not. found%at_rest) return
     if (stops(monitor)) return
-    call find_mixture(found%ordinates%seen, mean_deviation(found%ordinates%noise), found%mixture)
+    call find_mixture(samples, found%ordinates%seen, mean_deviation(found%ordinates%noise), found%mixture)
     if (allocated(found%mixture%mixed)) call find_separate_lines(samples, false_alarm, plan, found, monitor)
   end subroutine find_damped_lines
 
@@ -52,8 +52,8 @@ contains
     type(found_lines) :: fresh
     call separate(found%mixture, samples)
     allocate (fresh%lines(0), fresh%rejected(0))
-    fresh%still = 0*found%still
-    fresh%whitening = no_whitening(size(found%whitening))
+    allocate (fresh%still(2, size(samples%value, 2)), source=0.0_dp)
+    fresh%whitening = no_whitening(size(samples%value, 2))
     fresh%mixture = found%mixture
     fresh%deviation = found%deviation
     fresh%unsteady = found%unsteady
