@@ -127,7 +127,7 @@ def effects(data: dict[str, Any]) -> str:
 
 def lines(data: dict[str, Any]) -> str:
     """Errors and intervals of lines in noise, and the records in which more than a hundredth of the lines are missed."""
-    own = [row for row in data["rows"] if row["peer"] == "beamwave"]
+    own = [row for row in data["rows"] if row["peer"] == "beamwave" and "missed" in row]  # with lines
     found = [row for row in own if row["missed"] <= 0.01]
     missed = [f"{100 * row['missed']:.0f} % in the cell '{row['cell']}'" for row in own if row["missed"] > 0.01]
     worst = max(max(row["over_bound"]) for row in found)
