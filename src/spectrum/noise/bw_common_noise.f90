@@ -153,9 +153,12 @@ contains
     integer, intent(in) :: s
     integer, intent(in) :: independent         !! how many x there are
     real(dp) :: parts(independent)
-    parts = 0
-    parts(s) = 1
-    if (allocated(mixture%mixed)) parts = mixture%mixed(s, :)
+    if (allocated(mixture%mixed)) then
+      parts = mixture%mixed(s, :)
+    else
+      parts = 0
+      parts(s) = 1
+    end if
   end function parts_of
 
 end module bw_common_noise
