@@ -62,7 +62,7 @@ module bw_record_lines
     type(rejected_candidate), allocatable :: rejected(:)
     real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
     real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
-    real(dp) :: unsteady = 0                      !! part of the record's squares that is neither lines nor steady noise
+    real(dp) :: unsteady = 0                      !! part of a sensor's squares that is neither lines nor steady noise
     integer :: left_out = 0                       !! weaker lines that are not among these
     logical :: at_rest = .true.                   !! .false.: the search was given up
   end type record_lines

@@ -33,8 +33,8 @@ contains
       call move_alloc(level, ordinates%noise%level)
       ordinates%shape = ordinates%shape*size(mixed, 1)/size(mixed, 2)
       ordinates%deviation = sqrt(matmul(mixed**2, ordinates%deviation**2))
-      deallocate (found%mixture%mixed)
     end associate
+    deallocate (found%mixture%mixed)
   end subroutine mix_again
 
   pure subroutine repeat_sensors(distinct, found, believed)

@@ -8,7 +8,7 @@ module bw_common_noise
   !! are found anew, by frequency, so that it is the directions alone that R has to tell.
   use bw_kinds, only: dp
   use bw_lapack, only: dgemm, dsyev
-  use bw_samples, only: samples_type
+  use bw_samples, only: keep_sensors, samples_type
   implicit none (type, external)
   private
   public :: find_mixture, parts_of, separate, separation_of
@@ -63,7 +63,11 @@ contains
     type(samples_type), intent(in) :: samples
     real(dp), intent(in) :: factor(:)
     real(dp) :: values(samples%count)
-    values = matmul(samples%value(:samples%count, :), factor)
+    integer :: s
+    values = 0
+    do s = 1, size(factor)
+      values = values + factor(s)*samples%value(:samples%count, s)
+    end do
     deviation = norm2(values - sum(values)/size(values))/sqrt(real(size(values), dp))
   end function deviation_of
 
@@ -144,7 +148,7 @@ contains
       call dgemm('N', 'T', n, independent, sensors, 1.0_dp, part, rows, mixture%separating, independent, 0.0_dp, &
         & samples%value(first, 1), size(samples%value, 1))
     end do
-    if (independent < sensors) samples%value = samples%value(:, :independent)
+    if (independent < sensors) call keep_sensors([(n, n=1, independent)], samples)
   end subroutine separate
 
   pure function parts_of(mixture, s, independent) result(parts)

@@ -3,7 +3,7 @@ module bw_distinct_sensors
   !! times a number. Noise is judged, and lines are found, without them: their samples would be counted twice, or their lack of
   !! noise taken for accuracy.
   use bw_kinds, only: dp
-  use bw_samples, only: samples_type
+  use bw_samples, only: keep_sensors, samples_type
   implicit none (type, external)
   private
   public :: find_distinct, keep_distinct
@@ -28,7 +28,7 @@ contains
     logical :: is_constant(size(samples%value, 2))
     distinct%kept = [integer ::]
     associate (value => samples%value(:samples%count, :))
-      highest = maxloc(abs(value), dim=1)
+      highest = [(maxloc(abs(value(:, s)), dim=1), s=1, size(highest))]  ! one sensor at a time: a record may fill the memory
       is_constant = [(all_are(value(:, s), value(1, s)), s=1, size(highest))]
       if (all(is_constant)) is_constant(1) = .false.
       distinct%place = 0*highest
@@ -77,7 +77,7 @@ contains
     !! Leave out the samples of all other sensors.
     type(distinct_type), intent(in) :: distinct
     type(samples_type), intent(inout) :: samples
-    if (size(distinct%kept) < size(distinct%place)) samples%value = samples%value(:, distinct%kept)
+    if (size(distinct%kept) < size(distinct%place)) call keep_sensors(distinct%kept, samples)
   end subroutine keep_distinct
 
 end module bw_distinct_sensors

@@ -8,7 +8,7 @@ module bw_samples
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: bent_factor, bent_series, centre_of, find_wave, highest_of, phase_factor, place_of, span_of
+  public :: bent_factor, bent_series, centre_of, find_wave, highest_of, keep_sensors, phase_factor, place_of, span_of
 
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: grain = 2.0_dp**26  !! a frequency of so many bits times a number of samples is exact
@@ -58,6 +58,19 @@ contains
       place_of = n - 1
     end if
   end function place_of
+
+  pure subroutine keep_sensors(kept, samples)
+    !! Leave out the samples of all other sensors.
+    integer, intent(in) :: kept(:)           !! sensors, in the order that they shall have
+    type(samples_type), intent(inout) :: samples
+    real(dp), allocatable :: value(:, :)
+    integer :: s
+    allocate (value(size(samples%value, 1), size(kept)))
+    do s = 1, size(kept)
+      value(:, s) = samples%value(:, kept(s))
+    end do
+    call move_alloc(value, samples%value)
+  end subroutine keep_sensors
 
   pure complex(dp) function bent_factor(bend, u)
     !! The factor e^(b₂u² + b₃u³ + …).

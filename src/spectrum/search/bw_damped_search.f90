@@ -66,8 +66,9 @@ contains
   end subroutine find_separate_lines
 
   subroutine find_whitened_lines(samples, false_alarm, plan, found, pure, monitor)
-    !! Find the lines of a record whose sensors' noise is taken for independent. Where the noise of even samples is coloured they are whitened in their memory, and searched once more; where it was lines that made the filter,
-    !! all is done again from the lines that are known now. What a search leaves that is given up is no noise, and makes no filter.
+    !! Find the lines of a record whose sensors' noise is taken for independent. Where the noise of even samples is coloured they
+    !! are whitened in their memory, and searched once more; where it was lines that made the filter, all is done again from the lines
+    !! that are known now. What a search leaves that is given up is no noise, and makes no filter.
     !! Of samples that are known to be pure there are the lines and what they leave, and nothing else.
     type(samples_type), intent(inout) :: samples
     real(dp), intent(in) :: false_alarm

@@ -39,7 +39,7 @@ module bw_found_lines
     type(residual_type) :: left                  !! what the lines of a record that is known to be pure leave of it
     real(dp), allocatable :: deviation(:)        !! of what the lines leave of the record as it was, (S)
     type(mixture_type) :: mixture                !! of the sensors, whose noise is not independent; lines are those of its parts
-    real(dp) :: unsteady = 0                     !! part of the record's squares that is neither lines nor steady noise
+    real(dp) :: unsteady = 0                     !! part of a sensor's squares that is neither lines nor steady noise
     logical, allocatable :: own(:)               !! the sensor is neither constant nor a multiple of one before it, (S)
   end type found_lines
 

@@ -1,0 +1,43 @@
+"""Records that the program warns of: sensors that tell nothing, and motion that no line describes."""
+
+import numpy as np
+import results
+from ring_downs import FREQUENCY, RATE, as_text, ring_down, text_of
+from workplace import PAPER_BEAM
+
+
+def test_sensors_that_are_constant_or_copies_change_nothing(here):
+    time, values = ring_down(4)
+    here.write("two.csv", as_text(time, values))
+    here.scene("two", {"record": {"file": "two.csv", "points": [0.5, 1.0]}, "beam": PAPER_BEAM, "spectrum": {}})
+    alone = here.run("two")
+    dead = np.full(time.size, 5.3)
+    four = np.array([values[0], dead, values[1], 2 * np.round(values[0], 7)])
+    here.write("four.csv", as_text(time, four, "time [s],mid [m/s2],dead [m/s2],tip [m/s2],twice [m/s2]"))
+    here.scene("four", {"record": {"file": "four.csv", "points": [0.5, 0.7, 1.0, 0.8]}, "beam": PAPER_BEAM, "spectrum": {}})
+    ended = here.beamwave("run", "four.nml")
+    assert ended.returncode == 0
+    assert "constant: dead [m/s2] is 5.3 in all samples" in ended.stderr
+    assert "copy: the samples of twice [m/s2] are those of a sensor before it times a number" in ended.stderr
+    result = here.result("four")
+    names = "angular_frequency angular_frequency_error decay_rate decay_rate_bound wavenumber wavenumber_error"
+    for name in names.split():
+        np.testing.assert_array_equal(result[f"measured_{name}"], alone[f"measured_{name}"], name)
+    lines = FREQUENCY.size
+    amplitude, error = result["measured_amplitude"][:, :lines], result["measured_amplitude_error"][:, :lines]
+    np.testing.assert_array_equal(amplitude[[0, 2]], alone["measured_amplitude"][:, :lines])
+    np.testing.assert_allclose(amplitude[3], 2 * amplitude[0], rtol=1e-14)
+    assert (amplitude[1] == 0).all() and results.is_fill(error[1]).all() and not results.is_fill(error[3]).any()
+    np.testing.assert_allclose(result["fitted"][1], 5.3, rtol=1e-14)
+
+
+def test_a_frequency_that_sweeps_is_told(here):
+    time = np.arange(2000) / RATE
+    sweep = np.cos(2 * np.pi * (60 + 25 * time) * time)
+    noise = 0.05 * np.random.default_rng(6).standard_normal((2, 2000))
+    here.write("ring.csv", as_text(time, np.array([sweep, 0.5 * sweep]) + noise))
+    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    said = here.beamwave("run", "ring.nml").stderr
+    assert "% of the squares of the samples come and go and are left by the lines" in said
+    here.write("ring.csv", text_of(6))
+    assert "unsteady" not in here.beamwave("run", "ring.nml").stderr
