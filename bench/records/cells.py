@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,7 +59,9 @@ NOISE = (
     Cell("AR(1) noise, φ = 0.9", 0, (), colour=0.9),
     Cell("1/f noise", 0, (), kind="pink"),
     Cell("noise behind a low-pass filter of 101 coefficients", 0, (), kind="low pass"),
+    Cell("noise behind a band-pass filter of 101 coefficients", 0, (), kind="band pass"),
     Cell("noise behind Hann's window of 31 samples", 0, (), kind="hann"),
+    Cell("noise behind a Butterworth filter of order 4, there and back", 0, (), kind="there and back", draws=2000),
     Cell("8 sensors, white noise", 0, (), sensors=8),
     Cell("8 sensors that share 0.3 of white noise", 0, (), sensors=8, share=0.3),
     Cell("2 sensors that share 0.5 of white noise", 0, (), sensors=2, share=0.5),
@@ -121,16 +124,28 @@ def noise(cell: Cell, random: np.random.Generator) -> np.ndarray:
 
 
 def shaped(cell: Cell, random: np.random.Generator) -> np.ndarray:
-    """Noise whose power falls as 1/f, cut out of ten times as much, or behind a filter that lets nothing through beyond its band."""
+    """Noise whose power falls as 1/f, or behind a filter that lets nothing through beyond its band."""
     if cell.kind == "pink":
-        spectrum = np.fft.rfft(random.standard_normal((10 * cell.samples, cell.sensors)), axis=0)
-        spectrum[1:] /= np.sqrt(np.arange(1, len(spectrum)))[:, None]
-        long = np.fft.irfft(spectrum * (np.arange(len(spectrum)) > 0)[:, None], axis=0)[: cell.samples]
-        return long / long.std()
+        return tenth(cell, random, lambda frequency: 1 / np.sqrt(frequency))
+    if cell.kind == "there and back":
+        return tenth(cell, random, lambda frequency: 1 / (1 + (np.tan(np.pi * frequency) / np.tan(0.1 * np.pi)) ** 8))
     steps = np.arange(-50, 51)
-    taps = np.sinc(0.4 * steps) * np.hamming(101) if cell.kind == "low pass" else np.sin(np.pi * np.arange(1, 32) / 32) ** 2
+    taps = {
+        "low pass": np.sinc(0.4 * steps) * np.hamming(101),
+        "band pass": np.sinc(0.2 * steps) * np.hamming(101) * np.cos(0.4 * np.pi * steps),
+        "hann": np.sin(np.pi * np.arange(1, 32) / 32) ** 2,
+    }[cell.kind]
     white = random.standard_normal((cell.samples + len(taps) - 1, cell.sensors))
     return np.column_stack([np.convolve(column, taps / np.linalg.norm(taps), "valid") for column in white.T])
+
+
+def tenth(cell: Cell, random: np.random.Generator, gain: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """The first tenth of noise with a gain over frequencies, in periods per step, and without its mean."""
+    spectrum = np.fft.rfft(random.standard_normal((10 * cell.samples, cell.sensors)), axis=0)
+    spectrum[0] = 0
+    spectrum[1:] *= gain(np.arange(1, len(spectrum)) / (10 * cell.samples))[:, None]
+    values = np.fft.irfft(spectrum, axis=0)[: cell.samples]
+    return values / values.std()
 
 
 def separation(cell: Cell) -> np.ndarray:

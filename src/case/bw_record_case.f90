@@ -143,7 +143,8 @@ contains
       if (lines%unsteady > most_unsteady) call append(result%notes, 'unsteady: '//shortest(100*lines%unsteady, 2)// &
         ' % of the squares of the samples come and go and are left by the lines, which no steady noise is; '// &
         'where a frequency sweeps, or a second blow falls, lines tell nothing')
-      if (lines%left_out > 0) call remark(result%notes, 'max_peaks: '//text_of(lines%left_out)//' weaker lines are left out')
+      if (lines%left_out > 0) call remark(result%notes, 'max_peaks: the '//text_of(lines%left_out)//' weakest of '// &
+        text_of(lines%left_out + size(lines%angular_frequency))//' lines are not told; a larger max_peaks tells them')
     end associate
     if (size(scene%record%files) > 1 .and. layout%pooled == 0) call remark(result%notes, 'repeats: they are not pooled, since '// &
       'another &sweep goes through them; each file is a case by itself for every value of it')

@@ -153,7 +153,8 @@ contains
     type(record_type), intent(inout) :: record
     associate (name => record%sensors(s)%name)
       if (flaws%is_constant) then
-        call append(record%notes, 'constant: '//name//' is '//shortest(flaws%highest, 6)//' in all samples')
+        call append(record%notes, 'constant: '//name//' is '//shortest(flaws%highest, 6)//' in all samples, and '// &
+          'tells nothing of lines')
         return
       end if
       if (flaws%clipped_high > 0) call note_clipped(flaws%clipped_high, 'above ', flaws%highest)

@@ -11,7 +11,7 @@ module bw_common_noise
   use bw_samples, only: keep_sensors, samples_type
   implicit none (type, external)
   private
-  public :: find_mixture, parts_of, separate, separation_of
+  public :: find_mixture, join, parts_of, separate, separation_of
 
   integer, parameter :: rounds = 10
   integer, parameter :: rows = 1024            !! samples that are separated at once
@@ -138,18 +138,32 @@ contains
     !! Turn samples y into x, in their memory.
     type(mixture_type), intent(in) :: mixture
     type(samples_type), intent(inout) :: samples
+    integer :: s
+    call sum_up(mixture%separating, samples)
+    if (size(mixture%separating, 1) < size(samples%value, 2)) &
+      & call keep_sensors([(s, s=1, size(mixture%separating, 1))], samples)
+  end subroutine separate
+
+  subroutine join(mixture, samples)
+    !! Turn samples x, of which there are as many as sensors, into y, in their memory.
+    type(mixture_type), intent(in) :: mixture
+    type(samples_type), intent(inout) :: samples
+    call sum_up(mixture%mixed, samples)
+  end subroutine join
+
+  subroutine sum_up(factor, samples)
+    !! Replace the samples of the first sensors by sums of those of all sensors.
+    real(dp), intent(in) :: factor(:, :)       !! (sums, S)
+    type(samples_type), intent(inout) :: samples
     real(dp) :: part(rows, size(samples%value, 2))
-    integer :: first, n, sensors, independent
-    sensors = size(samples%value, 2)
-    independent = size(mixture%separating, 1)
+    integer :: first, n
     do first = 1, samples%count, rows
       n = min(rows, samples%count - first + 1)
       part(:n, :) = samples%value(first:first + n - 1, :)
-      call dgemm('N', 'T', n, independent, sensors, 1.0_dp, part, rows, mixture%separating, independent, 0.0_dp, &
+      call dgemm('N', 'T', n, size(factor, 1), size(part, 2), 1.0_dp, part, rows, factor, size(factor, 1), 0.0_dp, &
         & samples%value(first, 1), size(samples%value, 1))
     end do
-    if (independent < sensors) call keep_sensors([(n, n=1, independent)], samples)
-  end subroutine separate
+  end subroutine sum_up
 
   pure function parts_of(mixture, s, independent) result(parts)
     !! How much of each x is in sensor s, (x).

@@ -10,7 +10,7 @@ module bw_whitening
   use bw_samples, only: phase_factor, samples_type
   implicit none (type, external)
   private
-  public :: find_whitening, freedom_of_level, gain_of, judge_noise, judged_order, no_whitening, whiten
+  public :: find_whitening, freedom_of_level, gain_of, is_even, is_steep, judge_noise, judged_order, no_whitening, whiten
 
   integer, parameter :: highest_order = 128
   integer, parameter :: usual_order = 16       !! higher ones are for noise that is as strong all along the record
@@ -19,6 +19,8 @@ module bw_whitening
   integer, parameter, public :: longest = 65536         !! samples that tell enough of the noise
   integer, parameter :: samples_per_order = 8  !! fewer do not tell of so high an order
   integer, parameter :: samples_per_usual = 32 !! nor of an order that is not high
+  integer, parameter :: places = 128           !! frequencies from 0 to half the sampling rate, at which they are looked for
+  real(dp), parameter :: steep = 2.0e4_dp      !! highest level over the lowest
   real(dp), parameter :: most_uneven = 8       !! variances of two quarters of the record
 
   type, public :: whitening_type
@@ -63,13 +65,19 @@ contains
     !! no line describes looks the same by frequency; it dies away, and noise does not.
     real(dp), intent(in) :: left(:)
     integer, intent(in) :: per_order           !! samples for each usual order
+    highest = min(usual_order, size(left)/per_order)
+    if (is_even(left)) highest = max(highest, min(highest_order, size(left)/samples_per_order))
+  end function highest_of
+
+  pure logical function is_even(left)
+    !! Whether numbers are as large all along the record.
+    real(dp), intent(in) :: left(:)
     real(dp) :: quarter(4)
     integer :: n, i
     n = size(left)
     quarter = [(sum(left(1 + (i - 1)*n/4:i*n/4)**2), i=1, 4)]
-    highest = min(usual_order, n/per_order)
-    if (maxval(quarter) < most_uneven*minval(quarter)) highest = max(highest, min(highest_order, n/samples_per_order))
-  end function highest_of
+    is_even = maxval(quarter) < most_uneven*minval(quarter)
+  end function is_even
 
   pure integer function judged_order(left) result(highest)
     !! The highest order that noise may have where lines are judged: the usual one, unless the Bayesian criterion likes a higher one
@@ -134,6 +142,18 @@ contains
       whitening%coefficient = h
     end do
   end subroutine burg
+
+  pure elemental logical function is_steep(whitening)
+    !! Whether the highest level of the noise that a filter evens out is more than 20 000 times the lowest: steep filters let through
+    !! less beyond their band, while it is 10 000 times in noise whose neighbours have a correlation of 0.98.
+    type(whitening_type), intent(in) :: whitening
+    real(dp) :: power(0:places)
+    integer :: k, i
+    associate (h => whitening%coefficient)
+      power = [(abs(sum([(h(i)*phase_factor(0.5_dp*k/places, -i), i=0, whitening%order)]))**2, k=0, places)]
+    end associate
+    is_steep = maxval(power) > steep*minval(power)
+  end function is_steep
 
   pure real(dp) function freedom_of_level(whitening, frequency, count) result(freedom)
     !! One over the variance of the logarithm of the noise's level at a frequency, where an autoregression of so many samples tells it:

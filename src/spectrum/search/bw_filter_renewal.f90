@@ -10,7 +10,7 @@ module bw_filter_renewal
   use bw_whitening, only: gain_of, no_whitening
   implicit none (type, external)
   private
-  public :: filters_lines, take_filter_off, unfiltered_lines
+  public :: deviation_left, filters_lines, take_filter_off, unfiltered_lines
 
   real(dp), parameter :: fewer = 0.9_dp        !! of the deviation that the filter was made for
 
@@ -20,17 +20,21 @@ contains
     !! Whether lines that have been found since explain what the filter was made for.
     type(samples_type), intent(in) :: raw      !! even samples as they were before they were whitened
     type(found_lines), intent(in) :: found     !! its deviation is that of what was left when the filter was made
-    type(damped_line) :: lines(size(found%lines))
-    real(dp) :: left(raw%count), deviation(size(raw%value, 2))
-    integer :: n, s
-    lines = unfiltered_lines(found)
-    do s = 1, size(deviation)
-      left = raw%value(:raw%count, s)
-      call subtract_lines(lines, s, left)
-      deviation(s) = norm2(without_trend(left, [(place_of(raw, n), n=1, raw%count)]))/sqrt(real(raw%count, dp))
-    end do
-    filters_lines = any(deviation < fewer*found%deviation)
+    filters_lines = any(deviation_left(raw, unfiltered_lines(found)) < fewer*found%deviation)
   end function filters_lines
+
+  function deviation_left(samples, lines) result(deviation)
+    !! The standard deviation of what lines and a straight line leave of even samples, (S).
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp) :: deviation(size(samples%value, 2)), left(samples%count)
+    integer :: n, s
+    do s = 1, size(deviation)
+      left = samples%value(:samples%count, s)
+      call subtract_lines(lines, s, left)
+      deviation(s) = norm2(without_trend(left, [(place_of(samples, n), n=1, samples%count)]))/sqrt(real(samples%count, dp))
+    end do
+  end function deviation_left
 
   subroutine take_filter_off(found)
     !! Turn the lines into those of samples that are not whitened; bands and refusals are of no use there.

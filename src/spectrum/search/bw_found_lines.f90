@@ -6,9 +6,10 @@ module bw_found_lines
   use bw_line_bands, only: line_band
   use bw_ordinates, only: ordinates_type
   use bw_tapered_residual, only: residual_type
-  use bw_whitening, only: whitening_type
+  use bw_whitening, only: no_whitening, whitening_type
   implicit none (type, external)
   private
+  public :: find_nothing
 
   real(dp), parameter, public :: far_above = 4     !! times the threshold, what no colour of the noise does
   real(dp), parameter, public :: drift_reach = 3   !! bins; the ordinates of a drift are below half of what it gains
@@ -42,5 +43,16 @@ module bw_found_lines
     real(dp) :: unsteady = 0                     !! part of a sensor's squares that is neither lines nor steady noise
     logical, allocatable :: own(:)               !! the sensor is neither constant nor a multiple of one before it, (S)
   end type found_lines
+
+contains
+
+  pure subroutine find_nothing(sensors, found)
+    !! What a search has found before it begins.
+    integer, intent(in) :: sensors
+    type(found_lines), intent(out) :: found
+    allocate (found%lines(0), found%rejected(0))
+    allocate (found%still(2, sensors), source=0.0_dp)
+    found%whitening = no_whitening(sensors)
+  end subroutine find_nothing
 
 end module bw_found_lines

@@ -12,21 +12,25 @@ module bw_line_or_colour
   use bw_whitening, only: freedom_of_level, judge_noise, judged_order, whitening_type
   implicit none (type, external)
   private
-  public :: are_lines, without_trend
+  public :: are_lines, price_of, without_trend
 
-  real(dp), parameter :: without_doubt = 15    !! times the threshold; no colour of the noise pays so much
+  real(dp), parameter :: without_doubt = 15    !! times the threshold; no colour of the noise pays so much for a line
+  real(dp), parameter :: beside_others = 200   !! the same behind a steep filter for one of several lines, which describe noise in a
+                                               !! narrow band together
+  real(dp), parameter :: reach = 8             !! bins, within which they do
   real(dp), parameter :: raised = 4            !! ordinates: where so many tell the noise's level a line must pay twice the threshold
   real(dp), parameter :: most_raised = 0.8_dp  !! beyond it
 
 contains
 
-  function are_lines(samples, lines, pays, threshold) result(stays)
-    !! Whether each of the lines pays more than the threshold. Those that pay enough by the level of the noise are
+  function are_lines(samples, steep, lines, pays, threshold) result(stays)
+    !! Whether each of the lines pays more than the threshold. Those that pay without doubt by the level of the noise are
     !! taken out at once, and the others, while they pay, one after the other, the one that pays most first; but lines that share a
     !! peak are taken out together if they pay so, for one of two whose motions cancel leaves more than both. How well the level is
     !! known is asked of the colour without the line: left in, a line draws a resonance to it, whose level few ordinates tell. Nor
     !! do more ordinates tell it than there are below the line: noise may rise towards 0 as steeply as no autoregression does.
     type(samples_type), intent(in) :: samples
+    logical, intent(in) :: steep               !! the noise is that of a steep filter
     type(damped_line), intent(in) :: lines(:)
     real(dp), intent(in) :: pays(:)            !! of each line over the noise's level, by which they are ordered
     real(dp), intent(in) :: threshold
@@ -38,7 +42,7 @@ contains
     logical :: tried(size(lines))
     integer :: order(size(lines)), highest(size(samples%value, 2)), i, k, n, s
     integer, allocatable :: peak(:)
-    stays = pays > without_doubt*threshold
+    stays = pays > threshold*merge(beside_others, without_doubt, steep .and. [(is_beside_others(k), k=1, size(lines))])
     if (all(stays)) return
     place = [(place_of(samples, n), n=1, samples%count)]
     left = samples%value(:samples%count, :)
@@ -51,7 +55,7 @@ contains
     end do
     order = ascending(-pays)
     tried = stays
-    do i = count(stays) + 1, size(lines)
+    do i = 1, size(lines)
       if (tried(order(i))) cycle
       peak = pack([(k, k=1, size(lines))], .not. tried .and. overlap(lines, lines(order(i)), span_of(samples)))
       tried(peak) = .true.
@@ -64,6 +68,11 @@ contains
     end do
 
   contains
+
+    pure logical function is_beside_others(k)
+      integer, intent(in) :: k
+      is_beside_others = count(abs(lines%frequency - lines(k)%frequency)*span_of(samples) < reach) > 1
+    end function is_beside_others
 
     subroutine try(member)
       !! Take lines out if all of them together pay.
@@ -108,6 +117,24 @@ contains
     end subroutine judge
 
   end function are_lines
+
+  real(dp) function price_of(samples, lines, threshold) result(price)
+    !! What even samples cost: minus the logarithm of the likelihood of the noise that lines leave, and the threshold for each line.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    real(dp), intent(in) :: threshold
+    real(dp) :: left(samples%count, size(samples%value, 2)), cost
+    type(whitening_type) :: colour
+    integer :: n, s
+    left = samples%value(:samples%count, :)
+    price = threshold*size(lines)
+    do s = 1, size(left, 2)
+      call subtract_lines(lines, s, left(:, s))
+      left(:, s) = without_trend(left(:, s), [(place_of(samples, n), n=1, samples%count)])
+      call judge_noise(left(:, s), judged_order(left(:, s)), colour, cost)
+      price = price + cost/2
+    end do
+  end function price_of
 
   pure function without_trend(value, place) result(left)
     !! Numbers less the straight line over their times that fits them best.

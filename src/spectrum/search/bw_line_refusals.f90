@@ -6,6 +6,7 @@ module bw_line_refusals
   use bw_found_lines, only: beside_drift, drift_reach, far_above, found_lines, noise_colour, not_needed, rejected_line, &
     & too_broad, uncertain
   use bw_kinds, only: dp
+  use bw_level_beside, only: stands_out_beside
   use bw_line_bands, only: own_rows, weight_of
   use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_line_or_colour, only: are_lines
@@ -217,21 +218,26 @@ contains
     stands_out = .false.
   end function stands_out
 
-  subroutine drop_colour(raw, samples, false_alarm, found, dropped)
-    !! Leave out lines that the colour of the noise explains.
+  subroutine drop_colour(raw, samples, steep, false_alarm, found, dropped)
+    !! Leave out lines that the colour of the noise explains, and behind a steep filter those that do not stand out of the ordinates
+    !! beside them.
     type(samples_type), intent(in) :: raw      !! as they were before they were whitened
     type(samples_type), intent(in) :: samples
+    logical, intent(in) :: steep
     real(dp), intent(in) :: false_alarm
     type(found_lines), intent(inout) :: found
     logical, intent(out) :: dropped
     type(damped_line) :: lines(size(found%lines))
     logical :: stays(size(found%lines))
-    real(dp) :: pays(size(found%lines))
+    real(dp) :: pays(size(found%lines)), threshold
     integer :: k
+    threshold = least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm)
     stays = .true.
     pays = pays_of(samples, found, stays)
     lines = unfiltered_lines(found)
-    stays = are_lines(raw, lines, pays, least_ordinate(found%ordinates%shape, span_of(raw)/2, false_alarm))
+    stays = are_lines(raw, steep, lines, pays, threshold)
+    if (steep) stays = stays .and. &
+      & [(stands_out_beside(samples, found%ordinates, lines(k), pays(k), threshold), k=1, size(lines))]
     dropped = .not. all(stays)
     do k = 1, size(lines)
       if (stays(k)) cycle

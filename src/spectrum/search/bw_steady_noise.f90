@@ -2,7 +2,8 @@ module bw_steady_noise
   !! Whether what lines leave is noise that stays as it is along the record, as all that is said of lines takes it to be.
   !!
   !! The record is cut into parts of equal length, and the transform of each into bands of equal width. Of steady noise the powers of
-  !! a band are the same in all parts, but for chance. What sweeps through frequencies, comes or goes has more power in some.
+  !! a band are the same in all parts, but for chance. What sweeps through frequencies, comes or goes has more power in some. And what
+  !! grows has more power in one half of the record.
   use bw_amplitude_spectrum, only: window_at
   use bw_damped_line, only: damped_line
   use bw_fourier, only: real_fourier
@@ -58,7 +59,7 @@ contains
     real(dp), intent(in) :: left(:)
     type(real_fourier), intent(inout) :: plan
     complex(dp), allocatable :: spectrum(:)
-    real(dp) :: power(slices, most_bands), medians(most_bands), freedom, limit, middle
+    real(dp) :: power(slices, most_bands), medians(most_bands), half(2), freedom, limit, middle
     integer :: length, bands, width, p, b, n, start, first, last
     length = 2*int(span_of(samples)/(2*parts))
     bands = max(1, min(most_bands, (length/2 - 1)/least_width))
@@ -95,6 +96,12 @@ contains
       middle = max(medians(b), sum(medians(first:last))/(last - first + 1))  ! colour raises one, what sweeps neither
       squares = squares + sum(power(:, b) - middle, mask=power(:, b) > limit*middle)/2  ! each sample is in two slices
     end do
+    half = [sum(power(:parts - 1, :bands)), sum(power(parts + 1:, :bands))]
+    associate (independent => max(sum(medians(:bands))**2/max(sum(medians(:bands)**2), tiny(1.0_dp)), 1.0_dp))
+      freedom = freedom*independent*parts/2
+    end associate
+    if (maxval(half) > minval(half)*exp(normal_quantile(1 - by_chance)*sqrt(2/freedom))) &
+      & squares = max(squares, (maxval(half) - minval(half))/2)
   end function unsteady_squares
 
 end module bw_steady_noise
