@@ -4,7 +4,7 @@ module bw_damped_search
   use bw_damped_line, only: damped_line
   use bw_filter_renewal, only: deviation_left, filters_lines, take_filter_off, unfiltered_lines
   use bw_fourier, only: real_fourier
-  use bw_found_lines, only: find_nothing, found_lines
+  use bw_found_lines, only: find_nothing, found_lines, noise_colour, rejected_line
   use bw_kinds, only: dp
   use bw_line_bands, only: prepare_bands
   use bw_line_or_colour, only: price_of
@@ -86,6 +86,7 @@ contains
     logical, intent(out) :: pure
     class(monitor_type), intent(inout), optional :: monitor
     type(samples_type) :: raw
+    type(rejected_line), allocatable :: refused(:)
     integer :: pass
     call find_nothing(size(samples%value, 2), found)
     call take_if_pure(samples, plan, found, pure, monitor)
@@ -109,9 +110,11 @@ contains
       call find_whitening(samples, found%lines, found%still, found%whitening)
       if (all(found%whitening%order == 0)) return
       call whiten(samples, found%whitening, found%lines)
+      refused = pack(found%rejected, found%rejected%reason == noise_colour)
       deallocate (found%bands, found%rejected)
       allocate (found%rejected(0))
       call search_apart(samples, false_alarm, plan, found, rough, monitor)
+      call remember(refused, span_of(samples), found)
       if (.not. allocated(raw%value)) return
       call leave_out_colour(raw, samples, any(is_steep(found%whitening)), false_alarm, plan, found)
       if (pass == most_filters .or. .not. found%at_rest) return
@@ -120,6 +123,19 @@ contains
       call take_filter_off(found)
     end do
   end subroutine find_whitened_lines
+
+  pure subroutine remember(refused, span, found)
+    !! Add what was refused before the samples were whitened, where no line has been found since and nothing been refused again.
+    type(rejected_line), intent(in) :: refused(:)
+    real(dp), intent(in) :: span
+    type(found_lines), intent(inout) :: found
+    integer :: k
+    do k = 1, size(refused)
+      if (any(abs(found%lines%frequency - refused(k)%frequency)*span < 1)) cycle
+      if (any(abs(found%rejected%frequency - refused(k)%frequency)*span < 1)) cycle
+      found%rejected = [found%rejected, refused(k)]
+    end do
+  end subroutine remember
 
   subroutine look_behind_filter(samples, false_alarm, plan, found, monitor)
     !! Where a search was given up, what it has taken for lines may be noise whose band ends steeply. Whiten the samples with all that
