@@ -70,6 +70,7 @@ contains
   contains
 
     pure logical function is_beside_others(k)
+      !! Whether another line is within reach of a line.
       integer, intent(in) :: k
       is_beside_others = count(abs(lines%frequency - lines(k)%frequency)*span_of(samples) < reach) > 1
     end function is_beside_others
