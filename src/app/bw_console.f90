@@ -1,13 +1,14 @@
 module bw_console
   !! What the program prints: reports to standard output, warnings and errors to standard error. Every text goes out at
-  !! once: what waits in a buffer is lost when a process is killed.
+  !! once: what waits in a buffer is lost when a process is killed. Names of files, columns and units are anybody's: they reach a
+  !! terminal as `printable` has them.
   use bw_descriptors, only: look_at_open, standard_error, standard_output, write_text
   use bw_error, only: error_type
   use bw_files, only: path_state, same_file
   use bw_note, only: is_remark
   use bw_scene, only: scene_type
   use bw_system_calls, only: bw_kind_of_error, error_nobody_reads
-  use bw_text, only: lines_of, string
+  use bw_text, only: lines_of, printable, string
   implicit none (type, external)
   private
   public :: print_report, print_warning, print_warnings, print_error, seen_together
@@ -60,14 +61,14 @@ contains
   end subroutine print_error
 
   pure function whole_lines(text) result(lines)
-    !! The text with an end to its last line.
+    !! The text as a terminal may get it, with an end to its last line.
     character(*), intent(in) :: text
     character(:), allocatable :: lines
-    lines = text
+    lines = printable(text)
     if (len(text) > 0) then
       if (text(len(text):) == new_line('a')) return
     end if
-    lines = text//new_line('a')
+    lines = lines//new_line('a')
   end function whole_lines
 
 end module bw_console

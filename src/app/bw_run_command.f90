@@ -4,7 +4,7 @@ module bw_run_command
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_effects, only: compare_effects
-  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_not_trusted, status_stopped
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i4
   use bw_outcome, only: outcome_type
   use bw_process, only: pause
@@ -141,24 +141,37 @@ contains
     type(outcome_type), intent(in) :: outcome
     logical, intent(in) :: brief                   !! in one line
     type(error_type), intent(in), optional :: error
-    logical :: seen                                !! the report has shown the warnings to the same eyes
-    status = outcome%status
-    if (present(error)) then
-      if (allocated(outcome%told)) call print_warnings(scene, outcome%told)
-      call print_error(error)
-      status = error%status
-      return
+    logical :: made                                !! there is a result, also where something beside it could not be written
+    made = .not. present(error)
+    if (allocated(outcome%report)) made = made .or. outcome%report /= ''
+    status = merge(outcome%status, status_done, made)
+    if (made) then
+      call print_result(command, scene, outcome, brief)
+    else if (allocated(outcome%told)) then
+      call print_warnings(scene, outcome%told)
     end if
+    if (.not. present(error)) return
+    call print_error(error)
+    status = max(status, error%status)
+  end function print_outcome
+
+  subroutine print_result(command, scene, outcome, brief)
+    !! Print the report of a result, and its warnings.
+    type(command_type), intent(in) :: command
+    type(scene_type), intent(in) :: scene
+    type(outcome_type), intent(in) :: outcome
+    logical, intent(in) :: brief                   !! in one line
+    logical :: seen                                !! the report has shown the warnings to the same eyes
     if (.not. command%quiet .and. brief) call print_report(brief_text(outcome))
     if (.not. command%quiet .and. .not. brief) call print_report(outcome%report)
     if (outcome%was_there) return
     seen = .false.
-    if (.not. command%quiet .and. status /= status_stopped) seen = seen_together()
+    if (.not. command%quiet .and. outcome%status /= status_stopped) seen = seen_together()
     if (seen) return
     if (command%group%processes > 1 .and. .not. command%quiet) call pause(between_streams)
     if (allocated(outcome%told)) call print_warnings(scene, outcome%told)
     call print_warnings(scene, outcome%notes)
-  end function print_outcome
+  end subroutine print_result
 
   pure function brief_text(outcome) result(text)
     !! One line of one of many scenes; none of one that was stopped, for which a warning stands.

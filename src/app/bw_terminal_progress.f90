@@ -6,7 +6,7 @@ module bw_terminal_progress
   use bw_monitor, only: progress_type
   use bw_process, only: stop_signal
   use bw_stopwatch, only: wall_seconds
-  use bw_text, only: shortest, text_of
+  use bw_text, only: printable, shortest, text_of
   implicit none (type, external)
   private
   public :: duration_text, terminal_progress_to
@@ -90,7 +90,7 @@ contains
     integer :: ignored
     part = (real(self%done, dp) + fraction)/real(self%cases, dp)
     new_part = (real(self%done - self%taken_over, dp) + fraction)/real(self%cases, dp)
-    line = self%name//'  '//text_of(nint(100.0_dp*part))//' %'
+    line = printable(self%name)//'  '//text_of(nint(100.0_dp*part))//' %'
     if (self%cases > 1) line = line//'  case '//text_of(self%done)//' of '//text_of(self%cases)
     if (self%cases > 1 .and. self%done > self%taken_over) line = line//'  '// &
       shortest(real(self%done - self%taken_over, dp)/(now - self%started), 3)//' cases/s'

@@ -4,7 +4,7 @@ module bw_text
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: append, joined, lines_of, lower, percent, shortened, shortest, string, text_of
+  public :: append, joined, lines_of, lower, percent, printable, shortened, shortest, string, text_of
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -222,6 +222,59 @@ contains
     piece = text(:last)
     if (last < len(text)) piece = piece//'...'
   end function shortened
+
+  pure function printable(text, on_one_line) result(shown)
+    !! A text as a terminal may get it: bytes that control one, hide or reorder letters, or are no UTF-8, as `\x1b`. Line ends
+    !! and tabs stay.
+    character(*), intent(in) :: text
+    logical, intent(in), optional :: on_one_line      !! line ends are `\x0a`; absent: they stay
+    character(:), allocatable :: shown
+    character(*), parameter :: digits = '0123456789abcdef'
+    type(text_builder) :: builder
+    integer :: i, b, j, length
+    logical :: plain
+    i = 1
+    do while (i <= len(text))
+      call read_letter(text(i:min(len(text), i + 3)), length, plain)
+      if (present(on_one_line)) plain = plain .and. .not. (on_one_line .and. text(i:i) == new_line('a'))
+      if (plain) call builder%append(text(i:i + length - 1))
+      do j = i, merge(i - 1, i + length - 1, plain)
+        b = iachar(text(j:j))
+        call builder%append('\x'//digits(b/16 + 1:b/16 + 1)//digits(mod(b, 16) + 1:mod(b, 16) + 1))
+      end do
+      i = i + length
+    end do
+    shown = builder%text()
+  end function printable
+
+  pure subroutine read_letter(text, length, plain)
+    !! The first letter of a text in UTF-8: how many bytes it has, and whether it only shows itself. A byte that begins none is
+    !! a letter of its own, and not plain.
+    character(*), intent(in) :: text                  !! at least one byte
+    integer, intent(out) :: length
+    logical, intent(out) :: plain
+    integer, parameter :: least(4) = [0, int(z'80'), int(z'800'), int(z'10000')]      !! code of so many bytes
+    integer, parameter :: invisible(2, 9) = reshape([ & ! first and last code: controls, then what formats text and is not seen
+      0, 8, 10 + 1, 31, 127, int(z'9F'), int(z'61C'), int(z'61C'), int(z'200B'), int(z'200F'), int(z'2028'), int(z'202E'), &
+      int(z'2060'), int(z'206F'), int(z'FEFF'), int(z'FEFF'), int(z'E0000'), int(z'E0FFF')], [2, 9])
+    integer :: code, i, byte
+    length = 1
+    code = iachar(text(1:1))
+    if (code >= 240) length = 4
+    if (code >= 224 .and. code < 240) length = 3
+    if (code >= 192 .and. code < 224) length = 2
+    plain = .not. (code >= 128 .and. code < 192) .and. code < 248 .and. length <= len(text)
+    if (length > 1) code = iand(code, 2**(7 - length) - 1)
+    do i = 2, length
+      if (.not. plain) exit
+      byte = iachar(text(i:i))
+      plain = iand(byte, 192) == 128
+      code = 64*code + iand(byte, 63)
+    end do
+    if (plain) plain = code >= least(length) .and. code <= int(z'10FFFF') .and. (code < int(z'D800') .or. code > int(z'DFFF'))
+    if (.not. plain) length = 1
+    if (plain) plain = .not. any(code >= invisible(1, :) .and. code <= invisible(2, :))
+  end subroutine read_letter
 
   pure subroutine append_piece(self, piece)
     !! A piece at the end of the text.

@@ -9,7 +9,7 @@ module bw_result_header
   use bw_result_layout, only: dimension_length, has, result_layout
   use bw_scene, only: effect_names, method_name, scene_type
   use bw_scene_cases, only: case_count, times_in_a_row
-  use bw_scene_resolved, only: numeric_input, numeric_inputs, resolved_text, values_of_sweep
+  use bw_scene_resolved, only: given_names, numeric_input, numeric_inputs, resolved_text, values_of_sweep
   use bw_stopwatch, only: stage_words
   use bw_text, only: joined, text_of
   use bw_time_grid, only: sample_times
@@ -45,6 +45,7 @@ contains
     call file%put_text('history', time_stamp()//': '//called_as(scene, study), error)
     if (present(study)) call file%put_text('study', study, error)
     call file%put_text('scene', trim(resolved_text(scene)), error)
+    call file%put_text('given', given_names(scene), error)
     call file%put_text('effects', effect_names(scene), error)
     call file%put_text('method', trim(method_name(scene)), error)
     call file%put_text('notes', '', error)

@@ -13,7 +13,7 @@ module bw_scene_resolved
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
-  public :: numeric_inputs, resolved_text, values_of_sweep
+  public :: given_names, numeric_inputs, resolved_text, values_of_sweep
 
   type, public :: numeric_input
     !! A number that the resolved scene holds, or several along a dimension.
@@ -49,6 +49,23 @@ contains
     end do
     text = builder%text()
   end function resolved_text
+
+  pure function given_names(scene) result(names)
+    !! What the scene itself says, and not a default, as `group%name`, each once, by spaces.
+    type(scene_type), intent(in) :: scene
+    character(:), allocatable :: names
+    integer :: i, g
+    names = ''
+    do i = 1, size(name_table)
+      do g = 1, size(scene%groups)
+        if (scene%groups(g)%group /= name_table(i)%group) cycle
+        if (.not. scene%groups(g)%given(name_table(i)%name)) cycle
+        names = names//trim(name_table(i)%group)//'%'//trim(name_table(i)%name)//' '
+        exit
+      end do
+    end do
+    names = trim(names)
+  end function given_names
 
   pure subroutine put_group(builder, group)
     !! One group; a number that a sweep gives stands with the sweep only, unless it is one of a list.

@@ -10,6 +10,7 @@ module bw_work_directory
   use bw_text, only: string
   implicit none (type, external)
   private
+  public :: give_name
 
   character(*), parameter :: lock_name = '/lock', draft_suffix = '.nc'
 
@@ -81,22 +82,23 @@ contains
       call fail(error, status_bad_file, self%lock%path//': is gone or another run''s; the result was not put in its place')
     end if
     if (allocated(error)) return
-    taken = .false.
-    if (self%overwrite) problem = rename_file(draft, self%result)
-    if (.not. self%overwrite) call rename_to_new(draft, self%result, taken, problem)
+    call give_name(draft, self%result, self%overwrite, taken, problem)
     if (taken) call fail(error, status_bad_file, self%result//': a result was put there meanwhile; --overwrite replaces it')
     if (problem == 0) problem = flush_directory(directory_of(self%result))
     if (problem /= 0) call cannot_be_written(error, self%result, problem)
   end subroutine publish
 
-  subroutine rename_to_new(draft, path, taken, problem)
-    !! Rename, unless something has the new name.
+  subroutine give_name(draft, path, overwrite, taken, problem)
+    !! Give a file that is whole its name, at once and within one file system, unless something has the name.
     character(*), intent(in) :: draft, path
+    logical, intent(in) :: overwrite         !! what has the name is replaced; a link itself, and not what it leads to
     logical, intent(out) :: taken            !! something has
     integer, intent(out) :: problem
     type(path_state) :: mine, there
     integer :: linked, ignored
     taken = .false.
+    if (overwrite) problem = rename_file(draft, path)
+    if (overwrite) return
     linked = link_file(draft, path)
     if (linked == 0) ignored = remove_file(draft)
     problem = linked
@@ -106,7 +108,7 @@ contains
     if (problem /= 0) return
     taken = there%kind > 0 .and. .not. same_file(mine, there)      ! a server may say that of its own answer to a first try
     if (.not. taken) problem = rename_file(draft, path)
-  end subroutine rename_to_new
+  end subroutine give_name
 
   subroutine leave(self)
     !! Take away what is half written, and give the lock back; the directory stays where work is left in it.

@@ -143,15 +143,78 @@ def test_the_other_state_is_compared_where_it_is_run_itself(together):
 
 def test_the_identified_scene_runs(together):
     here, result = together
-    for name in ["loaded", "alone"]:
-        scene = (here.directory / "output" / f"{name}.identified.nml").read_text(encoding="utf-8")
+    for name in ["loaded.identified", "loaded.identified.alone"]:
+        scene = (here.directory / "output" / f"{name}.nml").read_text(encoding="utf-8")
         assert "&record" not in scene and "&identify" not in scene
+        assert "as the result loaded.nc identified it" in scene.splitlines()[0]
     assert here.beamwave("run", "output/loaded.identified.nml").returncode == 0
     again = here.result("loaded.identified")
     line = result["peak_mode"][: result["peak_count"]] > 0
     computed = result["modelled_angular_frequency"][: line.size][line]
     decay = result["measured_decay_rate"][: line.size][line]
     np.testing.assert_allclose(np.hypot(computed, decay), again["angular_frequency"][:4], rtol=1e-12)
+
+
+OWN, ALONE = "output/loaded.identified.nml", "output/loaded.identified.alone.nml"
+
+
+def identified(here, together):
+    """The two states in a workplace of their own, with the result that is there, and its identified scenes."""
+    there, _ = together
+    (here.directory / "output").mkdir()
+    for name in ["alone.csv", "alone.nml", "loaded.csv", "loaded.nml", "output/loaded.nc", "output/alone.nc"]:
+        (here.directory / name).write_bytes((there.directory / name).read_bytes())
+    ended = here.beamwave("run", "loaded.nml")
+    assert ended.returncode == 0 and "nothing to do" in ended.stdout
+    return {path: (here.directory / path).read_bytes() for path in [OWN, ALONE]}
+
+
+def test_an_identified_scene_is_made_again_where_its_result_is_there(here, together):
+    texts = identified(here, together)
+    assert texts == {path: (together[0].directory / path).read_bytes() for path in texts}
+    for path in texts:
+        (here.directory / path).unlink()
+        before = (here.directory / "output/loaded.nc").stat().st_mtime_ns
+        assert here.beamwave("run", "loaded.nml").returncode == 0
+        assert (here.directory / path).read_bytes() == texts[path]
+        assert (here.directory / "output/loaded.nc").stat().st_mtime_ns == before
+        assert sorted(here.left()) == sorted(["alone.nc", "loaded.nc", *(name.split("/")[1] for name in texts)])
+
+
+@pytest.mark.parametrize("path", [OWN, ALONE])
+@pytest.mark.parametrize("there", ["another file", "link", "hard link", "directory"])
+def test_what_is_not_this_result_s_is_kept_unless_it_may_be_replaced(here, together, path, there):
+    texts = identified(here, together)
+    mine, place = here.directory / "mine.txt", here.directory / path
+    mine.write_text("nobody else's")
+    place.unlink()
+    if there == "directory":
+        place.mkdir()
+    elif there == "another file":
+        place.write_text("nobody else's")
+    else:
+        (place.hardlink_to if there == "hard link" else place.symlink_to)(mine)
+    ended = here.beamwave("run", "loaded.nml")
+    assert ended.returncode == 3
+    assert "nothing to do" in ended.stdout, "the result itself is reported all the same"
+    assert [line.split(":")[0] for line in ended.stderr.splitlines()] == [path]
+    assert there == "directory" or "--overwrite replaces it" in ended.stderr and place.read_text() == "nobody else's"
+    ended = here.beamwave("run", "loaded.nml", "--overwrite")
+    assert ended.returncode == (3 if there == "directory" else 0)
+    assert there == "directory" or place.read_bytes() == texts[path] and not place.is_symlink()
+    assert mine.read_text() == "nobody else's"
+    assert not list((here.directory / "output").glob("*.partial"))
+
+
+def test_two_results_share_no_identified_scene(here, together):
+    """The same beam alone beside two others; and what it identifies itself is a third."""
+    texts = identified(here, together)
+    here.write("heavy.csv", ring_down(9, frequencies(2 * RATIO)))
+    here.write("heavy.nml", scene_of("heavy.csv", [UNKNOWN, MORE], body={"mass": 0.1, "position": 1.0}))
+    here.run("heavy")
+    for path, text in texts.items():
+        assert (here.directory / path).read_bytes() == text
+        assert b"as the result heavy.nc identified it" in (here.directory / path.replace("loaded", "heavy")).read_bytes()
 
 
 def test_a_further_scene_may_have_unknowns_of_its_own(here):
@@ -169,7 +232,8 @@ def test_a_further_scene_may_have_unknowns_of_its_own(here):
     assert error[2] < 1e-3
     assert result["misfit_freedom"] == 5
     assert result["identified_first"].tolist() == [50e9, 0.01, 0.59]
-    lengths = [line for name in ["loaded", "alone"] for line in (here.directory / f"output/{name}.identified.nml").read_text().splitlines() if "length" in line]
+    scenes = [(here.directory / f"output/loaded.identified{name}.nml").read_text() for name in ["", ".alone"]]
+    lengths = [line for scene in scenes for line in scene.splitlines() if "length" in line]
     assert float(lengths[0].split("=")[1]) == LENGTH
     assert float(lengths[-1].split("=")[1]) == found[2]
 

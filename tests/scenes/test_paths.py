@@ -3,6 +3,7 @@
 import os
 import subprocess
 
+import numpy as np
 import pytest
 import results
 from workplace import captured_beam, namelist
@@ -129,3 +130,27 @@ def test_a_backslash_is_refused_before_any_work(inside, command, words):
     assert ended.returncode == 2
     assert "backslash" in ended.stderr and "accepted" in ended.stderr
     assert inside.left(".") == [words[0]]
+
+
+STEERING = "\x1b]0;x\x07\u202eq\x9b"  # a terminal's title, letters from right to left, escape and bracket in one letter
+
+
+@pytest.mark.parametrize("quiet", [[], ["--quiet"]])
+def test_names_of_files_columns_and_units_do_not_steer_a_terminal(here, quiet):
+    """What only a scene's text may not hold comes from the names of files, and from the files of records."""
+    rows = "".join(f"{k / 2048},{np.exp(-k / 400) * np.cos(0.3 * k)},{k}\n" for k in range(400))
+    here.write("a.csv", f"time [s],a{STEERING} [m],b [N{STEERING}]\n{rows}")
+    here.write(f"{STEERING}.nml", "&scene title = 'a\u202eb' /\n&record file = 'a.csv' /\n&spectrum /\n")
+    here.write("columns.nml", "&record file = 'a.csv', columns = 'none' /\n&spectrum /\n")
+    here.write("words.nml", "&record file = 'a.csv', \u202eno = 1 /\n")
+    scene = f"{STEERING}.nml"
+    for words in [
+        ["run", scene, "columns.nml", "words.nml"], ["run", scene], ["run", scene, "--output", f"o{STEERING}"], ["run", STEERING],
+        ["check", "."], ["check", scene], [STEERING], ["run", f"--{STEERING}"], ["describe", STEERING], ["effects", scene],
+    ]:
+        if words[0] != STEERING and "describe" not in words:
+            words = [*words, *quiet]
+        ended = here.beamwave(*words)
+        said = ended.stdout + ended.stderr
+        assert "\\x1b]0;x\\x07\\xe2\\x80\\xaeq\\xc2\\x9b" in said or ended.stderr == ""
+        assert not any(letter in said for letter in "\x1b\x07\u202e\x9b")

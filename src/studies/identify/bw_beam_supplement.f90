@@ -7,7 +7,7 @@ module bw_beam_supplement
   use bw_error, only: error_type
   use bw_fit_search, only: unlikely
   use bw_identification, only: identification, identify
-  use bw_identified_scene, only: identified_text, write_identified
+  use bw_identified_scene, only: identified_path, identified_text
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i8
   use bw_model_comparison, only: compare_case, match_lines, misfit_type
@@ -48,8 +48,8 @@ module bw_beam_supplement
 contains
 
   subroutine add(self, draft, monitor, notes, report, whole, error)
-    !! Put the modes beside the lines, and what was identified, into the result; and write the identified scenes.
-    !! **Errors**: a result cannot be read or written, or an identified scene not be written.
+    !! Put the modes beside the lines, and what was identified, into the result.
+    !! **Errors**: a result cannot be read or written.
     class(beam_supplement), intent(inout) :: self
     character(*), intent(in) :: draft
     class(monitor_type), intent(inout) :: monitor
@@ -57,8 +57,7 @@ contains
     logical, intent(out) :: whole
     type(error_type), allocatable, intent(inout) :: error
     type(child_process) :: child
-    type(string), allocatable :: texts(:)                ! notes, report; then path and text of each identified scene
-    integer :: i
+    type(string), allocatable :: texts(:)                ! notes, report
     call child%begin()
     if (child%is_here()) then
       call hold_against(self, draft, notes, report, texts, error)
@@ -68,9 +67,6 @@ contains
     if (allocated(error) .or. .not. whole) return
     notes = texts(1)%text
     report = texts(2)%text
-    do i = 3, size(texts), 2
-      if (.not. allocated(error)) call write_identified(texts(i)%text, texts(i + 1)%text, error)
-    end do
   end subroutine add
 
   subroutine hold_against(self, draft, notes, report, texts, error)
@@ -83,17 +79,16 @@ contains
     type(record_set) :: set
     type(model_findings) :: findings
     type(text_builder) :: lines
-    type(string), allocatable :: scenes(:)
     character(:), allocatable :: more
     real(dp) :: quantile
-    allocate (texts(0), scenes(0))
+    allocate (texts(0), findings%scenes(0))
     quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
     call read_all(self, draft, quantile, set, error)
     if (allocated(error)) return
     more = ''
     if (size(self%scene%unknowns) > 0) then
       call identify_beam(self%scene, quantile, set, findings, lines, more)
-      call list_scenes(self%directory, set, findings%found, lines, scenes)
+      call list_scenes(self%directory, set, findings, lines)
     else
       call compare(set, findings, lines, more)
     end if
@@ -102,7 +97,6 @@ contains
     findings%report = report//lines%text()
     call append(texts, findings%notes)
     call append(texts, findings%report)
-    texts = [texts, scenes]
     call put_model(draft, findings, error)
   end subroutine hold_against
 
@@ -234,24 +228,25 @@ contains
     findings%found = found
   end subroutine identify_beam
 
-  subroutine list_scenes(directory, set, found, lines, scenes)
-    !! The identified scenes, the scene's own and the further ones.
+  subroutine list_scenes(directory, set, findings, lines)
+    !! The identified scenes, the scene's own and the further ones, and where they will lie.
     character(*), intent(in) :: directory
     type(record_set), intent(in) :: set
-    type(identification), intent(in) :: found
+    type(model_findings), intent(inout) :: findings
     type(text_builder), intent(inout) :: lines
-    type(string), allocatable, intent(inout) :: scenes(:)    !! path and text of each
-    character(:), allocatable :: path
+    character(:), allocatable :: own, further
     integer :: c
-    path = ''
+    own = set%measured(1)%scene%name
     do c = 1, size(set%measured)
-      if (c > 1) then
-        if (set%measured(c)%scene%name == set%measured(c - 1)%scene%name) cycle
-      end if
-      path = directory//'/'//set%measured(c)%scene%name//'.identified.nml'
-      call append(scenes, path)
-      call append(scenes, identified_text(set%measured(c)%scene, unknowns_in(set%measured, c), found))
-      call lines%append_line('  identified '//path)
+      associate (one => set%measured(c)%scene)
+        further = one%name
+        if (c <= set%own) further = ''
+        if (c > 1) then
+          if (one%name == set%measured(c - 1)%scene%name) cycle
+        end if
+        call append(findings%scenes, identified_text(own, one, unknowns_in(set%measured, c), findings%found))
+        call lines%append_line('  identified '//identified_path(directory//'/'//own//'.nc', further))
+      end associate
     end do
   end subroutine list_scenes
 

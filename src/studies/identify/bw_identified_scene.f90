@@ -1,26 +1,46 @@
 module bw_identified_scene
   !! The scene of an identified beam, as text that runs: the fitted numbers stand in their places, and what was measured is left
-  !! out (`&record`, `&spectrum`, `&identify`), so that it simulates.
-  use bw_descriptors, only: close_file, flush_file, new_file, open_file, write_text
-  use bw_error, only: error_type
-  use bw_file_lock, only: unique_name
-  use bw_files, only: cannot_be_written, directory_of, remove_file, rename_file
+  !! out (`&record`, `&spectrum`, `&identify`), so that it simulates. The result holds the text, and a file beside it has it too.
+  use bw_descriptors, only: close_file, flush_file, is_file, new_file, open_file, read_bytes, to_read, write_text
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_files, only: cannot_be_read, cannot_be_written, directory_of, flush_directory, look_at, path_state
   use bw_fit_problem, only: value_at
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
+  use bw_kinds, only: i1, i8
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_unknowns, only: scene_with, with_unknowns
   use bw_scene_variant, only: without_group
-  use bw_text, only: shortest, text_of
+  use bw_text, only: printable, shortest, text_of
+  use bw_work_directory, only: give_name, work_directory
   implicit none (type, external)
   private
-  public :: identified_text, write_identified
+  public :: identified_attribute, identified_path, identified_text, keep_identified
 
 contains
 
-  function identified_text(scene, unknowns, found) result(text)
+  pure function identified_attribute(i) result(name)
+    !! The attribute of the result with the text of the scene itself, i = 1, or of one of its further scenes.
+    integer, intent(in) :: i
+    character(:), allocatable :: name
+    name = 'identified_scene'
+    if (i > 1) name = name//'_'//text_of(i)
+  end function identified_attribute
+
+  pure function identified_path(result, further) result(path)
+    !! The file of that text: named after the result that it belongs to, since several may name the same further scene.
+    character(*), intent(in) :: result                   !! path of the result
+    character(*), intent(in) :: further                  !! name of the further scene; empty: of the scene itself
+    character(:), allocatable :: path
+    path = result(:len(result) - len('.nc'))//'.identified.'
+    if (further /= '') path = path//further//'.'
+    path = path//'nml'
+  end function identified_path
+
+  function identified_text(result, scene, unknowns, found) result(text)
     !! The text, with a line of comment for each unknown.
+    character(*), intent(in) :: result                   !! name of the result that it belongs to
     type(scene_type), intent(in) :: scene                !! without sweeps
     type(identify_par), intent(in) :: unknowns(:)        !! as they stand in it; of group 0 where it does not have them
     type(identification), intent(in) :: found
@@ -40,26 +60,68 @@ contains
       text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//shortest(found%low(i), 6)//' to '// &
         shortest(found%high(i), 6)//nl//text
     end do
-    text = '! Identified from the record of '//scene%file//'; intervals as said there.'//nl//text
+    text = '! '//printable(scene%name, on_one_line=.true.)//'.nml as the result '//printable(result, on_one_line=.true.)// &
+      '.nc identified it; intervals as said there.'//nl//text
   end function identified_text
 
-  subroutine write_identified(path, text, error)
-    !! Write a file under another name, and give it its own; what was there is replaced.
-    !! **Errors**: `status_bad_file` where it cannot be written.
+  subroutine keep_identified(result, path, text, overwrite, error)
+    !! Make sure that a file holds the text. One that does is left alone; another is replaced only where that is asked for.
+    !! **Errors**: `status_bad_file`, where something else is there, or it cannot be written.
+    character(*), intent(in) :: result                   !! path of the result that it belongs to
+    character(*), intent(in) :: path, text
+    logical, intent(in) :: overwrite
+    type(error_type), allocatable, intent(inout) :: error
+    type(work_directory) :: work
+    character(:), allocatable :: draft
+    logical :: taken
+    integer :: problem
+    if (holds(path, text, error) .or. allocated(error)) return
+    call work%plan(result, overwrite)
+    call work%begin(error)
+    if (allocated(error)) return
+    draft = work%new_draft()
+    call write_whole(draft, text, problem)
+    taken = .false.
+    if (problem == 0) call give_name(draft, path, overwrite, taken, problem)
+    if (problem == 0) problem = flush_directory(directory_of(path))
+    call work%leave()
+    if (taken) then
+      call fail(error, status_bad_file, path//': is there already, and is not what '//result//' identified; --overwrite '// &
+                'replaces it')
+    else if (problem /= 0) then
+      call cannot_be_written(error, path, problem)
+    end if
+  end subroutine keep_identified
+
+  logical function holds(path, text, error)
+    !! Whether a file has this text and nothing else. **Errors**: it cannot be read.
     character(*), intent(in) :: path, text
     type(error_type), allocatable, intent(inout) :: error
-    character(:), allocatable :: draft
-    integer :: unit, problem, closed, ignored
-    draft = directory_of(path)//'/.'//unique_name()
-    problem = open_file(draft, new_file, unit)
-    if (problem == 0) problem = write_text(unit, text)
-    if (problem == 0) problem = flush_file(unit)
-    closed = close_file(unit)
+    type(path_state) :: state
+    integer(i1) :: bytes(len(text))
+    integer(i8) :: have
+    integer :: descriptor, problem, ignored
+    holds = .false.
+    problem = look_at(path, state)
+    if (problem == 0 .and. state%kind == is_file .and. state%bytes == len(text)) then
+      problem = open_file(path, to_read, descriptor)
+      if (problem == 0) problem = read_bytes(descriptor, 0_i8, bytes, have)
+      ignored = close_file(descriptor)
+      if (problem == 0) holds = have == size(bytes) .and. all(bytes == transfer(text, bytes))
+    end if
+    if (problem /= 0) call cannot_be_read(error, path, problem)
+  end function holds
+
+  subroutine write_whole(path, text, problem)
+    !! Write a new file, onto the disk.
+    character(*), intent(in) :: path, text
+    integer, intent(out) :: problem
+    integer :: descriptor, closed
+    problem = open_file(path, new_file, descriptor)
+    if (problem == 0) problem = write_text(descriptor, text)
+    if (problem == 0) problem = flush_file(descriptor)
+    closed = close_file(descriptor)
     if (problem == 0) problem = closed
-    if (problem == 0) problem = rename_file(draft, path)
-    if (problem == 0) return
-    ignored = remove_file(draft)
-    call cannot_be_written(error, path, problem)
-  end subroutine write_identified
+  end subroutine write_whole
 
 end module bw_identified_scene

@@ -2,11 +2,13 @@ module bw_model_file
   !! What a beam says of its record, put into the result of the record.
   use bw_error, only: error_type
   use bw_identification, only: identification
+  use bw_identified_scene, only: identified_attribute
   use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_model_comparison, only: compared_lines, misfit_type
   use bw_netcdf_path, only: plain_path
   use bw_study_file, only: study_file
+  use bw_text, only: string
   use netcdf, only: nf90_char, nf90_def_var, nf90_get_att, nf90_global, nf90_inq_dimid, nf90_inquire_attribute, &
     nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_close, nf90_put_var, nf90_write
   implicit none (type, external)
@@ -18,6 +20,7 @@ module bw_model_file
     type(compared_lines), allocatable :: cases(:)        !! of the scene, (cases)
     type(misfit_type), allocatable :: misfits(:)         !! one of all cases that were fitted together, else of each
     type(identification), allocatable :: found           !! unallocated where nothing was identified
+    type(string), allocatable :: scenes(:)               !! texts of the identified scenes: the scene's own, then further ones
     character(:), allocatable :: identity                !! of what it rests on beside the result
     character(:), allocatable :: report, notes           !! of the result and the model
   end type model_findings
@@ -31,10 +34,14 @@ contains
     type(model_findings), intent(in) :: findings
     type(error_type), allocatable, intent(inout) :: error
     type(study_file) :: file
+    integer :: i
     file%path = path
     call file%check(nf90_open(plain_path(path), nf90_write, file%id), error)
     call put_comparison(file, findings, error)
     if (allocated(findings%found)) call put_identified(file, findings%found, error)
+    do i = 1, size(findings%scenes)
+      call file%put_text(identified_attribute(i), findings%scenes(i)%text, error)
+    end do
     call file%put_text('model', findings%identity, error)
     call file%finish(findings%notes(:max(0, len(findings%notes) - 1)), findings%report, error)
   end subroutine put_model

@@ -6,6 +6,7 @@ module bw_run_record
   use bw_error, only: error_type, fail, status_bad_file, status_stopped
   use bw_files, only: remove_file
   use bw_further_scenes, only: further_scenes
+  use bw_identified_scene, only: identified_attribute, identified_path, keep_identified
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i4
   use bw_model_file, only: read_attribute
@@ -60,6 +61,8 @@ contains
     call clear_bare(supplement, group, outcome, again, error)
     if (allocated(error)) return
     if (again) call run_scene(whole, directory, overwrite, group, progress, outcome, error, supplement)
+    if (group%leads() .and. outcome%status /= status_stopped) call keep_scenes(supplement, overwrite, error)
+    call group%collect(nothing, error)
     outcome%status = max(outcome%status, status)
   end subroutine run_record
 
@@ -122,6 +125,24 @@ contains
     call group%share(bare)
     again = bare(1) == 1
   end subroutine clear_bare
+
+  subroutine keep_scenes(supplement, overwrite, error)
+    !! Make sure that the identified scenes lie beside the result that has them.
+    !! **Errors**: another file is in the place of one, or it cannot be written.
+    type(beam_supplement), intent(in) :: supplement
+    logical, intent(in) :: overwrite
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: path, text, further
+    integer :: i
+    path = supplement%directory//'/'//supplement%scene%name//'.nc'
+    further = ''
+    do i = 1, 1 + size(supplement%further)
+      if (allocated(error)) return
+      if (i > 1) further = supplement%further(i - 1)%name
+      call read_attribute(path, identified_attribute(i), text)
+      if (text /= '') call keep_identified(path, identified_path(path, further), text, overwrite, error)
+    end do
+  end subroutine keep_scenes
 
   subroutine clear_outdated(supplement, overwrite, error)
     !! A finished result whose further records were others is not this one.
