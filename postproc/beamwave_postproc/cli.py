@@ -5,23 +5,22 @@ from __future__ import annotations
 import argparse
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import xarray as xr
-from matplotlib.figure import Figure
-
-from .files import EXIT_DONE, EXIT_FILE, EXIT_USAGE, compare_files, draw_file, film_file, page_file
-from .kinds import pictures
+from .files import compare_files, draw_file, film_file, page_file
+from .terminal import Words
+from .tool import EXIT_DONE, EXIT_FILE, EXIT_USAGE, Tool
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the words of the command line."""
-    words = argparse.ArgumentParser(prog="beamwave-plot", description="Draws what beamwave results hold.")
+    words = Words(prog="beamwave-plot", description="Draws what beamwave results hold.")
     words.add_argument(
         "files", metavar="PATH", nargs="+", type=Path, help="a result of beamwave; a directory stands for its *.nc"
     )
     words.add_argument("--output", metavar="DIR", type=Path, help="where the pictures go (default: beside each file)")
+    words.add_argument("--overwrite", action="store_true", help="replace files that are there and are not its own")
     words.add_argument(
         "--page", action="store_true", help="one HTML page with report, notes and pictures instead, <stem>.html"
     )
@@ -33,21 +32,22 @@ def parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the pictures of each file, or its page; 0, or 2 for wrong words, or 3 if any could not be drawn."""
     given = parser().parse_args(argv)
+    tool = Tool(overwrite=given.overwrite)
+    return tool.run(lambda: _run(given, tool))
+
+
+def _run(given: argparse.Namespace, tool: Tool) -> int:
+    """Draw what was asked for; the highest exit status of any file."""
     files, empty = results_in(given.files)
     for directory in empty:
-        print(f"{directory}: a directory without a result (*.nc)", file=sys.stderr)
+        tool.complain(f"{directory}: a directory without a result (*.nc)")
     problem = _problem(given, files)
     if problem:
-        print(problem, file=sys.stderr)
+        tool.complain(problem)
         return EXIT_USAGE
-    if given.output is not None:
-        try:
-            given.output.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            print(failure, file=sys.stderr)
-            return EXIT_FILE
-    done = _drawn(given, files)
-    return EXIT_DONE if all(done) and not empty else EXIT_FILE
+    if not tool.make_directory(given.output):
+        return EXIT_FILE
+    return max([EXIT_FILE if empty else EXIT_DONE, *_drawn(given, tool, files)])
 
 
 def results_in(paths: Sequence[Path]) -> tuple[list[Path], list[Path]]:
@@ -73,26 +73,16 @@ def _problem(given: argparse.Namespace, files: list[Path]) -> str:
     return ""
 
 
-def _drawn(given: argparse.Namespace, files: list[Path]) -> list[bool]:
-    """Draw what was asked for; whether each part of it went well."""
+def _drawn(given: argparse.Namespace, tool: Tool, files: list[Path]) -> Iterator[int]:
+    """Draw what was asked for; the exit status of each part of it."""
     if given.compare:
-        return [compare_files(*files, given.output or files[0].parent, page=given.page)]
+        yield compare_files(tool, *files, given.output or files[0].parent, page=given.page)
+        return
     places = [(file, given.output or file.parent) for file in files]
-    done = [
-        page_file(file, place / f"{file.stem}.html") if given.page else _plot(file, place) for file, place in places
-    ]
-    if given.animate:
-        done += [film_file(file, place / f"{file.stem}_motion.gif") for file, place in places]
-    return done
-
-
-def _plot(file: Path, directory: Path) -> bool:
-    """Draw all pictures of one file into `directory`; whether that went well."""
-
-    def draw(ds: xr.Dataset) -> dict[Path, Figure]:
-        return {directory / f"{file.stem}_{kind}.png": fig for kind, fig in pictures(ds).items()}
-
-    return draw_file(file, draw)
+    for file, place in places:
+        yield page_file(tool, file, place / f"{file.stem}.html") if given.page else draw_file(tool, file, place)
+    for file, place in places if given.animate else ():
+        yield film_file(tool, file, place / f"{file.stem}_motion.gif")
 
 
 if __name__ == "__main__":

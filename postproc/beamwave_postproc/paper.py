@@ -5,7 +5,6 @@ Reads DIR/fig2.nc … fig7.nc, the results of the scenes in input/paper/, and wr
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from functools import partial
@@ -18,7 +17,9 @@ from matplotlib.figure import Figure
 from .draw.history import displacement
 from .draw.jump import velocity_jump
 from .draw.waves import dispersion, group_velocity, phase_velocity
-from .files import EXIT_DONE, EXIT_FILE, draw_file
+from .files import draw_one
+from .terminal import Words
+from .tool import Tool
 
 MIDPOINT = 0.5
 
@@ -34,16 +35,17 @@ FIGURES: dict[str, Callable[[xr.Dataset], Figure]] = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Draw the six figures; 0, or 3 if any of them could not be drawn."""
-    words = argparse.ArgumentParser(prog="python -m beamwave_postproc.paper", description=__doc__.splitlines()[0])
+    words = Words(prog="python -m beamwave_postproc.paper", description=__doc__.splitlines()[0])
     words.add_argument("directory", metavar="DIR", type=Path, help="holds fig2.nc … fig7.nc; the pictures go there")
-    directory = words.parse_args(argv).directory
-    done = [_draw(directory / f"{name}.nc", figure) for name, figure in FIGURES.items()]
-    return EXIT_DONE if all(done) else EXIT_FILE
+    words.add_argument("--overwrite", action="store_true", help="replace files that are there and are not its own")
+    given = words.parse_args(argv)
+    tool = Tool(overwrite=given.overwrite)
+    return tool.run(lambda: max(_draw(tool, given.directory, name, figure) for name, figure in FIGURES.items()))
 
 
-def _draw(source: Path, figure: Callable[[xr.Dataset], Figure]) -> bool:
-    """Draw one figure beside its result; whether that went well."""
-    return draw_file(source, lambda ds: {source.with_suffix(".png"): figure(ds)})
+def _draw(tool: Tool, directory: Path, name: str, figure: Callable[[xr.Dataset], Figure]) -> int:
+    """Draw one figure beside its result; the exit status."""
+    return draw_one(tool, directory / f"{name}.nc", directory / f"{name}.png", figure)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ Writes `<stem>_peaks.csv` beside each result: a line for each spectral peak, in 
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,8 +13,10 @@ import pandas as pd
 import xarray as xr
 
 from .draw.measured import QUANTITIES
-from .files import EXIT_DONE, EXIT_FILE, read_file, save
+from .files import write_from
 from .result import require
+from .terminal import Words
+from .tool import Tool
 
 NAMES = ("angular_frequency", "decay_rate", *QUANTITIES[1:])
 MEASURED = [f"measured_{name}{part}" for name in NAMES for part in ("", "_error", "_bound")] + ["peak_status"]
@@ -32,20 +33,22 @@ def peaks(ds: xr.Dataset) -> pd.DataFrame:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the tables; 0, or 3 if any of them could not be written."""
-    words = argparse.ArgumentParser(prog="python -m beamwave_postproc.peaks", description=__doc__.splitlines()[0])
+    words = Words(prog="python -m beamwave_postproc.peaks", description=__doc__.splitlines()[0])
     words.add_argument("files", metavar="FILE.nc", nargs="+", type=Path, help="a result of beamwave with a spectrum")
-    done = [_write(file) for file in words.parse_args(argv).files]
-    return EXIT_DONE if all(done) else EXIT_FILE
+    words.add_argument("--overwrite", action="store_true", help="replace files that are there and are not its own")
+    given = words.parse_args(argv)
+    tool = Tool(overwrite=given.overwrite)
+    return tool.run(lambda: max(_write(tool, file) for file in given.files))
 
 
-def _write(source: Path) -> bool:
-    """Write the table of one file beside it; whether that went well."""
+def _write(tool: Tool, source: Path) -> int:
+    """Write the table of one file beside it; the exit status."""
 
     def write(ds: xr.Dataset) -> None:
         path = source.with_name(f"{source.stem}_peaks.csv")
-        save(path, peaks(ds).to_csv)
+        tool.save(path, peaks(ds).to_csv, mark=MEASURED[0])
 
-    return read_file(source, write)
+    return write_from(tool, source, source.parent, write)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from .terminal import Refusal, reason
+
 FORMAT_VERSION = 1
 DIMENSIONS = {
     *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
@@ -15,11 +17,11 @@ DIMENSIONS = {
 }
 
 
-class NotAResult(ValueError):
+class NotAResult(Refusal):
     """The file cannot be read, or was not written by beamwave."""
 
 
-class NothingToDraw(ValueError):
+class NothingToDraw(Refusal):
     """The result does not hold what a picture needs."""
 
 
@@ -31,21 +33,28 @@ def open_result(path: str | Path) -> xr.Dataset:
     if not Path(path).is_file():
         raise NotAResult(f"{path}: no such file")
     try:
-        ds = xr.open_dataset(path, engine="netcdf4")
-    except (OSError, ValueError) as problem:
-        raise NotAResult(f"{path}: not readable as NetCDF ({problem})") from problem
-    reason = _why_not_a_result(ds)
-    if reason:
+        ds = xr.open_dataset(netcdf_path(Path(path)), engine="netcdf4")
+    except Exception as failure:  # whatever xarray stumbles over
+        raise NotAResult(f"{path}: not readable as NetCDF ({reason(failure)})") from failure
+    why = _why_not_a_result(ds)
+    if why:
         ds.close()
-        raise NotAResult(f"{path}: {reason}")
+        raise NotAResult(f"{path}: {why}")
     return ds
+
+
+def netcdf_path(path: Path) -> str:
+    """A path that NetCDF takes for what it is, and not for a place in the net; raises `Refusal` where it cannot."""
+    if "\\" in str(path.absolute()):
+        raise Refusal("NetCDF takes a backslash for a slash; accepted: a path without")
+    return str(path.absolute())
 
 
 def _why_not_a_result(ds: xr.Dataset) -> str:
     """Why `ds` is no result of beamwave that this package reads; empty when it is one."""
     if "format_version" not in ds.attrs or not str(ds.attrs.get("source", "")).startswith("beamwave"):
         return "not a beamwave result (no 'format_version', or 'source' is not beamwave)"
-    if ds.attrs["format_version"] != FORMAT_VERSION:
+    if not np.array_equal(ds.attrs["format_version"], FORMAT_VERSION):
         return f"format_version is {ds.attrs['format_version']}; this package reads {FORMAT_VERSION}"
     return ""
 

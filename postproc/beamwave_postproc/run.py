@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import shutil
@@ -21,7 +22,7 @@ from .result import open_result
 DONE, UNTRUSTED = 0, 4  # exit statuses with a result
 PROGRAM = "BEAMWAVE"  # environment variable with the program's path
 CHECKOUT = Path("postproc", "beamwave_postproc", "__init__.py")  # by which the top of a checkout is known
-Scene = Union[str, Path, Mapping[str, Any]]
+Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class RunFailed(RuntimeError):
@@ -40,27 +41,44 @@ class Untrusted(ProgramWarning):
     """The result holds numbers that cannot be trusted; `case_status` and `notes` say which and why."""
 
 
-def run(scene: Scene, output: str | Path | None = None, *, program: str | Path | None = None) -> xr.Dataset:
-    """Run `scene` and return its result, in memory.
+def run(
+    scene: Scene, output: str | Path | None = None, *, overwrite: bool = False, program: str | Path | None = None
+) -> xr.Dataset:
+    """Run one scene and return its result, in memory.
 
-    `scene` is the path of a namelist file, the text of one, or its groups as a mapping, in which a group that is there
-    several times is a list: {"beam": {"length": 1.0, …}, "sweep": [{…}, {…}]}. Files of a mapping's record are looked
-    for from the working directory. The result is kept in the directory
-    `output` where given, replacing an older one. The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH,
-    else the one built in the checkout: the one that this package lies in, or its Python's `.venv`, or the directory in
-    which it runs.
+    `scene` is one of three:
 
-    Raises `FileNotFoundError` without a program, and `RunFailed` with the program's messages where it ends without a
-    result. Each warning of the program becomes a `ProgramWarning`; all together are one of `Untrusted` numbers where
-    some cannot be trusted (exit status 4).
+    - a mapping of groups, in which a group that is there several times is a list: {"beam": {"length": 1.0, …}, "sweep":
+      [{…}, {…}]}. Files of its record are looked for from the working directory.
+    - a text that begins as a namelist does, with `&` behind comments and blanks.
+    - any other text, or a `Path`: the path of a namelist file. A path that itself begins with `&` has to be a `Path`.
+
+    The result is kept in the directory `output` where given: a mapping's and a text's as `scene.nc`. One of the same scene
+    that is there is returned as it is; one of another scene is replaced with `overwrite`, and else is an error.
+    The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH, else the one built in the checkout: the one that
+    this package lies in, or its Python's `.venv`, or the directory in which it runs.
+
+    Raises `ValueError` for an empty scene and `TypeError` for what is none of the three, `FileNotFoundError` without a
+    file of that name or a program, `IsADirectoryError` for a directory, and `RunFailed` with the program's messages where
+    it ends without a result. Each warning of the program becomes a `ProgramWarning`; all together are one of `Untrusted`
+    numbers where some cannot be trusted (exit status 4).
     """
-    command = find_program(program)
+    if output is not None and not str(output):
+        raise ValueError("output is empty; accepted: a directory, or None")
     with tempfile.TemporaryDirectory(prefix="beamwave-") as scratch:
         path = _scene_file(scene, Path(scratch))
+        command = find_program(program)
         directory = Path(scratch) / "output" if output is None else Path(output)
-        words = [command, "run", str(path), "--output", str(directory), "--overwrite", "--quiet"]
+        name = f".{os.sep}{path}" if str(path).startswith("-") else str(path)
+        words = [command, "run", name, "--output", str(directory), "--quiet", *(["--overwrite"] if overwrite else [])]
         done = subprocess.run(
-            words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="replace", check=False
+            words,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            check=False,
         )
         if done.returncode not in (DONE, UNTRUSTED):
             raise RunFailed(done.returncode, done.stderr.replace(f"{scratch}{os.sep}", ""))
@@ -135,11 +153,25 @@ def _with_paths(groups: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _scene_file(scene: Scene, scratch: Path) -> Path:
-    """Path of the scene: as given, or a file of its text in `scratch`."""
-    if isinstance(scene, Mapping):
-        scene = namelist(_with_paths(scene))
-    if isinstance(scene, Path) or "&" not in scene:
-        return Path(scene)
-    path = scratch / "scene.nml"
-    path.write_text(scene, encoding="utf-8")
+    """Path of the scene: as given, or a file of its text in `scratch`; raises as `run` does."""
+    if not isinstance(scene, (str, os.PathLike, Mapping)):
+        raise TypeError(f"a scene is a path, a text or a mapping of groups, and no {type(scene).__name__}")
+    text = namelist(_with_paths(scene)) if isinstance(scene, Mapping) else scene
+    if not str(text).strip():
+        raise ValueError("the scene is empty; accepted: a path, the text of a namelist, or a mapping with a group")
+    if isinstance(text, str) and (isinstance(scene, Mapping) or _is_namelist(text)):
+        path = scratch / "scene.nml"
+        path.write_text(text, encoding="utf-8")
+        return path
+    path = Path(text)
+    if path.is_dir():
+        raise IsADirectoryError(errno.EISDIR, "a directory; accepted: the path of one scene", str(path))
+    if not path.exists():
+        raise FileNotFoundError(errno.ENOENT, "no such scene", str(path))
     return path
+
+
+def _is_namelist(text: str) -> bool:
+    """Whether a text begins as a namelist does: with a group, behind comments and blanks."""
+    lines = (line.strip() for line in text.splitlines())
+    return next((line for line in lines if line and not line.startswith("!")), "").startswith("&")

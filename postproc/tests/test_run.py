@@ -77,6 +77,49 @@ def test_the_result_is_kept_where_told(beamwave, tmp_path):
     assert [path.name for path in (tmp_path / "kept").iterdir()] == ["a scene.nc"]
 
 
+@pytest.mark.parametrize(
+    ("scene", "error"),
+    [
+        *(({}, ValueError), ({"body": []}, ValueError), ("", ValueError), (" \n", ValueError)),
+        *((".", IsADirectoryError), (Path(), IsADirectoryError), ("! a comment", FileNotFoundError)),
+        *(("R&D", IsADirectoryError), ("R&D/absent.nml", FileNotFoundError), (None, TypeError), (b"&beam /", TypeError)),
+    ],
+)
+def test_what_is_no_scene_runs_nothing(tmp_path, monkeypatch, scene, error):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "R&D").mkdir()
+    (tmp_path / "a.nml").write_text(namelist(PAPER))
+    with pytest.raises(error):
+        run(scene, "output", program=stand_in(tmp_path, f"touch {tmp_path}/called"))
+    with pytest.raises(ValueError, match="output is empty"):
+        run("a.nml", "", program=stand_in(tmp_path, f"touch {tmp_path}/called"))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["R&D", "a.nml", "beamwave"]
+
+
+def test_paths_and_texts_are_told_apart_by_how_they_begin(beamwave, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = namelist(PAPER)
+    for name in ("R&D.nml", "&beam.nml", "-x.nml"):
+        (tmp_path / name).write_text(text)
+    scenes = ["R&D.nml", "-x.nml", Path("&beam.nml"), f"! R&D\n\n  {text}", text.replace("\n", " ").strip()]
+    first, *others = (run(scene, program=beamwave) for scene in scenes)
+    for other in others:
+        np.testing.assert_array_equal(other["angular_frequency"], first["angular_frequency"])
+    with pytest.raises(RunFailed):
+        run("&beam.nml", program=beamwave)
+
+
+def test_a_result_that_is_kept_is_replaced_only_where_that_is_asked_for(beamwave, tmp_path):
+    other = {**PAPER, "modes": {"before": 4, "after": 4}}
+    for _ in range(2):
+        assert run(PAPER, tmp_path, program=beamwave).sizes["mode"] == 3
+    before = (tmp_path / "scene.nc").read_bytes()
+    with pytest.raises(RunFailed, match="--overwrite") as failure:
+        run(other, tmp_path, program=beamwave)
+    assert failure.value.status == 3 and (tmp_path / "scene.nc").read_bytes() == before
+    assert run(other, tmp_path, overwrite=True, program=beamwave).sizes["mode"] == 4
+
+
 def test_a_scene_that_is_wrong_is_raised_with_its_messages(beamwave):
     with pytest.raises(RunFailed, match="beam%length") as failure:
         run({"beam": {**PAPER["beam"], "length": -1.0}}, program=beamwave)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
@@ -17,6 +18,7 @@ from PIL import Image
 from ..parts.head import MARGIN, Head, grow_by_head
 from ..parts.units import number_text, si_prefix
 from ..style import COLOURS, GREY, RC
+from ..writing import MARK, put
 from .motion import FEW_POINTS, Motion
 
 DPI = 90
@@ -32,16 +34,21 @@ HUB = 0.07  # radius of the hub as drawn, in lengths of the beam
 BEAM, MASS, FLASHES, BODIES = COLOURS[1], COLOURS[2], COLOURS[6], "0.3"
 
 
-def save_film(shown: Motion, path: Path) -> None:
-    """Write the film as a GIF file; no half-written one is left behind when that fails."""
+def save_film(shown: Motion, path: Path, *, overwrite: bool = False) -> None:
+    """Write the film as a GIF file, whole or not at all.
+
+    A film that this package made is replaced, and anything else with `overwrite`; else raises `FileExistsError`.
+    """
+    put(path, partial(_write, shown), overwrite=overwrite, mark=MARK)
+
+
+def _write(shown: Motion, path: Path) -> None:
+    """Draw all frames, and write them."""
     with mpl.rc_context({**RC, "axes.grid": False}):
         frames = list(Film(shown).frames())
     holds = [HOLD_MS if any(event.time >= 0.0 for event in events) else FRAME_MS for events in shown.events]
-    try:
-        frames[0].save(path, format="GIF", save_all=True, append_images=frames[1:], duration=holds, loop=0)
-    except OSError:
-        path.unlink(missing_ok=True)
-        raise
+    first, *others = frames
+    first.save(path, format="GIF", save_all=True, append_images=others, duration=holds, loop=0, comment=MARK.encode())
 
 
 class Film:

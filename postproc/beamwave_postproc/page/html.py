@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ..parts.describe import description_of, title_of
 from ..parts.labels import plain
 from ..parts.select import one_case
+from ..writing import MARK
 from .tables import Table, tables_of
 
 DPI = 130
@@ -66,10 +67,12 @@ def page_of_two(first: xr.Dataset, second: xr.Dataset, figures: dict[str, Figure
 
 def _page(title: str, parts: list[str]) -> str:
     """A whole document."""
-    head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(title)}</title>'
+    head = f'<meta charset="utf-8"><meta name="generator" content="{MARK}"><title>{escape(title)}</title>'
+    view = '<meta name="viewport" content="width=device-width">'
     body = "\n".join(parts)
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><head>{head}<style>{STYLE}</style></head>\n<body>\n{body}\n</body></html>\n'
+        f'<!DOCTYPE html>\n<html lang="en"><head>{head}{view}<style>{STYLE}</style></head>\n'
+        f"<body>\n{body}\n</body></html>\n"
     )
 
 

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from importlib import import_module
+from types import ModuleType
 
 import numpy as np
+
+from ..terminal import Refusal
 
 TIME_NAMES = ("time", "t")
 RATE_NAMES = ("sample_rate", "sampling_rate", "samplerate", "fs", "sr")
 INTERVAL_NAMES = ("dt", "delta_t", "interval")
 
 
-class NotARecord(ValueError):
+class NotARecord(Refusal):
     """The file holds no histories, or does not say their times; the text says what would do."""
 
 
@@ -42,8 +46,20 @@ class Wanted:
     time_scale: float = 1.0  # s over the file's unit of time
 
 
+def needed(module: str, files: str) -> ModuleType:
+    """A module that only some files need; raises `NotARecord` where it is not installed."""
+    try:
+        return import_module(module)
+    except ImportError as missing:
+        raise NotARecord(
+            f"reading {files} takes the Python package {module}: pip install 'beamwave_postproc[records]'"
+        ) from missing
+
+
 def even_times(count: int, interval: float, start: float = 0.0) -> np.ndarray:
-    """The times of `count` samples."""
+    """The times of `count` samples; raises `NotARecord` for an interval that is none."""
+    if not (0.0 < interval < np.inf and np.isfinite(start)):
+        raise NotARecord(f"the interval between samples is {interval:g} s, from {start:g} s on; accepted: above 0")
     return start + np.arange(count) * interval
 
 

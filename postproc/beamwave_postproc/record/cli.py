@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from ..files import EXIT_DONE, EXIT_FILE, EXIT_USAGE, save
+from ..terminal import Words, printable
+from ..tool import EXIT_FILE, EXIT_USAGE, Tool
 from .channels import Channel, NotARecord, Wanted
 from .readers import ACCEPTED, read_channels
 from .write import grouped, write_record
@@ -16,7 +17,7 @@ from .write import grouped, write_record
 
 def parser() -> argparse.ArgumentParser:
     """Return the words of the command line."""
-    words = argparse.ArgumentParser(
+    words = Words(
         prog="beamwave-record", description="Makes NetCDF files, which &record reads, of histories in other files."
     )
     words.add_argument("files", metavar="FILE", nargs="+", type=Path, help=f"{ACCEPTED}; told by content")
@@ -47,18 +48,20 @@ def parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Write a NetCDF file for each file; 0, or 2 for wrong words, or 3 if any could not be read or written."""
     given = parser().parse_intermixed_args(argv)
+    tool = Tool(overwrite=given.overwrite)
+    return tool.run(lambda: _run(given, tool))
+
+
+def _run(given: argparse.Namespace, tool: Tool) -> int:
+    """Convert each file; the highest exit status of any."""
     problem = _problem(given)
     if problem:
-        print(problem, file=sys.stderr)
+        tool.complain(problem)
         return EXIT_USAGE
-    if given.output is not None:
-        try:
-            given.output.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            print(failure, file=sys.stderr)
-            return EXIT_FILE
-    done = [_convert(file, given) for file in given.files]
-    return EXIT_DONE if all(done) else EXIT_FILE
+    if not tool.make_directory(given.output):
+        return EXIT_FILE
+    places = [(file, given.output or file.parent) for file in given.files]
+    return max(tool.each([file], place, partial(_convert, file, place, given, tool)) for file, place in places)
 
 
 def _problem(given: argparse.Namespace) -> str:
@@ -80,27 +83,22 @@ def _problem(given: argparse.Namespace) -> str:
     return ""
 
 
-def _convert(source: Path, given: argparse.Namespace) -> bool:
-    """Make the files of one; whether that went well."""
-    try:
-        channels = read_channels(source, Wanted(given.sample_rate, given.time, given.variable, given.time_scale))
-        groups = grouped(channels)
-        for record in {channel.record for channel in channels}:
-            _complete([channel for channel in channels if channel.record == record], given)
-        for number, group in enumerate(groups, 1):
-            end = ".nc" if len(groups) == 1 else f"_{number}.nc"
-            path = (given.output or source.parent) / f"{source.stem}{end}"
-            if path.exists() and not given.overwrite:
-                raise NotARecord(f"{path} is there already; accepted: --overwrite, or another --output")
-            save(path, partial(write_record, group, source=f"beamwave-record, from {source.name}"))
-            for channel in group:
-                print(
-                    f"  {channel.name}: {channel.values.size} samples, {channel.quantity or 'unknown'} [{channel.unit}]"
-                )
-    except (OSError, NotARecord) as failure:
-        print(f"{source}: {failure}" if isinstance(failure, NotARecord) else failure, file=sys.stderr)
-        return False
-    return True
+def _convert(source: Path, directory: Path, given: argparse.Namespace, tool: Tool) -> None:
+    """Make the records of one file in `directory`."""
+    channels = read_channels(source, Wanted(given.sample_rate, given.time, given.variable, given.time_scale))
+    groups = grouped(channels)
+    for record in {channel.record for channel in channels}:
+        _complete([channel for channel in channels if channel.record == record], given)
+    for number, group in enumerate(groups, 1):
+        end = ".nc" if len(groups) == 1 else f"_{number}.nc"
+        path = directory / f"{source.stem}{end}"
+        if path.exists() and path.samefile(source):
+            raise NotARecord("its record would take its own place; accepted: another --output")
+        write_record(group, path, f"beamwave-record, from {printable(source.name)}", overwrite=tool.overwrite)
+        tool.say(str(path))
+        for channel in group:
+            quantity = channel.quantity or "unknown"
+            tool.say(f"  {channel.name}: {channel.values.size} samples, {quantity} [{channel.unit}]")
 
 
 def _complete(channels: list[Channel], given: argparse.Namespace) -> None:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
-from importlib import import_module
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import Any, Callable
 
 import numpy as np
 import scipy.io
 import scipy.io.wavfile
 
-from .channels import Channel, NotARecord, Wanted, channels_of, even_times
+from ..terminal import reason
+from .channels import Channel, NotARecord, Wanted, channels_of, even_times, needed
 from .universal import universal_channels
 
 ACCEPTED = "UFF 58 or 58b, MATLAB, NumPy or WAV"
@@ -21,37 +21,40 @@ ACCEPTED = "UFF 58 or 58b, MATLAB, NumPy or WAV"
 def read_channels(path: Path, wanted: Wanted | None = None) -> list[Channel]:
     """The histories in a file; raises `NotARecord` where it holds none, and `OSError` where it cannot be read."""
     wanted = wanted or Wanted()
+    if path.exists() and not path.is_file():
+        raise NotARecord("is no file")
     with path.open("rb") as file:
         start = file.read(600)
-    if start.startswith(b"\x93NUMPY"):
-        return numpy_channels(path, wanted)
-    if start.startswith((b"RIFF", b"RIFX", b"RF64")):
-        return sound_channels(path, wanted)
-    if start[512:520] == b"\x89HDF\r\n\x1a\n" or (start.startswith(b"MATLAB 7.3")):
-        return channels_of(_hdf5_arrays(path), wanted, path.name)
-    if start.startswith(b"MATLAB") or path.suffix.lower() == ".mat":
-        return channels_of(_matlab_arrays(path), wanted, path.name)
-    if any(line.strip() == b"-1" for line in start.splitlines()[:3]):
-        return universal_channels(path, needed("pyuff", "UFF files"))
-    raise NotARecord(f"neither {ACCEPTED}; text and NetCDF are read by &record as they are")
-
-
-def needed(module: str, files: str) -> ModuleType:
-    """A module that only some files need; raises `NotARecord` where it is not installed."""
+    kind, read = _reader(start, path.suffix.lower())
     try:
-        return import_module(module)
-    except ImportError as missing:
-        raise NotARecord(
-            f"reading {files} takes the Python package {module}: pip install 'beamwave_postproc[records]'"
-        ) from missing
+        return read(path, wanted)
+    except (OSError, MemoryError, NotARecord):
+        raise
+    except Exception as failure:  # whatever a library stumbles over in a damaged file
+        raise NotARecord(f"no {kind} that can be read ({reason(failure)})") from failure
+
+
+Reader = Callable[[Path, Wanted], "list[Channel]"]
+
+
+def _reader(start: bytes, suffix: str) -> tuple[str, Reader]:
+    """What a file is by its first bytes, and who reads that."""
+    if start.startswith(b"\x93NUMPY"):
+        return "array of numbers", numpy_channels
+    if start.startswith((b"RIFF", b"RIFX", b"RF64")):
+        return "sound file", sound_channels
+    if start[512:520] == b"\x89HDF\r\n\x1a\n" or (start.startswith(b"MATLAB 7.3")):
+        return "MATLAB file", hdf5_channels
+    if start.startswith(b"MATLAB") or suffix == ".mat":
+        return "MATLAB file", matlab_channels
+    if any(line.strip() == b"-1" for line in start.splitlines()[:3]):
+        return "universal file", universal_channels
+    raise NotARecord(f"neither {ACCEPTED}; text and NetCDF are read by &record as they are")
 
 
 def numpy_channels(path: Path, wanted: Wanted) -> list[Channel]:
     """An array of histories, named after the file, or with names of its own columns."""
-    try:
-        array = np.load(path, allow_pickle=False)
-    except (ValueError, EOFError) as failure:
-        raise NotARecord(f"no array of numbers ({failure})") from failure
+    array = np.load(path, allow_pickle=False)
     arrays = {path.stem: array}
     if array.dtype.names:
         arrays = {name: array[name] for name in array.dtype.names}
@@ -59,13 +62,11 @@ def numpy_channels(path: Path, wanted: Wanted) -> list[Channel]:
 
 
 def sound_channels(path: Path, wanted: Wanted) -> list[Channel]:
-    """The channels of a sound file, as parts of its full scale."""
-    try:
+    """The channels of a sound file, as parts of its full scale; one that is not as long as it says is refused."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", scipy.io.wavfile.WavFileWarning)
+        warnings.filterwarnings("ignore", "Chunk")  # that is not sound
         rate, data = scipy.io.wavfile.read(path)
-    except OSError:
-        raise
-    except Exception as failure:  # whatever scipy stumbles over in a damaged file
-        raise NotARecord(f"no sound file that can be read ({failure})") from failure
     if data.dtype == np.uint8:
         data = (data.astype(float) - 128.0) / 128.0
     elif data.dtype.kind == "i":
@@ -78,15 +79,12 @@ def sound_channels(path: Path, wanted: Wanted) -> list[Channel]:
     ]
 
 
-def _matlab_arrays(path: Path) -> dict[str, np.ndarray]:
+def matlab_channels(path: Path, wanted: Wanted) -> list[Channel]:
     """Arrays of a .mat file up to version 7.2, those in structures and cells as `_flat` names them."""
-    try:
-        found = scipy.io.loadmat(path, simplify_cells=True)
-    except OSError:
-        raise
-    except Exception as failure:  # whatever scipy stumbles over in a damaged file
-        raise NotARecord(f"no MATLAB file that can be read ({failure})") from failure
-    return _flat({name: value for name, value in found.items() if not name.startswith("__")})
+    found = scipy.io.loadmat(path, simplify_cells=True)
+    return channels_of(
+        _flat({name: value for name, value in found.items() if not name.startswith("__")}), wanted, path.name
+    )
 
 
 class Rows(dict[str, Any]):
@@ -121,20 +119,29 @@ def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, np.ndarray]:
     return arrays
 
 
-def _hdf5_arrays(path: Path) -> dict[str, np.ndarray]:
-    """Arrays of a .mat file of version 7.3, which is HDF5, as `_flat` names them."""
+def hdf5_channels(path: Path, wanted: Wanted) -> list[Channel]:
+    """Arrays of a .mat file of version 7.3, which is HDF5, as `_flat` names them; other files are not followed."""
     h5py = needed("h5py", "MATLAB 7.3 files")
+
+    def members(group: Any) -> dict[str, Any]:
+        """What a group holds itself."""
+        for name in group:
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                raise NotARecord(f"{name} is a link to elsewhere, which is not followed")
+        return {name: value(group[name]) for name in group if not name.startswith("#")}
 
     def value(item: Any) -> Any:
         """A structure as its fields, cells as an array of what they hold, numbers, or nothing."""
         if isinstance(item, h5py.Group):
-            fields = {name: value(field) for name, field in item.items()}
-            cells = [field.attrs.get("MATLAB_class", b"") == b"cell" for field in item.values()]
+            fields = members(item)
+            cells = [item[name].attrs.get("MATLAB_class", b"") == b"cell" for name in fields]
             several = [isinstance(field, np.ndarray) and field.dtype == object for field in fields.values()]
             if not all(several) or any(cells) or len({field.size for field in fields.values()}) != 1:
                 return fields
             rows = zip(*(field.ravel() for field in fields.values()))
             return [dict(zip(fields, row)) for row in rows]
+        if item.external or item.is_virtual:
+            raise NotARecord(f"{item.name} lies in another file, which is not read")
         if h5py.check_ref_dtype(item.dtype):
             held = item[()].T  # MATLAB stores columns one after another
             cells = np.empty(held.shape, dtype=object)
@@ -145,4 +152,4 @@ def _hdf5_arrays(path: Path) -> dict[str, np.ndarray]:
         return item[()] if item.dtype.kind in "fiub" and not odd else None
 
     with h5py.File(path, "r") as file:
-        return _flat({name: value(item) for name, item in file.items() if not name.startswith("#")})
+        return channels_of(_flat(members(file)), wanted, path.name)

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 
-from .channels import Channel, NotARecord, even_times
+from .channels import Channel, NotARecord, Wanted, even_times, needed
 
 TIME = 17  # what the abscissa is, in the numbers of the format
 QUANTITIES = {8: "displacement", 11: "velocity", 12: "acceleration", 3: "strain"}
 DIRECTIONS = {1: "+x", -1: "-x", 2: "+y", -2: "-y", 3: "+z", -3: "-z"}
 
 
-def universal_channels(path: Path, pyuff: ModuleType) -> list[Channel]:
-    """Every data set that is a history; spectra and geometry are passed over."""
-    try:
-        file = pyuff.UFF(str(path))
-        places = [place for place, kind in enumerate(file.get_set_types()) if int(kind) == 58]
-        sets = [file.read_sets(place) for place in places]
-    except Exception as failure:  # whatever pyuff stumbles over
-        raise NotARecord(f"no universal file that can be read ({failure})") from failure
+def universal_channels(path: Path, wanted: Wanted) -> list[Channel]:
+    """Every data set that is a history; spectra and geometry are passed over. The file itself says the times."""
+    file = needed("pyuff", "UFF files").UFF(str(path))
+    places = [place for place, kind in enumerate(file.get_set_types()) if int(kind) == 58]
+    sets = [file.read_sets(place) for place in places]
     histories = [
         one for one in sets if int(one.get("abscissa_spec_data_type", 0)) == TIME and np.isrealobj(one["data"])
     ]
@@ -32,12 +28,16 @@ def universal_channels(path: Path, pyuff: ModuleType) -> list[Channel]:
 
 
 def _channel(one: dict[str, Any], number: int) -> Channel:
-    """One data set."""
+    """One data set; what stands behind its last sample fills up a line."""
     values = np.asarray(one["data"], dtype=float)
+    count = int(one["num_pts"])
+    if not 0 < count <= values.size:
+        raise NotARecord(f"history {number} holds {values.size} samples, and its header says {count}")
+    values = values[:count]
     if int(one.get("abscissa_spacing", 1)) == 1:
         times = even_times(values.size, whole_interval(float(one["abscissa_inc"])), float(one.get("abscissa_min", 0.0)))
     else:
-        times = np.asarray(one["x"], dtype=float)
+        times = np.asarray(one["x"], dtype=float)[:count]
     words = [str(one.get(key, "")).strip() for key in ("id1", "id2")]
     return Channel(
         name=_name(one, number),
@@ -54,7 +54,7 @@ def whole_interval(written: float) -> float:
 
     Taken as it stands, 4.88281e-04 s would move every frequency of a record at 2048 Hz by 5e-7 of it.
     """
-    for digits in range(1, 7):
+    for digits in range(1, 7) if 0.0 < written < np.inf else ():
         for interval in (1.0 / float(f"{1.0 / written:.{digits - 1}e}"), float(f"{written:.{digits - 1}e}")):
             if f"{interval:.5e}" == f"{written:.5e}":
                 return interval

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 import netCDF4
 import numpy as np
 
+from ..result import netcdf_path
+from ..writing import put
 from .channels import Channel
+
+MOST = 2**32 - 4  # bytes of a variable in the classic format
 
 
 def grouped(channels: Iterable[Channel]) -> list[list[Channel]]:
@@ -26,9 +31,19 @@ def grouped(channels: Iterable[Channel]) -> list[list[Channel]]:
     return groups
 
 
-def write_record(channels: Sequence[Channel], path: Path, source: str) -> None:
-    """Write channels of one axis of time; `source` is what the file says of where they come from."""
-    with netCDF4.Dataset(path, "w") as file:
+def write_record(channels: Sequence[Channel], path: Path, source: str, *, overwrite: bool = False) -> None:
+    """Write channels of one axis of time; `source` is what the file says of where they come from.
+
+    Raises `FileExistsError` where something has the name of the file, unless with `overwrite`.
+    """
+    netcdf_path(path)
+    put(path, partial(_write, channels, source), overwrite=overwrite)
+
+
+def _write(channels: Sequence[Channel], source: str, path: Path) -> None:
+    """Write a file that every NetCDF library reads."""
+    large = any(8 * channel.values.size >= MOST for channel in channels)
+    with netCDF4.Dataset(path.absolute(), "w", format=f"NETCDF3_64BIT_{'DATA' if large else 'OFFSET'}") as file:
         file.Conventions = "CF-1.11"
         file.source = source
         file.createDimension("time", channels[0].times.size)

@@ -1,0 +1,218 @@
+"""The commands at work: file after file, each in a process of its own, within limits.
+
+Whatever a file does to the library that reads it becomes one line with the file's name, and the next file follows.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import signal
+import threading
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Callable, NoReturn, Optional
+
+from .result import NotAResult
+from .terminal import Streams, printable, reason
+from .writing import put, remove_drafts
+
+try:
+    import resource
+except ImportError:  # Windows, which has no `os.fork` either
+    resource = None  # type: ignore[assignment]
+
+EXIT_DONE, EXIT_USAGE, EXIT_FILE, EXIT_STOPPED = 0, 2, 3, 5
+Work = Callable[[], Optional[int]]  # on a file; returns an exit status, or None for 0
+
+# What a file may take, in a fixed amount and by its size: far more than any takes that is what it seems to be.
+SECONDS, SECONDS_PER_MB = 8.0, 1.0  # processor time of a step; a MB of text is read in 0.07 s
+PICTURE_SECONDS, FILM_SECONDS = 60.0, 900.0  # the same of steps that draw
+PATIENCE = 4  # times that by the clock, on a busy machine or where a read blocks
+MEGABYTES, TIMES_SIZE = 650, 50  # beyond what Python itself holds; a file may hold its arrays compressed
+STACK = 16  # MB of each thread that a library keeps for a processor
+TOO_LONG = "given up: it takes far longer than a file of this size should"
+
+
+class Tool(Streams):
+    """A command that reads files and writes others: what it says, what it writes, and how it ends."""
+
+    def __init__(self, *, overwrite: bool = False) -> None:
+        super().__init__()
+        self.overwrite = overwrite
+        self._channel: int | None = None  # to the command, in the process of a file
+        self._limit = SECONDS  # of the present step
+        self._megabytes = 0.0  # size of the file
+
+    def run(self, work: Callable[[], int]) -> int:
+        """Run a command to its exit status, which is 5 where a signal stops it."""
+        with _sigterm_as_sigint():
+            try:
+                status = work()
+            except KeyboardInterrupt:
+                self.complain("stopped")
+                status = EXIT_STOPPED
+        if self.lost:
+            self.complain("standard output cannot be written")
+            status = max(status, EXIT_FILE)
+        return status
+
+    def make_directory(self, path: Path | None) -> bool:
+        """Make the directory for what is written, where one is given; whether it is there."""
+        try:
+            if path is not None:
+                path.mkdir(parents=True, exist_ok=True)
+        except OSError as failure:
+            self.complain(f"{path}: {reason(failure)}")
+            return False
+        return True
+
+    def each(self, sources: Sequence[Path], directory: Path, work: Work) -> int:
+        """Do the work on one file, or on several at once, that writes into `directory`; returns its exit status.
+
+        A failure is one line on standard error that begins with the file's name.
+        """
+        name = ", ".join(map(str, sources))
+        if not hasattr(os, "fork"):
+            return self.attempt(name, work)
+        self._limit = SECONDS
+        self._megabytes = sum(source.stat().st_size for source in sources if source.is_file()) / 1e6
+        ours, theirs = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.close(ours)
+            self._be_child(theirs, name, work)
+        os.close(theirs)
+        why = TOO_LONG
+        try:
+            why = self._listen(ours)
+        finally:
+            os.close(ours)
+            if why:
+                os.kill(child, signal.SIGKILL)
+            ended = os.waitpid(child, 0)[1]
+            remove_drafts(directory, child)
+        if os.WIFEXITED(ended) and not why:
+            return os.WEXITSTATUS(ended)
+        if not why:
+            number = os.WTERMSIG(ended)
+            why = TOO_LONG if number == signal.SIGXCPU else f"reading it ended in signal {number}"
+        self.complain(f"{name}: {why}")
+        return EXIT_FILE
+
+    def attempt(self, name: str, work: Work) -> int:
+        """Do the work, with one line on standard error for its failure or warning; returns its exit status."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = lambda message, *_: self.complain(f"{name}: warning: {message}")
+            try:
+                return work() or EXIT_DONE
+            except NotAResult as failure:  # which names the file itself
+                self.complain(reason(failure))
+            except FileExistsError as failure:
+                self.complain(f"{failure.filename}: {reason(failure)}")
+            except Exception as failure:  # whatever a library stumbles over
+                self.complain(f"{name}: {reason(failure)}")
+        return EXIT_FILE
+
+    def save(self, path: Path, write: Callable[[Path], object], mark: str = "") -> None:
+        """Have `write` write a file, as `put` does, and say its name."""
+        put(path, write, overwrite=self.overwrite, mark=mark)
+        self.say(str(path))
+
+    def allow(self, seconds: float) -> None:
+        """Let each of the next steps take so much processor time; what is said ends a step."""
+        self._limit = seconds
+        if self._channel is not None:
+            self._tell(f"t{seconds}")
+
+    def say(self, line: str) -> None:
+        """Write a line to standard output."""
+        super().say(line) if self._channel is None else self._tell(f"o{printable(line)}")
+
+    def complain(self, line: str) -> None:
+        """Write a line to standard error."""
+        super().complain(line) if self._channel is None else self._tell(f"e{printable(line)}")
+
+    def _seconds(self) -> float:
+        return self._limit + SECONDS_PER_MB * self._megabytes
+
+    def _tell(self, line: str) -> None:
+        """Hand a line to the command; the next step begins."""
+        data = f"{line}\n".encode()
+        while data:
+            data = data[os.write(self._channel, data) :]
+        _limit_time(self._seconds())
+
+    def _listen(self, channel: int) -> str:
+        """Pass on what the process of a file says until it ends; returns why it is given up, or nothing."""
+        silent, rest = 0, b""
+        while silent <= PATIENCE * self._seconds():
+            if not select.select([channel], [], [], 1.0)[0]:
+                silent += 1  # counted, since the clock goes on while a process is suspended
+                continue
+            part = os.read(channel, 65536)
+            if not part:
+                return ""
+            silent = 0
+            *lines, rest = (rest + part).split(b"\n")
+            for line in lines:
+                kind, text = line[:1], line[1:].decode()
+                if kind == b"t":
+                    self._limit = float(text)
+                else:
+                    (self.say if kind == b"o" else self.complain)(text)
+        return TOO_LONG
+
+    def _be_child(self, channel: int, name: str, work: Work) -> NoReturn:
+        """Do the work and end. What libraries print by themselves is dropped."""
+        self._channel = channel
+        status = EXIT_FILE
+        try:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_DFL)
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            for number in (0, 1, 2):
+                os.dup2(nowhere, number)
+            _limit_memory(self._megabytes)
+            _limit_time(self._seconds())
+            status = self.attempt(name, work)
+        finally:
+            os._exit(status)
+
+
+def _limit_memory(megabytes: float) -> None:
+    """Refuse this process memory that a file of so many megabytes does not need, and keep it from dumping core."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    page = resource.getpagesize()
+    more = 1e6 * (MEGABYTES + TIMES_SIZE * megabytes + STACK * (os.cpu_count() or 1))
+    with contextlib.suppress(OSError, ValueError):  # a system that does not tell, or sets no such limit
+        held = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[5])  # pages of data and stacks
+        _set_limit(resource.RLIMIT_DATA, page * min(held + int(more / page), os.sysconf("SC_PHYS_PAGES")))
+
+
+def _limit_time(seconds: float) -> None:
+    """Let this process take so many more seconds of the processor."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    _set_limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime + seconds) + 1)
+
+
+def _set_limit(kind: int, limit: int) -> None:
+    _, most = resource.getrlimit(kind)
+    resource.setrlimit(kind, (limit if most == resource.RLIM_INFINITY else min(limit, most), most))
+
+
+@contextlib.contextmanager
+def _sigterm_as_sigint() -> Iterator[None]:
+    """Let SIGTERM end a command as Ctrl-C does, so that nothing half-written is left."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

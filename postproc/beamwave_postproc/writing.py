@@ -1,0 +1,77 @@
+"""Files that are written: whole or not at all, and in nobody else's place."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+from pathlib import Path
+from typing import Callable
+
+MARK = "made by beamwave-plot"  # in what it draws, by which it knows its own
+START = 4096  # bytes, within which a mark stands
+DRAFT = ".beamwave"  # how the name of a file begins that is not whole
+NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.EACCES}  # of a file system
+
+
+def put(path: Path, write: Callable[[Path], object], *, overwrite: bool = False, mark: str = "") -> None:
+    """Have `write` write a new file beside `path`, which gets that name when it is whole and on the disk.
+
+    A file of that name is replaced if it has `mark` in its first bytes, which makes it our own, or with `overwrite`; a
+    link is replaced itself, never what it leads to. Raises `FileExistsError` where something else is there, and what
+    `write` raises; nothing is left of the new file then.
+    """
+    replace = overwrite or _is_our_own(path, mark)
+    if not replace and os.path.lexists(path):
+        raise _is_there(path)
+    draft = path.with_name(f"{DRAFT}-{os.getpid()}-{secrets.token_hex(8)}{path.suffix}")
+    try:
+        write(draft)
+        _flush(draft)
+        if replace:
+            draft.replace(path)
+        else:
+            _give_free_name(draft, path)
+    except OSError as failure:
+        if failure.errno is None or isinstance(failure, FileExistsError):
+            raise
+        raise OSError(failure.errno, failure.strerror, str(path)) from failure
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def remove_drafts(directory: Path, process: int) -> None:
+    """Remove what a process left in a directory that ended while it wrote."""
+    for draft in directory.glob(f"{DRAFT}-{process}-*"):
+        draft.unlink(missing_ok=True)
+
+
+def _is_our_own(path: Path, mark: str) -> bool:
+    """Whether a file that is no link begins with the mark."""
+    if not mark or path.is_symlink() or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return mark.encode() in file.read(START)
+
+
+def _is_there(path: Path) -> FileExistsError:
+    return FileExistsError(errno.EEXIST, "is there already; accepted: --overwrite", str(path))
+
+
+def _flush(draft: Path) -> None:
+    with draft.open("r+b") as file:
+        os.fsync(file.fileno())
+
+
+def _give_free_name(draft: Path, path: Path) -> None:
+    """Rename, unless something has taken the name meanwhile."""
+    try:
+        os.link(draft, path)
+    except FileExistsError:
+        raise _is_there(path) from None
+    except OSError as failure:
+        if failure.errno not in NO_LINKS:
+            raise
+        if os.path.lexists(path):
+            raise _is_there(path) from None
+        draft.rename(path)
