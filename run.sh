@@ -13,7 +13,7 @@ draw_paper() {
     say 'no figures without Python 3 (with venv and pip); the results are in output/paper/'
     return
   fi
-  "$python" -m beamwave_postproc.paper output/paper
+  "$python" -m beamwave_postproc.paper output/paper --overwrite
 }
 
 lock

@@ -41,7 +41,7 @@ def main() -> None:
         save("spectrogram", spectrogram(waves), DPI_OF_IMAGES)
         both = compare(result("effects/rotation", scratch), result("effects/stiffening", scratch))
         save("comparison", both["displacement"])
-        save_film(motion(result("moving_beam", scratch)), PICTURES / "moving_beam.gif")
+        save_film(motion(result("moving_beam", scratch)), PICTURES / "moving_beam.gif", overwrite=True)
 
 
 def result(scene: str, scratch: str) -> xr.Dataset:

@@ -15,6 +15,7 @@ PAPER = {
     "capture": {"rotary_inertia": 0.0},
     "modes": {"before": 20, "after": 20},
 }
+DEFAULTS = {"approach_velocity": 1.0, "restitution": 0.0, "profile_points": 201, "rotary_inertia": 0.0}
 UNITS = {
     "length": "m",
     "diameter": "m",
@@ -23,6 +24,7 @@ UNITS = {
     "angular_velocity": "rad s-1",
     "approach_velocity": "m s-1",
     "duration": "s",
+    "response_duration": "s",
     "wavenumber": "m-1",
     "angular_frequency": "rad s-1",
     "growth_rate": "s-1",
@@ -165,14 +167,21 @@ def _write_attributes(file, settings, title):
     file.source = "beamwave 0.1.0 (synthetic)"
     file.method = "closed form"
     file.effects = " ".join(name for name in settings if name not in ("beam", "modes", "response", "spectrum"))
+    file.given = " ".join(
+        f"{group}%{name}"
+        for group, values in settings.items()
+        for name, value in values.items()
+        if np.any(value != DEFAULTS.get(name))
+    )
     file.scene = "".join(
-        f"&{group}\n"
-        + "".join(
-            f"  {name} = {np.atleast_1d(v).tolist()}\n".translate({91: None, 93: None}) for name, v in values.items()
-        )
-        + "/\n"
+        f"&{group}\n" + "".join(f"  {name} = {_value(v)}\n" for name, v in values.items()) + "/\n"
         for group, values in settings.items()
     )
+
+
+def _value(value):
+    """Numbers, or a logical value, as the program writes them."""
+    return f".{value}.".lower() if isinstance(value, bool) else ", ".join(map(str, np.atleast_1d(value).tolist()))
 
 
 def _write_axes(file, axes, solved, cases):

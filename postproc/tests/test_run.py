@@ -82,7 +82,12 @@ def test_the_result_is_kept_where_told(beamwave, tmp_path):
     [
         *(({}, ValueError), ({"body": []}, ValueError), ("", ValueError), (" \n", ValueError)),
         *((".", IsADirectoryError), (Path(), IsADirectoryError), ("! a comment", FileNotFoundError)),
-        *(("R&D", IsADirectoryError), ("R&D/absent.nml", FileNotFoundError), (None, TypeError), (b"&beam /", TypeError)),
+        *(
+            ("R&D", IsADirectoryError),
+            ("R&D/absent.nml", FileNotFoundError),
+            (None, TypeError),
+            (b"&beam /", TypeError),
+        ),
     ],
 )
 def test_what_is_no_scene_runs_nothing(tmp_path, monkeypatch, scene, error):

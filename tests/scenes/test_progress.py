@@ -47,13 +47,13 @@ def test_quiet_shows_warnings_alone_on_a_terminal(here):
 
 
 def test_a_log_gets_plain_lines(here):
-    here.scene("a", ENDLESS, CASES)
-    ended = here.beamwave("run", "a.nml", "--max-seconds", "6")
+    here.scene("a\x1b[1m", ENDLESS, CASES)
+    ended = here.beamwave("run", "a\x1b[1m.nml", "--max-seconds", "6")
     assert ended.returncode == 5
     lines = [line for line in ended.stderr.splitlines() if " %" in line]
     assert lines
     for line in lines:
-        assert re.fullmatch(r"a  \d+ %  case \d+ of 100000(  [\d.]+ cases/s)?(  \d+ (ms|s|min|h) left)?", line)
+        assert re.fullmatch(r"a\\x1b\[1m  \d+ %  case \d+ of 100000(  [\d.]+ cases/s)?(  \d+ (ms|s|min|h) left)?", line)
     assert not re.search(r"[\r\x1b]", ended.stderr)
 
 

@@ -152,6 +152,15 @@ def test_the_history_is_the_command_with_its_options(here):
     assert here.result("a").attributes["history"].endswith(": beamwave run set (set/a.nml)")
 
 
+def names_in(scene):
+    """Every name of a resolved scene, as `group%name`."""
+    names, group = set(), ""
+    for line in scene.splitlines():
+        group = line[1:] if line.startswith("&") else group
+        names |= {f"{group}%{line.split('=')[0].strip()}"} if "=" in line else set()
+    return names
+
+
 def test_the_attributes_say_what_made_the_file(full):
     attributes = full.attributes
     assert attributes["Conventions"] == "CF-1.11"
@@ -162,6 +171,10 @@ def test_the_attributes_say_what_made_the_file(full):
     assert attributes["source"].startswith("beamwave ")
     assert "beamwave run" in attributes["history"]
     assert attributes["scene"].startswith("&scene")
+    given = attributes["given"].split()
+    assert len(set(given)) == len(given) and set(given) < names_in(attributes["scene"])
+    assert {"scene%title", "beam%length", "response%velocity"} <= set(given)
+    assert not {"impact%profile_points", "impact%restitution", "spectrum%window"} & set(given)
     for name in ["created", "notes", "compiler", "libraries"]:
         assert attributes[name].strip(), name
 

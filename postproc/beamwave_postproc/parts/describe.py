@@ -9,11 +9,15 @@ import numpy as np
 import xarray as xr
 
 from .labels import symbol_of, value_text
-from .units import number_text, unit_text, units_of
+from .scene import Group, Value, given_in, groups_of, word_of
+from .units import LONG, number_text, unit_text, units_of
 
 FEW = 4  # swept values that are listed, and bodies that are told one by one
-WORDS = {"plane": {"out": "out of plane", "in": "in plane"}}  # of inputs that are words, those that are told
-NOT_TOLD = ("profile_points", "max_contacts", "shear_coefficient")
+DIGITS, WHOLE = 6, 15  # of an input that is a real number, and of a whole one
+MOST = 8  # values of a list, before its middle is left out
+WORDS = {"plane": {"out": "out of plane", "in": "in plane"}}  # of inputs that are told by a word of their own
+ELSEWHERE = ("scene", "modes", "sweep")  # groups that the title, the count of modes and the swept inputs tell
+QUIET = ("profile_points", "max_contacts", "shear_coefficient")  # told where they are given, and not by default
 DEFAULTS = {"impact_position": 1.0}  # as most inputs do by 0, these say nothing by this value
 
 
@@ -28,22 +32,25 @@ def file_of(ds: xr.Dataset) -> str:
 
 
 def description_of(ds: xr.Dataset) -> str:
-    """Beam, effects and inputs of a result in one line, groups apart by semicolons, and its file.
+    """The scene of a result in one line, groups apart by semicolons, and its file.
 
-    Inputs that were identified are not told: what the scene gives for them is where a search began.
+    Of the beam and the effects it has what was given and what is not at its default, of other groups what was given. Inputs
+    that were identified are left out: what the scene gives for them is where the search began.
     """
-    ds = _without_unknowns(ds)
-    beam = _group(ds, "beam")
-    effects = [_bodies(ds) if name == "body" else _group(ds, name) for name in effects_of(ds)]
-    groups = ["" if beam == "beam" else beam, *effects, _modes(ds)]
-    return "; ".join(filter(None, [*groups, file_of(ds)]))
+    ds, hidden = _without_unknowns(ds)
+    scene = groups_of(ds)
+    told = [_groups(ds, name, scene, hidden) for name in ("beam", *effects_of(ds))]
+    others = dict.fromkeys(group.name for group in scene if group.name not in ("beam", *effects_of(ds), *ELSEWHERE))
+    told += [_modes(ds), *(_groups(ds, name, scene, hidden, only_given=True) for name in others)]
+    return "; ".join(filter(None, [*told, file_of(ds)]))
 
 
-def _without_unknowns(ds: xr.Dataset) -> xr.Dataset:
-    """The same without the numbers that were identified; of several bodies or pieces those of the others stay.
+def _without_unknowns(ds: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
+    """The same without the numbers that were identified, and their names; of several bodies or pieces the others stay.
 
     What is unknown of a further scene, `beam%length (scene)`, is none of this one.
     """
+    hidden = set()
     for parameter in ds["identified_parameter"].values if "identified_parameter" in ds else []:
         name = parameter.decode() if isinstance(parameter, bytes) else str(parameter)
         found = re.fullmatch(r"(\w+)(?:\((\d+)\))?%(\w+)(?:\((\d+)\))?", name.strip())
@@ -55,7 +62,8 @@ def _without_unknowns(ds: xr.Dataset) -> xr.Dataset:
             ds = ds.assign({variable: ds[variable].where(np.arange(ds[variable].size) != int(number or piece) - 1)})
         else:
             ds = ds.drop_vars(variable, errors="ignore")
-    return ds
+            hidden.add(f"{group}%{value}")
+    return ds, hidden
 
 
 def effects_of(ds: xr.Dataset) -> list[str]:
@@ -69,54 +77,89 @@ def effects_of(ds: xr.Dataset) -> list[str]:
 
 def turns_out_of_plane(ds: xr.Dataset) -> bool:
     """Whether the beam bends along the axis that it turns about."""
-    return _word(ds, "plane") == "out"
+    return word_of(ds, "plane") == "out"
 
 
-def _group(ds: xr.Dataset, group: str) -> str:
-    """Name of a group, its inputs that say something, its words."""
-    names = [str(name) for name in ds.variables if str(name).startswith(f"{group}_")]
-    told = [_input(ds[name]) for name in names if _says_something(ds, name, group)]
-    words = [
-        words[_word(ds, name)] for name, words in WORDS.items() if group == "rotation" and _word(ds, name) in words
-    ]
-    return " ".join(filter(None, [group, ", ".join(told), *words]))
+def _groups(ds: xr.Dataset, name: str, scene: list[Group], hidden: set[str], *, only_given: bool = False) -> str:
+    """All groups of a name: few one by one, many together, each with its inputs that say something."""
+    groups = [group for group in scene if group.name == name]
+    count = ds.sizes.get(name, len(groups) or 1)
+    groups += [Group(name, {})] * (count - len(groups))  # of a result without its scene
+    if count > FEW:
+        return _group(ds, groups[0], hidden, only_given, f"{count} bodies" if name == "body" else f"{count} × {name}")
+    own = [ds.isel({name: i}).drop_vars(name, errors="ignore") if name in ds.dims else ds for i in range(count)]
+    told = [_group(one, group, hidden, only_given, name) for one, group in zip(own, groups)]
+    return "; ".join(filter(None, told))
 
 
-def _bodies(ds: xr.Dataset) -> str:
-    """What is attached to the beam: of few bodies each with what it has, of many how many there are."""
-    count = ds.sizes.get("body", 0)
-    if not 0 < count <= FEW:
-        return f"{count} bodies" if count else _group(ds, "body")
-    inputs = ds[[name for name in ds.data_vars if str(name).startswith("body_")]].reset_coords(drop=True)
-    return "; ".join(_group(inputs.isel(body=body), "body") for body in range(count))
+def _group(ds: xr.Dataset, group: Group, hidden: set[str], only_given: bool, label: str) -> str:
+    """Name of a group, its inputs that say something, its words; empty where only an effect would say so much."""
+    given = {name.partition("%")[2] for name in given_in(ds) - hidden if name.partition("%")[0] == group.name}
+    before = f"{group.name}_"
+    variables = [str(name).removeprefix(before) for name in ds.variables if str(name).startswith(before)]
+    told, words = [], []
+    for name in dict.fromkeys([*group.inputs, *variables]):
+        values = group.inputs.get(name, [])
+        variable = None if values and isinstance(values[0], str) else ds.get(before + name)
+        if variable is not None and "unknown" in variable.dims:  # of all groups together
+            variable = None
+        if name in WORDS and values and values[0] in WORDS[name]:
+            words.append(WORDS[name][values[0]])
+        elif variable is not None and (_is_told(variable, given, name) if not only_given else name in given):
+            told.append(_input(variable))
+        elif variable is None and name in given and values:
+            told.append(_given(before + name, values))
+    if not told and not words and (only_given or group.name == "beam"):
+        return ""
+    return " ".join(filter(None, [label, ", ".join(told), *words]))
 
 
-def _says_something(ds: xr.Dataset, name: str, group: str) -> bool:
-    """Whether an input is a number that is not left at what means nothing."""
-    variable = ds[name]
-    if name.removeprefix(f"{group}_") in NOT_TOLD or variable.dtype.kind not in "if" or variable.ndim > 1:
+def _is_told(variable: xr.DataArray, given: set[str], name: str) -> bool:
+    """Whether an input is a number that was given, or that is not what means nothing."""
+    if variable.dtype.kind not in "if" or variable.ndim > 1:
         return False
-    values = variable.values
-    known = values[np.isfinite(values)]
-    always = name in ("rotation_angular_velocity", "body_position")
-    return bool(known.size and (always or (known != DEFAULTS.get(name, 0.0)).any()))
+    known = variable.values[np.isfinite(variable.values)]
+    always = name in given or variable.name in ("rotation_angular_velocity", "body_position")
+    says = name not in QUIET and (known != DEFAULTS.get(str(variable.name), 0.0)).any()
+    return bool(known.size and (always or says))
+
+
+def _given(name: str, values: list[Value]) -> str:
+    """An input that is no variable of the result, as the scene has it: words, files, a list."""
+    symbol = symbol_of(name)
+    if isinstance(values[0], bool):
+        return symbol if values[0] else f"no {symbol}"
+    texts = [_number(value) if isinstance(value, float) else Path(value).name for value in values]
+    between = "\u00a0=\u00a0" if isinstance(values[0], float) else " "
+    return f"{symbol}{between}{listed(texts)}"
+
+
+def _number(value: float) -> str:
+    return number_text(value, WHOLE if value.is_integer() and abs(value) < LONG else DIGITS)
+
+
+def listed(texts: list[str], units: str = "") -> str:
+    """A list and its unit; of a long list the middle is left out, and its values are counted."""
+    shown = texts if len(texts) <= MOST else [*texts[: MOST - 2], "…", texts[-1]]
+    count = "" if len(texts) <= MOST else f" ({len(texts)}\u00a0values)"
+    return ",\u00a0".join(shown) + (f"\u00a0{units}" if units else "") + count
 
 
 def _input(variable: xr.DataArray) -> str:
     """One input: its value, or what it is swept over."""
     values = np.unique(variable.values)
+    digits = DIGITS if variable.dtype.kind == "f" else WHOLE
     add_up = variable.name == "beam_length" and variable.size > 1 and "piece" in variable.dims
     if values.size == 1 and not add_up:
-        return value_text(variable if variable.ndim == 0 else variable[0])
+        return value_text(variable if variable.ndim == 0 else variable[0], digits)
     symbol, units = symbol_of(str(variable.name)), unit_text(units_of(variable))
     if variable.dims != ("case",):
         values = variable.values
     elif values.size > FEW:
-        first, last = number_text(values[0]), number_text(values[-1])
+        first, last = number_text(values[0], digits), number_text(values[-1], digits)
         text = f"{symbol}\u00a0from {first} to {last}\u00a0{units}".rstrip("\u00a0")
         return f"{text} ({values.size}\u00a0values)"
-    listed = ",\u00a0".join(map(number_text, values[: 2 * FEW]))
-    return f"{symbol}\u00a0=\u00a0{listed}\u00a0{units}".rstrip("\u00a0")
+    return f"{symbol}\u00a0=\u00a0{listed([number_text(value, digits) for value in values], units)}"
 
 
 def _modes(ds: xr.Dataset) -> str:
@@ -136,9 +179,3 @@ def _count(variable: xr.DataArray) -> str:
     """A whole number, or the range of a sweep."""
     values = np.unique(variable.values)
     return f"{values[0]:.0f}" if values.size == 1 else f"{values[0]:.0f} to {values[-1]:.0f}"
-
-
-def _word(ds: xr.Dataset, name: str) -> str:
-    """Value of a word of the scene, in small letters; empty where the scene has none."""
-    found = re.search(rf"\b{name}\s*=\s*['\"](\w+)", str(ds.attrs.get("scene", "")), re.IGNORECASE)
-    return found.group(1).lower() if found else ""

@@ -20,6 +20,8 @@ INPUT_SYMBOLS = {
     "modes_before": "$n$",
     "modes_after": r"$\bar{n}$",
     "body_position": r"$\xi$",
+    "response_points": r"$\xi$",
+    "record_points": r"$\xi$",
     "beam_length": "$l$",
     "beam_diameter": "$D$",
     "beam_density": r"$\rho$",

@@ -52,7 +52,7 @@ def test_a_spectrum_without_peaks_is_drawn_alone(full_result):
     with open_result(full_result) as ds:
         fig = spectrum(ds.drop_vars("measured_angular_frequency"))
     drawn = [line for line in drawn_lines(fig) if line.get_marker() != "x"]
-    assert len(drawn) == 1 and not any("peaks" in text.get_text() for text in fig.texts)
+    assert len(drawn) == 1 and not any("measured peaks" in text.get_text() for text in fig.texts)
 
 
 @pytest.mark.parametrize("name", QUANTITIES)
