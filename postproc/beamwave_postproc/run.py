@@ -53,15 +53,15 @@ def run(
     - a text that begins as a namelist does, with `&` behind comments and blanks.
     - any other text, or a `Path`: the path of a namelist file. A path that itself begins with `&` has to be a `Path`.
 
-    The result is kept in the directory `output` where given: a mapping's and a text's as `scene.nc`. One of the same scene
-    that is there is returned as it is; one of another scene is replaced with `overwrite`, and else is an error.
-    The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH, else the one built in the checkout: the one that
-    this package lies in, or its Python's `.venv`, or the directory in which it runs.
+    The result is kept in the directory `output` where given: a mapping's and a text's as `scene.nc`. One of the same
+    scene that is there is returned as it is; one of another scene is replaced with `overwrite`, and else is an error.
+    The program is `program`, else $BEAMWAVE, else `beamwave` on the PATH, else the one built in the checkout: the one
+    that this package lies in, or its Python's `.venv`, or the directory in which it runs.
 
     Raises `ValueError` for an empty scene and `TypeError` for what is none of the three, `FileNotFoundError` without a
-    file of that name or a program, `IsADirectoryError` for a directory, and `RunFailed` with the program's messages where
-    it ends without a result. Each warning of the program becomes a `ProgramWarning`; all together are one of `Untrusted`
-    numbers where some cannot be trusted (exit status 4).
+    file of that name or a program, `IsADirectoryError` for a directory, and `RunFailed` with the program's messages
+    where it ends without a result. Each warning of the program becomes a `ProgramWarning`; all together are one of
+    `Untrusted` numbers where some cannot be trusted (exit status 4).
     """
     if output is not None and not str(output):
         raise ValueError("output is empty; accepted: a directory, or None")

@@ -35,7 +35,8 @@ def put(path: Path, write: Callable[[Path], object], *, overwrite: bool = False,
     except OSError as failure:
         if failure.errno is None or isinstance(failure, FileExistsError):
             raise
-        raise OSError(failure.errno, failure.strerror, str(path)) from failure
+        why = f"{path.parent} cannot be written: {failure.strerror}"
+        raise OSError(failure.errno, why, str(path)) from failure
     finally:
         draft.unlink(missing_ok=True)
 

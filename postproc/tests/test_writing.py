@@ -29,7 +29,7 @@ def place(path, kind):
     {
         "file": lambda: path.write_bytes(OLD),
         "link": lambda: path.symlink_to(elsewhere),
-        "hard link": lambda: path.hardlink_to(elsewhere),
+        "hard link": lambda: os.link(elsewhere, path),
         "link to nothing": lambda: path.symlink_to("nothing"),
         "pipe": lambda: os.mkfifo(path),
     }[kind]()

@@ -34,8 +34,8 @@ def file_of(ds: xr.Dataset) -> str:
 def description_of(ds: xr.Dataset) -> str:
     """The scene of a result in one line, groups apart by semicolons, and its file.
 
-    Of the beam and the effects it has what was given and what is not at its default, of other groups what was given. Inputs
-    that were identified are left out: what the scene gives for them is where the search began.
+    Of the beam and the effects it has what was given and what is not at its default, of other groups what was given.
+    Inputs that were identified are left out: what the scene gives for them is where the search began.
     """
     ds, hidden = _without_unknowns(ds)
     scene = groups_of(ds)
