@@ -1,5 +1,5 @@
 program beamwave
-  !! Bending waves in a rotating beam struck at its tip.
+  !! Bending waves in a beam that is struck by a mass.
   use bw_main, only: main
   use bw_process_group, only: process_group
   implicit none (type, external)

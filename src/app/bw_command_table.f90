@@ -122,7 +122,7 @@ contains
     type(command_row), intent(in) :: rows(:)
     character(:), allocatable :: text, flags
     integer :: i
-    text = 'beamwave: bending waves in a rotating beam struck at its tip'//nl//nl
+    text = 'beamwave: bending waves in a beam that is struck by a mass, at rest or rotating, computed or recorded'//nl//nl
     flags = ''
     do i = 1, size(rows)
       if (rows(i)%flags == '') text = text//column('  beamwave '//usage(rows(i)), 32)//trim(rows(i)%help)//nl

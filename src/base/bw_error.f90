@@ -4,9 +4,6 @@ module bw_error
   private
   public :: fail
 
-  character(*), parameter, public :: why_not_written = 'is the disk full, a quota used up, the directory gone or read-only?'
-    !! what to ask where the system refuses to write a file: it does not say why in words
-
   integer, parameter, public :: status_done = 0        !! all is well
   integer, parameter, public :: status_bad_input = 2   !! the command line or a scene is wrong
   integer, parameter, public :: status_bad_file = 3    !! a file could not be read or written, or memory was refused

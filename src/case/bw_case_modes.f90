@@ -59,14 +59,17 @@ contains
     if (allocated(scene%capture)) then
       call sources%loaded%find(first_numbers(scene%modes%after), modes%loaded, longest, first)
       if (monitor%stop_requested()) return
+      call modes%loaded%forget_rigid_waves()
       call look_at(modes%loaded)
       call note_coupling(scene, units, modes%loaded, modes%notes)
       call note_growth(units, modes%loaded, modes%notes)
       if (by_tolerance(scene%modes)) return
       call sources%free%find(first_numbers(scene%modes%before), modes%free, monitor=second)
+      call modes%free%forget_rigid_waves()
       call look_at(modes%free)
     else
       call sources%free%find(first_numbers(scene%modes%before), modes%free, longest, second)
+      call modes%free%forget_rigid_waves()
       call look_at(modes%free)
       call note_coupling(scene, units, modes%free, modes%notes)
       call note_growth(units, modes%free, modes%notes)

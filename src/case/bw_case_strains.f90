@@ -1,14 +1,14 @@
 module bw_case_strains
   !! How far the material of a beam is strained, and where the most: by bending, and by the centrifugal force. Linear theory
   !! holds for small strains alone.
-  use bw_beam_par, only: area_of, beam_par, beam_piece, piece_mass, second_moment_of
+  use bw_beam_par, only: area_of, beam_par, beam_piece, piece_mass, pieces_of_beam, second_moment_of
   use bw_kinds, only: dp, qp
   use bw_missing, only: is_missing, scaled
   use bw_mode_set, only: mode_set
   use bw_scene, only: scene_type
   implicit none (type, external)
   private
-  public :: centrifugal_strain, largest_bending, pieces_of_beam
+  public :: centrifugal_strain, largest_bending
 
   type, public :: placed_strain
     real(dp) :: strain = 0.0_dp                    !! the largest there is, or what is known of it
@@ -24,17 +24,6 @@ module bw_case_strains
   real(dp), parameter :: quarters(3) = [0.25_dp, 0.5_dp, 0.75_dp]
 
 contains
-
-  pure function pieces_of_beam(beam) result(pieces)
-    !! All pieces, one of a uniform beam.
-    type(beam_par), intent(in) :: beam
-    type(beam_piece), allocatable :: pieces(:)
-    if (allocated(beam%pieces)) then
-      pieces = beam%pieces
-    else
-      pieces = [beam%beam_piece]
-    end if
-  end function pieces_of_beam
 
   function largest_bending(scene, modes, amplitude) result(found)
     !! The largest strain c v'' of an outermost fibre, by the sum of the amplitudes of the first modes, in V l²/h over l. A uniform

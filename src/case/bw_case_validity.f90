@@ -1,10 +1,11 @@
 module bw_case_validity
   !! Whether the numbers of a case lie where the theory holds, whether its samples show its motion, and whether its histories are
   !! near the truth: warnings that name an input which was likely meant otherwise, or an effect that is missing.
-  use bw_beam_par, only: beam_mass, beam_par, beam_piece
+  use bw_beam_par, only: beam_par
   use bw_beam_units, only: slenderness
   use bw_case_result, only: case_motion, history_errors
-  use bw_case_strains, only: centrifugal_strain, largest_bending, pieces_of_beam, placed_strain
+  use bw_case_strains, only: centrifugal_strain, largest_bending, placed_strain
+  use bw_case_units, only: note_units
   use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
@@ -20,8 +21,6 @@ module bw_case_validity
   public :: note_history_errors, note_validity
 
   integer, parameter :: looked_at = 20                        !! modes, the first
-  real(dp), parameter :: wave_speeds(2) = [100.0_dp, 20000.0_dp]   !! √(E/ρ) of solids, m/s: of soft rubber to that of diamond
-  real(dp), parameter :: longest = 200.0_dp                   !! m: a rotor blade of 2025 has 150
   real(dp), parameter :: thickest = 0.1_dp                    !! D/l of a slender beam
   real(dp), parameter :: largest_deflection = 0.1_dp          !! over the length
   real(dp), parameter :: largest_strain = 0.005_dp
@@ -37,52 +36,33 @@ contains
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in), optional :: response      !! absent: no history is asked for
     type(string), allocatable, intent(inout) :: notes(:)
-    real(dp) :: peak
-    call note_beam(scene, notes)
-    call note_rotation(centrifugal_strain(scene), notes)
-    if (.not. present(response)) return
-    if (response%finite_samples == 0) return                   ! another note says why
-    peak = largest_magnitude(response%displacement(:response%finite_samples, :))
     if (allocated(motion%modes%loaded)) then
-      call note_amplitudes(scene, motion, motion%modes%loaded, peak, notes)
+      call note_of(motion%modes%loaded)
     else
-      call note_amplitudes(scene, motion, motion%modes%free, peak, notes)
+      call note_of(motion%modes%free)
     end if
+  contains
+    subroutine note_of(modes)
+      class(mode_set), intent(in) :: modes           !! that the impact leaves in motion
+      call note_units(scene, motion%units, modes, notes)
+      call note_thickness(scene, notes)
+      call note_rotation(centrifugal_strain(scene), notes)
+      if (.not. present(response)) return
+      if (response%finite_samples == 0) return       ! another note says why
+      call note_amplitudes(scene, motion, modes, largest_magnitude(response%displacement(:response%finite_samples, :)), notes)
+    end subroutine note_of
   end subroutine note_validity
 
-  pure subroutine note_beam(scene, notes)
-    !! The material is one, the length is in metres, and the beam is slender or has shear.
+  pure subroutine note_thickness(scene, notes)
+    !! The beam is slender or has shear.
     type(scene_type), intent(in) :: scene
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: thickness
-    call note_material(pieces_of_beam(scene%beam), notes)
-    if (scene%beam%length > longest) call append(notes, 'long beam: '//shortest(scene%beam%length, 6)//' m, of a mass of '// &
-      shortest(real(beam_mass(scene%beam), dp), 3)//' kg. Is length in m, not in mm, and the section too?')
     thickness = 4.0_dp*slenderness(scene%beam)
     if (thickness <= thickest .or. allocated(scene%shear)) return
     call append(notes, 'thick beam: '//thickness_words(scene%beam)//' is '//shortest(thickness, 3)//' of the length, more than '// &
                 'the 0.1 of a slender beam; its waves need &shear')
-  end subroutine note_beam
-
-  pure subroutine note_material(pieces, notes)
-    !! The first piece that is of no material, and how many more there are.
-    type(beam_piece), intent(in) :: pieces(:)
-    type(string), allocatable, intent(inout) :: notes(:)
-    real(dp) :: speed(size(pieces))
-    logical :: strange(size(pieces))
-    character(:), allocatable :: place, others
-    integer :: i
-    speed = sqrt(pieces%youngs_modulus/pieces%density)
-    strange = speed < wave_speeds(1) .or. speed > wave_speeds(2)
-    i = findloc(strange, .true., dim=1)
-    if (i == 0) return
-    place = ''
-    others = ''
-    if (size(pieces) > 1) place = ' of piece '//text_of(i)
-    if (count(strange) > 1) others = ' (that of '//text_of(count(strange) - 1)//' more of the pieces too)'
-    call append(notes, 'material'//place//': sqrt(E/rho), the speed of waves along the beam, is '//shortest(speed(i), 3)// &
-                ' m/s; of solids it is 100 to 20000 m/s'//others//'. Is youngs_modulus in Pa, and density in kg/m3?')
-  end subroutine note_material
+  end subroutine note_thickness
 
   pure subroutine note_rotation(found, notes)
     !! The strain that the centrifugal force brings into the beam alone is small, with or without its tension in the equations.

@@ -6,6 +6,7 @@ module bw_mode_set
   use bw_kinds, only: dp, qp
   use bw_damping, only: damping_law
   use bw_double_double, only: dd, sqrt, to_quad, operator(-)
+  use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   implicit none (type, external)
   private
@@ -43,6 +44,8 @@ module bw_mode_set
     procedure :: overlap_far_below                                !! the same, of modes far below these
     procedure(elastic_interface), deferred :: elastic
     procedure :: damp
+    procedure :: rigid => rigid_modes
+    procedure :: forget_rigid_waves
     procedure :: body_energy => no_body_energy
     procedure :: in_full => full_numbers_of_set
   end type mode_set
@@ -200,6 +203,37 @@ contains
       k = max(1, findloc(shape > at_rest*maxval(shape), .true., dim=1))
     end associate
   end function first_struck
+
+  pure function rigid_modes(self) result(rigid)
+    !! Which of the first two modes move the beam as a rigid body: their shapes are straight to within a hundredth. No other
+    !! mode does, since a straight line has two numbers.
+    class(mode_set), intent(in) :: self
+    logical :: rigid(min(2, self%count))
+    real(dp), parameter :: xi(5) = [0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp], straight = 0.01_dp
+    real(dp) :: shape(size(rigid), size(xi))
+    integer :: k
+    rigid = .false.
+    if (self%root_power == 2) return
+    shape = self%some_shapes(1, size(rigid), xi)
+    do k = 1, size(rigid)
+      associate (line => shape(k, 1) + xi*(shape(k, size(xi)) - shape(k, 1)))
+        rigid(k) = maxval(abs(shape(k, :) - line)) <= straight*maxval(abs(shape(k, :)))
+      end associate
+    end do
+  end function rigid_modes
+
+  pure subroutine forget_rigid_waves(self)
+    !! A beam that moves as a rigid body carries no wave.
+    class(mode_set), intent(inout) :: self
+    integer :: k
+    associate (rigid => self%rigid())
+      do k = 1, size(rigid)
+        if (.not. rigid(k)) cycle
+        self%phase_velocity(k) = missing
+        self%group_velocity(k) = missing
+      end do
+    end associate
+  end subroutine forget_rigid_waves
 
   pure subroutine damp(self, law)
     !! Damp the modes that were found: set c_k, and β² − c²/4.

@@ -5,9 +5,9 @@ module bw_report
   use bw_case_fields, only: named_value
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, numbered_rows, right
-  use bw_event, only: event_words
+  use bw_event, only: event_words, release_event
   use bw_history_report, only: report_histories, report_measured
-  use bw_missing, only: is_missing, scaled
+  use bw_missing, only: is_missing, missing, scaled
   use bw_note, only: is_remark, unmarked
   use bw_record_report, only: report_record
   use bw_scene, only: scene_type
@@ -45,49 +45,83 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp), allocatable, dimension(:) :: frequency, phase, group
+    real(dp), allocatable :: columns(:, :)
     integer :: n
     frequency = named_value(result, 'angular_frequency')
     phase = named_value(result, 'phase_velocity')
     group = named_value(result, 'group_velocity')
     call lines%append_line('')
-    call lines%append_line('  mode       alpha  wave number    frequency    frequency  phase velocity  group velocity')
-    call lines%append_line('                            1/m        rad/s           Hz             m/s             m/s')
-    call numbered_rows(lines, shown_modes, [12, 13, 13, 13, 16, 16], &
-                       reshape([named_value(result, 'alpha'), named_value(result, 'wavenumber'), frequency, &
-                                scaled(frequency, 1.0_dp/two_pi), phase, group], [size(frequency), 6]))
+    columns = reshape([named_value(result, 'alpha'), named_value(result, 'wavenumber'), frequency, &
+                       scaled(frequency, 1.0_dp/two_pi), phase, group], [size(frequency), 6])
+    if (leaves_again(result)) then
+      call lines%append_line('  mode       alpha  wave number    frequency    frequency  phase velocity  group velocity       '// &
+                             'released')
+      call lines%append_line('                            1/m        rad/s           Hz             m/s             m/s'// &
+                             '          rad/s')
+      columns = reshape([columns, released_frequency(result, size(frequency))], [size(frequency), 7])
+    else
+      call lines%append_line('  mode       alpha  wave number    frequency    frequency  phase velocity  group velocity')
+      call lines%append_line('                            1/m        rad/s           Hz             m/s             m/s')
+    end if
+    call numbered_rows(lines, shown_modes, [12, 13, 13, 13, 16, 16, 15], columns)
     n = min(shown_modes, size(frequency))
-    call lines%append(why_not(named_value(result, 'growth_rate'), frequency(:n), phase(:n), group(:n)))
+    call lines%append(why_not(named_value(result, 'growth_rate'), frequency(:n), phase(:n), group(:n), result%modes%rigid()))
     call report_critical(scene, result, lines)
   end subroutine report_modes
 
-  pure function why_not(growth, frequency, phase, group) result(text)
+  pure logical function leaves_again(result)
+    !! The captured mass is released, and the modes of the beam alone are known.
+    type(case_result), intent(in) :: result
+    leaves_again = allocated(result%before) .and. allocated(result%events)
+    if (leaves_again) leaves_again = any(result%events%kind == release_event)
+  end function leaves_again
+
+  pure function released_frequency(result, count) result(frequency)
+    !! Of the first modes of the beam alone, rad/s; missing beyond them.
+    type(case_result), intent(in) :: result
+    integer, intent(in) :: count
+    real(dp) :: frequency(count)
+    integer :: n
+    n = min(count, result%before%count)
+    frequency = missing
+    associate (all => named_value(result, 'angular_frequency_before'))
+      frequency(:n) = all(:n)
+    end associate
+  end function released_frequency
+
+  pure function why_not(growth, frequency, phase, group, rigid) result(text)
     !! Why numbers of the modes that are shown do not exist; empty where all do.
     real(dp), intent(in) :: growth(:), frequency(:), phase(:), group(:)
+    logical, intent(in) :: rigid(:)                !! the first modes move the beam as a rigid body
     character(:), allocatable :: text
+    logical :: bends(size(frequency))
+    bends = .true.
+    bends(:size(rigid)) = .not. rigid(:size(rigid))
     associate (grows => growth(:size(frequency)) > 0.0_dp, none => is_missing(frequency))
       text = ''
+      if (any(.not. bends)) text = text//'  -: a mode that moves the beam as a rigid body is no wave.'//new_line('a')
       if (any(none .and. grows)) text = text//'  -: a mode that grows has no frequency, and is no wave.'//new_line('a')
       if (any(none .and. .not. grows)) text = text//'  -: a mode that is damped so much creeps back, and has no frequency.'// &
         new_line('a')
-      if (any((is_missing(phase) .or. is_missing(group)) .and. .not. none)) text = text// &
+      if (any((is_missing(phase) .or. is_missing(group)) .and. bends .and. .not. none)) text = text// &
         '  -: at this frequency no wave with this velocity runs along the beam.'//new_line('a')
     end associate
   end function why_not
 
   subroutine report_critical(scene, result, lines)
-    !! The critical speed, whether the beam turns or not.
+    !! The critical speed of a beam that turns.
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp) :: critical(1)
-    character(:), allocatable :: speed
     critical = named_value(result, 'critical_angular_velocity')
-    if (is_missing(critical(1))) return
-    speed = shortest(critical(1), 6)//' rad/s ('//shortest(critical(1)*60.0_dp/two_pi, 4)//' rpm).'
-    if (allocated(scene%rotation)) then
-      call lines%append_line('  A mode is unstable above '//speed)
+    if (is_missing(critical(1)) .or. .not. allocated(scene%rotation)) return
+    if (critical(1) == 0.0_dp) then
+      call lines%append_line('  A mode is unstable at any angular velocity: the beam can turn about its root, and nothing '// &
+                             'turns it back.')
     else
-      call lines%append_line('  Turning in the plane of its motion, a mode would be unstable above '//speed)
+      call lines%append_line('  A mode is unstable above '//shortest(critical(1), 6)//' rad/s ('// &
+                             shortest(critical(1)*60.0_dp/two_pi, 4)//' rpm).')
     end if
   end subroutine report_critical
 
@@ -100,12 +134,16 @@ contains
     real(dp) :: state(3)
     struck = 'tip'
     spot = 'tip'
-    if (scene%impact%position < 1.0_dp) struck = 'the beam there'
+    if (scene%impact%position < 1.0_dp) struck = 'beam there'
     if (scene%impact%position < 1.0_dp) spot = 'place of the blow'
     state = [named_value(result, 'impulse'), named_value(result, 'mass_velocity'), named_value(result, 'tip_velocity')]
     call lines%append_line('')
-    call lines%append_line('  Just after the impact: impulse '//shortest(state(1), 6)//' N s, mass '// &
-                           shortest(state(2), 6)//' m/s, '//struck//' '//shortest(state(3), 6)//' m/s')
+    if (result%impact%gamma == 0.0_dp) then
+      call lines%append_line('  Nothing strikes the beam: the mass is 0.')
+    else
+      call lines%append_line('  Just after the impact: impulse '//shortest(state(1), 6)//' N s; velocity of the mass '// &
+                             shortest(state(2), 6)//' m/s, of the '//struck//' '//shortest(state(3), 6)//' m/s')
+    end if
     if (result%impact%impulse == 0.0_dp .and. result%impact%gamma > 0.0_dp) call lines%append_line( &
       '  With infinitely many modes only the very '//spot//' jumps, and that takes no impulse.')
     call report_events(result, lines)

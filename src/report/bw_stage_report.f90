@@ -46,7 +46,7 @@ contains
   end function stage_line
 
   pure function stage_table(watch, elapsed, processes, cases) result(text)
-    !! All stages, with what is in none of them.
+    !! All stages, with what is in none of them. Only several cases have a rate.
     type(stopwatch), intent(in) :: watch
     real(dp), intent(in) :: elapsed
     integer, intent(in) :: processes
@@ -56,14 +56,14 @@ contains
     real(dp) :: wall, remainder
     integer :: i
     wall = max(elapsed*processes, sum(watch%seconds), tiny(1.0_dp))
-    call lines%append_line('  stage           wall       CPU   share     calls   cases/s')
+    call lines%append_line('  stage           wall       CPU   share     calls'//repeat('   cases/s', merge(1, 0, cases > 1)))
     do i = 1, stage_count
       if (watch%calls(i) < 1.0_dp) cycle          ! nothing of the kind is in this scene
-      call lines%append_line(stage_row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8)))
+      call lines%append_line(stage_row(stage_words(i), watch%seconds(i), watch%cpu(i), wall, nint(watch%calls(i), i8), cases > 1))
     end do
     remainder = wall - sum(watch%seconds)
     if (nint(100.0_dp*remainder/wall) > 0) call lines%append_line(other_row(remainder, wall))
-    call lines%append_line(stage_row('elapsed', elapsed, sum(watch%cpu), elapsed, cases))
+    call lines%append_line(stage_row('elapsed', elapsed, sum(watch%cpu), elapsed, cases, cases > 1))
     if (processes > 1) call lines%append_line('  '//text_of(processes)//' processes; stages are their sums, and shares '// &
                                               'those of '//seconds_text(wall))
     text = lines%text()
@@ -76,16 +76,17 @@ contains
     text = '  other   '//right(seconds_text(seconds), 12)//right(text_of(nint(100.0_dp*seconds/whole))//' %', 18)
   end function other_row
 
-  pure function stage_row(name, seconds, cpu, whole, calls) result(text)
+  pure function stage_row(name, seconds, cpu, whole, calls, rated) result(text)
     !! The line of a stage.
     character(*), intent(in) :: name
     real(dp), intent(in) :: seconds, cpu
     real(dp), intent(in) :: whole                 !! of which `seconds` is the share, s
     integer(i8), intent(in) :: calls
+    logical, intent(in) :: rated                  !! with calls in a second
     character(:), allocatable :: text
     text = '  '//name//repeat(' ', 8 - len(name))//right(seconds_text(seconds), 12)//right(seconds_text(cpu), 10)// &
-      right(text_of(nint(100.0_dp*seconds/max(whole, tiny(1.0_dp))))//' %', 8)//right(text_of(calls), 10)// &
-      right(shortest(real(calls, dp)/max(seconds, 1.0e-9_dp), 3), 10)
+      right(text_of(nint(100.0_dp*seconds/max(whole, tiny(1.0_dp))))//' %', 8)//right(text_of(calls), 10)
+    if (rated) text = text//right(shortest(real(calls, dp)/max(seconds, 1.0e-9_dp), 3), 10)
   end function stage_row
 
 end module bw_stage_report

@@ -3,7 +3,7 @@ module bw_netcdf
   !! change from one to the other costs NetCDF-4 a pass over all that is there. So values that are known when their variable
   !! is defined are put aside until `put_known`.
   use bw_kinds, only: dp, i4
-  use bw_error, only: error_type, fail, status_bad_file, why_not_written
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_missing, only: missing
   use bw_netcdf_path, only: plain_path
   use netcdf, only: nf90_char, nf90_close, nf90_create, nf90_def_dim, nf90_def_var, nf90_double, nf90_global, nf90_inq_dimid, &
@@ -74,14 +74,16 @@ contains
   end subroutine create
 
   subroutine check(self, status, error)
-    !! Turn a NetCDF status into an error that names the file. Keeps an error that is there.
-    !! HDF5 gives one status for everything that the system refuses, so the usual reasons are named.
+    !! Turn a NetCDF status into an error that names the file. Keeps an error that is there. A status above 0 is the system's and
+    !! has its words; HDF5 has one for everything that the system refuses, and the usual reasons are asked for.
     class(netcdf_file), intent(in) :: self
     integer, intent(in) :: status
     type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: reason
     if (status == nf90_noerr .or. allocated(error)) return
-    call fail(error, status_bad_file, self%path//': cannot be written: '//trim(nf90_strerror(status))//'; '// &
-              why_not_written)
+    reason = trim(nf90_strerror(status))
+    if (status < 0) reason = reason//'; is the disk full, a quota used up, the directory gone or read-only?'
+    call fail(error, status_bad_file, self%path//': cannot be written: '//reason)
   end subroutine check
 
   subroutine add_dimension(self, name, length, error)

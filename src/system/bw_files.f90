@@ -2,7 +2,7 @@ module bw_files
   !! Files and directories by their names. What fails gives a `problem`, the system's error number, which `reason` puts into
   !! words; 0 means that all is well. That nothing of a name is there is told from not being able to know.
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_null_char, c_ptr
-  use bw_error, only: error_type, fail, status_bad_file, why_not_written
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
   use bw_system_calls, only: bw_error_text, bw_flush_directory, bw_kind_of_error, bw_link, bw_list, bw_look_at, bw_look_at_itself, &
     bw_make_directory, bw_may_write, bw_release, bw_remove, bw_remove_directory, bw_rename, error_not_there, is_directory
@@ -166,8 +166,7 @@ contains
     type(error_type), allocatable, intent(inout) :: error
     character(*), intent(in) :: path
     integer, intent(in) :: problem
-    if (allocated(error)) return
-    call fail(error, status_bad_file, path//': cannot be written: '//why_not_written//' ('//reason(problem)//')')
+    if (.not. allocated(error)) call fail(error, status_bad_file, path//': cannot be written: '//reason(problem))
   end subroutine cannot_be_written
 
 end module bw_files

@@ -8,7 +8,8 @@ module bw_beam_par
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: area_of, beam_mass, beam_text, build_beam, check_beam, piece_mass, second_moment_of
+  public :: area_of, beam_mass, beam_text, build_beam, check_beam, piece_mass, pieces_of_beam, &
+    second_moment_of
 
   type, public :: beam_piece
     !! A piece of one material and one section.
@@ -31,9 +32,9 @@ module bw_beam_par
   type(input_group), parameter, public :: beam_group = input_group( &
     'beam', required=.true., unless='record', absent='an error, unless a `&record` is analysed for frequencies alone', &
     rules='Give `diameter` for a solid circle, `width` and `height` for a solid rectangle, which bends along its height, or '// &
-    '`area` and `second_moment` for any other section. A beam of several uniform pieces has a list of values, from the root '// &
-    'outwards, for each name in which they differ, as `length = 0.3, 0.7`; one value alone stands for every piece, also a '// &
-    'length. A sweep varies one value of a list by its number, as `beam%length(2)`.')
+    '`area` and `second_moment` for any other section. `length` says how many uniform pieces the beam has, from the root '// &
+    'outwards, as `length = 0.3, 0.7`; every other name has one value for all pieces, or one for each. A sweep varies one '// &
+    'value of a list by its number, as `beam%length(2)`.')
 
   integer, parameter :: most_pieces = 1000
 
@@ -95,19 +96,22 @@ contains
   end subroutine check_pair
 
   pure subroutine check_counts(beam, messages)
-    !! Lists have as many values as there are pieces.
+    !! `length` says how many pieces there are; another name has one value for all of them, or one for each.
     type(group_values), intent(in) :: beam
     type(message_list), intent(inout) :: messages
-    integer :: v, first
-    first = 0
+    character(:), allocatable :: hint
+    integer :: v, n, pieces
+    pieces = beam%count_of('length')
     do v = 1, size(beam%values)
       associate (value => beam%values(v))
-        if (.not. value%known .or. beam%count_of(value%name) < 2) cycle
-        if (first == 0) first = v
-        if (size(value%numbers) == size(beam%values(first)%numbers)) cycle
-        call messages%add(value%line, 'beam%'//trim(value%name), 'has '//text_of(size(value%numbers))//' values, and '// &
-                          trim(beam%values(first)%name)//' has '//text_of(size(beam%values(first)%numbers))// &
-                          '; accepted: one value, or one for each piece')
+        n = beam%count_of(value%name)
+        if (pieces == 0 .or. n < 2 .or. n == pieces) cycle
+        hint = ''
+        if (all(value%numbers == value%numbers(1))) hint = ' (in a namelist '//text_of(n)//'*'//shortest(value%numbers(1), 15)// &
+          ' is the value '//text_of(n)//' times, and no product)'
+        call messages%add(value%line, 'beam%'//trim(value%name), 'has '//text_of(n)//' values'//hint//', and length has '// &
+                          text_of(pieces)//', which says how many pieces there are; accepted: one value'// &
+                          repeat(', or one for each piece', merge(1, 0, pieces > 1)))
       end associate
     end do
   end subroutine check_counts
@@ -117,11 +121,8 @@ contains
     type(group_values), intent(in) :: values
     type(beam_par), intent(out) :: beam
     type(message_list), intent(inout) :: messages
-    integer :: count, i, v
-    count = 1
-    do v = 1, size(values%values)
-      count = max(count, values%count_of(values%values(v)%name))
-    end do
+    integer :: count, i
+    count = values%count_of('length')
     call build_piece(values, 1, beam%beam_piece, messages)
     if (count == 1) return
     allocate (beam%pieces(count))
@@ -196,6 +197,17 @@ contains
       beam_mass = piece_mass(beam%beam_piece)
     end if
   end function beam_mass
+
+  pure function pieces_of_beam(beam) result(pieces)
+    !! All pieces, one of a uniform beam.
+    type(beam_par), intent(in) :: beam
+    type(beam_piece), allocatable :: pieces(:)
+    if (allocated(beam%pieces)) then
+      pieces = beam%pieces
+    else
+      pieces = [beam%beam_piece]
+    end if
+  end function pieces_of_beam
 
   pure function beam_text(beam) result(text)
     !! Of what a report says of it the part that a uniform beam has not: ` in 2 pieces (0.3, 0.7 m)`, or nothing.

@@ -8,7 +8,7 @@ module bw_modes_par
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: build_modes, settle_modes, by_tolerance
+  public :: build_modes, by_tolerance, is_relaxed, relaxed_tolerance, settle_modes
 
   type, public :: modes_par
     integer :: before = 0   !! modes of the beam before the impact, ≥ 1
@@ -16,6 +16,8 @@ module bw_modes_par
     real(dp) :: tolerance = missing
       !! largest error of the displacement over its peak; `missing` where counts are given instead, and the counts are
       !! then 0 before and `shown_modes` after
+    logical :: asked = .true.
+      !! false of a tolerance that is the default: where it is out of reach, it relaxes to what can be had
     logical :: extended = .false.
       !! every root in extended precision, whether the record calls for it or not. No input names it: `beamwave accuracy`
       !! shows what it would cost
@@ -28,11 +30,11 @@ module bw_modes_par
   type(number_range), parameter :: counts = number_range(1.0_dp, 1e7_dp)
 
   type(input_group), parameter, public :: modes_group = input_group( &
-    'modes', implied=.true., absent='20 modes without `&response`; with it and `&capture`, tolerance 1e-6', &
+    'modes', implied=.true., absent='20 modes without `&response`; with it and `&capture`, tolerance 1e-6, or what can be had', &
     rules='Give counts, or a tolerance. With `&capture` there are two sets of modes; a count that is not given is that of '// &
     'the other. Without it there is one set, whose count is `before`; `after` may only repeat it. Without `&capture` a '// &
     '`&response` needs a count: the impulse of a rebound goes to 0 as modes are added, so that the motion depends on '// &
-    'their number.')
+    'their number. A tolerance that is out of reach is refused; the default relaxes to one that is not.')
 
   type(input_name), parameter, public :: modes_names(*) = [ &
     input_name('modes', 'before', integer_input, '1', counts, swept=.true., excludes='tolerance', &
@@ -114,6 +116,7 @@ contains
     type(group_values), intent(in) :: values      !! settled
     if (values%known('tolerance')) then
       modes%tolerance = values%number('tolerance')
+      modes%asked = values%given('tolerance')
       modes%after = shown_modes
       return
     end if
@@ -121,6 +124,23 @@ contains
     modes%after = modes%before
     if (values%known('after')) modes%after = values%whole('after')
   end function build_modes
+
+  pure real(dp) function relaxed_tolerance(reached) result(tolerance)
+    !! The finest of 0.5, 0.2, 0.1, 0.05 … that is safely above an error that can be had; missing where none is.
+    real(dp), intent(in) :: reached            !! estimated error of the displacement over its peak, > 0
+    real(dp), parameter :: margin = 1.05_dp, steps(3) = [1.0_dp, 2.0_dp, 5.0_dp]
+    real(dp) :: tens
+    tolerance = missing
+    if (margin*reached > coarsest_tolerance) return
+    tens = 10.0_dp**(-floor(log10(margin*reached)))
+    tolerance = minval([steps, 10.0_dp], mask=[steps, 10.0_dp] >= margin*reached*tens)/tens
+  end function relaxed_tolerance
+
+  pure logical function is_relaxed(modes)
+    !! The default tolerance was out of reach, and another stands in its place.
+    type(modes_par), intent(in) :: modes
+    is_relaxed = by_tolerance(modes) .and. .not. modes%asked .and. modes%tolerance /= default_tolerance
+  end function is_relaxed
 
   pure logical function by_tolerance(modes)
     !! The program chooses how many modes are summed.
