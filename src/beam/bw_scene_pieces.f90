@@ -145,9 +145,9 @@ contains
     type(full_units), intent(in) :: full
     root%holds_deflection = .not. allocated(support%stiffness)
     root%holds_turning = .not. allocated(support%rotational_stiffness)
-    if (allocated(support%stiffness)) root%stiffness = to_dd(support%stiffness/full%stiffness*full%length**3)
+    if (allocated(support%stiffness)) root%stiffness = spring_of(support%stiffness/full%stiffness*full%length**3)
     if (allocated(support%rotational_stiffness)) then
-      root%turning_stiffness = to_dd(support%rotational_stiffness/full%stiffness*full%length)
+      root%turning_stiffness = spring_of(support%rotational_stiffness/full%stiffness*full%length)
     end if
   end function root_of
 
@@ -156,8 +156,15 @@ contains
     type(full_units), intent(in) :: full
     joint%mass = dd(body%mass_ratio, body%mass_ratio_low)
     joint%inertia = to_dd(body%rotary_inertia/full%mass/full%length**2)
-    joint%stiffness = to_dd(body%stiffness/full%stiffness*full%length**3)
-    joint%turning_stiffness = to_dd(body%rotational_stiffness/full%stiffness*full%length)
+    joint%stiffness = spring_of(body%stiffness/full%stiffness*full%length**3)
+    joint%turning_stiffness = spring_of(body%rotational_stiffness/full%stiffness*full%length)
   end function joint_of
+
+  pure type(dd) function spring_of(stiffness) result(spring)
+    !! A stiffness in EI/l³ or EI/l. What is beyond the reach of other inputs (bw_scene_scales) is rigid to the last digit.
+    real(qp), intent(in) :: stiffness
+    real(qp), parameter :: rigid = 1.0e60_qp
+    spring = to_dd(min(stiffness, rigid))
+  end function spring_of
 
 end module bw_scene_pieces

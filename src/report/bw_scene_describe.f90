@@ -34,6 +34,8 @@ module bw_scene_describe
     '  A value that is left out (`1,,2`, `2*`, `name =`), which Fortran reads as "keep what was there", is an error.', &
     '- A real is written `7870`, `.5`, `2e11` or `2d11`; a whole number has digits alone. `1/2`, `1.0-3`, NaN, Inf and', &
     '  what does not fit into double precision are errors. -0 is read as 0.', &
+    '- So are numbers far from what the beam is: in units of its length, its mass m and the time sqrt(m l^3/(EI)) a', &
+    '  number is 0 or between 1e-60 and 1e60. A spring that is stiffer is rigid.', &
     '- A logical is `.true.`, `true`, `.t.` or `t`, or its opposite.', &
     '- A text stands in `''` or `"` on one line, the quote inside it doubled. Trailing blanks are dropped.', &
     '- The file is UTF-8, with LF or CR LF at line ends; characters beyond ASCII stand in texts and comments only.', &

@@ -2,18 +2,21 @@ module bw_case_fields
   !! A case as one list of numbers. Every variable that depends on the case is a field of it, as long as its dimensions say,
   !! with fill where the case has less, so that all cases of a scene have the same length. Long histories and spectra, which
   !! are most of a case, come last. Cases go into the file by blocks: of the long fields a few, of the others many.
+  use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use bw_kinds, only: dp, i8
-  use bw_case_result, only: case_result
+  use bw_case_result, only: case_done, case_not_converged, case_result
   use bw_event_variables, only: event_kinds, event_variables, impact_variables
   use bw_history_variables, only: count_variables, error_variables, history_variables, measured_variables
   use bw_missing, only: missing
   use bw_modal_variables, only: modal_variables
   use bw_record_variables, only: record_variables
+  use bw_text, only: append
   use bw_result_layout, only: dimension_length, dimension_names, has, result_layout
   use bw_result_variable, only: result_variable, unit_of_sensors
   implicit none (type, external)
   private
-  public :: all_variables, blocks_for, case_length, field_of, fields_of, named_value, put_field, put_fields, variables_of
+  public :: all_variables, blocks_for, case_length, field_of, fields_of, forbid_lost, named_value, put_field, put_fields, &
+    variables_of
 
   integer(i8), parameter :: long = 512                  !! numbers of a history that is long: some pages of a file; tuned
   integer(i8), parameter :: block_numbers = 1000000     !! 8 MB of short fields are written at a time; a single case may be more
@@ -138,25 +141,51 @@ contains
     case_length = sum(fields%length)
   end function case_length
 
-  pure subroutine put_fields(result, fields, numbers)
+  pure subroutine put_fields(result, fields, numbers, lost)
     !! The numbers of a case, of all its fields or of the first of them.
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: fields(:)             !! the first of them, or all
     real(dp), intent(out), contiguous :: numbers(:)       !! (case_length)
+    logical, intent(out), optional :: lost                !! as that of `put_field`, of any of them
+    logical :: one
     integer :: i
+    if (present(lost)) lost = .false.
     do i = 1, size(fields)
       associate (field => fields(i))
-        call put_field(result, field, numbers(field%first:field%first + field%length - 1))
+        call put_field(result, field, numbers(field%first:field%first + field%length - 1), one)
+        if (present(lost)) lost = lost .or. one
       end associate
     end do
   end subroutine put_fields
 
-  pure subroutine put_field(result, field, numbers)
-    !! A case's numbers of one field, in SI units; fill behind them, and all fill where no modes were found. Integers, which
-    !! always exist, are filled with 0.
+  pure subroutine forbid_lost(result, fields)
+    !! The last gate: a case that holds NaN or infinity, which no stage should leave, cannot be trusted and says where.
+    type(case_result), intent(inout) :: result
+    type(case_field), intent(in) :: fields(:)
+    real(dp), allocatable :: numbers(:)
+    character(:), allocatable :: names
+    logical :: lost
+    integer :: i
+    names = ''
+    do i = 1, size(fields)
+      allocate (numbers(fields(i)%length))
+      call put_field(result, fields(i), numbers, lost)
+      if (lost) names = names//', '//trim(fields(i)%name)
+      deallocate (numbers)
+    end do
+    if (names == '') return
+    if (result%status == case_done) result%status = case_not_converged
+    call append(result%notes, 'not converged: rounding has left no numbers in '//names(3:)//', which hold fill there. This is '// &
+                'a fault of the program: please report it with the scene')
+  end subroutine forbid_lost
+
+  pure subroutine put_field(result, field, numbers, lost)
+    !! A case's numbers of one field, in SI units; fill behind them and for what is no number, and all fill where no modes were
+    !! found. Integers, which always exist, are filled with 0.
     type(case_result), intent(in) :: result
     type(case_field), intent(in) :: field
     real(dp), intent(out), contiguous :: numbers(:)       !! (field%length)
+    logical, intent(out), optional :: lost                !! there are NaN or infinity
     integer :: n
     n = 0
     if (result%mode_count > 0 .or. allocated(result%record) .or. field%is_integer) &
@@ -172,6 +201,8 @@ contains
     end if
     numbers(n + 1:) = missing
     if (field%is_integer) numbers(n + 1:) = 0.0_dp
+    if (present(lost)) lost = .not. all(ieee_is_finite(numbers(:n)))
+    where (.not. ieee_is_finite(numbers(:n))) numbers(:n) = missing
   end subroutine put_field
 
   pure integer function value_count(result, along) result(n)

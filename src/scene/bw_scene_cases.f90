@@ -1,15 +1,15 @@
 module bw_scene_cases
   !! The cases of a scene with sweeps: the product of their values, the first sweep varying slowest.
   use bw_error, only: error_type, fail, status_bad_input, status_fault
-  use bw_input_values, only: input_value
+  use bw_input_values, only: input_value, position_of
   use bw_kinds, only: i8
   use bw_scene, only: build_scene, scene_type, settle_groups
-  use bw_scene_checks, only: check_scales
+  use bw_scene_checks, only: check_case
   use bw_scene_messages, only: message_list
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: case_count, case_positions, case_scene, check_corners, complete, times_in_a_row
+  public :: case_count, case_positions, case_scene, case_words, check_corners, complete, corner_cases, times_in_a_row
 
 contains
 
@@ -135,8 +135,12 @@ contains
     !! From checked values to the components of a scene; report what does not fit together.
     type(scene_type), intent(inout) :: scene
     type(message_list), intent(inout) :: messages
+    integer :: modes
     call build(scene, messages)
-    if (messages%count == 0) call check_scales(scene, messages)
+    if (messages%count > 0) return
+    call check_case(scene, messages)
+    modes = position_of(scene%groups, 'modes')
+    if (size(scene%sweeps) > 0 .and. .not. scene%modes%asked) call scene%groups(modes)%drop('tolerance')   ! cases may relax it
   end subroutine complete
 
   pure subroutine build(scene, messages)
@@ -148,30 +152,43 @@ contains
   end subroutine build
 
   pure subroutine check_corners(scene, messages)
-    !! Check the cases in which every sweep takes its least or its largest value. What is checked of a case (products,
-    !! equal counts) is monotone in each input, so that these stand for all.
+    !! Check the cases at the corners. What is checked of a case (products, equal counts) is monotone in each input, so that
+    !! these stand for all.
     type(scene_type), intent(in) :: scene         !! with sweeps
     type(message_list), intent(inout) :: messages
     type(scene_type) :: one
-    integer :: ends(2, size(scene%sweeps)), positions(size(scene%sweeps)), corner, i
-    do i = 1, size(scene%sweeps)
-      ends(:, i) = [minloc(scene%sweeps(i)%values, dim=1), maxloc(scene%sweeps(i)%values, dim=1)]
-    end do
-    do corner = 0, 2**size(scene%sweeps) - 1
-      positions = [(ends(1 + ibits(corner, i - 1, 1), i), i=1, size(scene%sweeps))]
-      messages%case = case_words(scene, positions)
-      call set_case(scene, positions, one, messages)
-      if (messages%count == 0) call check_scales(one, messages)
+    integer(i8) :: corners(2**size(scene%sweeps))
+    integer :: i
+    corners = corner_cases(scene)
+    do i = 1, size(corners)
+      messages%case = case_words(scene, corners(i))
+      call set_case(scene, case_positions(scene, corners(i)), one, messages)
+      if (messages%count == 0) call check_case(one, messages)
       if (messages%count > 0) return
     end do
   end subroutine check_corners
 
-  pure function case_words(scene, positions) result(text)
+  pure function corner_cases(scene) result(cases)
+    !! The cases in which every sweep takes its least or its largest value.
+    type(scene_type), intent(in) :: scene
+    integer(i8) :: cases(2**size(scene%sweeps))
+    integer :: ends(2), i, k
+    cases = 1
+    do i = 1, size(scene%sweeps)
+      associate (values => scene%sweeps(i)%values)
+        ends = [minloc(values, dim=1), maxloc(values, dim=1)]
+        cases = [((cases(k) - 1)*size(values) + ends(1 + ibits(k - 1, i - 1, 1)), k=1, size(cases))]
+      end associate
+    end do
+  end function corner_cases
+
+  pure function case_words(scene, index) result(text)
     !! How a message ends that holds for one case.
     type(scene_type), intent(in) :: scene         !! with sweeps
-    integer, intent(in) :: positions(:)           !! of its values, (n_sweeps)
+    integer(i8), intent(in) :: index              !! of the case
     character(:), allocatable :: text
-    integer :: i
+    integer :: positions(size(scene%sweeps)), i
+    positions = case_positions(scene, index)
     text = ' (in the case '
     do i = 1, size(positions)
       if (i > 1) text = text//', '

@@ -1,23 +1,18 @@
 module bw_scene_checks
-  !! What the names of a group, and the groups of a scene, have to do with each other; and the scales that follow from the
-  !! inputs of a case and have to fit into double precision, so that no later stage overflows for a reason that was visible in
-  !! the scene. They are formed in extended precision.
-  use bw_beam_par, only: beam_mass
-  use bw_damping_par, only: by_ratio
+  !! What the names of a group, and the groups of a scene, have to do with each other, and what its cases have to keep to.
   use bw_input_name, only: accepted_text, has_word, place_of
   use bw_input_table, only: group_row, group_table, name_table
   use bw_input_values, only: group_values, position_of, positions_of
-  use bw_kinds, only: dp, qp
-  use bw_scene, only: by_pieces, check_rules, check_rules_together, method_name, scene_type
-  use bw_scene_messages, only: check_product, message_list
-  use bw_text, only: shortest, text_of
+  use bw_kinds, only: dp
+  use bw_scene, only: check_rules, check_rules_together, method_name, scene_type
+  use bw_scene_messages, only: message_list
+  use bw_scene_scales, only: check_scales
+  use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: check_group, check_groups, check_scales
+  public :: check_case, check_group, check_groups
 
   integer, parameter :: most_galerkin_modes = 500   !! of a scene that counts them: seconds of work
-  real(qp), parameter :: longest_phase = 1e18_qp    !! rad: what 32 digits leave of it is right to 1e-13
-  real(qp), parameter :: pi = 3.14159265358979323846264338327950288_qp
 
 contains
 
@@ -142,126 +137,15 @@ contains
     end associate
   end subroutine check_excluded
 
-  pure subroutine check_scales(scene, messages)
-    !! Report the scales of a case that are out of range, at the line of the group that they come from.
+  pure subroutine check_case(scene, messages)
+    !! The checks of a scene whose values may change from case to case.
     type(scene_type), intent(in) :: scene
     type(message_list), intent(inout) :: messages
-    real(qp) :: lowest, highest
     if (position_of(scene%groups, 'beam') == 0) return
-    lowest = frequency_scale(scene)
-    highest = fastest(scene)*(pi*max(scene%modes%before, scene%modes%after))**2
-    call check(scene, 'beam', beam_mass(scene%beam), 'the mass of the beam', messages)
-    call check(scene, 'beam', lowest**2, 'EI/(rho A l^4), the square of the frequency scale,', messages)
-    call check(scene, 'beam', highest**2, 'the square of the highest frequency', messages)
-    if (allocated(scene%rotation)) then
-      call check(scene, 'rotation', at_least_1(real(scene%rotation%angular_velocity, qp)**2), &
-                 'the square of angular_velocity', messages)
-    end if
-    if (allocated(scene%damping)) then
-      call check(scene, 'damping', at_least_1(highest_damping(scene, highest)**2), 'the square of the highest damping', &
-                 messages)
-    end if
-    if (allocated(scene%impact)) then
-      call check(scene, 'impact', at_least_1(scene%impact%mass*real(scene%impact%approach_velocity, qp)**2), &
-                 'the kinetic energy of the mass', messages)
-    end if
     call check_held(scene, messages)
     call check_method(scene, messages)
-    if (by_pieces(scene)) call check_masses(scene, messages)
-    if (allocated(scene%response)) call check_times(scene, highest, messages)
-  end subroutine check_scales
-
-  pure subroutine check_masses(scene, messages)
-    !! Products of masses and frequencies of a beam by pieces leave the range of numbers long before the masses do.
-    type(scene_type), intent(in) :: scene
-    type(message_list), intent(inout) :: messages
-    integer :: i
-    associate (groups => scene%groups, places => positions_of(scene%groups, 'body'))
-      if (allocated(scene%capture)) call check_mass(groups(position_of(groups, 'impact')), scene%impact%mass_ratio, messages)
-      do i = 1, size(places)
-        call check_mass(groups(places(i)), scene%bodies(i)%mass_ratio, messages)
-      end do
-    end associate
-  end subroutine check_masses
-
-  pure subroutine check_mass(group, ratio, messages)
-    type(group_values), intent(in) :: group      !! that gives the mass
-    real(dp), intent(in) :: ratio                !! to the beam's
-    type(message_list), intent(inout) :: messages
-    real(dp), parameter :: heaviest = 1.0e120_dp
-    if (ratio <= heaviest) return
-    call messages%add(group%line, '&'//trim(group%group), 'has a mass of '//shortest(ratio, 2)// &
-                      ' of the beam''s; accepted: up to '//shortest(heaviest, 2)//' with shear, bodies or pieces')
-  end subroutine check_mass
-
-  pure subroutine check_times(scene, highest, messages)
-    !! The scales of the time histories.
-    type(scene_type), intent(in) :: scene
-    real(qp), intent(in) :: highest              !! frequency [rad/s]
-    type(message_list), intent(inout) :: messages
-    real(qp) :: duration
-    duration = scene%response%duration
-    call check(scene, 'response', duration/scene%response%samples, 'the time between samples', messages)
-    call check(scene, 'response', at_least_1(highest*duration), 'the phase of the highest mode at the end', messages)
-    if (highest*duration > longest_phase) call messages%add( &
-      scene%groups(position_of(scene%groups, 'response'))%line_of('duration'), 'response%duration', &
-      'is so long that the phase of the highest mode is lost; accepted: up to '// &
-      shortest(real(longest_phase/highest, dp), 2)//' s')
-    if (allocated(scene%rotation)) then
-      call check(scene, 'response', at_least_1(abs(scene%rotation%angular_velocity)*duration), 'the angle turned', &
-                 messages)
-    end if
-  end subroutine check_times
-
-  pure subroutine check(scene, group, product, what, messages)
-    !! A product of inputs fits into double precision; `what` says in a message what it is.
-    type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: group, what
-    real(qp), intent(in) :: product
-    type(message_list), intent(inout) :: messages
-    integer :: line
-    line = scene%groups(position_of(scene%groups, group))%line
-    call check_product(product, line, '&'//group, what, messages)
-  end subroutine check
-
-  elemental real(qp) function at_least_1(value)
-    !! For products of which only overflow matters.
-    real(qp), intent(in) :: value
-    at_least_1 = max(1.0_qp, value)
-  end function at_least_1
-
-  pure real(qp) function highest_damping(scene, highest) result(damping)
-    !! c of the highest mode [1/s].
-    type(scene_type), intent(in) :: scene
-    real(qp), intent(in) :: highest              !! frequency [rad/s]
-    associate (law => scene%damping)
-      if (by_ratio(law)) then
-        damping = 2*law%ratio*highest
-      else
-        damping = law%mass_proportional + law%stiffness_proportional*highest**2
-      end if
-    end associate
-  end function highest_damping
-
-  pure real(qp) function frequency_scale(scene)
-    !! h/l² = √(EI/(m_i/l))/l² [rad/s], EI that of the root; mode k of a uniform beam has nearly (h/l²)·((k − ½)π)².
-    type(scene_type), intent(in) :: scene
-    associate (beam => scene%beam)
-      frequency_scale = sqrt(real(beam%youngs_modulus, qp)*beam%second_moment/beam_mass(beam)*beam%length) &
-                        /real(beam%length, qp)**2
-    end associate
-  end function frequency_scale
-
-  pure real(qp) function fastest(scene)
-    !! The largest √(EI/(ρA))/l² of the pieces [rad/s]; that of a uniform beam is its frequency scale.
-    type(scene_type), intent(in) :: scene
-    fastest = frequency_scale(scene)
-    if (.not. allocated(scene%beam%pieces)) return
-    associate (pieces => scene%beam%pieces)
-      fastest = sqrt(maxval(real(pieces%youngs_modulus, qp)/pieces%density*pieces%second_moment/pieces%area)) &
-        /real(scene%beam%length, qp)**2
-    end associate
-  end function fastest
+    call check_scales(scene, messages)
+  end subroutine check_case
 
   pure subroutine check_held(scene, messages)
     !! A free beam is not carried round: in the plane of rotation something has to hold it. Elsewhere it rests or drifts.

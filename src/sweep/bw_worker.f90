@@ -1,7 +1,7 @@
 module bw_worker
   !! One of the processes that share the cases of a sweep: it takes a batch of them, runs it, and appends each case to its
   !! journal, until nothing is left.
-  use bw_case_fields, only: case_field, case_length, fields_of, put_fields
+  use bw_case_fields, only: case_field, case_length, fields_of, forbid_lost, put_fields
   use bw_case_result, only: case_result
   use bw_error, only: error_type
   use bw_journal_writer, only: journal_writer
@@ -103,7 +103,7 @@ contains
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
     real(dp), pointer, contiguous :: numbers(:)
-    logical :: whole
+    logical :: whole, lost
     whole = .false.
     call case_scene(self%scene, index, self%one, error)
     if (.not. allocated(error)) call run_case(self%one, self%layout, self%watch, self%monitor, self%cache, result, whole)
@@ -111,7 +111,11 @@ contains
     if (.not. whole .or. allocated(error)) return
     call self%journal%prepare(case_length(self%fields), numbers, error)
     if (allocated(error)) return
-    call put_fields(result, self%fields, numbers)
+    call put_fields(result, self%fields, numbers, lost)
+    if (lost) then
+      call forbid_lost(result, self%fields)
+      call put_fields(result, self%fields, numbers)
+    end if
     call self%journal%append(index, case_length(self%fields), result%notes, error)
     if (allocated(error)) return
     call self%watch%lap(stage_write)

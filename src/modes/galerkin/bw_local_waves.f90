@@ -70,7 +70,8 @@ contains
     phase_velocity = missing
     group_velocity = missing
     if (beta_squared >= 0.0_dp .and. alpha > 0.0_dp) phase_velocity = sqrt(beta_squared)/alpha
-    if (beta_squared > 0.0_dp) group_velocity = 0.5_dp/(sqrt(beta_squared)*sum(weight*slope))
+    if (beta_squared > 0.0_dp .and. abs(sum(weight*slope)) > 0.0_dp) &
+      group_velocity = 0.5_dp/(sqrt(beta_squared)*sum(weight*slope))
   end subroutine mean_wave
 
   pure type(wave_section) function section_of(operator) result(section)
@@ -103,10 +104,9 @@ contains
     else
       y = (root - b)/(2.0_dp*a)
     end if
-    y = max(y, tiny(y))
-    p = sqrt(y)
+    p = sqrt(max(0.0_dp, y))
     slope = 0.0_dp
-    if (root <= 0.0_dp) return                ! λ = 0: no wave runs, and β² < 0 asks for no velocity
+    if (root <= 0.0_dp .or. p <= 0.0_dp) return       ! λ = 0: no wave runs, and β² < 0 asks for no velocity
     slope = section%mass*(turning - section%compliance*section%rotary*lambda) &
       + y*(soft + section%rotary*(1.0_dp + section%compliance*tension))
     slope = slope/root/(2.0_dp*p)

@@ -138,10 +138,12 @@ contains
   end subroutine find_motions
 
   pure subroutine find_squares(given, modes, set)
-    !! β², of modes of mass 1.
+    !! β², of modes of mass 1. The terms of rotation are about Ω², and what rounding leaves where they cancel is 0: a beam that
+    !! turns freely about the axis of its rotation is at rest anywhere.
     type(tension_beam), intent(in) :: given
     type(strain_modes), intent(in) :: modes
     type(tension_set), intent(inout) :: set
+    real(dp), parameter :: rest = 16.0_dp*epsilon(1.0_dp)
     type(dd) :: elastic(set%count), p
     integer :: k
     allocate (set%beta_squared(set%count), set%rotation(set%count), set%modal_mass(set%count))
@@ -154,6 +156,7 @@ contains
     elastic = set%elastic()
     set%rotation = [(rotation_term(given, set, k), k=1, set%count)]
     call choose_squares(set, elastic%hi + set%rotation, modes%system%shift%hi)
+    where (abs(set%beta_squared%hi) <= rest*given%beam%spin_squared%hi) set%beta_squared = dd()
   end subroutine find_squares
 
   pure real(dp) function rotation_term(given, set, k) result(term)

@@ -156,6 +156,7 @@ contains
     integer :: k
     squares = [(to_dd(work_of(self, k, k)/self%modal_mass(k)), k=1, self%count)]
     where (abs(self%rotation) <= squares%hi) squares = self%beta_squared + to_dd(-self%rotation)
+    where (squares%hi < 0.0_dp) squares = dd()             ! β² has been rounded to 0
   end function elastic_of_strains
 
   pure real(dp) function work_of(self, j, k) result(work)

@@ -95,6 +95,7 @@ contains
     search%below_low = -1
     search%below_high = -1
     margin = distance
+    if (guess%hi > 0.0_dp) margin = min(margin, guess%hi)      ! modes of very soft pieces lie far closer
     do i = 1, most
       found = search%below_low >= 0 .and. search%below_high >= 0
       if (found) return

@@ -7,6 +7,7 @@ module bw_extended_residual
   use bw_joint_elimination, only: solve
   use bw_kinds, only: dp
   use bw_mode_probe, only: eliminate_drive, left_vector, mode_probe, piece_system, set_frequency, weigh
+  use bw_piece_beam, only: beam_joint, beam_root
   implicit none (type, external)
   private
   public :: find_drive, is_motion, polish, refine
@@ -85,56 +86,37 @@ contains
     do i = 0, n
       after = dd()
       if (i < n) call end_states(extended_ends(system%piece(i + 1), probe%frequency), probe%amplitude(:, i + 1), after, next)
-      if (i == 0) then
-        call drive_root(system, after, probe)
-      else
-        call drive_joint(system, i, before, after, probe)
-      end if
+      if (i > 0) call drive_joint(system%beam%joint(i), i, before, after, probe)
+      if (i == 0) call drive_joint(springs_of(system%beam%root), 0, before, after, probe)
       before = next
     end do
+    where ([system%beam%root%holds_deflection, system%beam%root%holds_turning]) probe%drive(2, :, 0) = 0.0_dp
   end subroutine find_drive
 
-  pure subroutine drive_root(system, after, probe)
-    type(piece_system), intent(in) :: system
-    type(dd), intent(in) :: after(4)
-    type(mode_probe), intent(inout) :: probe
-    type(dd) :: rest(2)
-    probe%drive(:, :, 0) = 0.0_dp
-    associate (root => system%beam%root, unit => probe%unit(:, 0))
-      rest = [after(1)*root%stiffness - after(4), after(2)*root%turning_stiffness - after(3)]
-      if (root%holds_deflection) then
-        probe%drive(3, 1, 0) = -after(1)%hi/unit(1)
-      else
-        probe%drive(2, 1, 0) = rest(1)%hi/unit(4)
-      end if
-      if (root%holds_turning) then
-        probe%drive(3, 2, 0) = -after(2)%hi/unit(2)
-      else
-        probe%drive(2, 2, 0) = rest(2)%hi/unit(3)
-      end if
-    end associate
-  end subroutine drive_root
+  pure type(beam_joint) function springs_of(root) result(joint)
+    !! The springs of the root as what a joint has.
+    type(beam_root), intent(in) :: root
+    joint%stiffness = root%stiffness
+    joint%turning_stiffness = root%turning_stiffness
+  end function springs_of
 
-  pure subroutine drive_joint(system, i, before, after, probe)
-    type(piece_system), intent(in) :: system
-    integer, intent(in) :: i
-    type(dd), intent(in) :: before(4), after(4)
+  pure subroutine drive_joint(joint, i, before, after, probe)
+    type(beam_joint), intent(in) :: joint          !! what joint i has
+    integer, intent(in) :: i                       !! 0 is the root
+    type(dd), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; no forces beyond root and tip
     type(mode_probe), intent(inout) :: probe
     type(dd) :: load(2), rest(2)
-    associate (joint => system%beam%joint(i), frequency => probe%frequency, unit => probe%unit(:, i), d => probe%drive(:, :, i), &
+    associate (frequency => probe%frequency, unit => probe%unit(:, i), d => probe%drive(:, :, i), &
                motion => to_dd(probe%motion(:, i)))
       load = [joint%stiffness - joint%mass*frequency%lambda, joint%turning_stiffness - joint%inertia*frequency%beta_squared]
-      rest = before(1:2) - motion
-      if (i < size(system%piece)) then
-        d(1, :) = rest%hi/unit(1:2)
-        rest = motion - after(1:2)
-        d(3, :) = rest%hi/unit(1:2)
-      else
-        d(1, :) = 0.0_dp
-        d(3, :) = -rest%hi/unit(1:2)
-      end if
       rest = before(4:3:-1) - after(4:3:-1) + load*motion
       d(2, :) = rest%hi/unit(4:3:-1)
+      rest = before(1:2) - motion
+      d(1, :) = rest%hi/unit(1:2)
+      rest = motion - after(1:2)
+      d(3, :) = rest%hi/unit(1:2)
+      if (i == size(probe%ends)) d(3, :) = -d(1, :)
+      if (i == 0 .or. i == size(probe%ends)) d(1, :) = 0.0_dp
     end associate
   end subroutine drive_joint
 

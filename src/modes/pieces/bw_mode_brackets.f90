@@ -85,10 +85,13 @@ contains
 
   pure type(dd) function middle(bracket)
     type(mode_bracket), intent(in) :: bracket
+    real(dp) :: step
     if (bracket%highs > 0) then
       middle = (bracket%low%lambda + bracket%high(bracket%highs)%lambda)*0.5_dp
     else
-      middle = bracket%low%lambda*1.1_dp + 1.0_dp
+      step = 1.0_dp
+      if (bracket%low%lambda%hi > 0.0_dp) step = min(step, bracket%low%lambda%hi)   ! 1 is far away where pieces are soft
+      middle = bracket%low%lambda*1.1_dp + step
     end if
   end function middle
 

@@ -162,6 +162,8 @@ contains
     associate (modes => cluster%modes, i => k - cluster%first + 1)
       call set_frequency(modes%system, modes%lambda(i), probe)
       probe%amplitude = modes%amplitude(:, :, i)
+      probe%drive = 0.0_dp
+      call weigh(modes%system, probe)              ! how the root moves
       probe%motion(1, 1:) = modes%deflection(:, i)
       probe%motion(2, 1:) = modes%turning(:, i)
       call find_drive(modes%system, probe)

@@ -219,7 +219,7 @@ contains
     call look(search, k, x, n)
     if (abs(k - n) > far) return
     call foresee(search%system, search%scout, k - n, step)
-    if (.not. inside(search%bracket, x + step, 0.0_dp)) return
+    if (.not. inside(search%bracket, x + step, 0.0_dp) .or. abs(step) > x%hi) return
     x = x + step
     if (abs(step) < nearby*mode_distance(k, x)) search%probe%drive = search%scout%drive
   end subroutine begin

@@ -22,7 +22,7 @@ contains
     type(piece_numbers), intent(in) :: piece(:)
     real(dp), intent(in) :: start                       !! λ ≥ 0
     real(dp), intent(in) :: more                        !! may be negative
-    real(dp), parameter :: near_enough = 0.05_dp, longest = 4.0_dp, least = 0.25_dp
+    real(dp), parameter :: near_enough = 0.05_dp, longest = 4.0_dp, least = 0.25_dp, far = 100.0_dp
     integer, parameter :: most = 30
     real(dp) :: number, waves, slope
     integer :: i
@@ -37,7 +37,11 @@ contains
     do i = 1, most
       if (i > 1 .or. x > start) call half_waves(piece, frequency_at(beam, to_dd(x), rough=.true.), waves, slope)
       if (abs(waves - number) < near_enough) return
-      x = x*exp(max(-longest, min(longest, (number - waves)/(slope*x))))
+      if (waves > far*number) then
+        x = x*exp(log(number/waves)*(waves/(slope*x)))         ! they grow about as a power of λ
+      else
+        x = x*exp(max(-longest, min(longest, (number - waves)/(slope*x))))
+      end if
     end do
   end function next_half_wave
 

@@ -6,7 +6,7 @@ module bw_scene_messages
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
-  public :: check_product, settle_product, shown
+  public :: settle_product, shown
 
   integer, parameter :: most_messages = 1000  !! nobody reads more, and memory is bounded
 
@@ -104,28 +104,18 @@ contains
     real(qp), intent(in) :: product
     real(dp), intent(out) :: value
     integer, intent(in) :: line
-    character(*), intent(in) :: place, what
-    type(message_list), intent(inout) :: messages
-    integer :: before
-    before = messages%count
-    call check_product(product, line, place, what, messages)
-    value = 0.0_dp
-    if (messages%count == before) value = real(product, dp)
-  end subroutine settle_product
-
-  pure subroutine check_product(product, line, place, what, messages)
-    !! The product is zero or a normal number of double precision.
-    real(qp), intent(in) :: product
-    integer, intent(in) :: line
     character(*), intent(in) :: place          !! an input that it depends on
     character(*), intent(in) :: what           !! what the product is
     type(message_list), intent(inout) :: messages
+    value = 0.0_dp
     if (abs(product) > huge(1.0_dp)) then
       call messages%add(line, place, what//' is too large for double precision; accepted: at most 1.79e308')
     else if (product /= 0.0_qp .and. abs(product) < tiny(1.0_dp)) then
       call messages%add(line, place, what//' is too small for double precision; accepted: at least 2.23e-308')
+    else
+      value = real(product, dp)
     end if
-  end subroutine check_product
+  end subroutine settle_product
 
   pure function shown(text) result(piece)
     !! A piece of the scene, shortened, as a message may show it.
