@@ -1,14 +1,14 @@
 module bw_check_command
   !! The command that says what scenes would simulate, by which method, what that would take, and what a run would warn of.
+  use bw_case_tolerance, only: settle_tolerance
   use bw_command_table, only: command_type
   use bw_console, only: print_error, print_report, print_warning, print_warnings, seen_together
   use bw_error, only: error_type, fail, status_done, status_not_trusted, status_stopped
   use bw_forecast, only: few_modes, few_samples, forecast_type
   use bw_further_scenes, only: further_scenes
   use bw_kinds, only: dp, i8
-  use bw_modes_par, only: by_tolerance
+  use bw_modes_par, only: by_tolerance, default_tolerance, is_relaxed
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: plan_case
   use bw_process, only: free_disk, free_memory
   use bw_record, only: record_extent, record_type
   use bw_record_plan, only: plan_record
@@ -196,19 +196,20 @@ contains
   end subroutine add_files
 
   subroutine plan_tolerance(scene, monitor, text, error)
-    !! Say how many modes a tolerance takes; of a sweep, whose cases take different ones, nothing is said.
-    type(scene_type), intent(in) :: scene
+    !! Say how many modes a tolerance takes, unless cases of a sweep take different ones.
+    type(scene_type), intent(inout) :: scene       !! its default tolerance relaxes where it is out of reach
     class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
     character(:), allocatable, intent(out) :: text
     type(error_type), allocatable, intent(out) :: error
     integer :: count
     text = ''
-    if (.not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
-    call plan_case(scene, monitor, count, error)
-    if (monitor%stop_requested()) return
+    call settle_tolerance(scene, monitor, count, error)
+    if (monitor%stop_requested() .or. .not. by_tolerance(scene%modes) .or. size(scene%sweeps) > 0) return
     if (.not. allocated(error) .and. count == 0) call fail(error, status_not_trusted, scene%file//': not converged: '// &
       'the polynomials of the Galerkin basis do not resolve the modes; no number of the case would be given')
-    text = '  modes      about '//text_of(count)//' to be summed'//new_line('a')
+    text = '  modes      about '//text_of(count)//' to be summed'
+    if (is_relaxed(scene%modes)) text = text//'; the default tolerance '//shortest(default_tolerance, 2)//' is out of reach'
+    text = text//new_line('a')
   end subroutine plan_tolerance
 
 end module bw_check_command

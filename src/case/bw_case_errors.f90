@@ -16,6 +16,7 @@ module bw_case_errors
   use bw_mode_set, only: first_numbers, mode_set
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
+  use bw_note, only: remark
   use bw_reach, only: amplitude_of
   use bw_release_error, only: blow_reach, release_error, release_tail
   use bw_response, only: response_type
@@ -72,19 +73,25 @@ contains
   end subroutine drop_errors
 
   subroutine note_missed_tolerance(scene, motion, response, errors)
-    !! The number of modes was planned for a larger motion than there is.
+    !! The number of modes was planned for a larger motion than there is. The tolerance is missed where it was asked for.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in) :: response
     type(history_errors), intent(inout) :: errors
     real(dp), parameter :: slack = 1.5_dp        ! of the peak that was planned with
     real(dp) :: error, peak
+    character(:), allocatable :: text
     error = maxval(errors%displacement)
     peak = largest_magnitude(response%displacement)
     if (error <= slack*scene%modes%tolerance*peak + maxval(rounding_errors(scene, motion, response, .false.))) return
-    errors%status = case_not_converged
-    call append(errors%notes, 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
-                shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m'//drifted())
+    text = 'tolerance: '//shortest(scene%modes%tolerance, 6)//' of the peak is missed: the displacement is '// &
+      shortest(peak, 3)//' m at most, and its error is estimated at '//shortest(error, 2)//' m'//drifted()
+    if (.not. scene%modes%asked) then
+      call remark(errors%notes, text)
+    else
+      errors%status = case_not_converged
+      call append(errors%notes, text)
+    end if
   contains
     function drifted() result(words)
       !! Where most of it is that of phases.

@@ -4,12 +4,11 @@ module bw_case_notes
   use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
-  use bw_input_values, only: position_of
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_mode_choice, only: most_modes, most_released
   use bw_mode_set, only: mode_set, mode_sources, search_failure
-  use bw_modes_par, only: by_tolerance, coarsest_tolerance
+  use bw_modes_par, only: by_tolerance, default_tolerance, is_relaxed, relaxed_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
   use bw_recontact, only: contacts_type
@@ -20,7 +19,7 @@ module bw_case_notes
   implicit none (type, external)
   private
   public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
-  public :: note_added_energy, note_contacts, note_no_release, note_release, note_rounding
+  public :: note_added_energy, note_contacts, note_no_release, note_relaxed, note_release, note_rounding
   public :: out_of_reach, why_untrusted
 
   real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    !! turns a minute in 1 rad/s
@@ -61,13 +60,14 @@ contains
     type(beam_units), intent(in) :: units
     class(mode_set), intent(in) :: modes           !! in force after t = 0
     type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: reason
     integer :: growing
     growing = count(modes%beta_squared%hi < 0.0_dp)
     if (growing == 0) return
-    call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)// &
-      ' modes grow without bound, the angular velocity being above '// &
-      shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s ('// &
-      shortest(modes%critical_speed%hi*units%frequency*rpm, 4)//' rpm)')
+    reason = 'the angular velocity being above '//shortest(modes%critical_speed%hi*units%frequency, 6)//' rad/s ('// &
+      shortest(modes%critical_speed%hi*units%frequency*rpm, 4)//' rpm)'
+    if (modes%grows_at_any_speed) reason = 'at any angular velocity: the beam can turn about its root, and nothing turns it back'
+    call append(notes, 'unstable: '//text_of(growing)//' of '//text_of(modes%count)//' modes grow without bound, '//reason)
   end subroutine note_growth
 
   subroutine note_no_effect(notes)
@@ -228,22 +228,23 @@ contains
     type(case_plan), intent(in) :: plan
     character(:), allocatable :: text
     associate (highest => sources%loaded%highest)
-      text = tolerance_words(scene)//' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
+      text = repeat('the default ', merge(0, 1, scene%modes%asked))//shortest(scene%modes%tolerance, 6)// &
+        ' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
       if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
     end associate
-    if (1.05_dp*plan%reached <= coarsest_tolerance) then
+    if (.not. is_missing(relaxed_tolerance(plan%reached))) then
       text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more, or before and after, which count modes'
     else
       text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
     end if
   end function out_of_reach
 
-  pure function tolerance_words(scene) result(words)
-    !! A tolerance as a message names it: a scene that gives none has the default.
+  subroutine note_relaxed(scene, notes)
+    !! The default tolerance was out of reach.
     type(scene_type), intent(in) :: scene
-    character(:), allocatable :: words
-    words = shortest(scene%modes%tolerance, 6)
-    if (scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance') == 0) words = 'the default '//words
-  end function tolerance_words
+    type(string), allocatable, intent(inout) :: notes(:)
+    if (is_relaxed(scene%modes)) call remark(notes, 'tolerance: the default '//shortest(default_tolerance, 6)// &
+      ' is out of reach; the displacement is found to '//shortest(scene%modes%tolerance, 6)//' of its peak instead')
+  end subroutine note_relaxed
 
 end module bw_case_notes

@@ -104,6 +104,7 @@ module bw_case_result
     type(beam_units) :: units
     class(mode_set), allocatable :: modes             !! in force after t = 0, or the first of them
     integer :: mode_count = 0                         !! how many were summed
+    real(dp) :: reached = 0.0_dp                      !! with a tolerance: the estimated error of the displacement over its peak
     integer :: profile_points = 0                     !! places along the beam of mode shapes and velocity jump; 0: of neither
     class(mode_set), allocatable :: before            !! of the beam alone, if the mass was captured
     logical :: can_grow = .false.                     !! there may be an angular velocity at which a mode does

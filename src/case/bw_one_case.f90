@@ -9,27 +9,26 @@ module bw_one_case
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache, find_modes
   use bw_case_moments, only: find_moments
-  use bw_case_notes, only: out_of_reach
+  use bw_case_notes, only: note_relaxed
   use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
-  use bw_error, only: error_type, fail, status_bad_input
   use bw_initial_state, only: initial_state_cache
-  use bw_input_values, only: position_of
   use bw_kinds, only: dp
   use bw_mode_set, only: search_failure
+  use bw_modes_par, only: by_tolerance, relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
-  use bw_text, only: string, text_of
+  use bw_text, only: string
   implicit none (type, external)
   private
-  public :: plan_case, run_case
+  public :: run_case
 
   type, public :: case_cache
     !! Work that the cases of a sweep share, done once: whoever goes through the cases has it and hands it to each. It takes
@@ -44,7 +43,8 @@ module bw_one_case
 contains
 
   subroutine run_case(scene, layout, watch, monitor, cache, result, whole)
-    !! Run a case whose histories are read, or one that is simulated.
+    !! Run a case whose histories are read, or one that is simulated. A tolerance that was not asked for and is out of reach
+    !! relaxes to what can be had.
     type(scene_type), intent(in) :: scene            !! without sweeps
     type(result_layout), intent(in) :: layout
     type(stopwatch), intent(inout) :: watch
@@ -52,10 +52,15 @@ contains
     type(case_cache), intent(inout), target :: cache !! what other cases have found
     type(case_result), intent(out) :: result
     logical, intent(out) :: whole                    !! false where the monitor asked to stop before all was done
+    type(scene_type) :: relaxed
     if (allocated(scene%record)) then
       call run_record_case(scene, layout, watch, monitor, cache%record, result, whole)
     else
       call simulate_case(scene, layout, watch, monitor, cache, result, whole)
+      if (.not. whole .or. scene%modes%asked .or. result%reached <= scene%modes%tolerance) return
+      relaxed = scene
+      relaxed%modes%tolerance = relaxed_tolerance(result%reached)
+      if (by_tolerance(relaxed%modes)) call simulate_case(relaxed, layout, watch, monitor, cache, result, whole)
     end if
   end subroutine run_case
 
@@ -137,6 +142,7 @@ contains
     type(case_spectrum), intent(inout) :: spectrum
     type(case_result), intent(inout) :: result
     allocate (result%notes(0))
+    call note_relaxed(scene, result%notes)
     call add_notes(result%notes, motion%modes%notes)
     call add_notes(result%notes, motion%later%notes)
     call add_notes(result%notes, histories%notes)
@@ -145,10 +151,12 @@ contains
     result%units = motion%units
     result%can_grow = motion%modes%can_grow
     result%mode_count = motion%plan%count
+    result%reached = motion%plan%reached
     result%status = errors%status
     if (allocated(motion%modes%loaded)) then
       call move_alloc(motion%modes%loaded, result%modes)
       call move_alloc(motion%modes%free, result%before)
+      if (.not. allocated(result%before)) call move_alloc(motion%later%released, result%before)
     else
       call move_alloc(motion%modes%free, result%modes)
     end if
@@ -169,33 +177,5 @@ contains
     call move_alloc(spectrum%amplitude, result%amplitude)
     call move_alloc(spectrum%measured, result%measured)
   end subroutine compose
-
-  subroutine plan_case(scene, monitor, count, error, reached)
-    !! How many modes a scene with a tolerance will sum.
-    !! **Errors**: `status_bad_input` where the tolerance is out of reach.
-    type(scene_type), intent(in) :: scene          !! without sweeps
-    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
-    integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
-    type(error_type), allocatable, intent(out) :: error
-    real(dp), intent(out), optional :: reached     !! the estimated error over the peak
-    type(case_motion) :: motion
-    type(search_failure), target :: failure
-    character(:), allocatable :: place
-    integer :: line
-    count = 0
-    motion%units = units_of(scene%beam)
-    call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
-    if (monitor%stop_requested()) return
-    call motion%sources%note_failures_in(failure)
-    call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
-    if (failure%first == 0) count = motion%plan%count
-    if (present(reached)) reached = motion%plan%reached
-    if (monitor%stop_requested() .or. failure%first > 0) return
-    if (motion%plan%reached <= scene%modes%tolerance) return
-    line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
-    place = scene%file
-    if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
-    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion%sources, motion%plan))
-  end subroutine plan_case
 
 end module bw_one_case

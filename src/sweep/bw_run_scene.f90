@@ -1,16 +1,17 @@
 module bw_run_scene
   !! A scene from what is there already to its finished file. A scene without sweeps has one case, which goes straight into its
   !! file; the cases of sweeps are `bw_run_sweep`'s.
-  use bw_case_fields, only: case_field, fields_of
+  use bw_case_fields, only: case_field, fields_of, forbid_lost
   use bw_case_result, only: case_done, case_result
+  use bw_case_tolerance, only: settle_tolerance
   use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: dp, i1, i4, i8
-  use bw_modes_par, only: by_tolerance
+  use bw_modes_par, only: is_relaxed
   use bw_monitor, only: monitor_type, progress_type
   use bw_notes, only: notes_type
-  use bw_one_case, only: case_cache, plan_case, run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_outcome, only: outcome_type, work_taken_away
   use bw_process_group, only: process_group
   use bw_record, only: record_extent, record_type
@@ -97,12 +98,19 @@ contains
     integer(i4), allocatable, intent(inout) :: go(:)
     type(error_type), allocatable, intent(out) :: error
     type(existing_result) :: existing
+    type(error_type), allocatable :: refused
+    integer :: ignored
     call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error, record=checksums_of(work))
+    if (.not. existing%is_there .and. .not. (allocated(error) .and. work%scene%modes%asked)) then
+      call settle_tolerance(work%scene, monitor, ignored, refused)
+      if (is_relaxed(work%scene%modes)) &          ! the result that is there may be of this scene after all
+        call look_at_existing(outcome%file, work%scene, work%overwrite, existing, error, record=checksums_of(work))
+      if (.not. allocated(error) .and. allocated(refused)) call move_alloc(refused, error)
+    end if
     if (existing%is_there) call work%clear()
     if (existing%is_there) call outcome%set_found(work%scene, work%layout, existing)
     if (existing%is_there .or. allocated(error)) return
-    call refuse_out_of_reach(work%scene, monitor, error)
-    if (.not. allocated(error)) call ask_for_memory(work, error)
+    call ask_for_memory(work, error)
     if (.not. allocated(error)) call work%begin(error)
     if (allocated(error)) return
     ! a run may have ended just now
@@ -122,16 +130,6 @@ contains
     text = ''
     if (allocated(work%layout%record)) text = work%layout%record%checksums
   end function checksums_of
-
-  subroutine refuse_out_of_reach(scene, monitor, error)
-    !! A single case whose tolerance is out of reach is refused before anything is written; in a sweep such a case is
-    !! recorded and the others go on.
-    type(scene_type), intent(in) :: scene
-    class(monitor_type), intent(inout) :: monitor
-    type(error_type), allocatable, intent(out) :: error
-    integer :: ignored
-    if (by_tolerance(scene%modes) .and. size(scene%sweeps) == 0) call plan_case(scene, monitor, ignored, error)
-  end subroutine refuse_out_of_reach
 
   subroutine ask_for_memory(work, error)
     !! Ask for the memory that a case takes, and give it back.
@@ -179,7 +177,7 @@ contains
     !! Write the file, give it its final name, and collect what there is to say of it.
     !! **Errors**: it cannot be written.
     type(unfinished_work), intent(in) :: work
-    type(case_result), intent(in) :: result
+    type(case_result), intent(inout) :: result
     type(stopwatch), intent(inout) :: watch
     class(progress_type), intent(inout) :: progress       !! may ask to stop
     type(outcome_type), intent(inout) :: outcome
@@ -192,6 +190,7 @@ contains
     type(string), allocatable :: texts(:)
     character(:), allocatable :: draft, report
     real(dp) :: began, added                              ! seconds of the supplement
+    call forbid_lost(result, fields_of(work%layout))
     report = case_report(work%scene, result)
     call notes%add(1_i8, result%notes)
     call outcome%set_notes(notes%lines(work%layout%cases), work%layout, merge(0_i8, 1_i8, result%status == case_done))

@@ -2,6 +2,7 @@ module bw_accuracy_ladder
   !! The rungs of a study of accuracy, and how one of them is measured.
   use bw_beam_units, only: beam_units, units_of
   use bw_case_result, only: case_diverged, case_not_converged, case_result
+  use bw_case_tolerance, only: plan_case
   use bw_converged, only: converged_run, most_extended
   use bw_double_double, only: dd
   use bw_error, only: error_type
@@ -9,7 +10,6 @@ module bw_accuracy_ladder
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: plan_case
   use bw_price_list, only: all_extended, by_counts, by_products, by_tolerances, by_transform, priced_stages, rung_diverged, &
     rung_measured, rung_out_of_reach, rung_too_long, rung_type
   use bw_case_modes, only: record_stretch

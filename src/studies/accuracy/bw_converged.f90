@@ -3,6 +3,7 @@ module bw_converged
   !! estimate, and where modes have a closed form, by a direct sum in extended precision at some samples. test_bw_converged
   !! compares it with residues summed in 45 digits.
   use bw_case_result, only: case_done, case_not_converged, case_result
+  use bw_case_tolerance, only: plan_case
   use bw_direct_motion, only: sum_directly
   use bw_double_double, only: dd
   use bw_error, only: error_type, fail, status_not_trusted
@@ -10,7 +11,7 @@ module bw_converged
   use bw_missing, only: missing
   use bw_modes_par, only: coarsest_tolerance
   use bw_monitor, only: monitor_type
-  use bw_one_case, only: case_cache, plan_case, run_case
+  use bw_one_case, only: case_cache, run_case
   use bw_result_layout, only: layout_of
   use bw_scene, only: changes_shapes, scene_type
   use bw_scene_variant, only: with_tolerance

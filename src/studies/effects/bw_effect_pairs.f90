@@ -42,6 +42,7 @@ contains
     integer :: place
     allocate (list%rows(0))
     text = without_group(resolved_text(scene), 'spectrum')
+    if (.not. scene%modes%asked) text = with_value(text, 'modes', 'tolerance', '')    ! each variant relaxes its own
     list%variants%file = scene%file
     call list%variants%find(text, place, never)    ! the scene that is studied has been read before and is not refused now
     call pair_rotation(scene, text, list)

@@ -1,0 +1,97 @@
+module bw_case_tolerance
+  !! What a tolerance asks of a scene, before it is run: how many modes are summed, and whether it can be had at all.
+  use bw_beam_units, only: units_of
+  use bw_case_modes, only: find_modes
+  use bw_case_notes, only: out_of_reach
+  use bw_case_plan, only: plan_modes
+  use bw_case_result, only: case_motion
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_input_values, only: position_of
+  use bw_kinds, only: dp, i8
+  use bw_missing, only: is_missing
+  use bw_mode_set, only: search_failure
+  use bw_modes_par, only: by_tolerance, relaxed_tolerance
+  use bw_monitor, only: monitor_type
+  use bw_scene, only: scene_type
+  use bw_scene_cases, only: case_scene, case_words, corner_cases
+  use bw_text, only: text_of
+  implicit none (type, external)
+  private
+  public :: plan_case, settle_tolerance
+
+contains
+
+  subroutine plan_case(scene, monitor, count, error, reached)
+    !! How many modes a scene with a tolerance will sum.
+    !! **Errors**: `status_bad_input` where the tolerance is out of reach.
+    type(scene_type), intent(in) :: scene          !! without sweeps
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
+    integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
+    type(error_type), allocatable, intent(out) :: error
+    real(dp), intent(out), optional :: reached     !! the estimated error over the peak
+    type(case_motion) :: motion
+    type(search_failure), target :: failure
+    character(:), allocatable :: place
+    integer :: line
+    count = 0
+    motion%units = units_of(scene%beam)
+    call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
+    if (monitor%stop_requested()) return
+    call motion%sources%note_failures_in(failure)
+    call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
+    if (failure%first == 0) count = motion%plan%count
+    if (present(reached)) reached = motion%plan%reached
+    if (monitor%stop_requested() .or. failure%first > 0) return
+    if (motion%plan%reached <= scene%modes%tolerance) return
+    line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
+    place = scene%file
+    if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
+    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion%sources, motion%plan))
+  end subroutine plan_case
+
+  subroutine settle_tolerance(scene, monitor, count, error)
+    !! Plan a scene before it is run. A default tolerance becomes the one that is used; in a sweep each case relaxes its own,
+    !! and one that was asked for is tried at the corners: a case between them may still not converge.
+    !! **Errors**: `status_bad_input` where a tolerance that was asked for is out of reach, or none can be had.
+    type(scene_type), intent(inout) :: scene
+    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
+    integer, intent(out) :: count                  !! of modes to be summed by a single case; 0: not known
+    type(error_type), allocatable, intent(out) :: error
+    type(scene_type) :: one
+    integer(i8) :: corners(2**size(scene%sweeps))
+    integer :: i, ignored
+    count = 0
+    if (.not. by_tolerance(scene%modes)) return
+    if (size(scene%sweeps) == 0) then
+      call plan_relaxed(scene, monitor, count, error)
+    else if (scene%modes%asked) then
+      corners = corner_cases(scene)
+      do i = 1, size(corners)
+        call case_scene(scene, corners(i), one, error)
+        if (.not. allocated(error)) call plan_case(one, monitor, ignored, error)
+        if (.not. allocated(error)) cycle
+        error%message = error%message//case_words(scene, corners(i))
+        return
+      end do
+    end if
+  end subroutine settle_tolerance
+
+  subroutine plan_relaxed(scene, monitor, count, error)
+    !! The same as `plan_case`, of a scene whose default tolerance becomes the one that is used where it is out of reach.
+    !! **Errors**: as those of `plan_case`, of a tolerance that was asked for or where none can be had.
+    type(scene_type), intent(inout) :: scene       !! as that of `plan_case`
+    class(monitor_type), intent(inout) :: monitor
+    integer, intent(out) :: count
+    type(error_type), allocatable, intent(out) :: error
+    real(dp) :: reached, relaxed
+    call plan_case(scene, monitor, count, error, reached)
+    if (.not. allocated(error) .or. scene%modes%asked) return
+    relaxed = relaxed_tolerance(reached)
+    if (is_missing(relaxed)) return
+    deallocate (error)
+    scene%modes%tolerance = relaxed
+    call scene%groups(position_of(scene%groups, 'modes'))%settle('tolerance', relaxed, 0)
+    call plan_case(scene, monitor, count, error)
+  end subroutine plan_relaxed
+
+end module bw_case_tolerance
