@@ -3,6 +3,7 @@
 # The stand-in's form of pFUnit's function: a program of that name, registered with CTest. Needs the
 # target funit and the program BEAMWAVE_AWK.
 set(BEAMWAVE_DIRECTIVES "${CMAKE_CURRENT_LIST_DIR}/directives.awk")
+set(BEAMWAVE_FUNIT_NAMES "${CMAKE_CURRENT_LIST_DIR}/funit.f90")
 
 # <out> becomes the Fortran source made from a .pf file.
 function(funit_translate file out)
@@ -10,8 +11,8 @@ function(funit_translate file out)
   get_filename_component(input "${file}" ABSOLUTE)
   set(output "${CMAKE_CURRENT_BINARY_DIR}/${suite}.f90")
   add_custom_command(OUTPUT "${output}"
-    COMMAND "${BEAMWAVE_AWK}" -v "name=${suite}" -f "${BEAMWAVE_DIRECTIVES}" "${input}" > "${output}"
-    DEPENDS "${input}" "${BEAMWAVE_DIRECTIVES}"
+    COMMAND "${BEAMWAVE_AWK}" -v "name=${suite}" -v "names=${BEAMWAVE_FUNIT_NAMES}" -f "${BEAMWAVE_DIRECTIVES}" "${input}" > "${output}"
+    DEPENDS "${input}" "${BEAMWAVE_DIRECTIVES}" "${BEAMWAVE_FUNIT_NAMES}"
     COMMENT "Reading directives of ${suite}.pf"
     VERBATIM)
   set(${out} "${output}" PARENT_SCOPE)

@@ -1,4 +1,4 @@
-# Turns a .pf file of the subset into Fortran:  awk -v name=test_x -f directives.awk test_x.pf > test_x.f90
+# Turns a .pf file of the subset into Fortran:  awk -v name=test_x -v names=funit.f90 -f directives.awk test_x.pf > test_x.f90
 #
 # @test names the next subroutine as a test; an assertion becomes a call and a return when it failed.
 # After the module comes another, <name>_suite, whose run_suite runs the tests in the file's order.
@@ -35,9 +35,31 @@ function named_test(    words) {
   tests[++count] = substr($0, 1, RLENGTH)
 }
 
+# A declaration names nothing as pFUnit's types, nor in the module what pFUnit declares where it lists the tests.
+function check_names(    declared, list, i, n) {
+  declared = tolower($0)
+  gsub(/'[^']*'|"[^"]*"/, "", declared)
+  sub(/!.*/, "", declared)
+  if (!sub(/^[^(]*(\([^:]*\)[^:]*)?::/, "", declared)) return
+  while (gsub(/\([^()]*\)/, "", declared)) continue
+  n = split(declared, list, ",")
+  for (i = 1; i <= n; i++) {
+    sub(/=.*/, "", list[i])
+    gsub(/[ \t]/, "", list[i])
+    if (list[i] in taken || (!contained && list[i] ~ /^(suite|t)$/)) refuse("pFUnit has a name " list[i] " of its own")
+  }
+}
+
 BEGIN {
+  while ((getline line < names) > 0 && !(listed && line !~ /^    /)) {
+    if (line ~ /integer, parameter, public/) listed = 1      # the first such list, of types
+    while (listed && match(line, /[a-z_]+ = 0/)) {
+      taken[substr(line, RSTART, RLENGTH - 4)]
+      line = substr(line, RSTART + RLENGTH)
+    }
+  }
   known = "^[ \t]*@assert(equal|relativelyequal|lessthanorequal|true|false)[ \t]*[(].*[^ \t].*[)][ \t]*$"
-  waiting = count = refused = 0
+  waiting = count = refused = contained = 0
 }
 
 /^[ \t]*@/ {
@@ -61,6 +83,8 @@ module == "" && tolower($0) ~ /^[ \t]*module[ \t]+[a-z][a-z0-9_]*[ \t]*$/ {
 
 {
   print
+  if (tolower($0) ~ /^[ \t]*contains[ \t]*$/) contained = 1
+  check_names()
   if (waiting && $0 !~ /^[ \t]*(!.*)?$/) named_test()
 }
 
