@@ -7,14 +7,13 @@ module bw_run_command
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_done, status_not_trusted, status_stopped
   use bw_kinds, only: dp, i4
   use bw_outcome, only: outcome_type
-  use bw_process, only: pause
+  use bw_process, only: pause, stop_after
   use bw_process_group, only: process_group
   use bw_run_record, only: run_record
   use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
   use bw_scene_files, only: read_and_list
   use bw_scene_tally, only: scene_tally, warning_kinds
-  use bw_stopwatch, only: wall_seconds
   use bw_terminal_progress, only: terminal_progress, terminal_progress_to
   use bw_text, only: text_of
   implicit none (type, external)
@@ -32,13 +31,11 @@ contains
     type(scene_type), allocatable :: scenes(:)
     type(terminal_progress) :: progress
     type(scene_tally) :: tally
-    real(dp) :: deadline
     type(error_type), allocatable :: error
     integer(i4), allocatable :: stop(:)            ! of one number: 1 where the leader has to stop
     integer :: i, count
-    deadline = huge(1.0_dp)
-    if (command%max_seconds < huge(1.0_dp)) deadline = wall_seconds() + command%max_seconds
-    progress = terminal_progress_to(deadline, command%quiet .or. .not. command%group%leads())
+    if (command%max_seconds < huge(1.0_dp)) call stop_after(command%max_seconds)
+    progress = terminal_progress_to(huge(1.0_dp), command%quiet .or. .not. command%group%leads())
     call read_and_list(command%words, command%group%leads(), scenes, count, status, tally)
     call agree_on_scenes(command%group, count, error)
     if (allocated(error)) then

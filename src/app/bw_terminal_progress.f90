@@ -4,7 +4,7 @@ module bw_terminal_progress
   use bw_descriptors, only: is_terminal, standard_error, write_text
   use bw_kinds, only: dp, i8
   use bw_monitor, only: progress_type
-  use bw_process, only: stop_signal
+  use bw_process, only: stop_asked
   use bw_stopwatch, only: wall_seconds
   use bw_text, only: printable, shortest, text_of
   implicit none (type, external)
@@ -132,9 +132,9 @@ contains
   end subroutine end_scene
 
   logical function stop_requested(self)
-    !! A signal came, or the time is up.
+    !! A signal came, or the time is up, or the deadline.
     class(terminal_progress), intent(inout) :: self
-    stop_requested = stop_signal() /= 0
+    stop_requested = stop_asked()
     if (.not. stop_requested .and. self%deadline < huge(1.0_dp)) stop_requested = wall_seconds() >= self%deadline
   end function stop_requested
 

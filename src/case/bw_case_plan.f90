@@ -97,6 +97,7 @@ contains
     if (peak == 0.0_dp) return
     do
       call choose_within(scene%modes%tolerance*peak, scene, sources, grid, monitor, plan)
+      if (monitor%stop_requested()) return
       if (plan%reached <= scene%modes%tolerance*peak) exit
       call extend_sources(scene, units, monitor, sources, extended, cache)
       if (.not. extended) exit
@@ -241,16 +242,18 @@ contains
     type(scene_type), intent(in) :: scene
     type(mode_sources), intent(in) :: sources
     type(time_grid), intent(in) :: grid
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout) :: monitor   !! nothing is chosen where it asks to stop
     type(release_plan), intent(inout) :: release
     real(dp), intent(out) :: errors(2)
       !! estimates: by modes of the beam alone that are left out, and by the velocity of the tip when the mass leaves, V l²/h
     class(mode_set), allocatable :: free
     type(observation_type) :: seen
     real(dp) :: strength, tip_bound
+    errors = 0.0_dp
     seen = seen_after_release(scene, release%time, grid, .false.)
     call modes_for(bounds(1), sources, force_of(scene), seen, release%count, errors(1), release%time)
     call sources%free%find(first_numbers(first_modes), free)
+    if (monitor%stop_requested()) return
     tip_bound = min(bounds(2), max(least_share*bounds(2), tip_share*errors(1)))
     if (tip_is_dear(sources%loaded)) tip_bound = sum(bounds) - errors(1)
     strength = sources%loaded%gamma*maxval(blow_reach(free, seen, sources%free%quadratic))

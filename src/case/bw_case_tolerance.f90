@@ -25,7 +25,7 @@ contains
     !! How many modes a scene with a tolerance will sum.
     !! **Errors**: `status_bad_input` where the tolerance is out of reach.
     type(scene_type), intent(in) :: scene          !! without sweeps
-    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
     integer, intent(out) :: count                  !! 0 where the modes are not resolved: the run says so
     type(error_type), allocatable, intent(out) :: error
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
@@ -37,7 +37,7 @@ contains
     motion%units = units_of(scene%beam)
     call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
     if (monitor%stop_requested()) return
-    call motion%sources%note_failures_in(failure)
+    call motion%sources%attend(failure, monitor)
     call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
     if (failure%first == 0) count = motion%plan%count
     if (present(reached)) reached = motion%plan%reached
@@ -54,7 +54,7 @@ contains
     !! and one that was asked for is tried at the corners: a case between them may still not converge.
     !! **Errors**: `status_bad_input` where a tolerance that was asked for is out of reach, or none can be had.
     type(scene_type), intent(inout) :: scene
-    class(monitor_type), intent(inout) :: monitor  !! nothing is planned where it asks to stop
+    class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
     integer, intent(out) :: count                  !! of modes to be summed by a single case; 0: not known
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: one
@@ -80,7 +80,7 @@ contains
     !! The same as `plan_case`, of a scene whose default tolerance becomes the one that is used where it is out of reach.
     !! **Errors**: as those of `plan_case`, of a tolerance that was asked for or where none can be had.
     type(scene_type), intent(inout) :: scene       !! as that of `plan_case`
-    class(monitor_type), intent(inout) :: monitor
+    class(monitor_type), intent(inout), target :: monitor
     integer, intent(out) :: count
     type(error_type), allocatable, intent(out) :: error
     real(dp) :: reached, relaxed

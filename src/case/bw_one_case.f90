@@ -89,7 +89,7 @@ contains
     part = stage_part(monitor, share, modes_share)
     call find_modes(scene, motion%units, part, motion%modes, motion%sources, cache%modes)
     if (monitor%stop_requested()) return
-    call motion%sources%note_failures_in(failure)
+    call motion%sources%attend(failure, monitor)
     part = part_monitor(monitor, sum(share(:modes_share)), 0.0_dp)          ! how long a plan takes is not known
     call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan, cache%modes)
     if (monitor%stop_requested()) return

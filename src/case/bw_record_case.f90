@@ -74,7 +74,8 @@ contains
     call view_noise(record, layout, scene%spectrum%window, found, result%record%noise)
     call view_fit(record, layout, found, result%record)
     if (monitor%stop_requested()) return
-    call find_record_waves(scene, layout, result)
+    call find_record_waves(scene, layout, result, monitor)
+    if (monitor%stop_requested()) return
     call note_lines(scene, layout, result)
     call watch%lap(stage_spectrum)
     whole = .true.

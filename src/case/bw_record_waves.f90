@@ -6,6 +6,7 @@ module bw_record_waves
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_missing, only: missing
+  use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_result_layout, only: has, result_layout
   use bw_scene, only: changes_shapes, scene_type
@@ -20,11 +21,12 @@ module bw_record_waves
 
 contains
 
-  subroutine find_record_waves(scene, layout, result)
+  subroutine find_record_waves(scene, layout, result, monitor)
     !! Frequencies where results have those of simulated histories, and waves where the sensors fix them.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     type(case_result), intent(inout) :: result         !! of a record whose lines are known
+    class(monitor_type), intent(inout) :: monitor      !! the waves mean nothing where it asks to stop
     type(sensor_waves) :: waves
     associate (lines => result%record%lines)
       allocate (result%measured)
@@ -32,7 +34,7 @@ contains
       result%measured%angular_frequency = lines%angular_frequency
       result%measured%angular_frequency_error = lines%angular_frequency_error
       if (has(layout, 'waves')) then
-        call measure_sensor_waves(facts_of(scene, result%record), lines_of(result%record), waves)
+        call measure_sensor_waves(facts_of(scene, result%record), lines_of(result%record), waves, monitor)
         call join_notes(waves%notes, result)
       else if (has(layout, 'places')) then
         call say_why_not(scene, result)

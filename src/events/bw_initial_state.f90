@@ -107,7 +107,7 @@ contains
     class(monitor_type), intent(inout) :: monitor
     real(dp), allocatable, intent(out) :: jump(:)      !! (profile)
     real(dp) :: profile(profile_points)
-    integer, parameter :: most_shapes = 2000000        ! values of shapes in memory at a time
+    integer, parameter :: most_shapes = 500000         ! values of shapes in memory at a time
     integer :: block, first, i, j, k, last
     profile = [(real(j, dp)/(profile_points - 1), j=0, profile_points - 1)]
     allocate (jump(profile_points), source=0.0_dp)

@@ -82,6 +82,7 @@ contains
     allocate (found%seen, source=source)
     found%scaled = scaled
     found%failure => source%failure
+    found%monitor => source%monitor
     found%gamma = source%gamma
     found%highest = source%highest
     found%quickly = source%quickly
@@ -150,16 +151,17 @@ contains
     end select
   end function overlap_of_beam
 
-  function overlap_far_below(self, from, amplitude) result(sums)
+  function overlap_far_below(self, from, amplitude, monitor) result(sums)
     class(curvature_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
     select type (from)
     class is (curvature_set)
-      sums = self%seen%overlap_far_below(from%seen, amplitude)
+      sums = self%seen%overlap_far_below(from%seen, amplitude, monitor)
     class default
-      sums = self%seen%overlap_far_below(from, amplitude)
+      sums = self%seen%overlap_far_below(from, amplitude, monitor)
     end select
   end function overlap_far_below
 

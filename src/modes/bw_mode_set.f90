@@ -71,6 +71,8 @@ module bw_mode_set
     !! Modes of any number, of one beam with what it carries.
     type(search_failure), pointer :: failure => null()
       !! where a search that fails is noted; null: nowhere. It outlives the source and its copies
+    class(monitor_type), pointer :: monitor => null()
+      !! asked in searches that have none of their own, whose modes then mean nothing; null: nobody is. It lives as long
     real(dp) :: gamma = 0.0_dp                    !! captured mass γ
     integer :: highest = 0                        !! the highest mode number that can be found
     integer :: quickly = huge(1)                  !! as many as can be found in about a second
@@ -95,7 +97,7 @@ module bw_mode_set
     class(mode_source), allocatable :: free       !! of the beam alone
     class(mode_source), allocatable :: loaded     !! of beam and mass; unallocated: the mass is not captured
   contains
-    procedure :: note_failures_in
+    procedure :: attend
     procedure :: failure => failure_of_sources
   end type mode_sources
 
@@ -155,13 +157,14 @@ contains
     values = self%some_shapes(1, self%count, xi)
   end function all_shapes
 
-  function overlap_far_below(self, from, amplitude) result(sums)
+  function overlap_far_below(self, from, amplitude, monitor) result(sums)
     !! `overlap_of_beam` where modes of beam and mass are far below these of the beam alone, and their limit may be known.
     class(mode_set), intent(in) :: self
     class(mode_set), intent(in) :: from
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count)
-    sums = self%overlap_of_beam(from, amplitude)
+    sums = self%overlap_of_beam(from, amplitude, monitor)
   end function overlap_far_below
 
   subroutine note_failure(self, number)
@@ -172,13 +175,20 @@ contains
     if (self%failure%first == 0) self%failure = search_failure(number(1), number(size(number)))
   end subroutine note_failure
 
-  subroutine note_failures_in(self, failure)
-    !! Have searches of either source that fail noted.
+  subroutine attend(self, failure, monitor)
+    !! Have searches of either source that fail noted, and all left where a monitor asks to stop. Both outlive the sources.
     class(mode_sources), intent(inout) :: self
-    type(search_failure), intent(in), target :: failure      !! outlives the sources
-    if (allocated(self%free)) self%free%failure => failure
-    if (allocated(self%loaded)) self%loaded%failure => failure
-  end subroutine note_failures_in
+    type(search_failure), intent(in), target :: failure
+    class(monitor_type), intent(inout), target :: monitor
+    if (allocated(self%free)) call attend_one(self%free)
+    if (allocated(self%loaded)) call attend_one(self%loaded)
+  contains
+    subroutine attend_one(source)
+      class(mode_source), intent(inout) :: source
+      source%failure => failure
+      source%monitor => monitor
+    end subroutine attend_one
+  end subroutine attend
 
   pure type(search_failure) function failure_of_sources(self) result(failure)
     !! The first that was noted of either source.
@@ -289,7 +299,7 @@ contains
     real(dp), intent(out) :: shapes(:, :)         !! Φ_k(ξ), (modes, points)
     real(dp), intent(out), optional :: mass(:)    !! M_k, (modes)
     class(mode_set), allocatable :: modes
-    call self%find(number, modes, longest)
+    call self%find(number, modes, longest, self%monitor)
     call take_terms(modes, xi, beta, drive, shapes)
     if (present(mass)) mass = modes%modal_mass
   end subroutine terms_of_set

@@ -4,21 +4,29 @@ module bw_process
   !! A run-time error of the Fortran library ends a program with 1 or 2, which would look like bad input. So a handler
   !! that runs at exit turns every ending but `leave` into `status_fault`, or into `status_bad_file` where memory was refused.
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char
-  use bw_error, only: error_type, fail, status_bad_file, status_fault
-  use bw_kinds, only: i8
+  use bw_error, only: error_type, fail, status_bad_file, status_fault, status_stopped
+  use bw_kinds, only: dp, i8
   use bw_system_calls, only: bw_free_disk, bw_free_memory, bw_leave, bw_open_standard_streams, bw_pause, &
-    bw_set_environment, bw_settle_openblas, bw_stack_limit, bw_stop_signal, bw_watch
+    bw_peak_memory, bw_set_ending, bw_set_environment, bw_settle_openblas, bw_stop_after, bw_stop_asked, bw_watch
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: free_disk, free_memory, open_standard_streams, watch_over_process, settle_libraries, stop_signal, leave, pause
+  public :: free_disk, free_memory, peak_memory, open_standard_streams, watch_over_process, settle_libraries
+  public :: leave, pause, stop_after, stop_asked
 
-  character(kind=c_char, len=*), parameter :: &
-    fault_message = 'beamwave: a fault in the program: please report it'//new_line('a')//c_null_char, &
-    stack_message = 'beamwave: the stack has too little room; accepted: 1024 kB or more (ulimit -s)'//new_line('a')// &
-                    c_null_char, &
-    memory_message = 'beamwave: memory was refused'//new_line('a')//c_null_char
-  integer(i8), parameter :: least_stack = 2**20      !! bytes; a run takes a fifth of it
+  type :: ending_type
+    !! What is said of an ending that is none of ours, and its status.
+    character(kind=c_char, len=120) :: message
+    integer :: status
+  end type ending_type
+
+  type(ending_type), parameter :: endings(0:3) = [ &
+    ending_type('a fault in the program: please report it', status_fault), &
+    ending_type('memory was refused', status_bad_file), &
+    ending_type('the stack is exhausted; accepted: a larger one (ulimit -s)', status_bad_file), &
+    ending_type('stopped within a step that could not be left in order; finished cases are saved', status_stopped)]
+    !! by the numbers of bw_system.c
+  character(kind=c_char, len=200), target :: said(0:size(endings) - 1)      !! stays there for handlers of signals
   integer(i8), parameter :: openblas_bytes = 140000000    !! what it claims at its first call, and hardly uses
 
 contains
@@ -29,25 +37,22 @@ contains
   end subroutine open_standard_streams
 
   subroutine watch_over_process()
-    !! Watch for signals, and for endings that are none of ours: a fault on a small stack comes of that. Call this once, before
-    !! any work is done.
-    if (stack_is_small()) then
-      call bw_watch(stack_message, int(status_bad_file, c_int), memory_message, int(status_bad_file, c_int))
-    else
-      call bw_watch(fault_message, int(status_fault, c_int), memory_message, int(status_bad_file, c_int))
-    end if
+    !! Watch for signals, and for endings that are none of ours. Call this once, before any work is done.
+    integer :: i
+    do i = 0, size(endings) - 1
+      said(i) = 'beamwave: '//trim(endings(i)%message)//new_line('a')//c_null_char
+      call bw_set_ending(int(i, c_int), said(i), int(endings(i)%status, c_int))
+    end do
+    call bw_watch()
   end subroutine watch_over_process
 
   subroutine settle_libraries(scene, error)
     !! See to it that libraries use one thread and no locks of their own: those of HDF5 are not there on every file system.
-    !! **Errors**: the stack is too small, or OpenBLAS's memory is refused.
+    !! **Errors**: OpenBLAS's memory is refused.
     character(*), intent(in) :: scene                !! file of the first scene that is to be run, for messages
     type(error_type), allocatable, intent(out) :: error
     call bw_set_environment('HDF5_USE_FILE_LOCKING'//c_null_char, 'FALSE'//c_null_char)
-    if (stack_is_small()) then
-      call fail(error, status_bad_file, scene//': the stack may have '//text_of(bw_stack_limit()/1024)//' kB, which is too '// &
-                'small; accepted: '//text_of(least_stack/1024)//' kB or more (ulimit -s)')
-    else if (bw_settle_openblas(openblas_bytes) /= 0) then
+    if (bw_settle_openblas(openblas_bytes) /= 0) then
       call fail(error, status_bad_file, scene//': memory was refused: the linear algebra (OpenBLAS) claims '// &
                 text_of(openblas_bytes/1000000)//' MB')
     end if
@@ -64,17 +69,22 @@ contains
     bytes = bw_free_memory()
   end function free_memory
 
-  logical function stack_is_small()
-    !! Whether this process may have less stack than a run needs.
-    integer(i8) :: stack
-    stack = bw_stack_limit()
-    stack_is_small = stack >= 0 .and. stack < least_stack        ! below 0: no limit
-  end function stack_is_small
+  integer(i8) function peak_memory() result(bytes)
+    !! The most memory that this process has had.
+    bytes = bw_peak_memory()
+  end function peak_memory
 
-  integer function stop_signal()
-    !! The signal that asked to stop; 0 for none. A second one ends the process at once.
-    stop_signal = int(bw_stop_signal())
-  end function stop_signal
+  subroutine stop_after(seconds)
+    !! Ask to stop after so many seconds, as a signal does.
+    real(dp), intent(in) :: seconds                  !! ≥ 0
+    call bw_stop_after(seconds)
+  end subroutine stop_after
+
+  logical function stop_asked()
+    !! A signal or the time has asked to stop. Who looks has to stop in order. Where nobody looks during a second of work the process
+    !! ends at once, as it does ten seconds of work after somebody has looked, and at a second signal.
+    stop_asked = bw_stop_asked() /= 0
+  end function stop_asked
 
   subroutine leave(status)
     !! End the process with this status, at once: all is written and closed, and what libraries do at exit can crash

@@ -17,6 +17,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
+#include <sys/time.h>
 #include <sys/types.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -240,31 +241,64 @@ int bw_is_there(int64_t process) { return kill((pid_t)process, 0) == 0 || errno 
 
 /* ---- how this process ends ------------------------------------------------------------------------------------------- */
 
+enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, ENDINGS };    /* numbers of bw_process.f90 */
+
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
-static volatile sig_atomic_t received, is_child;
-static const char *fault_message, *memory_message;
-static int fault_status, memory_status;
+static volatile sig_atomic_t received, time_is_up, is_unseen, is_child;
+static struct { const char *message; int status; } endings[ENDINGS];
+static const char *stack_top;
+static uint64_t stack_room;                                  /* below it, where nothing else lies */
+
+/* Nothing here may allocate: the heap may be what is broken. */
+static void end_at_once(int ending)
+{
+  const char *message = endings[ending].message;
+  if ((!is_child || ending == OF_STACK) && write(STDERR_FILENO, message, strlen(message)) < 0) _exit(endings[ending].status);
+  _exit(endings[ending].status);
+}
+
+/* Seconds of work until a stop is made at once: few as long as nobody has looked whether to stop, more to stop in order. */
+static void watch_stop(int seconds)
+{
+  setitimer(ITIMER_PROF, &(struct itimerval){{0, 0}, {seconds, 0}}, NULL);
+}
+
+static void ask_to_stop(void)
+{
+  is_unseen = 1;
+  watch_stop(1);
+}
 
 static void on_stop(int number)
 {
   if (received) _exit(128 + number);                         /* a second signal is obeyed at once */
   received = number;
+  ask_to_stop();
 }
 
-/* Nothing here may allocate: the heap may be what is broken. */
-static void end_in_fault(int is_refusal)
-{
-  const char *message = is_refusal ? memory_message : fault_message;
-  int status = is_refusal ? memory_status : fault_status;
-  if (!is_child && write(STDERR_FILENO, message, strlen(message)) < 0) _exit(status);
-  _exit(status);
-}
-
-/* A fault just after memory was refused comes of that. */
-static void on_fault(int number)
+static void on_time(int number)
 {
   (void)number;
-  end_in_fault(errno == ENOMEM);
+  time_is_up = 1;
+  ask_to_stop();
+}
+
+static void on_missed_stop(int number)
+{
+  (void)number;
+  end_at_once(OF_STOP);
+}
+
+/* A fault just after memory was refused comes of that, and one just below the stack of a stack that is full. Of others of a child
+   its parent will see and tell. */
+static void on_fault(int number, siginfo_t *fault, void *unused)
+{
+  uint64_t below = (uint64_t)(uintptr_t)stack_top - (uint64_t)(uintptr_t)fault->si_addr;
+  (void)unused;
+  if ((number == SIGSEGV || number == SIGBUS) && fault->si_code > 0 && below < stack_room) end_at_once(OF_STACK);
+  if (!is_child) end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT);
+  signal(number, SIG_DFL);
+  raise(number);
 }
 
 /* Libraries exit with 1 or −1 where memory is refused (Fortran's, FFTW; HDF5); Fortran's has 2 for errors of the program. */
@@ -272,10 +306,10 @@ static void on_fault(int number)
 static void on_end(int status, void *unused)
 {
   (void)unused;
-  end_in_fault(status == 1 || status == -1 || status == 255);
+  end_at_once(status == 1 || status == -1 || status == 255 ? OF_MEMORY : OF_FAULT);
 }
 #else
-static void on_end(void) { end_in_fault(errno == ENOMEM); }
+static void on_end(void) { end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT); }
 #define on_exit(handler, unused) atexit(handler)
 #endif
 
@@ -286,26 +320,68 @@ void bw_open_standard_streams(void)
     if (fcntl(stream, F_GETFD) < 0 && open("/dev/null", stream ? O_WRONLY : O_RDONLY) < 0) return;
 }
 
-/* The messages stay where they are. */
-void bw_watch(const char *of_fault, int fault, const char *of_memory, int memory)
+/* What is said at an ending, and its status; the message stays where it is. */
+void bw_set_ending(int ending, const char *message, int status)
+{
+  endings[ending].message = message;
+  endings[ending].status = status;
+}
+
+/* Let the stack grow as far as this process may have it, and note where it lies. The system keeps 128 MB below it free. */
+static void widen_stack(const char *top)
+{
+  const rlim_t enough = 64 << 20, kept_free = 128 << 20;
+  struct rlimit limit;
+  stack_top = top;
+  stack_room = kept_free;
+  if (getrlimit(RLIMIT_STACK, &limit) < 0) return;
+  if (limit.rlim_cur < enough) {                             /* RLIM_INFINITY is the largest number */
+    limit.rlim_cur = limit.rlim_max < enough ? limit.rlim_max : enough;
+    setrlimit(RLIMIT_STACK, &limit);
+  }
+  if (limit.rlim_cur > kept_free && limit.rlim_cur != RLIM_INFINITY) stack_room = limit.rlim_cur;
+}
+
+/* Call this once, after all endings are set. */
+void bw_watch(void)
 {
   static char room[65536];
   const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
   struct sigaction action = {.sa_handler = on_stop, .sa_flags = SA_RESTART};
-  fault_message = of_fault;
-  fault_status = fault;
-  memory_message = of_memory;
-  memory_status = memory;
   on_exit(on_end, NULL);
   for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) sigaction(stops[i], &action, NULL);
+  action.sa_handler = on_time;
+  sigaction(SIGALRM, &action, NULL);
+  action.sa_handler = on_missed_stop;
+  sigaction(SIGPROF, &action, NULL);
+  widen_stack(__builtin_frame_address(0));
   sigaltstack(&stack, NULL);                                 /* for the fault of a stack that is full */
-  action = (struct sigaction){.sa_handler = on_fault, .sa_flags = SA_ONSTACK};
+  action = (struct sigaction){.sa_sigaction = on_fault, .sa_flags = SA_ONSTACK | SA_SIGINFO};
   for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) sigaction(faults[i], &action, NULL);
   signal(SIGXFSZ, SIG_IGN);                                  /* `ulimit -f`: the write fails, as on a full disk */
   signal(SIGPIPE, SIG_IGN);                                  /* nobody reads any more: the write fails */
 }
 
-int bw_stop_signal(void) { return (int)received; }
+/* Ask to stop after so many seconds. */
+void bw_stop_after(double seconds)
+{
+  const double most = 1e9;
+  struct itimerval span = {{0, 0}, {0, 0}};
+  if (seconds > most) seconds = most;
+  span.it_value.tv_sec = (time_t)seconds;
+  span.it_value.tv_usec = (suseconds_t)(1e6 * (seconds - (double)span.it_value.tv_sec));
+  time_is_up = seconds < 1e-6;
+  if (!time_is_up) setitimer(ITIMER_REAL, &span, NULL);
+}
+
+/* A signal or the time has asked to stop. Who looks gets time to. */
+int bw_stop_asked(void)
+{
+  if (is_unseen) watch_stop(10);
+  is_unseen = 0;
+  return received || time_is_up;
+}
+
 void bw_leave(int status) { _exit(status); }
 
 /* ---- another process -------------------------------------------------------------------------------------------------- */
@@ -328,7 +404,6 @@ int64_t bw_fork(int *channel)
   close(ends[0]);
   *channel = ends[1];
   for (size_t i = 0; i < sizeof stops / sizeof *stops; i++) signal(stops[i], SIG_IGN);
-  for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) signal(faults[i], SIG_DFL);   /* the parent will see */
   setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -367,14 +442,6 @@ int bw_is_terminal(int descriptor) { return isatty(descriptor); }
 
 void bw_pause(int microseconds) { usleep((useconds_t)microseconds); }
 
-/* Bytes of stack that this process may have; below 0: no limit. */
-int64_t bw_stack_limit(void)
-{
-  struct rlimit limit;
-  if (getrlimit(RLIMIT_STACK, &limit) < 0 || limit.rlim_cur == RLIM_INFINITY) return -1;
-  return (int64_t)limit.rlim_cur;
-}
-
 /* Bytes that this user may still write where a path is; below 0: not known. */
 int64_t bw_free_disk(const char *path)
 {
@@ -398,6 +465,14 @@ int64_t bw_free_memory(void)
   if (told) fclose(told);
   if (kilobytes >= 0) return (int64_t)kilobytes * 1024;
   return pages < 0 || size < 0 ? -1 : (int64_t)pages * size;
+}
+
+/* The most memory that this process has had. */
+int64_t bw_peak_memory(void)
+{
+  struct rusage used = {0};
+  getrusage(RUSAGE_SELF, &used);
+  return (int64_t)used.ru_maxrss * 1024;
 }
 
 /* Where LAPACK is OpenBLAS, it works with one thread, and claims the memory of so many bytes that it takes at its first call:

@@ -150,16 +150,24 @@ module bw_system_calls
     subroutine bw_open_standard_streams() bind(c)
       implicit none (type, external)
     end subroutine bw_open_standard_streams
-    subroutine bw_watch(of_fault, fault, of_memory, memory) bind(c)
+    subroutine bw_set_ending(ending, message, status) bind(c)
       import :: c_char, c_int
       implicit none (type, external)
-      character(c_char), intent(in) :: of_fault(*), of_memory(*)
-      integer(c_int), value :: fault, memory
+      integer(c_int), value :: ending, status
+      character(c_char), intent(in) :: message(*)
+    end subroutine bw_set_ending
+    subroutine bw_watch() bind(c)
+      implicit none (type, external)
     end subroutine bw_watch
-    integer(c_int) function bw_stop_signal() bind(c)
+    subroutine bw_stop_after(seconds) bind(c)
+      import :: c_double
+      implicit none (type, external)
+      real(c_double), value :: seconds
+    end subroutine bw_stop_after
+    integer(c_int) function bw_stop_asked() bind(c)
       import :: c_int
       implicit none (type, external)
-    end function bw_stop_signal
+    end function bw_stop_asked
     subroutine bw_leave(status) bind(c)
       import :: c_int
       implicit none (type, external)
@@ -198,10 +206,6 @@ module bw_system_calls
       implicit none (type, external)
       integer(c_int), value :: microseconds
     end subroutine bw_pause
-    integer(c_int64_t) function bw_stack_limit() bind(c)
-      import :: c_int64_t
-      implicit none (type, external)
-    end function bw_stack_limit
     integer(c_int64_t) function bw_free_disk(path) bind(c)
       import :: c_char, c_int64_t
       implicit none (type, external)
@@ -211,6 +215,10 @@ module bw_system_calls
       import :: c_int64_t
       implicit none (type, external)
     end function bw_free_memory
+    integer(c_int64_t) function bw_peak_memory() bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+    end function bw_peak_memory
     integer(c_int) function bw_settle_openblas(bytes) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)

@@ -12,6 +12,7 @@ program ends_in_a_fault
   case ('run-time-error'); call read_a_word_as_a_number()
   case ('bad-allocation'); call allocate_without_asking(2_i8**57)
   case ('segfault'); call write_to_address(8_c_intptr_t)
+  case ('full-stack'); print '(es9.2)', deeper(0.0_dp)
   case ('error-stop'); error stop 4
   case ('stop'); stop
   end select
@@ -42,5 +43,12 @@ contains
     call c_f_pointer(place, nothing)
     nothing = 1
   end subroutine write_to_address
+
+  recursive real(dp) function deeper(number) result(sum)
+    real(dp), intent(in) :: number
+    real(dp) :: more(1000)
+    more = number + 1.0_dp
+    sum = deeper(more(1)) + deeper(more(size(more)))
+  end function deeper
 
 end program ends_in_a_fault

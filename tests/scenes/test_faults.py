@@ -1,4 +1,5 @@
-"""A fault in the program ends with 70 and a request to report it, however it comes about; memory that is refused with 3."""
+"""A fault in the program ends with 70 and a request to report it, however it comes about; memory that is refused, and a stack that is
+exhausted, with 3."""
 
 import resource
 import subprocess
@@ -22,6 +23,13 @@ def test_an_allocation_that_is_refused_ends_with_3_and_says_so(request, tmp_path
     ended = end_of(request, tmp_path, "bad-allocation")
     assert ended.returncode == 3, ended.stderr
     assert "memory was refused" in ended.stderr
+
+
+def test_a_stack_that_is_exhausted_ends_with_3_and_says_so(request, tmp_path):
+    ended = end_of(request, tmp_path, "full-stack")
+    assert ended.returncode == 3, ended.stderr
+    assert "the stack is exhausted" in ended.stderr
+    assert "fault" not in ended.stderr
 
 
 @pytest.mark.parametrize("kind", ["run-time-error", "segfault", "error-stop", "stop"])

@@ -238,13 +238,15 @@ contains
     end select
   end function overlap_of_beam
 
-  pure function overlap_far_below(self, from, amplitude) result(sums)
+  function overlap_far_below(self, from, amplitude, monitor) result(sums)
     !! ∫Φ̄_kφ_i dξ = γᾱ_k⁴Φ̄_k(1)φ_i(1)/(α_i⁴ − ᾱ_k⁴) for ᾱ_k ≪ α_i, two terms of its series in (ᾱ_k/α_i)⁴: the force at the
     !! tip, and how far it bends the beam.
     class(closed_form_set), intent(in) :: self
     class(mode_set), intent(in) :: from            !! of beam and mass
     real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
     real(dp) :: sums(self%count), force(from%count)
+    if (present(monitor)) continue
     force = from%gamma*from%alpha**4*from%struck*amplitude
     sums = (sum(force) + sum(force*from%alpha**4)/self%alpha**4)*self%struck/self%alpha**4
   end function overlap_far_below

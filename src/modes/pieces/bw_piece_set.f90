@@ -70,7 +70,8 @@ contains
     type(beam_place) :: place(size(xi))
     type(dd) :: offset(size(xi))
     type(piece_frequency) :: frequency
-    integer, allocatable :: here(:)
+    integer, parameter :: at_once = 1024         ! points: work arrays of each are on the stack
+    integer, allocatable :: here(:), some(:)
     type(dd), allocatable :: inside(:)
     real(dp), allocatable :: gap(:)
     integer :: i, k, p
@@ -80,13 +81,15 @@ contains
     end do
     do i = 1, size(self%modes%system%piece)
       here = pack([(p, p=1, size(xi))], place%piece == i .and. .not. xi == self%struck_at)
-      if (size(here) == 0) cycle
-      inside = offset(here)
-      gap = gap_to_end(self%modes%system%piece(i), inside)
-      do k = first, last
-        frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
-        values(k - first + 1, here) = deflections_inside(self%modes%system%piece(i), frequency, self%modes%amplitude(:, i, k), &
-                                                         inside, gap)
+      do p = 1, size(here), at_once
+        some = here(p:min(p + at_once - 1, size(here)))
+        inside = offset(some)
+        gap = gap_to_end(self%modes%system%piece(i), inside)
+        do k = first, last
+          frequency = frequency_at(self%modes%system%beam, self%modes%lambda(k))
+          values(k - first + 1, some) = deflections_inside(self%modes%system%piece(i), frequency, &
+                                                           self%modes%amplitude(:, i, k), inside, gap)
+        end do
       end do
     end do
     do p = 1, size(xi)

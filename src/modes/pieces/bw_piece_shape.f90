@@ -1,8 +1,8 @@
 module bw_piece_shape
   !! What a motion of a piece looks like inside: the state (v, ψ, M, N) at places between its ends, from the amplitudes.
-  use bw_double_double, only: dd, rounder, to_dd, operator(-), operator(*)
+  use bw_double_double, only: dd, rounder, to_dd, operator(+), operator(-), operator(*)
   use bw_kinds, only: dp
-  use bw_piece_beam, only: joint_position, piece_beam
+  use bw_piece_beam, only: piece_beam
   use bw_piece_waves, only: circular, is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
   use bw_short_piece, only: find_series, piece_series, polynomial_states, series_terms, states_of_series
   implicit none (type, external)
@@ -23,14 +23,14 @@ contains
     !! The piece that a point of the beam belongs to; a joint belongs to the piece before it.
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: xi                   !! 0 ≤ ξ ≤ 1
-    type(dd) :: gap
+    type(dd) :: joint, gap
     integer :: i
-    do i = 1, size(beam%piece) - 1
-      gap = joint_position(beam, i) - to_dd(xi)
-      if (gap%hi >= 0.0_dp) exit
+    do i = 1, size(beam%piece)
+      joint = joint + beam%piece(i)%length
+      gap = joint - to_dd(xi)
+      if (gap%hi >= 0.0_dp .or. i == size(beam%piece)) exit
     end do
     place%piece = i
-    gap = joint_position(beam, i) - to_dd(xi)
     if (gap%hi < 0.0_dp) gap = dd()              ! beyond the tip by rounding
     place%offset = beam%piece(i)%length*0.5_dp - gap
   end function place_of

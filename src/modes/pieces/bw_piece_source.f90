@@ -23,8 +23,6 @@ module bw_piece_source
   real(dp), parameter :: phase_error = 1.0e-13_dp    !! rad, at the end of the history
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
 
-  integer, parameter :: asked_every = 64             !! modes, after which a monitor is asked
-
   type, extends(mode_source), public :: piece_source
     type(struck_beam) :: pieces
     type(dd) :: critical_speed                       !! as those of a set
@@ -83,7 +81,11 @@ contains
     class(monitor_type), intent(inout), optional :: monitor
     type(piece_set), allocatable :: found
     allocate (found)
-    call set_of_pieces(self%pieces%beam, number, longest, found, self%pieces%struck, monitor)
+    if (present(monitor)) then
+      call set_of_pieces(self%pieces%beam, number, longest, found, self%pieces%struck, monitor)
+    else
+      call set_of_pieces(self%pieces%beam, number, longest, found, self%pieces%struck, self%monitor)
+    end if
     found%gamma = self%gamma
     found%body_inertia = self%pieces%captured%inertia%hi
     found%critical_speed = self%critical_speed
@@ -111,7 +113,8 @@ contains
     if (present(longest)) then
       call terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
     else
-      call set_of_pieces(self%pieces%beam, number, set=modes, struck=self%pieces%struck, roughly=.true.)
+      call set_of_pieces(self%pieces%beam, number, set=modes, struck=self%pieces%struck, &
+                         monitor=self%monitor, roughly=.true.)
       if (.not. modes%resolved) call self%note_failure(number)
       modes%struck_at = self%struck_at
       call take_terms(modes, xi, beta, drive, shapes)
@@ -140,9 +143,7 @@ contains
       if (size(search%system%piece) > size(beam%piece)) set%struck_joint = sum(parts_of_cut(beam, struck))
     end if
     do j = 1, size(number)
-      if (mod(j, asked_every) == 0) then
-        if (stops(monitor)) return
-      end if
+      if (stops(monitor)) return
       call find_mode(search, number(j), lambda, found)
       if (.not. found) then
         set%resolved = .false.
@@ -175,7 +176,8 @@ contains
     allocate (set%alpha(n), set%phase_velocity(n), set%group_velocity(n), source=missing)
     allocate (set%modal_mass(n), set%modes%mass(n), source=1.0_dp)
     allocate (set%struck(n), set%spun(n), source=0.0_dp)
-    allocate (set%beta_squared(n), set%modes%lambda(n), set%modes%square(n))
+    allocate (set%beta_squared(n), source=dd(1.0_dp))
+    allocate (set%modes%lambda(n), set%modes%square(n))
     allocate (set%modes%amplitude(4, pieces, n), source=0.0_dp)
     allocate (set%modes%deflection(pieces, n), set%modes%turning(pieces, n), source=0.0_dp)
   end subroutine size_set

@@ -8,6 +8,7 @@ module bw_mode_choice
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_sources
+  use bw_monitor, only: stops
   use bw_release_error, only: release_tail
   use bw_truncation, only: tail_error
   implicit none (type, external)
@@ -54,6 +55,7 @@ contains
       else
         try%error = maxval(tail_error(try%count, sources%loaded, force, seen))
       end if
+      if (stops(sources%loaded%monitor)) exit
       tries = tries + 1
       if (try%error <= bound) enough = try
       if (try%error > bound) then

@@ -85,8 +85,9 @@ contains
       before = sums
       call sample_window(first, last, number, weight)
       call source%find(number, free)
-      call add_state(free, free%overlap_far_below(low, q)/free%modal_mass, free%overlap_far_below(low, rate)/free%modal_mass, &
-                     seen, weight, sums)
+      call add_state(free, free%overlap_far_below(low, q, source%monitor)/free%modal_mass, &
+                     free%overlap_far_below(low, rate, source%monitor)/free%modal_mass, seen, weight, sums)
+      if (stops(source%monitor)) exit
       if (all(sums%magnitude + sums%growing - before%magnitude - before%growing &
               <= negligible*(sums%magnitude + sums%growing))) exit
       first = last + 1

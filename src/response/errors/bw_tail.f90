@@ -10,6 +10,7 @@ module bw_tail
   use bw_kinds, only: dp
   use bw_modal_flow, only: slow_exponent
   use bw_mode_set, only: mode_set, mode_source
+  use bw_monitor, only: stops
   use bw_reach, only: damped_reach, turns, undamped_reaches
   implicit none (type, external)
   private
@@ -53,6 +54,7 @@ contains
       last = window_end(first, source, seen%stretch%start)
       before = sums
       call add_window(source, force, first, last, first > count + 1, seen, sums, shown)
+      if (stops(source%monitor)) return
       if (first > rising .and. adds_nothing(before, sums, seen%velocity, negligible)) exit
       if (first > rising .and. source%decay > 0.0_dp .and. .not. allocated(source%damping) &
           .and. .not. (seen%velocity .and. source%quadratic)) then

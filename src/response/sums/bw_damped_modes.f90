@@ -74,15 +74,16 @@ contains
       do first = 1, size(list%mode), batch
         last = min(first + batch - 1, size(list%mode))
         if (present(velocity)) then
-          call add_exponentials(part_of(list, first, last), motion%shapes, grid, displacement, velocity)
+          call add_exponentials(part_of(list, first, last), motion%shapes, grid, monitor, displacement, velocity)
         else
-          call add_exponentials(part_of(list, first, last), motion%shapes, grid, displacement)
+          call add_exponentials(part_of(list, first, last), motion%shapes, grid, monitor, displacement)
         end if
         call monitor%advance(real(last, dp)/size(list%mode))
         if (monitor%stop_requested()) return
       end do
       do k = 1, size(q)
         if (.not. near(k)) cycle
+        if (monitor%stop_requested()) return
         if (present(velocity)) then
           call add_close(beta_squared(k), c(k), q(k), q_dot(k), motion%shapes(k, :), grid, displacement, velocity)
         else
@@ -151,11 +152,12 @@ contains
     part%mode = list%mode(first:last)
   end function part_of
 
-  subroutine add_exponentials(list, shapes, grid, displacement, velocity)
+  subroutine add_exponentials(list, shapes, grid, monitor, displacement, velocity)
     !! Add a batch of exponentials to histories, some blocks at a time.
     type(exponentials), intent(in) :: list
     real(dp), intent(in) :: shapes(:, :)
     type(time_grid), intent(in) :: grid
+    class(monitor_type), intent(inout) :: monitor
     real(dp), intent(inout) :: displacement(:, :)
     real(dp), intent(inout), optional :: velocity(:, :)
     complex(dp) :: turn(length, size(list%mode)), state(size(list%mode), chunk_blocks)
@@ -170,6 +172,7 @@ contains
     do first = 0, grid%samples - 1, length*chunk_blocks
       alive = pack([(k, k=1, size(list%mode))], list%decay*(grid%step%hi*first) > dead)
       if (size(alive) == 0) return
+      if (monitor%stop_requested()) return
       blocks = min(chunk_blocks, (grid%samples - first + length - 1)/length)
       do b = 1, blocks
         j = first + (b - 1)*length

@@ -142,10 +142,12 @@ contains
     real(dp), intent(in), contiguous :: q_dot(:)    !! modal velocities at t = 0, (modes)
     real(dp), intent(in) :: shapes(:, :)            !! Φ_k(ξ_p), (modes, points)
     real(dp), intent(in), optional, contiguous :: q(:)   !! modal displacements at t = 0, (modes); for a sum opened for them
-    real(dp) :: offset(batch), side(batch), amplitude(batch), coefficients(batch, size(self%spectra, 2))
+    real(dp) :: offset(batch), side(batch), amplitude(batch)
+    real(dp), allocatable :: coefficients(:, :)     ! there may be thousands of points: not on the stack
     type(dd) :: turns
     integer :: place(batch), first, kind, last, n, p
     turns = self%grid%step/(dd_pi*2.0_dp)
+    allocate (coefficients(batch, size(self%spectra, 2)))
     do first = 1, size(beta), batch
       last = min(first + batch - 1, size(beta))
       n = last - first + 1

@@ -65,7 +65,8 @@ contains
     else
       peaks = with_hidden(peaks, merge(peaks%hidden, 0.0_dp, peaks%doubtful))
     end if
-    call find_waves(peaks, verdict, facts, measured)
+    call find_waves(peaks, verdict, facts, measured, monitor)
+    if (stops(monitor)) return
     is_wave = .not. is_missing(measured%wavenumber)
     allocate (listed, source=listed_peaks(peaks, is_wave, verdict, facts))
     call keep(measured, peaks(listed), listed, facts)
@@ -119,13 +120,14 @@ contains
       & [(count(qualified .and. peaks%strength > peaks(i)%strength) < facts%max_peaks, i=1, size(peaks))]))
   end function listed_peaks
 
-  subroutine find_waves(peaks, verdict, facts, measured)
+  subroutine find_waves(peaks, verdict, facts, measured, monitor)
     !! The waves of all peaks that may be modes, a line by itself being the first that oscillates. Where a wave number is that of
     !! another mode than the known one of the same frequency, the peak is left out, and the others are measured without it.
     type(peak_type), intent(in) :: peaks(:)
     type(verdict_type), intent(in) :: verdict(:)
     type(record_facts), intent(in) :: facts
     type(measured_type), intent(inout) :: measured
+    class(monitor_type), intent(inout), optional :: monitor
     type(sensor_facts) :: sensors
     type(sensor_waves) :: waves
     real(dp) :: none(size(peaks))
@@ -146,7 +148,8 @@ contains
     possible = possible .and. peaks%located .and. peaks%ratio_error < sqrt(huge(1.0_dp))
     chosen = pack([(i, i=1, size(peaks))], possible)
     do
-      call measure_sensor_waves(sensors, lines_of(peaks(chosen), facts%duration), waves)
+      call measure_sensor_waves(sensors, lines_of(peaks(chosen), facts%duration), waves, monitor)
+      if (stops(monitor)) return
       right = is_missing(waves%wavenumber) .or. verdict(chosen)%kind == not_known &
         & .or. mode_near(waves%wavenumber*facts%length) == verdict(chosen)%number
       if (all(right)) exit

@@ -4,6 +4,7 @@ module bw_sensor_waves
   use bw_common_noise, only: separation_of
   use bw_kinds, only: dp
   use bw_missing, only: missing
+  use bw_monitor, only: monitor_type
   use bw_quantile, only: normal, squares_deviation, student_quantile
   use bw_sensor_lines, only: hertz, measured_lines, sensor_facts, sensor_waves, square_of
   use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
@@ -26,11 +27,12 @@ module bw_sensor_waves
 
 contains
 
-  subroutine measure_sensor_waves(facts, lines, waves)
+  subroutine measure_sensor_waves(facts, lines, waves, monitor)
     !! Measure all that the sensors can tell, and say why they cannot tell the remainder.
     type(sensor_facts), intent(in) :: facts
     type(measured_lines), intent(in) :: lines
     type(sensor_waves), intent(out) :: waves
+    class(monitor_type), intent(inout), optional :: monitor    !! they mean nothing where it asks to stop
     type(sensor_type) :: sensors
     type(choice_type) :: choices(size(lines%angular_frequency))
     type(motion_type) :: motions(size(choices))
@@ -49,7 +51,7 @@ contains
       return
     end if
     call find_motions(facts, lines, motions)
-    call find_choices(sensors, motions, square_of(lines), facts, choices)
+    call find_choices(sensors, motions, square_of(lines), facts, choices, monitor)
     do k = 1, size(choices)
       call settle(facts, sensors, motions(k), choices(k), found(k), reason)
       if (reason /= '') call append(waves%notes, 'measured waves: the line at '//hertz(lines, k)//' has no wave number: '//reason)
@@ -123,13 +125,14 @@ contains
 
   end subroutine find_motions
 
-  subroutine find_choices(sensors, motions, square, facts, choices)
+  subroutine find_choices(sensors, motions, square, facts, choices, monitor)
     !! What wave number each line may have, how well the shape fits, and which is the line's.
     type(sensor_type), intent(in) :: sensors
     type(motion_type), intent(in) :: motions(:)
     real(dp), intent(in) :: square(:)          !! β², (line)
     type(sensor_facts), intent(in) :: facts
     type(choice_type), intent(inout) :: choices(:)
+    class(monitor_type), intent(inout), optional :: monitor
     type(candidate_type), allocatable :: candidates(:)
     real(dp), allocatable :: alpha(:), misfit(:, :)
     real(dp) :: least
@@ -154,7 +157,7 @@ contains
       choices(k)%candidates%deviation = choices(k)%candidates%deviation*choices(k)%scale &
         & *student_quantile(usual, choices(k)%freedom)/student_quantile(usual, normal)
     end do
-    call choose_waves(square, facts%rotates, sensors%ends == 'tip', facts%alone, choices)
+    call choose_waves(square, facts%rotates, sensors%ends == 'tip', facts%alone, choices, monitor)
     where (choices%chosen > 0 .and. .not. choices%on_curve .and. count(choices%on_curve) > 1 .and. fits_anything(sensors)) &
       & choices%chosen = 0
   end subroutine find_choices

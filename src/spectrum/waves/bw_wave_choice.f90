@@ -3,6 +3,7 @@ module bw_wave_choice
   !! mass at the tip all imply the same mass. What is chosen fits much better than every choice that contradicts it; otherwise
   !! nothing is.
   use bw_kinds, only: dp
+  use bw_monitor, only: monitor_type, stops
   use bw_shape_fit, only: worse
   use bw_wave_candidates, only: choice_type, problem_of, problem_type
   use bw_wave_curve, only: apart, begun, curve_type, foreseen_variance, is_curve, mass_cost, take
@@ -16,20 +17,22 @@ module bw_wave_choice
 
 contains
 
-  subroutine choose_waves(square, rotates, tip, alone, choices)
+  subroutine choose_waves(square, rotates, tip, alone, choices, monitor)
     !! Choose a candidate for each line, or name the two best where nothing tells.
     real(dp), intent(in) :: square(:)          !! β² of the undamped line, (line)
     logical, intent(in) :: rotates             !! in the plane of bending
     logical, intent(in) :: tip                 !! a mass at the tip is the only unknown of the ends
     integer, intent(in) :: alone               !! the mode that a line by itself is, with a mass at the tip; 0: not known
     type(choice_type), intent(inout) :: choices(:)
+    class(monitor_type), intent(inout), optional :: monitor    !! nothing is chosen where it asks to stop
     type(problem_type) :: problem
     real(dp), allocatable :: least(:, :)
     integer :: best(size(choices)), k
     logical :: others(maxval([(size(choices(k)%candidates), k=1, size(choices))]))
     if (all([(size(choices(k)%candidates), k=1, size(choices))] == 0)) return
     problem = problem_of(square, rotates, tip, choices)
-    call search(problem, least, best)
+    call search(problem, least, best, monitor)
+    if (stops(monitor)) return
     do k = 1, size(choices)
       if (problem%count(k) == 0) cycle
       associate (choice => choices(k))
@@ -49,11 +52,12 @@ contains
     end do
   end subroutine choose_waves
 
-  subroutine search(problem, least, best)
+  subroutine search(problem, least, best, monitor)
     !! Begin a curve with each candidate of a few lines, or each pair where the beam rotates, and go on with the others.
     type(problem_type), intent(in) :: problem
     real(dp), allocatable, intent(out) :: least(:, :)  !! the cost of the best choice that takes a candidate, (candidate, line)
     integer, intent(out) :: best(:)            !! the best choice of all; 0: the line is not on the curve, (line)
+    class(monitor_type), intent(inout), optional :: monitor
     integer :: chosen(size(best)), anchors(min(most_anchors, size(best)))
     type(curve_type) :: curve
     real(dp) :: record
@@ -71,6 +75,7 @@ contains
           call finish
           cycle
         end if
+        if (stops(monitor)) return
         do b = 1, size(anchors)
           if (problem%square(anchors(b)) <= problem%square(anchors(a))) cycle
           do j = 1, problem%count(anchors(b))
