@@ -21,7 +21,7 @@ module bw_case_modes
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
   implicit none (type, external)
   private
-  public :: extend_sources, find_modes, find_sources, largest_phase_error, record_stretch
+  public :: enough_for_errors, extend_sources, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
 
   type, public :: case_mode_cache
     !! Modes that cases of a sweep share.

@@ -2,12 +2,15 @@ module bw_absent_of_pieces
   !! What tension, and shear with the inertia of sections, add to β² of a beam of pieces, to first order: integrals over the shapes
   !! of the beam without them, ∫Tv'² of the one, −∫sN² − β²∫ρIv'² of the other, N being the shear force, over the modal mass.
   use bw_beam_units, only: beam_units, units_of
+  use bw_double_double, only: to_dd
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
-  use bw_piece_beam, only: joint_position, piece_beam, uniform_piece
+  use bw_piece_beam, only: cut_all, piece_beam, uniform_piece
   use bw_piece_set, only: piece_set
+  use bw_piece_shape, only: states_inside
   use bw_piece_source, only: piece_source, source_of_pieces
   use bw_piece_tension, only: tension_in_pieces
+  use bw_piece_waves, only: frequency_at, parts_at_rest, piece_frequency, piece_numbers
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of
   use bw_shear_par, only: usual_shear
@@ -30,7 +33,6 @@ contains
     type(piece_source) :: source
     type(piece_beam) :: full
     class(mode_set), allocatable :: modes
-    real(dp), allocatable :: pull(:, :)
     real(dp) :: hub
     plain = scene
     if (allocated(plain%shear)) deallocate (plain%shear)
@@ -45,7 +47,6 @@ contains
     associate (pieces => pieces_of(sheared, units, allocated(scene%capture)))
       full = pieces%beam
     end associate
-    pull = full%spin_squared%hi*tension_in_pieces(full, hub)
     tension = 0.0_dp
     shear = 0.0_dp
     place = 0.0_dp
@@ -54,7 +55,8 @@ contains
     if (.not. modes%resolved) return
     select type (modes)
     type is (piece_set)
-      call add_integrals(modes, full, pull, tension, shear)
+      if (size(modes%modes%system%piece) > size(full%piece)) full = cut_all(full, parts_at_rest(source%pieces%beam))
+      call add_integrals(modes, full, full%spin_squared%hi*tension_in_pieces(full, hub), tension, shear)
       place = place_shifts(modes, source%gamma)
     end select
   end subroutine shifts_of_pieces
@@ -85,41 +87,39 @@ contains
   subroutine add_integrals(modes, full, pull, tension, shear)
     !! By the midpoint rule, in several points of each half wave of a mode.
     type(piece_set), intent(in) :: modes
-    type(piece_beam), intent(in) :: full                   !! its pieces with compliance and rotary inertia
+    type(piece_beam), intent(in) :: full                   !! the pieces of the modes, with compliance and rotary inertia
     real(dp), intent(in) :: pull(:, :)                     !! T = t_0 + t_1x + t_2x² in each piece, (3, pieces)
     real(dp), intent(out) :: tension(:), shear(:)
     integer, parameter :: fewest = 16, of_half_wave = 12   ! points
     real(dp), dimension(modes%count) :: taken, elastic
-    real(dp) :: both, inner
+    type(piece_frequency) :: frequency
+    real(dp) :: both
     integer :: i, k, points
     tension = 0.0_dp
     taken = 0.0_dp
     both = sum(full%piece%length%hi*full%piece%compliance%hi*full%piece%rotary%hi)
     elastic = max(tiny(1.0_dp), modes%modes%lambda%hi)
-    do i = 1, size(full%piece)
-      associate (piece => full%piece(i), at => joint_position(full, i - 1))
-        inner = at%hi
-        do k = 1, modes%count
-          points = fewest + ceiling(of_half_wave*piece%length%hi*modes%alpha(k)/acos(-1.0_dp))
-          call add_points(midpoints(points), piece, pull(:, i), k)
-        end do
-      end associate
+    do k = 1, modes%count
+      frequency = frequency_at(modes%modes%system%beam, modes%modes%lambda(k))
+      do i = 1, size(full%piece)
+        points = fewest + ceiling(of_half_wave*full%piece(i)%length%hi*modes%alpha(k)/acos(-1.0_dp))
+        call add_points(midpoints(points), full%piece(i), modes%modes%system%piece(i))
+      end do
     end do
     tension = tension/modes%modal_mass
     taken = 1.0_dp + taken/modes%modal_mass
     shear = elastic*(2.0_dp/(taken + sqrt(max(0.0_dp, taken**2 - 4.0_dp*both*elastic))) - 1.0_dp)
   contains
-    subroutine add_points(x, piece, pulls, k)
-      !! Mode k over a piece.
+    subroutine add_points(x, piece, numbers)
+      !! Mode k over piece i.
       real(dp), intent(in) :: x(:)                         !! of its length, (points)
       type(uniform_piece), intent(in) :: piece
-      real(dp), intent(in) :: pulls(3)
-      integer, intent(in) :: k
-      real(dp) :: part, state(4, 1, size(x))
-      state = modes%states(k, k, min(1.0_dp, inner + piece%length%hi*x))
+      type(piece_numbers), intent(in) :: numbers
+      real(dp) :: part, state(4, size(x))
+      state = states_inside(numbers, frequency, modes%modes%amplitude(:, i, k), to_dd(piece%length%hi*(x - 0.5_dp)))
       part = piece%length%hi/size(x)
-      tension(k) = tension(k) + part*sum((pulls(1) + x*(pulls(2) + x*pulls(3)))*state(2, 1, :)**2)
-      taken(k) = taken(k) + part*sum(piece%compliance%hi*state(4, 1, :)**2/elastic(k) + piece%rotary%hi*state(2, 1, :)**2)
+      tension(k) = tension(k) + part*sum((pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :)**2)
+      taken(k) = taken(k) + part*sum(piece%compliance%hi*state(4, :)**2/elastic(k) + piece%rotary%hi*state(2, :)**2)
     end subroutine add_points
   end subroutine add_integrals
 

@@ -5,6 +5,7 @@ module bw_scene_summary
   use bw_beam_par, only: beam_text
   use bw_beam_units, only: beam_units, units_of
   use bw_case_fields, only: blocks_for, case_block, case_length, fields_of
+  use bw_case_shares, only: case_bytes
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
   use bw_record_case, only: few_numbers
@@ -28,13 +29,15 @@ contains
     text = text//new_line('a')
   end function scene_heading
 
-  function scene_summary(scene, layout) result(text)
+  function scene_summary(scene, layout, hint) result(text)
     !! What is simulated, line by line, indented by two.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
+    logical, intent(in), optional :: hint          !! and what is left out, which takes a few modes; absent: it is
     character(:), allocatable :: text
     type(text_builder) :: lines
     type(beam_units) :: units
+    logical :: hints
     call lines%append_line('  scene      '//scene%file)
     if (position_of(scene%groups, 'beam') > 0) then
       units = units_of(scene%beam)
@@ -52,7 +55,9 @@ contains
     if (allocated(scene%response)) call lines%append_line('  response   '//response_text(scene))
     call lines%append(unknowns_text(scene))
     if (size(scene%sweeps) > 0) call lines%append_line('  sweep      '//sweep_text(scene))
-    if (.not. allocated(scene%record)) call lines%append(hint_line(scene))
+    hints = .not. allocated(scene%record)
+    if (present(hint)) hints = hints .and. hint
+    if (hints) call lines%append(hint_line(scene))
     text = lines%text()
   end function scene_summary
 
@@ -162,12 +167,13 @@ contains
     text = ' ('//text//')'
   end function span_text
 
-  function cost_summary(scene, layout) result(text)
+  function cost_summary(scene, layout, bytes) result(text)
     !! What `beamwave check` says of memory and of the disk.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
+    integer(i8), intent(in) :: bytes          !! of memory
     character(:), allocatable :: text
-    text = '  memory     '//bytes_text(working_bytes(layout))//new_line('a')// &
+    text = '  memory     '//bytes_text(bytes)//new_line('a')// &
       '  result     '//bytes_text(result_bytes(scene, layout))
     if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
     text = text//new_line('a')
@@ -189,17 +195,22 @@ contains
     bytes = 8*layout%cases*(case_length(fields_of(layout)) + frame) + 5000
   end function journal_bytes
 
-  pure integer(i8) function working_bytes(layout) result(bytes)
-    !! Memory of one case: its numbers as they are found and once more on their way to the file, shapes, what is needed to
-    !! search histories for waves, and about 25 MB of program and libraries; of a sweep also blocks of cases and the list of
-    !! all of them.
+  pure integer(i8) function working_bytes(scene, layout) result(bytes)
+    !! Memory of the first case, as far as it can be told without running it: its numbers as they are found and once more on their
+    !! way to the file, times, shapes, modes, what is needed to search histories for waves, and about 27 MB of program and
+    !! libraries; of a sweep also blocks of cases and the list of all of them.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
+    integer, parameter :: time_copies = 3
     integer(i8) :: shapes
-    shapes = min(int(max(layout%modes, layout%modes_before), i8)*layout%points, int(most_shapes, i8))
+    shapes = int(max(layout%modes, layout%modes_before), i8)*max(layout%points, 2*layout%profile)
+    shapes = min(shapes, int(most_shapes, i8))
     associate (fields => fields_of(layout))
-      bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8)) + 25000000
+      bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8) &
+                 + time_copies*int(layout%samples, i8)) + 27000000
+      if (.not. allocated(scene%record)) bytes = bytes + case_bytes(scene)
       if (allocated(layout%record)) bytes = bytes + record_bytes(layout%record%longest, layout%points)
       if (layout%cases > 0) bytes = bytes + sum(block_bytes(blocks_for(fields, layout%cases))) + 6_i8*layout%cases
     end associate
@@ -209,10 +220,10 @@ contains
     !! Memory of a record while its lines are searched for: itself, once more where it stays for the next case, transforms of one
     !! sensor, bands of all; measured.
     integer, intent(in) :: samples, sensors
-    integer, parameter :: of_sample = 180, of_sensor = 700000
+    integer, parameter :: of_sample = 180, of_sensor = 700000, of_libraries = 10000000
     integer(i8) :: numbers
     numbers = int(samples, i8)*sensors
-    bytes = 8*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors
+    bytes = of_libraries + 8*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors
     if (numbers <= few_numbers) bytes = bytes + 8*numbers
   end function record_bytes
 

@@ -2,6 +2,7 @@ module bw_forecast
   !! What a run of a scene would say, before it is run: the notes of cases that were tried, or, of a case that takes longer than
   !! there is time, those of few of its modes and samples.
   use bw_case_result, only: case_result
+  use bw_case_shares, only: case_bytes
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
   use bw_modes_par, only: by_tolerance
@@ -17,6 +18,7 @@ module bw_forecast
   private
 
   integer, parameter, public :: few_modes = 20, few_samples = 1000      !! of a case that is foretold
+  integer(i8), parameter, public :: most_trial_bytes = 1000000000_i8    !! of memory, which a case that is tried may take
 
   type, public :: forecast_type
     !! What cases that were run for their time had to say.
@@ -54,6 +56,7 @@ contains
     logical :: whole
     allocate (notes(0))
     few = few_of(scene, 1.0_dp)
+    if (case_bytes(few) > most_trial_bytes) return
     call run_few(few, layout, monitor, result, whole)
     if (.not. whole) return
     call take_notes(result%notes, .false., notes)

@@ -138,9 +138,9 @@ contains
     type(error_type), allocatable, intent(out) :: error
     integer(i1), allocatable :: room(:)
     integer :: stat
-    allocate (room(working_bytes(work%layout)), stat=stat)
+    allocate (room(working_bytes(work%scene, work%layout)), stat=stat)
     if (stat /= 0) call fail(error, status_bad_file, work%scene%file//': memory was refused: a case takes about '// &
-                             bytes_text(working_bytes(work%layout)))
+                             bytes_text(working_bytes(work%scene, work%layout)))
   end subroutine ask_for_memory
 
   subroutine run_single(work, record, progress, outcome, error, supplement)

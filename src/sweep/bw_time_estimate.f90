@@ -4,7 +4,7 @@ module bw_time_estimate
   use bw_case_result, only: case_result
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
-  use bw_forecast, only: forecast_type
+  use bw_forecast, only: forecast_type, most_trial_bytes
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
   use bw_one_case, only: case_cache, run_case
@@ -67,13 +67,16 @@ contains
     type(forecast_type), intent(out) :: forecast
     type(case_timer) :: timer
     real(dp) :: spent, began, part
+    integer(i8) :: bytes, free
     logical :: whole
     allocate (timer%forecast%cases(0))
     timer%scene = scene
     timer%layout = layout
     timer%limit%user => monitor
     began = wall_seconds()
-    if (fits(working_bytes(layout), free_memory())) then
+    bytes = working_bytes(scene, layout)
+    free = free_memory()
+    if (bytes <= most_trial_bytes .and. fits(bytes, free)) then
       call timer%sample(1_i8, began + budget, part, spent)   ! a first case finds caches and plans empty
     else
       call timer%guess(part, spent)
@@ -120,7 +123,7 @@ contains
   end function fits
 
   subroutine guess(self, part, spent)
-    !! In place of a sample of the first case, which the machine has not the memory to begin.
+    !! In place of a sample of the first case, which takes more memory than there is for it.
     class(case_timer), intent(inout) :: self
     real(dp), intent(out) :: part, spent          !! as those of `sample`, of nothing of the case
     type(error_type), allocatable :: error
@@ -181,7 +184,10 @@ contains
     if (whole .and. .not. allocated(error)) call self%forecast%add(index, result%notes)
     if (whole) return
     associate (limit => self%limit)
-      if (limit%before > 0.0_dp .and. limit%fraction > limit%first + least_part*(1.0_dp - limit%first)) then   ! what comes before the histories is not a part of them
+      if (limit%fraction > 1.0_dp - least_part) then                   ! errors take as long as they may
+        spent = 2.0_dp*spent
+      else if (limit%before > 0.0_dp .and. limit%fraction > limit%first + least_part*(1.0_dp - limit%first)) then
+        ! what comes before the histories is not a part of them
         spent = (limit%before - began) + (ended - limit%before)*((1.0_dp - limit%first)/(limit%fraction - limit%first))
       else if (limit%before <= 0.0_dp .and. limit%fraction > least_part) then
         part = limit%fraction

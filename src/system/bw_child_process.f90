@@ -31,6 +31,7 @@ module bw_child_process
     type(string), allocatable, private :: texts(:)   !! where there is no child: what was told
     type(error_type), allocatable, private :: error
     real(dp) :: seconds = 0.0_dp                     !! processor time of the child
+    logical :: calculates = .false.                  !! it opens no file: a signal that ends it is a fault in the program
   contains
     procedure :: begin
     procedure :: is_here
@@ -99,7 +100,7 @@ contains
     ignored = close_file(self%channel)
     status = int(bw_wait(self%number, self%seconds))
     allocate (texts(0))
-    if (whole) call take_message(message, status, texts, error)
+    if (whole) call take_message(message, status, self%calculates, texts, error)
   end subroutine hear
 
   subroutine listen(self, message, whole, monitor)
@@ -121,15 +122,21 @@ contains
     end do
   end subroutine listen
 
-  subroutine take_message(message, ended, texts, error)
+  subroutine take_message(message, ended, calculates, texts, error)
     !! Split the message of the child into its texts, or say how it ended without its last word.
     character(*), intent(in) :: message
     integer, intent(in) :: ended                     !! its exit status, or below 0 the signal that ended it
+    logical, intent(in) :: calculates
     type(string), allocatable, intent(inout) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
-    character(*), parameter :: it = 'the process that reads and writes files '
+    integer, parameter :: killed = -9                ! by somebody, or for want of memory
+    character(:), allocatable :: it
     integer :: first, letters, status
-    if (ended < 0) then
+    it = 'the process that reads and writes files '
+    if (calculates) it = 'the process that calculates '
+    if (ended < 0 .and. ended /= killed .and. calculates) then
+      call fail(error, status_fault, it//'was ended by signal '//text_of(-ended)//': please report it')
+    else if (ended < 0) then
       call fail(error, status_bad_file, it//'was ended by signal '//text_of(-ended)// &
                 ', as happens to HDF5 after a refused read or write; where nothing was refused, please report it')
     else if (ended == status_fault) then

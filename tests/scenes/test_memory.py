@@ -1,10 +1,12 @@
-"""Memory stays below twice the result and 200 MB, in sizes at which what is held twice would show."""
+"""Memory stays below twice the result and 200 MB, in sizes at which what is held twice would show; a check foretells it."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from long_work import TENSION, of_pieces, with_tolerance
 from workplace import captured_beam, namelist
 
 BENCH = Path(__file__).parents[2] / "bench"
@@ -17,6 +19,14 @@ CASES = {
         "response": {"duration": 1.0, "samples": 3 * 2**20},
         "spectrum": {},
     },
+}
+
+FORETOLD = {
+    "a tolerance with tension and shear": with_tolerance(1e-4, stiffening={}, shear={}),
+    "many modes with tension": captured_beam(stiffening={}, modes={"before": 400, "after": 400}),
+    "pieces with tension": of_pieces(30, modes={"before": 20, "after": 20}, **TENSION),
+    "many modes of pieces": of_pieces(200, modes={"before": 2, "after": 600}),
+    **{name: captured_beam(**groups) for name, groups in CASES.items()},
 }
 
 
@@ -49,3 +59,11 @@ def test_memory_hardly_grows_with_the_number_of_cases(program, tmp_path):
         for some, words in [(sweeps[:1], ()), (sweeps, ("--overwrite", "--max-seconds", "1"))]
     )
     assert many - few <= 8 * 150**3  # bytes a case: less than one number
+
+
+@pytest.mark.parametrize("groups", FORETOLD.values(), ids=FORETOLD.keys())
+def test_a_check_foretells_memory(program, tmp_path, groups):
+    used = peak_memory(program, tmp_path, namelist(groups))
+    ended = subprocess.run([program, "check", "large.nml"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    number, unit = re.search(r"memory +([\d.]+) ([MG])B", ended.stdout).groups()
+    assert used <= float(number) * {"M": 1e6, "G": 1e9}[unit] <= 4 * used

@@ -60,14 +60,15 @@ contains
     integer, intent(in) :: count
     type(mode_demand), intent(in) :: wanted
     integer :: functions(size(given%beam%piece))
-    real(dp) :: waves(size(functions)), pull
-    integer, parameter :: ends = 20                ! tuned, as the other numbers are
+    real(dp) :: waves(size(functions)), pull       ! half waves in each piece
+    integer, parameter :: ends = 20, fewest = 14   ! tuned, as the other numbers are: of half a wave and more, and of none
     real(dp) :: layers                             ! √(L/δ)
     integer :: i
     associate (piece => given%beam%piece)
       waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
-      functions = wanted%ends(ends) + ceiling(1.75_dp*count*waves/sum(waves))
+      waves = count*waves/sum(waves)
       do i = 1, size(functions)
+        functions(i) = wanted%ends(fewest + ceiling((ends - fewest)*min(1.0_dp, waves(i)))) + ceiling(1.75_dp*waves(i))
         pull = given%beam%spin_squared%hi*given%tension(1, i)
         pull = pull/(piece(i)%stiffness%hi*(1.0_dp + piece(i)%compliance%hi*pull))
         layers = sqrt(sqrt(pull)*piece(i)%length%hi)
@@ -278,11 +279,12 @@ contains
     !! The lowest Ω at which a mode is unstable, 0 where there is none: there Kx = Ω²Gx, G being what Ω² takes from the
     !! stiffness; both are linear in Ω². A beam that floats or turns freely has none here.
     type(tension_beam), intent(in) :: given
-    integer, parameter :: functions = 40           ! of the lowest mode, whatever the tension
+    integer, parameter :: most = 40, fewest = 12   ! functions of a piece for the lowest mode, whatever the tension (tuned)
+    real(dp), parameter :: long = 0.2_dp           ! a piece that takes all of them; shorter ones as the root of their length
     real(dp), parameter :: rounding = 1.0e-13_dp   ! of the largest value: where tension holds everything, nothing is left but it
     real(dp), allocatable :: stiffness(:, :), push(:, :), value(:), work(:)
-    integer :: i, info
-    call tension_matrices(given, [(functions, i=1, size(given%beam%piece))], stiffness, push)
+    integer :: info
+    call tension_matrices(given, max(fewest, min(most, ceiling(most*sqrt(given%beam%piece%length%hi/long)))), stiffness, push)
     associate (n => size(push, 1))
       allocate (value(n), work(64*n))
       call dsygv(1, 'N', 'L', n, push, n, stiffness, n, value, work, size(work), info)

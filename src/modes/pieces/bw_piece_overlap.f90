@@ -43,9 +43,10 @@ contains
       !! the product holds the masses of either beam, but no inertia of a body that only one of them has; else neither
     class(monitor_type), intent(inout), optional :: monitor   !! the sums mean nothing where it asks to stop
     real(dp) :: sums(size(onto%lambda))
-    integer, parameter :: batch = 512            ! modes whose numbers stay in the cache
+    integer, parameter :: most = 512, most_parts = 4096   ! modes, and their pieces, whose numbers stay in the cache
     integer, allocatable :: changed(:)
-    integer :: first, j, last
+    integer :: batch, first, j, last
+    batch = max(1, min(most, most_parts/size(onto%system%piece)))
     changed = [integer ::]
     do j = 1, size(onto%system%beam%joint)
       if (change_at(onto, from, j, 1) /= 0.0_dp .or. change_at(onto, from, j, 2) /= 0.0_dp) changed = [changed, j]
