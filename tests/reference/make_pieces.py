@@ -11,6 +11,8 @@ from table import write_table
 BEAMS = 24
 SEED = 17
 NUMBERS = (1, 2, 3, 7, 20, 50)
+COLUMNS = ["beam", "piece", "length", "stiffness", "mass", "compliance", "rotary", "body_mass", "body_inertia", "spring",
+           "turning_spring", "root_spring", "root_turning", "omega", "in_plane"]
 HIGH = {0: (1000,), 5: (1000,), 10: (100000,), 15: (100000,)}
 
 
@@ -68,9 +70,7 @@ if __name__ == "__main__":
     write_table("piece_beams.txt", """
 Beams of uniform pieces: each piece with its length in l, EI, rho A, 1/(kappa G A), rho I, and the mass, the inertia and the
 springs at its outer end; of the beam the springs at its root (-1: rigid), omega and whether it bends in the plane of rotation
-""", ["beam", "piece", "length", "stiffness", "mass", "compliance", "rotary", "body_mass", "body_inertia", "spring",
-      "turning_spring", "root_spring", "root_turning", "omega", "in_plane"],
-                [row_of(number, beam, i) for number, beam in beams for i in range(len(beam.pieces))])
+""", COLUMNS, [row_of(number, beam, i) for number, beam in beams for i in range(len(beam.pieces))])
     write_table("piece_modes.txt", """
 Modes of the beams of piece_beams.txt by exponentials and dynamic stiffness: beta squared; and, with the integral of the squared
 deflection 1, the modal mass and the squared deflections at the midpoint and at the tip

@@ -8,7 +8,7 @@ module bw_joint_elimination
   !! largest elements, the largest element is the pivot, and a solution takes time in proportion to the pieces.
   use bw_kinds, only: dp
   use bw_piece_beam, only: beam_root
-  use bw_piece_ends, only: inner_states, piece_ends
+  use bw_piece_ends, only: inner_states, parity_shares, piece_ends
   implicit none (type, external)
   private
   public :: eliminate, solve, size_elimination
@@ -21,6 +21,7 @@ module bw_joint_elimination
     !! Forces of what is attached, for deflection and for turning: k_v − m_bλ and k_θ − J_bβ².
     real(dp) :: deflection = 0.0_dp
     real(dp) :: turning = 0.0_dp
+    logical :: inside = .false.                  !! it moves with the piece before; else with the piece after, or with the root
   end type joint_loads
 
   type, public :: elimination
@@ -51,16 +52,16 @@ contains
     call set_root(root, loads(0), inner_states(ends(1)), right(:, 0), condition, rest)
     do i = 1, n
       call solve_conditions(condition, rest, factors%free(:, :, i), factors%forced(:, i))
-      associate (state => factors%state(:, :, i))
-        state(:, 1) = product_of(ends(i)%outer, factors%free(:, 1, i))
-        state(:, 2) = product_of(ends(i)%outer, factors%free(:, 2, i))
-        forced = product_of(ends(i)%outer, factors%forced(:, i))
+      forced = product_of(ends(i)%outer, parity_shares(ends(i), factors%forced(:, i)))
+      associate (state => factors%state(:, :, i), free => factors%free(:, :, i))
+        state(:, 1) = product_of(ends(i)%outer, parity_shares(ends(i), free(:, 1)))
+        state(:, 2) = product_of(ends(i)%outer, parity_shares(ends(i), free(:, 2)))
         row(1, :) = state(:, 1)
         row(2, :) = state(:, 2)
       end associate
       row(7, :) = right(:, i) - forced
       if (i < n) then
-        call set_joint(loads(i), ends(i + 1)%outer, row)
+        call set_joint(loads(i), inner_states(ends(i + 1)), forced, row)
         call eliminate_shares(4, row)
         condition = row(3:6, 3:4)
         rest = row(7, 3:4)
@@ -99,21 +100,23 @@ contains
     state = outer(:, 1)*amplitude(1) + outer(:, 2)*amplitude(2) + outer(:, 3)*amplitude(3) + outer(:, 4)*amplitude(4)
   end function product_of
 
-  pure subroutine set_joint(load, outer, row)
-    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached. The body moves with the
-    !! piece after: beside a load that is large the forces of the piece before keep their digits.
+  pure subroutine set_joint(load, after, forced, row)
+    !! What the piece before has more than the piece after: v, ψ, and M and N with what is attached. That moves with the shorter
+    !! piece, whose ends are known to the last digit however little they move; those of waves, to that of the waves.
     type(joint_loads), intent(in) :: load
-    real(dp), intent(in) :: outer(4, 4)          !! of the piece after; its inner end has the same but for signs (bw_piece_ends)
+    real(dp), intent(in) :: after(4, 4)          !! states of the piece after, (motion, state)
+    real(dp), intent(in) :: forced(4)            !! state of the piece before by the right sides
     real(dp), intent(inout) :: row(width, 4)
     integer :: q
-    row(3:4, 1) = -outer(1, 1:2)
-    row(5:6, 1) = outer(1, 3:4)
-    row(3:4, 2) = outer(2, 1:2)
-    row(5:6, 2) = -outer(2, 3:4)
-    row(3:4, 3) = -(load%turning*outer(2, 1:2) + outer(3, 1:2))
-    row(5:6, 3) = load%turning*outer(2, 3:4) + outer(3, 3:4)
-    row(3:4, 4) = load%deflection*outer(1, 1:2) + outer(4, 1:2)
-    row(5:6, 4) = -(load%deflection*outer(1, 3:4) + outer(4, 3:4))
+    row(3:6, :) = -after
+    if (load%inside) then
+      row(1:2, 3) = row(1:2, 3) + load%turning*row(1:2, 2)
+      row(1:2, 4) = row(1:2, 4) + load%deflection*row(1:2, 1)
+      row(7, 3:4) = row(7, 3:4) - [load%turning*forced(2), load%deflection*forced(1)]
+    else
+      row(3:6, 3) = row(3:6, 3) + load%turning*after(:, 2)
+      row(3:6, 4) = row(3:6, 4) + load%deflection*after(:, 1)
+    end if
     row(8, :) = 0.0_dp
     do q = 1, 4
       call divide_row(row(:, q))
@@ -230,9 +233,10 @@ contains
     share(1) = (row(7, 1) - row(2, 1)*share(2))*factor
   end subroutine keep_shares
 
-  pure subroutine solve(factors, amplitude)
+  pure subroutine solve(factors, ends, amplitude)
     !! From the tip back to the root.
     type(elimination), intent(in) :: factors
+    type(piece_ends), intent(in) :: ends(:)      !! (n)
     real(dp), intent(out) :: amplitude(:, :)     !! (4, n)
     real(dp) :: share(2), next(4)
     integer :: i
@@ -241,7 +245,7 @@ contains
       share(1) = factors%share(1, i) - sum(factors%next(:, 1, i)*next)
       share(2) = factors%share(2, i) - sum(factors%next(:, 2, i)*next)
       next = factors%forced(:, i) + share(1)*factors%free(:, 1, i) + share(2)*factors%free(:, 2, i)
-      amplitude(:, i) = next
+      amplitude(:, i) = parity_shares(ends(i), next)
     end do
   end subroutine solve
 

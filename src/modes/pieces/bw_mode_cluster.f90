@@ -163,7 +163,7 @@ contains
       call set_frequency(modes%system, modes%lambda(i), probe)
       probe%amplitude = modes%amplitude(:, :, i)
       probe%drive = 0.0_dp
-      call weigh(modes%system, probe)              ! how the root moves
+      call weigh(modes%system, probe)            ! the root's motion
       probe%motion(1, 1:) = modes%deflection(:, i)
       probe%motion(2, 1:) = modes%turning(:, i)
       call find_drive(modes%system, probe)

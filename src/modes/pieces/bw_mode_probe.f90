@@ -6,8 +6,9 @@ module bw_mode_probe
   !! joint, ⟨·,·⟩ weighted by all mass and inertia. Put u for φ: the error of δ is of the second order.
   !!
   !! What excites a mode best is what it weighs: forces in the proportion of its deflections, and jumps between piece and
-  !! body in the proportion of its forces, on either side of each body. A jump outside of a body is e_v with
-  !! e_N = −(load)e_v: the body stays at rest, however heavy it is.
+  !! body in the proportion of its forces, on either side of each body, no larger than these forces bend the piece: larger ones
+  !! would ask a stiff piece for forces beside which those of the mode are rounding. Where a jump is between a body and the piece
+  !! that it moves with, its load is a force as well: the body stays at rest, however heavy it is.
   use bw_double_double, only: dd, operator(-), operator(*)
   use bw_joint_elimination, only: eliminate, elimination, joint_loads, size_elimination, solve
   use bw_kinds, only: dp
@@ -33,6 +34,8 @@ module bw_mode_probe
     type(joint_loads), allocatable :: loads(:)     !! (0:n)
     type(elimination) :: factors
     real(dp), allocatable :: unit(:, :)            !! sizes of v, ψ, M and N at the joints, whatever is attached, (4, 0:n)
+    real(dp), allocatable :: jump(:, :, :)
+      !! jumps of v and ψ before and after each joint, by which these forces bend the piece there, (2, 2, 0:n)
     real(dp), allocatable :: push(:, :)            !! N and M that move a joint so far in a cycle, more where a body is, (2, 0:n)
     real(dp), allocatable :: drive(:, :, :)
       !! what drives the inverse iteration, in these units: jump before, force, jump after; of v and N, of ψ and M, (3, 2, 0:n)
@@ -57,7 +60,7 @@ contains
     integer :: n
     n = size(system%piece)
     allocate (probe%ends(n), probe%loads(0:n), probe%unit(4, 0:n), probe%drive(3, 2, 0:n), probe%amplitude(4, n))
-    allocate (probe%push(2, 0:n), probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
+    allocate (probe%jump(2, 2, 0:n), probe%push(2, 0:n), probe%motion(2, 0:n), probe%before(2, 0:n), probe%after(2, 0:n))
     call size_elimination(n, probe%factors)
     call start_anew(1, probe)
   end function probe_for
@@ -103,7 +106,7 @@ contains
     type(mode_probe), intent(inout) :: probe
     logical, intent(in), optional :: rough         !! as that of `probe_at`
     real(dp) :: sizes(4, size(system%piece))
-    integer :: i
+    integer :: i, before, after
     probe%frequency = frequency_at(system%beam, lambda, rough)
     do i = 1, size(system%piece)
       call find_ends(system%piece(i), probe%frequency, probe%ends(i))
@@ -112,7 +115,11 @@ contains
       end associate
     end do
     do i = 0, size(system%piece)
-      probe%unit(:, i) = max(sizes(:, max(i, 1)), sizes(:, min(i + 1, size(system%piece))))
+      before = max(i, 1)
+      after = min(i + 1, size(system%piece))
+      probe%unit(:, i) = max(sizes(:, before), sizes(:, after))
+      probe%jump(:, 1, i) = jumps_of(system%piece(before), sizes(:, before))
+      probe%jump(:, 2, i) = jumps_of(system%piece(after), sizes(:, after))
       probe%push(:, i) = probe%unit([4, 3], i)
       if (i == 0) cycle
       associate (joint => system%beam%joint(i), square => max(abs(probe%frequency%lambda%hi), abs(probe%frequency%rho%hi)))
@@ -122,18 +129,31 @@ contains
     call find_loads(system%beam, probe%frequency, probe%loads)
   end subroutine set_frequency
 
+  pure function jumps_of(piece, sizes) result(jump)
+    !! How far forces of their sizes move and turn one end of a piece whose other end is held, at most as far as it moves in waves.
+    type(piece_numbers), intent(in) :: piece
+    real(dp), intent(in) :: sizes(4)               !! of v, ψ, M and N
+    real(dp) :: jump(2)
+    associate (h => piece%half%hi, b => piece%stiffness%hi)
+      jump = min(sizes(1:2), [sizes(4)*h*(h**2 + piece%flexible%hi)/b, sizes(3)*h/b])
+    end associate
+  end function jumps_of
+
   pure function driven(beam, probe) result(lack)
     !! By how much v, ψ, M and N fail at each joint for a drive, (4, 0:n).
     type(piece_beam), intent(in) :: beam
     type(mode_probe), intent(in) :: probe
     real(dp) :: lack(4, 0:size(probe%ends))
+    real(dp), dimension(2) :: before, after, apart    ! the last between what is attached and the piece that it moves with
     integer :: i
     do i = 0, size(probe%ends)
-      associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
-        lack(1, i) = unit(1)*(d(1, 1) + d(3, 1))
-        lack(2, i) = unit(2)*(d(1, 2) + d(3, 2))
-        lack(3, i) = unit(3)*d(2, 2) - load%turning*unit(2)*d(3, 2)
-        lack(4, i) = unit(4)*d(2, 1) - load%deflection*unit(1)*d(3, 1)
+      associate (d => probe%drive(:, :, i), jump => probe%jump(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
+        before = d(1, :)*jump(:, 1)
+        after = d(3, :)*jump(:, 2)
+        lack(1:2, i) = before + after
+        apart = merge(before, -after, load%inside)
+        lack(3, i) = unit(3)*d(2, 2) + load%turning*apart(2)
+        lack(4, i) = unit(4)*d(2, 1) + load%deflection*apart(1)
       end associate
     end do
     call mask_ends(beam, lack)
@@ -155,6 +175,7 @@ contains
     integer :: i
     loads(0) = joint_loads(beam%root%stiffness%hi, beam%root%turning_stiffness%hi)
     do i = 1, size(beam%joint)
+      if (i < size(beam%joint)) loads(i)%inside = beam%piece(i)%length%hi < beam%piece(i + 1)%length%hi
       associate (joint => beam%joint(i))
         loads(i)%deflection = load_of(joint%stiffness, joint%mass, frequency%lambda)
         loads(i)%turning = load_of(joint%turning_stiffness, joint%inertia, frequency%beta_squared)
@@ -180,16 +201,20 @@ contains
     call modes_below(system%beam%root, probe%loads, probe%ends, probe%factors, number, regular)
   end subroutine count_below
 
-  pure subroutine improve(system, probe, correction)
+  pure subroutine improve(system, probe, correction, mixture)
     !! The motions that inverse iteration gives at the frequency of a probe, and by how much β² and λ of their mode differ
     !! from it.
     type(piece_system), intent(in) :: system
     type(mode_probe), intent(inout) :: probe
     real(dp), intent(out) :: correction
-    call solve(probe%factors, probe%amplitude)
+    real(dp), intent(out) :: mixture               !! the same as if all joints called for it alike: that of two modes may cancel
+    real(dp) :: works(3, 2, 0:size(probe%ends))
+    call solve(probe%factors, probe%ends, probe%amplitude)
     call keep_in_range(probe)
     call weigh(system, probe)
-    correction = work_of_drive(probe)/probe%mass
+    works = left_vector(probe)*probe%drive
+    correction = sum(works)/probe%mass
+    mixture = sum(abs(works))/probe%mass
     call improve_drive(probe)
   end subroutine improve
 
@@ -224,21 +249,6 @@ contains
     probe%drive(1, :, [0, n]) = 0.0_dp
   end subroutine improve_drive
 
-  pure real(dp) function work_of_drive(probe) result(work)
-    !! Of each drive on the `left_vector` of a probe.
-    type(mode_probe), intent(in) :: probe
-    integer :: i, j, n
-    n = size(probe%ends)
-    work = 0.0_dp
-    do i = 0, n
-      do j = 1, 2
-        work = work + probe%motion(j, i)*probe%unit(5 - j, i)*probe%drive(2, j, i) &
-          - probe%unit(j, i)*(probe%before(j, i)*probe%drive(1, j, i) + probe%after(j, i)*probe%drive(3, j, i))
-      end do
-    end do
-    work = work + sum(probe%before(:, n)*probe%unit(1:2, n)*probe%drive(3, :, n))
-  end function work_of_drive
-
   pure function left_vector(probe) result(left)
     !! What each drive does work on in the motion of a probe, in the drives' units: forces on deflections, jumps on forces.
     type(mode_probe), intent(in) :: probe
@@ -246,10 +256,10 @@ contains
     integer :: j, n
     n = size(probe%ends)
     do j = 1, 2
-      left(1, j, :) = -probe%before(j, :)*probe%unit(j, :)
+      left(1, j, :) = -probe%before(j, :)*probe%jump(j, 1, :)
       left(2, j, :) = probe%motion(j, :)*probe%unit(5 - j, :)
-      left(3, j, :) = -probe%after(j, :)*probe%unit(j, :)
-      left(3, j, n) = probe%before(j, n)*probe%unit(j, n)
+      left(3, j, :) = -probe%after(j, :)*probe%jump(j, 2, :)
+      left(3, j, n) = probe%before(j, n)*probe%jump(j, 2, n)
     end do
     left(1, :, [0, n]) = 0.0_dp
   end function left_vector
@@ -289,13 +299,13 @@ contains
     integer, intent(in) :: i
     real(dp), intent(in) :: before(4), after(4)    !! states of the pieces on both sides; no forces beyond root and tip
     real(dp) :: motion(2)
-    associate (d => probe%drive(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
-      if (i == 0) then
-        motion = after(1:2) + d(3, :)*unit(1:2)
-      else if (i == size(probe%ends)) then
-        motion = before(1:2) + d(3, :)*unit(1:2)
+    associate (d => probe%drive(:, :, i), jump => probe%jump(:, :, i), unit => probe%unit(:, i), load => probe%loads(i))
+      if (i == size(probe%ends)) then
+        motion = before(1:2) + d(3, :)*jump(:, 2)
+      else if (load%inside) then
+        motion = before(1:2) - d(1, :)*jump(:, 1)
       else
-        motion = before(1:2) - d(1, :)*unit(1:2)
+        motion = after(1:2) + d(3, :)*jump(:, 2)
       end if
       if (abs(load%deflection)*unit(1) > unit(4)) motion(1) = (after(4) - before(4) + unit(4)*d(2, 1))/load%deflection
       if (abs(load%turning)*unit(2) > unit(3)) motion(2) = (after(3) - before(3) + unit(3)*d(2, 2))/load%turning

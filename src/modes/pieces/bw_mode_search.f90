@@ -6,7 +6,6 @@ module bw_mode_search
   !! mode that is asked for, whatever inverse iteration was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_modes, only: extended_search, find_at_rest, find_extended
-  use bw_extended_residual, only: is_motion, polish, refine
   use bw_kinds, only: dp
   use bw_mode_cluster, only: take
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
@@ -32,7 +31,6 @@ module bw_mode_search
   real(dp), parameter :: settled = 2.0e-14_dp      !! likewise: a step that changes neither frequency nor motion
   real(dp), parameter :: three_digits = 3.0e-4_dp
     !! likewise: motions are off by about as much, and by some times more where another mode is near
-  real(dp), parameter :: apart = 0.05_dp           !! likewise: from here modes hardly show in each other's motions by rounding
   real(dp), parameter :: nearby = 0.6_dp         !! likewise: a motion from so far is about that of the mode (tuned)
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here binary64 does not tell motions apart
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
@@ -47,7 +45,6 @@ module bw_mode_search
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
     type(extended_search) :: extended              !! of modes that binary64 does not tell apart
-    logical :: uneven = .false.                    !! as `is_uneven` says
     logical :: possible = .true.                   !! false: the spin bends the beam in so many waves that no mode is looked for
     logical :: roughly = .false.                   !! three digits will do
     real(dp), allocatable :: any_drive(:, :, :)    !! one that no mode escapes
@@ -62,7 +59,6 @@ contains
     type(piece_beam), intent(in) :: beam
     search%system = system_of(beam)
     search%resting = modes_at_rest(beam)
-    search%uneven = is_uneven(beam)
     if (may_grow(beam) .or. search%resting > 0) search%possible = sum(parts_at_rest(beam)) <= size(beam%piece) + most_parts
     if (may_grow(beam) .and. search%possible) search%growing = growing_modes(beam, search%resting > 0)
     if (search%growing + search%resting > 0 .and. search%possible) search%system = system_of(cut_all(beam, parts_at_rest(beam)))
@@ -81,26 +77,13 @@ contains
     search%finer_probe(c) = probe_for(search%finer(c))
   end subroutine cut_finer
 
-  pure logical function is_uneven(beam)
-    !! Pieces or bodies differ so much that motions in which the lighter ones take part lose digits to the others.
-    type(piece_beam), intent(in) :: beam
-    real(dp), parameter :: contrast = 30.0_dp
-    real(dp) :: whole
-    associate (piece => beam%piece)
-      whole = sum(piece%mass%hi*piece%length%hi)
-      is_uneven = maxval(piece%mass%hi) > contrast*minval(piece%mass%hi) &
-        .or. maxval(piece%stiffness%hi) > contrast**2*minval(piece%stiffness%hi) &
-        .or. max(maxval(beam%joint%mass%hi), maxval(beam%joint%inertia%hi)) > contrast**2*whole
-    end associate
-  end function is_uneven
-
   subroutine find_mode(search, k, lambda, found)
     !! The frequency of mode k; its motion is the probe's.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k                       !! ≥ 1
     type(dd), intent(out) :: lambda
     logical, intent(out) :: found
-    logical :: alone, far, rigid
+    logical :: alone
     found = search%possible
     if (.not. found) return
     alone = .false.
@@ -110,15 +93,8 @@ contains
       else
         call locate(search, k, lambda, alone, found)
         alone = alone .and. found
-        if (alone) alone = is_apart(search, k, lambda, merged)
-        rigid = is_rigid(search, k, lambda)
-        if (alone .and. rigid) alone = is_motion(search%system, search%probe)
-        if (alone) then
-          far = is_apart(search, k, lambda, apart)
-          if (search%uneven .or. rigid .or. .not. far) call polish(search%system, search%probe, lambda)
-        else
-          call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
-        end if
+        if (alone) alone = is_apart(search, k, lambda)
+        if (.not. alone) call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
       end if
     end if
     if (.not. found) return
@@ -127,20 +103,6 @@ contains
     search%last = k
     search%last_lambda = lambda
   end subroutine find_mode
-
-  pure logical function is_rigid(search, k, lambda)
-    !! The beam moves almost as a whole: what little its pieces bend has lost digits.
-    type(mode_search), intent(in) :: search
-    integer, intent(in) :: k
-    type(dd), intent(in) :: lambda
-    integer, parameter :: rigid_motions = 2
-    real(dp), parameter :: short_wave = 0.3_dp     !! wave number of a beam that bends as much as it moves
-    real(dp) :: alpha, phase, group
-    is_rigid = k <= search%growing + search%resting + rigid_motions
-    if (.not. is_rigid) return
-    call mean_waves(search%system%piece, frequency_at(search%system%beam, lambda), alpha, phase, group)
-    is_rigid = alpha < short_wave
-  end function is_rigid
 
   elemental real(dp) function mode_distance(k, x) result(distance)
     !! About how far apart modes near mode k are.
@@ -156,7 +118,7 @@ contains
     type(dd), intent(out) :: lambda
     logical, intent(out) :: alone, found
     type(dd) :: x
-    real(dp) :: correction, step, before, room
+    real(dp) :: correction, mixture, step, before, room
     logical :: exact, final, gains
     integer :: i, n, strays
     call open_for(search%bracket, k, search%growing, search%growing + search%resting, search%system%beam%spin_squared)
@@ -166,7 +128,7 @@ contains
     alone = .false.
     do i = 1, most_steps
       call probe_at(search%system, x, search%probe, rough=.not. (before < rough_until*mode_distance(k, x)))
-      call improve(search%system, search%probe, correction)
+      call improve(search%system, search%probe, correction, mixture)
       search%evaluations = search%evaluations + 1
       lambda = x + correction
       room = min(mode_distance(k, x), width(search%bracket))
@@ -174,14 +136,13 @@ contains
       gains = abs(correction) < 0.5_dp*before
       exact = abs(correction) < settled*mode_distance(k, x)
       final = (exact .or. (step < rounding .and. .not. gains)) .and. .not. search%probe%frequency%rough
-      if (search%roughly .and. i > 1) final = final .or. (gains .and. abs(correction) < three_digits*mode_distance(k, x))
+      if (search%roughly .and. i > 1) final = final .or. (gains .and. mixture < three_digits*mode_distance(k, x))
       if (.not. inside(search%bracket, lambda, 0.0_dp)) then
         strays = strays + 1
         if (mod(strays, 4) == 2) call start_anew(i, search%probe)      ! it was drawn elsewhere
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
       else if (final) then
         call enclose(search, k, lambda, alone)
-        if (alone .and. .not. (exact .or. search%roughly)) call refine(search%system, search%probe, lambda)
         found = alone
         if (found) return
         call start_bodies(i, search%probe)
@@ -225,7 +186,7 @@ contains
   end subroutine begin
 
   subroutine enclose(search, k, x, found)
-    !! Count on both sides of a mode: is it mode k, and alone? The count beyond tells as well whether the next mode is far.
+    !! Count on both sides of a mode: is it mode k, and alone?
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
@@ -233,25 +194,24 @@ contains
     real(dp) :: margin
     margin = min(rounding*mode_distance(k, x), 0.5_dp*width(search%bracket))
     found = closed_to(search%bracket, k, x + margin)
-    if (.not. found) found = counted_at(search, k, x + apart*mode_distance(k, x), k)
+    if (.not. found) found = counted_at(search, k, x + merged*mode_distance(k, x), k)
     if (.not. found) found = counted_at(search, k, x + margin, k)
     if (.not. found .or. closed_to(search%bracket, k - 1, x + (-margin))) return
-    found = counted_at(search, k, x + (-apart*mode_distance(k, x)), k - 1)
+    found = counted_at(search, k, x + (-merged*mode_distance(k, x)), k - 1)
     if (.not. found) found = counted_at(search, k, x + (-margin), k - 1)
   end subroutine enclose
 
-  logical function is_apart(search, k, x, margin)
-    !! No mode is so near to mode k.
+  logical function is_apart(search, k, x)
+    !! No mode is so near to mode k that binary64 does not tell them apart.
     type(mode_search), intent(inout) :: search
     integer, intent(in) :: k
     type(dd), intent(in) :: x
-    real(dp), intent(in) :: margin                 !! of the distance of two modes
     type(dd) :: edge
-    edge = x + 0.99_dp*margin*mode_distance(k, x)  ! inside of where was counted
+    edge = x + 0.99_dp*merged*mode_distance(k, x)  ! inside of where was counted
     is_apart = closed_to(search%bracket, k, edge)
     if (.not. is_apart) is_apart = counted_at(search, k, edge, k)
     if (.not. is_apart) return
-    edge = x + (-0.99_dp*margin*mode_distance(k, x))
+    edge = x + (-0.99_dp*merged*mode_distance(k, x))
     is_apart = closed_to(search%bracket, k - 1, edge)
     if (.not. is_apart .and. search%last == k - 1) then
       edge = edge - search%last_lambda

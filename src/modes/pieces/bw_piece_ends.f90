@@ -7,11 +7,16 @@ module bw_piece_ends
   use bw_short_piece, only: find_series, piece_series, short_ends
   implicit none (type, external)
   private
-  public :: find_ends, inner_states, inner_stiffness
+  public :: find_ends, inner_states, inner_stiffness, parity_shares
+
+  integer, parameter :: begins(4) = [1, 3, 2, 4]     !! which of v, ψ, M, N a motion of a short piece begins with
 
   type, public :: piece_ends
     type(piece_waves) :: waves
     real(dp) :: outer(4, 4) = 0.0_dp     !! states at the outer end of the two even and the two odd motions, (state, motion)
+    real(dp) :: begun(4, 4) = 0.0_dp
+      !! of a short piece: amplitudes of these in motions that begin at the inner end, (motion, begun)
+    real(dp) :: unit(4) = 1.0_dp         !! and what v, M, ψ and N these begin with, each with one of them
     integer :: hinged = 0                !! modes of the piece with hinged ends below the frequency
   end type piece_ends
 
@@ -28,6 +33,10 @@ contains
     if (ends%waves%short) then
       call find_series(piece, frequency, series)
       call short_ends(series, ends%outer(:, 1:2), ends%outer(:, 3:4))
+      ends%unit = [series%even(1, 1, 1), series%even(1, 3, 2), series%odd(1, 2, 1), series%odd(1, 4, 2)]
+      do i = 1, 4
+        ends%begun(:, i) = ends%outer(begins, i)/ends%unit
+      end do
       if (piece%cut%hi*frequency%rho%hi > 1.0_dp) ends%hinged = 1
       return
     end if
@@ -43,16 +52,33 @@ contains
   end subroutine find_ends
 
   pure function inner_states(ends) result(inner)
-    !! States at the inner end: v and M of even motions and ψ and N of odd ones are even.
+    !! States at the inner end, of a short piece those that its motions begin with. Of the others v and M of even motions and
+    !! ψ and N of odd ones are even.
     type(piece_ends), intent(in) :: ends
     real(dp) :: inner(4, 4)                  !! (motion, state)
     integer :: q
+    inner = 0.0_dp
+    if (ends%waves%short) then
+      do q = 1, 4
+        inner(q, begins(q)) = ends%unit(q)
+      end do
+      return
+    end if
     do q = 1, 4
       inner(1:2, q) = ends%outer(q, 1:2)
       inner(3:4, q) = -ends%outer(q, 3:4)
       if (mod(q, 2) == 0) inner(:, q) = -inner(:, q)
     end do
   end function inner_states
+
+  pure function parity_shares(ends, begun) result(amplitude)
+    !! Amplitudes of the even and odd motions in what the inner end does.
+    type(piece_ends), intent(in) :: ends
+    real(dp), intent(in) :: begun(4)         !! amplitudes of the motions of `inner_states`
+    real(dp) :: amplitude(4)
+    amplitude = begun
+    if (ends%waves%short) amplitude = matmul(ends%begun, begun)
+  end function parity_shares
 
   pure subroutine parity_stiffness(f, k, regular)
     !! Forces (N, M) that two motions of one parity take for deflection and turning at the outer end.

@@ -24,8 +24,7 @@ module bw_piece_waves
     type(dd) :: rho                      !! ρ
     type(dd) :: beta_squared             !! β²
     type(dd) :: fourth_root              !! λ^¼, of λ > 0, unless all pieces have shear
-    real(dp) :: body_force = 0.0_dp      !! that the heaviest body takes for a deflection of 1
-    real(dp) :: body_moment = 0.0_dp     !! that the body of the largest inertia takes for a turning of 1
+    real(dp) :: unit(4) = 1.0_dp         !! v, ψ, M and N of about the same motion of the beam
     logical :: rough = .false.           !! wave numbers in binary64 will do: on the way to a mode, and to count
   end type piece_frequency
 
@@ -98,9 +97,28 @@ contains
         frequency%fourth_root = sqrt(sqrt(lambda))
       end if
     end if
-    frequency%body_force = maxval(beam%joint%mass%hi)*abs(lambda%hi)
-    frequency%body_moment = maxval(beam%joint%inertia%hi)*abs(frequency%beta_squared%hi)
+    frequency%unit = units_at(beam, frequency)
   end function frequency_at
+
+  pure function units_at(beam, frequency) result(unit)
+    !! Sizes of v, ψ, M and N in a motion of the beam: a deflection of 1; the slope that waves have, or the whole beam where waves
+    !! are longer; and the forces that the inertia of so much motion asks for, at most those of waves. Stiffness is that of all
+    !! pieces one after the other.
+    type(piece_beam), intent(in) :: beam
+    type(piece_frequency), intent(in) :: frequency
+    real(dp) :: unit(4)
+    real(dp), parameter :: nothing = 1.0e-60_dp  ! force at rest
+    real(dp) :: stiffness, mass, kappa, force
+    associate (piece => beam%piece, joint => beam%joint)
+      stiffness = 1.0_dp/sum(piece%length%hi/piece%stiffness%hi)
+      mass = sum(piece%length%hi*piece%mass%hi)*abs(frequency%lambda%hi)
+      kappa = max(1.0_dp, sqrt(sqrt(mass/stiffness)))
+      force = mass + sum(piece%length%hi*piece%rotary%hi)*abs(frequency%rho%hi) &
+        + maxval(joint%mass%hi)*abs(frequency%lambda%hi) + maxval(joint%inertia%hi)*abs(frequency%beta_squared%hi)
+      force = stiffness*max(nothing, min(1.0_dp, force/stiffness))
+      unit = [1.0_dp, kappa, force*kappa**2, force*kappa**3/(1.0_dp + sum(piece%length%hi*piece%compliance%hi)*stiffness*kappa**2)]
+    end associate
+  end function units_at
 
   pure logical function is_short(piece, frequency)
     type(piece_numbers), intent(in) :: piece

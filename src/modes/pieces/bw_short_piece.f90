@@ -2,12 +2,13 @@ module bw_short_piece
   !! The motions of a piece that is short beside its waves, as power series from its middle.
   !!
   !! In t = x/h the state (v, hψ, h²M/B, h³N/B) obeys v' = ψ + cN, ψ' = M, M' = −N − bψ, N' = −av, a = mλh⁴/B,
-  !! b = Rh²/B, c = sB/h². Even motions start from v = 1 and from M = Bκ² in the middle, odd ones from ψ = κ and from
-  !! N = Bκ³ (less where shear is soft), κ the wave number of the frequency, or that to which the forces of heavy bodies
-  !! would belong: amplitudes are then alike, and elimination, which exchanges rows by size, takes deflections from
-  !! deflections and forces from forces. As λ → 0 the motions become those of a beam at rest, and no digit is lost.
+  !! b = Rh²/B, c = sB/h². Even motions start from v and from M in the middle, odd ones from ψ and from N, by amounts that are
+  !! those of the whole beam at the frequency and hardly depend on the piece, however short it is: elimination exchanges rows
+  !! by size, and so takes deflections from deflections and forces from forces. Were forces found from deflections, a mode that
+  !! hardly bends would have to be exact in the differences of what moves almost as a whole. As λ → 0 the motions become those
+  !! of a beam at rest, and no digit is lost.
   use bw_kinds, only: dp
-  use bw_piece_waves, only: largest_square, piece_frequency, piece_numbers
+  use bw_piece_waves, only: piece_frequency, piece_numbers
   implicit none (type, external)
   private
   public :: find_series, short_ends, starts, states_of_series, polynomial_states
@@ -54,11 +55,9 @@ contains
     type(piece_numbers), intent(in) :: piece
     type(piece_frequency), intent(in) :: frequency
     real(dp) :: start(4)
-    real(dp), parameter :: least = 1.0e-6_dp       !! of κh, at rest
-    real(dp) :: x, load
-    load = max((frequency%body_force/piece%stiffness%hi)**(1.0_dp/3.0_dp), frequency%body_moment/piece%stiffness%hi)
-    x = max(least, sqrt(largest_square(piece, frequency))*piece%half%hi, min(1.0_dp, load)*piece%half%hi)
-    start = [1.0_dp, x, x**2, x**3/(1.0_dp + piece%flexible%hi*(x/piece%half%hi)**2)]
+    associate (h => piece%half%hi, b => piece%stiffness%hi)
+      start = frequency%unit*[1.0_dp, h, h**2/b, h**3/b]
+    end associate
   end function starts
 
   pure subroutine continue_even(a, b, c, f)

@@ -50,7 +50,7 @@ contains
     integer :: n
     n = size(probe%ends)
     probe%factors%share(:, n) = share
-    call solve(probe%factors, probe%amplitude)
+    call solve(probe%factors, probe%ends, probe%amplitude)
     tip = matmul(probe%factors%state(:, :, n), share)
     probe%drive(2, :, n) = [(tip(4) + probe%loads(n)%deflection*tip(1))/probe%unit(4, n), &
                             (tip(3) + probe%loads(n)%turning*tip(2))/probe%unit(3, n)]
