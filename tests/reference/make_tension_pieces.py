@@ -102,6 +102,9 @@ BEAMS = [  # hub radius, beam
                [Joint(0.03125, 0.125), Joint(8.0), Joint()], omega=6.0, in_plane=0)),
     (0.0, Beam([Piece(0.5), Piece(2.0**-20), Piece(0.5 - 2.0**-20)],
                [Joint(0.25, 0.0625, 0.0, 2.0**40), Joint(0.5, 0.25, 0.0, 2.0**-10), Joint()], omega=6.0)),
+    # a short piece of soft material, which takes most of the flexibility, beyond a body, of a soft root
+    (0.0, Beam([Piece(0.5), Piece(0.5 - 2.0**-19), Piece(2.0**-19, 2.0**-23)], [Joint(1.0), Joint(), Joint()], (None, 2.0**-20),
+               1.0, 0)),
 ]
 
 if __name__ == "__main__":

@@ -2,17 +2,18 @@ module bw_joint_unknowns
   !! The unknowns by which the joints of a beam of pieces move: v and ψ of each joint, but not of both joints of a piece that is
   !! short or thick, and so far stiffer than the beam.
   !!
-  !! In v and ψ of both its ends such a piece has stiffnesses of 12B/L³, and motions that hardly bend it would lose their digits
-  !! to these: β² of the first mode some L⁻³ roundings. So joints that stiff pieces join follow the one of them that is hardest to
-  !! move, and for each such piece there are two unknowns of its own, e = Δψ and d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e
-  !! and v' = v + L(ψ + ½e + d). A body or a spring stands in one column as long as nothing near is harder to move.
+  !! In v and ψ of both its ends such a piece has stiffnesses of 12B/L³, however soft its material is, and motions that hardly
+  !! bend it would lose their digits to these: β² of the first mode some L⁻³/B roundings. So joints that stiff pieces join follow
+  !! the one of them that is hardest to move, and for each such piece there are two unknowns of its own, e = Δψ and
+  !! d = Δv/L − ½(ψ + ψ'): the follower has ψ' = ψ + e and v' = v + L(ψ + ½e + d). A body or a spring stands in one column
+  !! as long as nothing near is harder to move.
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam
   implicit none (type, external)
   private
   public :: unknowns_of_joints
 
-  real(dp), parameter :: stiff = 0.1_dp            !! of the beam's flexibility ΣL/B a stiff piece has less than this
+  real(dp), parameter :: stiff = 3e-3_dp           !! of the flexibility of the beam, at its tip, a stiff piece has less as L³/B
 
   type, public :: joint_unknowns
     !! What each unknown of size 1 does, (unknowns, joints from 0 to n) or (unknowns, pieces).
@@ -69,9 +70,17 @@ contains
     !! Whether the ends of each piece move as if it were rigid. Nothing moves the root's piece so where the root is clamped.
     type(piece_beam), intent(in) :: beam
     logical :: tied(size(beam%piece))
-    associate (flexibility => beam%piece%length%hi/beam%piece%stiffness%hi)
-      tied = flexibility < stiff*sum(flexibility)
-    end associate
+    real(dp) :: flexibility(size(beam%piece))      ! how far a unit force at the tip moves it by what each piece bends
+    real(dp) :: beyond                             ! from a piece to the tip
+    integer :: i
+    beyond = 0.0_dp
+    do i = size(tied), 1, -1
+      associate (length => beam%piece(i)%length%hi)
+        flexibility(i) = length*(beyond*(beyond + length) + length**2/3.0_dp)/beam%piece(i)%stiffness%hi
+        beyond = beyond + length
+      end associate
+    end do
+    tied = beam%piece%length%hi**3/beam%piece%stiffness%hi < stiff*sum(flexibility)
     if (beam%root%holds_deflection .and. beam%root%holds_turning) tied(1) = .false.
   end function is_tied
 
