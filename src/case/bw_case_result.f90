@@ -21,9 +21,10 @@ module bw_case_result
   private
   public :: add_notes
 
-  integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3
-  character(*), parameter, public :: case_words(0:3) = &
-    [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned']   !! by number
+  integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3, &
+    case_misfit = 4
+  character(*), parameter, public :: case_words(0:4) = &
+    [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned', 'misfit']   !! by number
 
   type, public :: case_modes
     !! The sets of modes that are in memory: those that move, or the first of them where a tolerance says how many.

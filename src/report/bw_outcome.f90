@@ -24,6 +24,7 @@ module bw_outcome
     procedure :: tell
     procedure :: set_found
     procedure :: set_notes
+    procedure :: trust
     procedure :: notes_text
     procedure :: set_report
     procedure :: set_stopped
@@ -68,6 +69,13 @@ contains
     if (layout%cases > 0) self%notes = text_of(not_trusted)//' of '//text_of(layout%cases)// &
       ' cases hold numbers that cannot be trusted'//new_line('a')//notes
   end subroutine set_notes
+
+  pure subroutine trust(self, trusted)
+    !! What was found beside the cases can be trusted, or the status says that it cannot.
+    class(outcome_type), intent(inout) :: self
+    logical, intent(in) :: trusted
+    if (.not. trusted) self%status = max(self%status, status_not_trusted)
+  end subroutine trust
 
   pure function notes_text(self) result(text)
     !! The notes without the last line's end.

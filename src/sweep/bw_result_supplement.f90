@@ -7,6 +7,7 @@ module bw_result_supplement
   private
 
   type, abstract, public :: result_supplement
+    logical :: trusted = .true.                  !! what `add` found can be
   contains
     procedure(add_interface), deferred :: add
   end type result_supplement

@@ -209,6 +209,7 @@ contains
     began = wall_seconds()
     if (present(supplement)) call supplement%add(draft, progress, outcome%notes, report, whole, error)
     if (.not. whole .or. allocated(error)) return
+    if (present(supplement)) call outcome%trust(supplement%trusted)
     added = wall_seconds() - began
     call work%publish(draft, error)
     call watch%lap(stage_write)

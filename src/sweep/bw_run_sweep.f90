@@ -162,6 +162,7 @@ contains
     began = wall_seconds()
     if (present(supplement)) call supplement%add(draft, progress, outcome%notes, texts(2)%text, whole, error)
     if (allocated(error) .or. .not. whole) return
+    if (present(supplement)) call outcome%trust(supplement%trusted)
     added = wall_seconds() - began
     call work%publish(draft, error)
     call watch%lap(stage_write)

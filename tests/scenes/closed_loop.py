@@ -12,6 +12,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from results import is_fill
 from workplace import Workplace, namelist
 
 LEVELS = [60, 40, 20]  # dB: signal over noise, root mean squares of the first sensor
@@ -124,9 +125,10 @@ def run(here, *paths):
 
 
 def is_inside(beam):
-    """Which of the true numbers are inside their intervals."""
+    """Which of the true numbers are inside their intervals, which are open where a number is at the end of its range."""
     values = np.array(list(beam["true"].values()))
-    return (beam["result"]["identified_low"] <= values) & (values <= beam["result"]["identified_high"])
+    low, high = beam["result"]["identified_low"], beam["result"]["identified_high"]
+    return (is_fill(low) | (low <= values)) & (is_fill(high) | (values <= high))
 
 
 def linear_widths(here, beams):

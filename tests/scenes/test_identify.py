@@ -282,7 +282,7 @@ def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
     here.write("ring.csv", ring_down(4, frequencies(RATIO)))
     here.write("ring.nml", scene_of("ring.csv", [UNKNOWN]))
     ended = here.beamwave("run", "ring.nml")
-    assert ended.returncode == 0
+    assert ended.returncode == 4
     assert "misfit: the model does not explain the lines" in ended.stderr
     advice = ended.stdout.split("With an effect that the model leaves out")[1].splitlines()[1:]
     assert all("explains the lines" in line for line in advice[:2])
@@ -295,6 +295,55 @@ def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
     mends = here.beamwave("run", "given.nml").stdout.split("With an effect that the model leaves out")[1:]
     assert len(mends) == 2  # one for each repeat
     assert all("a mass at the tip (body%mass = 0.0" in mended and "explains the lines" in mended for mended in mends)
+
+
+def test_as_many_unknowns_as_lines_do_not_hide_a_misfit(here):
+    """No uniform beam has these lines, whatever its root, its tip and its material."""
+    here.write("ring.csv", ring_down(9, frequencies() * [1, 1.3, 1, 0.8]))
+    unknowns = [UNKNOWN, {"parameter": "support%rotational_stiffness", "first": 10, "last": 1e6}]
+    unknowns += [{"parameter": "body%mass", "first": 0.001, "last": 1}, {"parameter": "beam%height", "first": 0.004, "last": 0.008}]
+    here.write("ring.nml", scene_of("ring.csv", unknowns, support={}, body={"position": 1.0}))
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 4
+    assert "misfit: the model does not explain the lines: chi squared is" in ended.stderr
+    result = here.result("ring")
+    assert result["misfit_probability"] < 1e-12
+    meanings = result.variables["case_status"].attributes["flag_meanings"].split()
+    assert meanings[int(result["case_status"])] == "misfit"
+    assert result["model_scatter"] > 0.05
+    assert (result["identified_error"] > 0.05 * result["identified"]).all()  # they hold what the model is off by
+
+
+def test_an_unknown_at_the_end_of_its_range_has_no_interval_there(here):
+    """The modulus is below the range: the frequencies are those of its end, 1.2 % off, and it fits no line."""
+    here.write("ring.csv", ring_down(10, frequencies()))
+    here.write("ring.nml", scene_of("ring.csv", [{**UNKNOWN, "first": 70e9}]))
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 4
+    assert "beam%youngs_modulus is at the end of its range" in ended.stderr
+    result = here.result("ring")
+    assert result["identified"][0] == pytest.approx(70e9, rel=1e-12)
+    assert results.is_fill(result["identified_low"]).all() and results.is_fill(result["identified_error"]).all()
+    assert 70e9 < result["identified_high"][0] < 75e9
+    assert result["misfit_freedom"] == 4
+    assert result["model_scatter"] == pytest.approx(1 - np.sqrt(MODULUS / 70e9), rel=0.1)
+
+
+def test_lines_that_are_taken_for_no_modes_count_against_the_model(here):
+    """Between the lines of the beam there are others that decay like them: some may be no modes of it, not as many."""
+    beta = frequencies()
+    for name, others in [("few", [180.0]), ("many", [180.0, 300.0, 420.0, 700.0, 1000.0])]:
+        time = np.arange(SAMPLES) / RATE
+        values = sum(np.exp(-2 * time) * np.cos(b * time + i) for i, b in enumerate([*beta, *others]))
+        noise = NOISE * np.random.default_rng(12).standard_normal(SAMPLES)
+        here.write(f"{name}.csv", as_text(time, (values + noise)[None, :], "time [s],tip [m]"))
+        here.write(f"{name}.nml", scene_of(f"{name}.csv", beam={**BEAM, "youngs_modulus": MODULUS}))
+        assert here.beamwave("run", f"{name}.nml").returncode == 0  # nothing was identified
+        result = here.result(name)
+        aside = (result["peak_mode"][: result["peak_count"]] == 0).sum()
+        assert aside == len(others)
+        assert 4 < result["misfit_freedom"] <= 4 + aside  # what hardly is a mode does not count
+        assert (result["misfit_probability"] > 1e-3) == (name == "few")
 
 
 def test_repeats_are_fitted_together(here):

@@ -50,7 +50,7 @@ contains
   pure logical function is_doubtful(fit)
     !! Noise does not explain it, or it explains no more lines than it has unknowns, and leaves others out.
     type(fit_type), intent(in) :: fit
-    is_doubtful = fit%tail < unlikely .or. (fit%freedom < 1 .and. any(fit%mode_of == 0))
+    is_doubtful = fit%tail < unlikely .or. (fit%spare < 1 .and. any(fit%mode_of == 0))
   end function is_doubtful
 
   subroutine escape(problem, fits, fit)

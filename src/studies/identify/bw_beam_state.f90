@@ -17,6 +17,8 @@ module bw_beam_state
   private
   public :: state_of
 
+  real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation of a line from which it may be any mode
+
   type, public :: measured_lines
     !! The lines of a record, in ascending order of frequency.
     real(dp), allocatable :: frequency(:)        !! |z| = √(β² + δ²) [rad/s]: the mode's without its damping, (lines)
@@ -56,6 +58,7 @@ module bw_beam_state
   contains
     procedure :: modes_at
     procedure :: is_twin_of
+    procedure :: odds_left
   end type beam_state
 
 contains
@@ -89,6 +92,15 @@ contains
     is_twin_of = size(self%lines%points) == size(other%lines%points)
     if (is_twin_of) is_twin_of = all(self%lines%points == other%lines%points)
   end function is_twin_of
+
+  pure function odds_left(self) result(odds)
+    !! How much more probably than not lines are modes that are taken for none, before any beam is asked; of those that hardly are
+    !! modes nothing.
+    class(beam_state), intent(in) :: self
+    real(dp), allocatable :: odds(:)
+    odds = pack((1 - self%chance)/self%chance, self%mode_of == 0 .and. self%chance < 0.5_dp .and. .not. self%is_harmonic &
+                .and. self%lines%deviation <= vague*self%lines%frequency)
+  end function odds_left
 
   subroutine modes_at(self, values, number, modes, roughly)
     !! Find modes; those that were found last are remembered.

@@ -5,12 +5,13 @@ module bw_beam_supplement
   use bw_beam_state, only: beam_state, state_of
   use bw_child_process, only: child_process
   use bw_error, only: error_type
-  use bw_fit_search, only: unlikely
+  use bw_fit_problem, only: is_at_end
+  use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification, identify
   use bw_identified_scene, only: identified_path, identified_text
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i8
-  use bw_model_comparison, only: compare_case, match_lines, misfit_type
+  use bw_model_comparison, only: compare_case, match_lines
   use bw_model_file, only: model_findings, put_model
   use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_mends
   use bw_monitor, only: monitor_type
@@ -26,6 +27,7 @@ module bw_beam_supplement
   private
 
   character, parameter :: nl = new_line('a')
+  character(*), parameter :: trusted = 'trusted'
   integer, parameter :: shown_cases = 8          !! of a sweep, in the report
   integer, parameter :: harmonic = findloc(status_words == 'harmonic', .true., dim=1) - 1   !! bit of a line that is no mode
 
@@ -57,7 +59,7 @@ contains
     logical, intent(out) :: whole
     type(error_type), allocatable, intent(inout) :: error
     type(child_process) :: child
-    type(string), allocatable :: texts(:)                ! notes, report
+    type(string), allocatable :: texts(:)                ! notes, report, trust
     call child%begin()
     if (child%is_here()) then
       call hold_against(self, draft, notes, report, texts, error)
@@ -67,6 +69,7 @@ contains
     if (allocated(error) .or. .not. whole) return
     notes = texts(1)%text
     report = texts(2)%text
+    self%trusted = texts(3)%text == trusted
   end subroutine add
 
   subroutine hold_against(self, draft, notes, report, texts, error)
@@ -97,6 +100,7 @@ contains
     findings%report = report//lines%text()
     call append(texts, findings%notes)
     call append(texts, findings%report)
+    call append(texts, trim(merge(trusted, '       ', findings%trusted())))
     call put_model(draft, findings, error)
   end subroutine hold_against
 
@@ -207,7 +211,7 @@ contains
     end do
     call identify(states, all_unknowns(set%measured), quantile, found)
     allocate (findings%cases(size(states)), findings%misfits(1))
-    findings%misfits(1) = misfit_type(found%fit%chi_squared, found%fit%freedom, found%fit%tail, found%fit%scatter)
+    findings%misfits(1) = found%fit%misfit_type
     do c = 1, size(states)
       call compare_case(set%lines(c), states(c), found%values, findings%cases(c))
       if (c > shown_cases .or. size(set%lines(c)%error) == 0) cycle
@@ -218,6 +222,9 @@ contains
     call report_identified(found, scene%spectrum%confidence, lines)
     call lines%append_line('  Misfit: '//explained_text(findings%misfits(1)))
     call note_misfit(findings%misfits(1), '', notes)
+    do i = 1, size(found%values)
+      if (is_at_end(found%fit%v(i))) notes = notes//found%unknowns(i)%parameter//' is at the end of its range'//nl
+    end do
     do i = 1, size(found%loose)
       notes = notes//'not fixed: '//loose_text(found, i)//nl
     end do

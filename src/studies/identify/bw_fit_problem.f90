@@ -5,19 +5,18 @@ module bw_fit_problem
   !! (f_line − f)/√(s² + τ²f_line²): s its standard deviation, τ what the model is off by besides. Decays have residuals
   !! where damping is unknown. Of a line that several sensors see the complex amplitudes have residuals against the mode's shape,
   !! whose own complex amplitude is the one that fits them best.
-  use bw_beam_state, only: beam_state, state_modes
+  use bw_beam_state, only: beam_state, state_modes, vague
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_least_squares, only: least_squares, residual_problem
   use bw_line_assignment, only: band_type, best_scatter, pairing
   implicit none (type, external)
   private
-  public :: problem_of, position_in, value_at
+  public :: problem_of, position_in, value_at, is_at_end
 
   real(dp), parameter :: impossible = 1.0e6_dp   !! residual of each line where unknowns make no beam
   real(dp), parameter :: sensor_error = 0.01_dp  !! of the largest amplitude: sensors are seldom calibrated or placed better
   real(dp), parameter :: coarse = 1.0e-5_dp      !! relative deviation of lines from which modes are found roughly, to 1e-3 of it
-  real(dp), parameter, public :: vague = 0.05_dp !! chosen: relative deviation of a line from which it may be any mode
   real(dp), parameter, public :: model_accuracy = 1.0e-13_dp   !! relative, of frequencies
 
   type, extends(residual_problem), public :: fit_problem
@@ -89,6 +88,13 @@ contains
     end if
     v = min(1.0_dp, max(-1.0_dp, v))
   end function position_in
+
+  elemental logical function is_at_end(v)
+    !! An unknown is at an end of its range.
+    real(dp), intent(in) :: v
+    real(dp), parameter :: end = 0.999_dp        !! of half the range, from which it is its end
+    is_at_end = abs(v) > end
+  end function is_at_end
 
   pure function values_of_problem(self) result(values)
     !! The unknowns themselves.

@@ -6,25 +6,31 @@ module bw_fit_search
   !! it (Mandel & Paule: the sum of squares is its number of degrees of freedom), so that lines that were measured to many more
   !! digits than the model has do not outweigh all others.
   use bw_chi_squared, only: chi_squared_tail
-  use bw_fit_problem, only: fit_problem
+  use bw_fit_problem, only: fit_problem, is_at_end
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: add_fit, explain, is_near, place, polish, search, settle
+  public :: add_fit, explain, is_near, misfit_of, place, polish, search, settle
 
   real(dp), parameter, public :: unlikely = 1.0e-3_dp    !! probability below which noise does not explain a misfit
   real(dp), parameter, public :: first_scatter = 0.05_dp !! τ is not below, where a search begins
   real(dp), parameter :: merged = 0.02_dp                !! of half the range, within which two fits are one
 
-  type, public :: fit_type
-    !! A place that fits.
+  type, public :: misfit_type
+    !! How well modes explain lines.
+    real(dp) :: chi_squared = 0.0_dp             !! Σ((f_line − f)/s)², and what lines cost that are taken for no modes
+    integer :: freedom = 0                       !! degrees of freedom of that
+    real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone
+    real(dp) :: scatter = 0.0_dp                 !! τ
+    integer :: aside = 0                         !! lines that are taken for no modes and may well be some
+  end type misfit_type
+
+  type, extends(misfit_type), public :: fit_type
+    !! A place that fits, and its misfit where that is least.
     real(dp), allocatable :: v(:)                !! of the unknowns in their ranges, (unknowns)
     integer, allocatable :: mode_of(:)           !! of the lines of all states, one state after another; 0: no mode
     real(dp) :: price = huge(1.0_dp)             !! −2 ln of its likelihood, apart from a constant
-    real(dp) :: chi_squared = 0.0_dp             !! Σ((f_line − f)/s)² where that is least, with τ = 0
-    integer :: freedom = 0                       !! residuals less unknowns
-    real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone; 1 without a degree of freedom
-    real(dp) :: scatter = 0.0_dp                 !! τ
+    integer :: spare = 0                         !! residuals less unknowns
     real(dp) :: sum = 0.0_dp                     !! of squares with τ
     real(dp), allocatable :: residuals(:)        !! with τ
   end type fit_type
@@ -78,14 +84,12 @@ contains
     call place(problem, fit)
     problem%scatter = 0
     call take_least(problem, fits, fit)
-    fit%chi_squared = sum(fit%residuals(:problem%count_tested())**2)
-    fit%freedom = problem%count_tested() - size(problem%free)
-    fit%tail = 1
-    if (fit%freedom > 0) fit%tail = chi_squared_tail(fit%chi_squared, fit%freedom)
+    fit%misfit_type = misfit_of(problem, fit%residuals)
+    fit%spare = problem%count_tested() - size(problem%free)
     if (fit%tail < unlikely) then
       do round = 1, most_rounds
         before = problem%scatter
-        call explain(problem, fit%freedom)
+        call explain(problem)
         call problem%minimise(fit%residuals, .false.)
         if (round == 1) call take_least(problem, fits, fit)
         if (abs(problem%scatter - before) <= same*before) exit
@@ -117,13 +121,28 @@ contains
     problem%v = best
   end subroutine take_least
 
-  subroutine explain(problem, freedom)
+  type(misfit_type) function misfit_of(problem, residuals) result(misfit)
+    !! How well modes explain lines where the problem is. An unknown at the end of its range fits nothing; a line that may be a mode
+    !! and is taken for none costs what makes it improbable that it is none; and what is left where nothing should be is judged
+    !! like what is left of one deviate.
+    type(fit_problem), intent(in) :: problem
+    real(dp), intent(in) :: residuals(:)         !! with τ = 0
+    real(dp), allocatable :: odds(:)             ! of lines that are taken for no modes to be modes
+    integer :: i
+    odds = [(problem%states(i)%odds_left(), i=1, size(problem%states))]
+    misfit%aside = size(odds)
+    misfit%chi_squared = sum(residuals(:problem%count_tested())**2) + 2*sum(log(odds))
+    misfit%freedom = problem%count_tested() + misfit%aside - count(.not. is_at_end(problem%v(problem%free)))
+    misfit%tail = chi_squared_tail(misfit%chi_squared, max(1, misfit%freedom))
+  end function misfit_of
+
+  subroutine explain(problem)
     !! Set τ so that the sum of squares of what is tested, where the unknowns are, is its number of degrees of freedom.
     type(fit_problem), intent(inout) :: problem
-    integer, intent(in) :: freedom
     integer, parameter :: halvings = 40
     real(dp) :: low, high, ignored(problem%count())
-    integer :: i
+    integer :: i, freedom
+    freedom = max(1, problem%count_tested() - count(.not. is_at_end(problem%v(problem%free))))
     low = log(1.0e-12_dp)
     high = 0
     do i = 1, halvings

@@ -4,10 +4,11 @@ module bw_identification
   use bw_beam_fit, only: fit_beam, refit_from
   use bw_beam_state, only: beam_state
   use bw_fit_intervals, only: belief_type, find_intervals, interval_type
-  use bw_fit_problem, only: fit_problem, problem_of, value_at
+  use bw_fit_problem, only: fit_problem, is_at_end, problem_of, value_at
   use bw_fit_search, only: fit_type, place, unlikely
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
+  use bw_missing, only: missing
   implicit none (type, external)
   private
   public :: identify
@@ -27,7 +28,7 @@ module bw_identification
     type(fit_type) :: fit
     type(belief_type) :: belief
     real(dp), allocatable :: values(:)           !! of the unknowns
-    real(dp), allocatable :: low(:), high(:)     !! ends of their intervals
+    real(dp), allocatable :: low(:), high(:)     !! ends of their intervals; missing where the value is at that end of its range
     real(dp), allocatable :: others(:, :)        !! other places that fit as well, (unknowns, places)
     type(loose_direction), allocatable :: loose(:)
     logical :: explained = .true.                !! by noise
@@ -61,6 +62,8 @@ contains
     call reach_others(problem, others, quantile, found)
     found%low = value_at(unknowns, found%belief%intervals%low)
     found%high = value_at(unknowns, found%belief%intervals%high)
+    where (is_at_end(found%fit%v) .and. found%fit%v < 0) found%low = missing
+    where (is_at_end(found%fit%v) .and. found%fit%v > 0) found%high = missing
     call find_loose(found)
     states = problem%states
   end subroutine identify

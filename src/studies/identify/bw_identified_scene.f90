@@ -7,7 +7,8 @@ module bw_identified_scene
   use bw_fit_problem, only: value_at
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
-  use bw_kinds, only: i1, i8
+  use bw_kinds, only: dp, i1, i8
+  use bw_missing, only: is_missing
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_scene_unknowns, only: scene_with, with_unknowns
@@ -57,11 +58,18 @@ contains
     text = without_group(text, 'identify')
     do i = size(unknowns), 1, -1
       if (unknowns(i)%group == 0) cycle
-      text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//shortest(found%low(i), 6)//' to '// &
-        shortest(found%high(i), 6)//nl//text
+      text = '! '//unknowns(i)%parameter//' = '//text_of(found%values(i))//': '//end_text(found%low(i))//' to '// &
+        end_text(found%high(i))//nl//text
     end do
     text = '! '//printable(scene%name, on_one_line=.true.)//'.nml as the result '//printable(result, on_one_line=.true.)// &
       '.nc identified it; intervals as said there.'//nl//text
+  contains
+    function end_text(value) result(words)
+      real(dp), intent(in) :: value                      !! end of an interval
+      character(:), allocatable :: words
+      words = 'the end of its range'
+      if (.not. is_missing(value)) words = shortest(value, 6)
+    end function end_text
   end function identified_text
 
   subroutine keep_identified(result, path, text, overwrite, error)

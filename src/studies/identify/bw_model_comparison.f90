@@ -1,9 +1,8 @@
 module bw_model_comparison
   !! The lines of records beside the modes of their beams: which line is which mode, and by how much they differ.
-  use bw_beam_state, only: beam_state, state_modes
-  use bw_chi_squared, only: chi_squared_tail
-  use bw_fit_problem, only: fit_problem, problem_of, vague
-  use bw_fit_search, only: explain, unlikely
+  use bw_beam_state, only: beam_state, state_modes, vague
+  use bw_fit_problem, only: fit_problem, problem_of
+  use bw_fit_search, only: explain, misfit_of, misfit_type, unlikely
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp
   use bw_missing, only: missing
@@ -22,14 +21,6 @@ module bw_model_comparison
     real(dp), allocatable :: decay_misfit(:)     !! likewise; missing where nothing damps the modes, (lines)
   end type compared_lines
 
-  type, public :: misfit_type
-    !! How well modes explain lines.
-    real(dp) :: chi_squared = 0.0_dp
-    integer :: freedom = 0
-    real(dp) :: tail = 1.0_dp                    !! probability of a larger χ² by noise alone
-    real(dp) :: scatter = 0.0_dp                 !! relative, of frequencies, beside noise
-  end type misfit_type
-
 contains
 
   subroutine match_lines(state, misfit)
@@ -46,10 +37,8 @@ contains
     call problem%match(0.0_dp, price, changed)
     problem%scatter = 0
     call problem%minimise(residuals, .false.)
-    misfit%freedom = problem%count_tested()
-    misfit%chi_squared = sum(residuals(:misfit%freedom)**2)
-    if (misfit%freedom > 0) misfit%tail = chi_squared_tail(misfit%chi_squared, misfit%freedom)
-    if (misfit%tail < unlikely) call explain(problem, misfit%freedom)
+    misfit = misfit_of(problem, residuals)
+    if (misfit%tail < unlikely) call explain(problem)
     misfit%scatter = problem%scatter
     state = problem%states(1)
   end subroutine match_lines

@@ -1,16 +1,18 @@
 module bw_model_file
   !! What a beam says of its record, put into the result of the record.
+  use bw_case_result, only: case_done, case_misfit
   use bw_error, only: error_type
+  use bw_fit_search, only: misfit_type
   use bw_identification, only: identification
   use bw_identified_scene, only: identified_attribute
   use bw_kinds, only: dp
-  use bw_missing, only: missing
-  use bw_model_comparison, only: compared_lines, misfit_type
+  use bw_missing, only: is_missing, missing
+  use bw_model_comparison, only: compared_lines
   use bw_netcdf_path, only: plain_path
   use bw_study_file, only: study_file
   use bw_text, only: string
-  use netcdf, only: nf90_char, nf90_def_var, nf90_get_att, nf90_global, nf90_inq_dimid, nf90_inquire_attribute, &
-    nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_close, nf90_put_var, nf90_write
+  use netcdf, only: nf90_char, nf90_def_var, nf90_get_att, nf90_global, nf90_get_var, nf90_inq_dimid, nf90_inq_varid, &
+    nf90_inquire_attribute, nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_close, nf90_put_var, nf90_write
   implicit none (type, external)
   private
   public :: read_attribute, put_model
@@ -23,9 +25,18 @@ module bw_model_file
     type(string), allocatable :: scenes(:)               !! texts of the identified scenes: the scene's own, then further ones
     character(:), allocatable :: identity                !! of what it rests on beside the result
     character(:), allocatable :: report, notes           !! of the result and the model
+  contains
+    procedure :: trusted
   end type model_findings
 
 contains
+
+  pure logical function trusted(self)
+    !! What was identified, if anything, explains the lines.
+    class(model_findings), intent(in) :: self
+    trusted = .true.
+    if (allocated(self%found)) trusted = self%found%explained
+  end function trusted
 
   subroutine put_model(path, findings, error)
     !! Put the findings into a result that is whole but has not its name yet.
@@ -42,9 +53,23 @@ contains
     do i = 1, size(findings%scenes)
       call file%put_text(identified_attribute(i), findings%scenes(i)%text, error)
     end do
+    if (.not. findings%trusted()) call put_status(file, size(findings%cases), error)
     call file%put_text('model', findings%identity, error)
     call file%finish(findings%notes(:max(0, len(findings%notes) - 1)), findings%report, error)
   end subroutine put_model
+
+  subroutine put_status(file, cases, error)
+    !! The cases whose lines the identified beam does not explain say so.
+    type(study_file), intent(in) :: file
+    integer, intent(in) :: cases
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: variable, status(cases)
+    if (allocated(error)) return
+    call file%check(nf90_inq_varid(file%id, 'case_status', variable), error)
+    if (.not. allocated(error)) call file%check(nf90_get_var(file%id, variable, status), error)
+    where (status == case_done) status = case_misfit
+    if (.not. allocated(error)) call file%check(nf90_put_var(file%id, variable, status), error)
+  end subroutine put_status
 
   subroutine put_comparison(file, findings, error)
     !! The lines beside the modes.
@@ -83,7 +108,8 @@ contains
     call file%put_numbers('decay_misfit', along, '1', 'measured less modelled rate of decay over half its interval', flat(5), error)
     if (size(findings%misfits) == 1) each = ''
     associate (misfits => findings%misfits)
-      call file%put_numbers('misfit', each, '1', 'chi squared of the lines'' frequencies', misfits%chi_squared, error)
+      call file%put_numbers('misfit', each, '1', 'chi squared of the lines'' frequencies, and of lines that are taken for no '// &
+                            'modes', misfits%chi_squared, error)
       call file%put_counts('misfit_freedom', each, 'degrees of freedom of it', misfits%freedom, error)
       call file%put_numbers('misfit_probability', each, '1', 'probability that noise alone makes more of it', misfits%tail, error)
       call file%put_numbers('model_scatter', each, '1', 'relative error of modelled frequencies beside noise', misfits%scatter, &
@@ -102,13 +128,16 @@ contains
     type(study_file), intent(inout) :: file
     type(identification), intent(in) :: found
     type(error_type), allocatable, intent(inout) :: error
+    real(dp) :: half(size(found%values))
     integer :: n
     n = size(found%values)
+    half = 0.5_dp*(found%high - found%low)
+    where (is_missing(found%low) .or. is_missing(found%high)) half = missing
     call file%put_axis('unknown_too', n, 'number of the unknown, as unknown', error)
     call put_names(file, 'identified_parameter', 'input that the unknown is', padded(found, .true.), error)
     call put_names(file, 'identified_unit', 'unit of the unknown', padded(found, .false.), error)
     call file%put_numbers('identified', 'unknown', '1', 'value of the unknown, in its unit', found%values, error)
-    call file%put_numbers('identified_error', 'unknown', '1', 'half its interval', 0.5_dp*(found%high - found%low), error)
+    call file%put_numbers('identified_error', 'unknown', '1', 'half its interval', half, error)
     call file%put_numbers('identified_first', 'unknown', '1', 'least value that it may have', found%unknowns%first, error)
     call file%put_numbers('identified_last', 'unknown', '1', 'largest value that it may have', found%unknowns%last, error)
     call file%put_numbers('identified_low', 'unknown', '1', 'lower end of its interval', found%low, error)

@@ -2,11 +2,12 @@ module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
   use bw_absent_mends, only: mend_type
   use bw_columns, only: right
-  use bw_fit_search, only: unlikely
+  use bw_fit_problem, only: value_at
+  use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_model_comparison, only: compared_lines, misfit_type
+  use bw_model_comparison, only: compared_lines
   use bw_record_report, only: to_its_error
   use bw_result_lines, only: result_lines
   use bw_text, only: shortest, text_builder, text_of
@@ -68,14 +69,17 @@ contains
     type(misfit_type), intent(in) :: misfit
     character(:), allocatable :: text
     real(dp), parameter :: never = 1.0e-12_dp
-    if (misfit%freedom < 1) then
+    if (misfit%freedom < 1 .and. .not. misfit%tail < unlikely) then
       text = 'there are no more lines than unknowns, so that nothing tests the model'
       return
     end if
     text = 'chi squared is '//shortest(misfit%chi_squared, 3)//' with '//freedom_text(misfit%freedom)// &
       '; noise alone makes more of it in '
+    if (misfit%freedom < 1) text = 'chi squared is '//shortest(misfit%chi_squared, 3)// &
+      ' though there are no more lines than unknowns; noise alone makes as much of one line in '
     if (misfit%tail < never) text = text//'less than one of '//shortest(1/never, 2)//' records'
     if (.not. misfit%tail < never) text = text//shortest(100*misfit%tail, 2)//' % of records'
+    if (misfit%aside > 0) text = text//'; lines taken for no modes: '//text_of(misfit%aside)
     if (misfit%tail < unlikely) then
       text = 'the model does not explain the lines: '//text//'. Frequencies are off by '//shortest(100*misfit%scatter, 2)// &
         ' % (one standard deviation)'
@@ -96,6 +100,7 @@ contains
     type(identification), intent(in) :: found
     real(dp), intent(in) :: confidence
     type(text_builder), intent(inout) :: lines
+    real(dp) :: width
     integer :: i
     call lines%append_line('')
     call lines%append_line('  Identified; intervals of '//shortest(100*confidence, 6)//' % by profile likelihood')
@@ -103,13 +108,18 @@ contains
     do i = 1, size(found%values)
       associate (unknown => found%unknowns(i), interval => found%belief%intervals(i))
         call lines%append('  '//unknown%parameter//repeat(' ', max(1, 28 - len(unknown%parameter))))
-        call lines%append(right(to_width(found%values(i), found%high(i) - found%low(i)), 15))
-        call lines%append(right(to_width(found%low(i), found%high(i) - found%low(i)), 14))
-        call lines%append(right(to_width(found%high(i), found%high(i) - found%low(i)), 14))
+        width = value_at(unknown, interval%high) - value_at(unknown, interval%low)
+        call lines%append(right(to_width(found%values(i), width), 15))
+        call lines%append(right(to_width(found%low(i), width), 14))
+        call lines%append(right(to_width(found%high(i), width), 14))
         if (unknown%unit /= '1' .or. interval%low_open .or. interval%high_open) call lines%append('   ')
         if (unknown%unit /= '1') call lines%append(unknown%unit)
-        if (interval%low_open) call lines%append('; from: the end of its range')
-        if (interval%high_open) call lines%append('; to: the end of its range')
+        if (is_missing(found%low(i)) .or. is_missing(found%high(i))) then
+          call lines%append('; at the end of its range')
+        else
+          if (interval%low_open) call lines%append('; from: the end of its range')
+          if (interval%high_open) call lines%append('; to: the end of its range')
+        end if
         call lines%append_line('')
       end associate
     end do
@@ -127,6 +137,8 @@ contains
     real(dp), intent(in) :: value, width
     character(:), allocatable :: text
     integer :: digits
+    text = '-'
+    if (is_missing(value)) return
     digits = 15
     if (width > 0.0_dp .and. abs(value) > 0.0_dp) digits = 3 + floor(log10(abs(value))) - floor(log10(width))
     text = shortest(value, max(2, min(15, digits)))
