@@ -172,12 +172,13 @@ contains
                 'frequencies, folded back')
   end subroutine note_aliasing
 
-  subroutine note_history_errors(scene, response, errors, notes)
+  subroutine note_history_errors(scene, response, errors, foremost, notes)
     !! Which histories are far off, and what would bring them nearer.
     type(scene_type), intent(in) :: scene
     type(response_type), intent(in) :: response
     type(history_errors), intent(in) :: errors     !! unallocated components: there is no estimate
-    type(string), allocatable, intent(inout) :: notes(:)
+    type(string), allocatable, intent(inout) :: foremost(:)    !! of histories that may be nothing but error
+    type(string), allocatable, intent(inout) :: notes(:)       !! of the others
     integer :: n
     n = response%finite_samples
     if (n == 0) return
@@ -192,6 +193,7 @@ contains
       real(dp), parameter :: nothing = 1.0e-9_dp   ! of the largest peak: at the root nothing moves
       real(dp), parameter :: most = 1.0e6_dp       ! that nothing overflows
       real(dp) :: part(size(error)), peak(size(error))
+      character(:), allocatable :: text
       integer :: p
       peak = [(largest_magnitude(histories(:, p)), p=1, size(error))]
       part = 0.0_dp
@@ -199,8 +201,13 @@ contains
       where (error > unnoticed*peak .and. error > nothing*maxval(peak)) part = error/max(peak, error/most)
       p = maxloc(part, dim=1)
       if (part(p) == 0.0_dp) return
-      call append(notes, 'error of the '//quantity//': at xi = '//shortest(scene%response%points(p), 6)// &
-                  ' it may be off by '//part_words(part(p))//others(count(part > 0.0_dp) - 1)//'; '//remedy(scene, quantity))
+      text = 'error of the '//quantity//': at xi = '//shortest(scene%response%points(p), 6)//' it may be off by '// &
+        part_words(part(p))//others(count(part > 0.0_dp) - 1)//'; '//remedy(scene, quantity)
+      if (part(p) > 1.0_dp) then
+        call append(foremost, text)
+      else
+        call append(notes, text)
+      end if
     end subroutine note_error
   end subroutine note_history_errors
 

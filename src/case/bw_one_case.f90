@@ -77,7 +77,7 @@ contains
     type(case_histories) :: histories
     type(history_errors) :: errors
     type(case_spectrum) :: spectrum
-    type(string), allocatable :: validity(:)
+    type(string), allocatable :: foremost(:), validity(:)
     type(part_monitor) :: part                       ! for a stage
     type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
@@ -118,7 +118,7 @@ contains
 
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
-      call note_history_errors(scene, histories%response, errors, validity)
+      call note_history_errors(scene, histories%response, errors, foremost, validity)
     end if
     call add_notes(motion%modes%notes, validity)
 
@@ -130,18 +130,20 @@ contains
     end if
     whole = .true.
     result%profile_points = layout%profile
-    call compose(scene, motion, histories, errors, spectrum, result)
+    call compose(scene, foremost, motion, histories, errors, spectrum, result)
   end subroutine simulate_case
 
-  subroutine compose(scene, motion, histories, errors, spectrum, result)
+  subroutine compose(scene, foremost, motion, histories, errors, spectrum, result)
     !! The values of all stages in one; what is large is moved, not copied.
     type(scene_type), intent(in) :: scene
+    type(string), allocatable, intent(in) :: foremost(:)     !! notes that stand before all others
     type(case_motion), intent(inout) :: motion
     type(case_histories), intent(inout) :: histories
     type(history_errors), intent(inout) :: errors
     type(case_spectrum), intent(inout) :: spectrum
     type(case_result), intent(inout) :: result
     allocate (result%notes(0))
+    call add_notes(result%notes, foremost)
     call note_relaxed(scene, result%notes)
     call add_notes(result%notes, motion%modes%notes)
     call add_notes(result%notes, motion%later%notes)

@@ -316,3 +316,11 @@ def test_the_scene_shows_what_its_head_says(here):
     late = result["time"] > 0.1
     turns = np.diff(np.sign(np.convolve(tip[late], np.ones(400) / 400, "valid"))) != 0  # 20 ms smooth out the rest
     assert abs(np.mean(np.diff(np.flatnonzero(turns))) * (0.4 / 8192) * 2e3 - 40.2) < 2
+
+
+def test_a_history_that_may_be_nothing_but_error_is_told_first(here):
+    text = (PROJECT / "input/effects/release.nml").read_text()
+    here.write("a.nml", text.replace("samples = 8192", "samples = 8192, velocity = .true."))
+    assert here.beamwave("run", "a.nml").returncode == 0
+    first = here.result("a").attributes["notes"].splitlines()[0]
+    assert "error of the velocity" in first and "more than its largest value" in first
