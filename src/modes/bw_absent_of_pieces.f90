@@ -1,6 +1,8 @@
 module bw_absent_of_pieces
   !! What tension, and shear with the inertia of sections, add to β² of a beam of pieces, to first order: integrals over the shapes
   !! of the beam without them, ∫Tv'² of the one, −∫sN² − β²∫ρIv'² of the other, N being the shear force, over the modal mass.
+  !! And what stretch by Coriolis forces adds to that mass, over it: 4Ω²∫S²/(EA), S the momentum of all beyond a place: N and what
+  !! springs beyond hold, over Λ = β² + Ω².
   use bw_beam_units, only: beam_units, units_of
   use bw_double_double, only: to_dd
   use bw_kinds, only: dp
@@ -22,12 +24,12 @@ module bw_absent_of_pieces
 
 contains
 
-  subroutine shifts_of_pieces(scene, number, square, tension, shear, place)
+  subroutine shifts_of_pieces(scene, number, square, tension, shear, stretch, place)
     !! β² of the beam without either, and what each would add to it, (modes): by the rotation and shear of the scene, a hub without
     !! radius and the usual shear where it names none. And what it would gain were a captured mass further in (`place_shifts`).
     type(scene_type), intent(in) :: scene                  !! without sweeps
     integer, intent(in) :: number(:)                       !! of the modes, ascending, ≤ `highest_estimated`
-    real(dp), intent(out) :: square(:), tension(:), shear(:), place(:)
+    real(dp), intent(out) :: square(:), tension(:), shear(:), stretch(:), place(:)
     type(scene_type) :: plain, sheared
     type(beam_units) :: units
     type(piece_source) :: source
@@ -49,6 +51,7 @@ contains
     end associate
     tension = 0.0_dp
     shear = 0.0_dp
+    stretch = 0.0_dp
     place = 0.0_dp
     call source%find(number, modes)
     square = modes%beta_squared%hi
@@ -56,7 +59,7 @@ contains
     select type (modes)
     type is (piece_set)
       if (size(modes%modes%system%piece) > size(full%piece)) full = cut_all(full, parts_at_rest(source%pieces%beam))
-      call add_integrals(modes, full, full%spin_squared%hi*tension_in_pieces(full, hub), tension, shear)
+      call add_integrals(modes, full, full%spin_squared%hi*tension_in_pieces(full, hub), tension, shear, stretch)
       place = place_shifts(modes, source%gamma)
     end select
   end subroutine shifts_of_pieces
@@ -84,29 +87,33 @@ contains
     shifts = shifts/modes%modal_mass
   end function place_shifts
 
-  subroutine add_integrals(modes, full, pull, tension, shear)
+  subroutine add_integrals(modes, full, pull, tension, shear, stretch)
     !! By the midpoint rule, in several points of each half wave of a mode.
     type(piece_set), intent(in) :: modes
     type(piece_beam), intent(in) :: full                   !! the pieces of the modes, with compliance and rotary inertia
     real(dp), intent(in) :: pull(:, :)                     !! T = t_0 + t_1x + t_2x² in each piece, (3, pieces)
-    real(dp), intent(out) :: tension(:), shear(:)
+    real(dp), intent(out) :: tension(:), shear(:), stretch(:)
     integer, parameter :: fewest = 16, of_half_wave = 12   ! points
     real(dp), dimension(modes%count) :: taken, elastic
     type(piece_frequency) :: frequency
-    real(dp) :: both
+    real(dp) :: both, held                                 ! held: what springs further out hold of a mode
     integer :: i, k, points
     tension = 0.0_dp
     taken = 0.0_dp
+    stretch = 0.0_dp
+    held = 0.0_dp
     both = sum(full%piece%length%hi*full%piece%compliance%hi*full%piece%rotary%hi)
     elastic = max(tiny(1.0_dp), modes%modes%lambda%hi)
     do k = 1, modes%count
       frequency = frequency_at(modes%modes%system%beam, modes%modes%lambda(k))
-      do i = 1, size(full%piece)
+      held = 0.0_dp
+      do i = size(full%piece), 1, -1
         points = fewest + ceiling(of_half_wave*full%piece(i)%length%hi*modes%alpha(k)/acos(-1.0_dp))
         call add_points(midpoints(points), full%piece(i), modes%modes%system%piece(i))
       end do
     end do
     tension = tension/modes%modal_mass
+    stretch = 4.0_dp*merge(full%spin_squared%hi, 0.0_dp, full%in_plane)*stretch/modes%modal_mass
     taken = 1.0_dp + taken/modes%modal_mass
     shear = elastic*(2.0_dp/(taken + sqrt(max(0.0_dp, taken**2 - 4.0_dp*both*elastic))) - 1.0_dp)
   contains
@@ -115,13 +122,22 @@ contains
       real(dp), intent(in) :: x(:)                         !! of its length, (points)
       type(uniform_piece), intent(in) :: piece
       type(piece_numbers), intent(in) :: numbers
-      real(dp) :: part, state(4, size(x))
+      real(dp) :: part, state(4, size(x)), outer(4, 1)
+      outer = states_inside(numbers, frequency, modes%modes%amplitude(:, i, k), [to_dd(0.5_dp*piece%length%hi)])
+      held = held + full%joint(i)%stiffness%hi*outer(1, 1)
       state = states_inside(numbers, frequency, modes%modes%amplitude(:, i, k), to_dd(piece%length%hi*(x - 0.5_dp)))
       part = piece%length%hi/size(x)
       tension(k) = tension(k) + part*sum((pull(1, i) + x*(pull(2, i) + x*pull(3, i)))*state(2, :)**2)
       taken(k) = taken(k) + part*sum(piece%compliance%hi*state(4, :)**2/elastic(k) + piece%rotary%hi*state(2, :)**2)
+      stretch(k) = stretch(k) + part/stretching(piece)*sum(((state(4, :) + held)/elastic(k))**2)
     end subroutine add_points
   end subroutine add_integrals
+
+  pure real(dp) function stretching(piece) result(stiffness)
+    !! EA = B ρA/(ρI).
+    type(uniform_piece), intent(in) :: piece               !! with rotary inertia
+    stiffness = piece%stiffness%hi*piece%mass%hi/piece%rotary%hi
+  end function stretching
 
   pure function midpoints(number) result(x)
     !! Of so many equal parts of the length 1.

@@ -127,14 +127,20 @@ contains
     type(estimate_type), intent(in) :: estimates(:)
     real(dp), intent(in) :: tolerance
     character(:), allocatable :: text
-    type(estimate_type) :: found(size(estimates))
+    logical :: left(size(estimates))
+    integer :: i, e
     text = ''
-    if (all(weight(estimates) <= tolerance)) return
-    found = estimates
-    if (weight(found(2)) > weight(found(1))) found = found([2, 1])
-    text = trim(absent_words(found(1)%effect))//' would matter most: '//words(found(1))
-    if (weight(found(2)) > tolerance) text = text//'; '//trim(absent_words(found(2)%effect))//': '//words(found(2))
-    text = text//' (frequencies, estimated)'
+    left = .true.
+    do i = 1, 2
+      e = maxloc(weight(estimates), dim=1, mask=left)
+      left(e) = .false.
+      if (weight(estimates(e)) <= tolerance) exit
+      if (i == 2) text = text//'; '
+      text = text//trim(absent_words(estimates(e)%effect))
+      if (i == 1) text = text//' would matter most'
+      text = text//': '//words(estimates(e))
+    end do
+    if (text /= '') text = text//' (frequencies, estimated)'
   end function frequency_words
 
   pure function time_words(seconds) result(text)
