@@ -4,14 +4,14 @@ module bw_record_plan
   use bw_error, only: error_type, fail, status_bad_input
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
+  use bw_noise_level, only: quantile_of
   use bw_read_record, only: least_samples, read_record, record_path
-  use bw_record, only: extent_of, measure_the_same, quantities_of, record_extent, record_type
+  use bw_record, only: clock_text, extent_of, measure_the_same, quantities_of, record_extent, record_type
   use bw_record_checksum, only: record_checksums
   use bw_record_view, only: step_of
   use bw_result_layout, only: record_layout, result_layout
   use bw_sample_times, only: used_part
   use bw_scene, only: scene_type
-  use bw_sensor_unit, only: si_unit
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
@@ -20,6 +20,7 @@ module bw_record_plan
   integer, parameter :: most_shown = 200000
     !! numbers of a picture's array that a result holds, all cases together: 1.6 MB
   integer, parameter :: fewest_shown = 64         !! of a sensor in one case; fewer make no picture, and are left out
+  integer, parameter :: most_even = 64            !! even samples for each that there is  ! tuned
   real(dp), parameter :: same = 1.0e-12_dp        !! of an interval
 
 contains
@@ -46,9 +47,12 @@ contains
       if (allocated(error)) return
       extents(f) = extent_of(record)
       steps(f) = step_of(record)
-      call check_parts(scene, record, error)
+      call check_gaps(record, 1, size(record%times), error)
+      if (.not. allocated(error)) call check_parts(scene, record, error)
       if (.not. allocated(error)) call check_sensors(scene, extents(f), extents(1), error)
     end do
+    if (.not. allocated(error)) layout%record%longest = &
+      maxval(max(extents%samples, int(min(extents%duration/steps + 1, real(huge(1), dp)))))
     if (.not. allocated(error)) call set_axes(extents, record%times, &
       size(values_of(scene, 'record%start', 0.0_dp)) > 1, layout)
     if (.not. allocated(error) .and. layout%samples > 0) call set_frequencies(extents, steps, layout)
@@ -81,6 +85,8 @@ contains
     do i = 1, size(starts)
       do j = 1, size(ends)
         call used_part(record%times, starts(i) - record%origin, ends(j) - record%origin, first, last)
+        call check_gaps(record, int(first), int(last), error)
+        if (allocated(error)) return
         if (last - first + 1 >= least_samples) cycle
         call fail(error, status_bad_input, scene%file//': &sweep: of '//record%path//' '//text_of(max(0_i8, last - first + 1))// &
                   ' samples are left '//part_text(starts(i), ends(j))//'; accepted: '//text_of(least_samples)//' or more')
@@ -88,6 +94,30 @@ contains
       end do
     end do
   end subroutine check_parts
+
+  subroutine check_gaps(record, first, last, error)
+    !! Uneven samples fill enough of their time: the search for lines takes as much memory as even ones over all of it.
+    !! **Errors**: `status_bad_input`, with the longest gap.
+    type(record_type), intent(in) :: record
+    integer, intent(in) :: first, last            !! of the samples
+    type(error_type), allocatable, intent(inout) :: error
+    real(dp) :: steps(max(0, last - first)), even ! s; how many even samples fill the time
+    integer :: at
+    if (record%interval > 0 .or. last - first < least_samples) return
+    steps = record%times(first + 1:last) - record%times(first:last - 1)
+    even = sum(steps)/quantile_of(steps, 0.5_dp)
+    if (even <= most_even*size(steps)) return
+    at = first + maxloc(steps, dim=1)
+    call fail(error, status_bad_input, record%path//': has no samples between '//time_text(at - 1)//' and '//time_text(at)// &
+              ' s, and '//text_of(last - first + 1)//' in all where '//shortest(even, 3)//' at their usual interval would fill '// &
+              'the time; accepted: up to '//text_of(most_even)//' times fewer; start or end leaves out what is beyond a gap')
+  contains
+    function time_text(sample) result(text)
+      integer, intent(in) :: sample
+      character(:), allocatable :: text
+      text = clock_text(record%origin + record%times(sample), record%times(last) - record%times(first))
+    end function time_text
+  end subroutine check_gaps
 
   pure function part_text(start, end) result(text)
     !! A part of a record in words.
@@ -120,7 +150,6 @@ contains
       record%sensors = extents(1)%sensors
       record%placed = .not. any(is_missing(extents(1)%sensors%position))
       record%unit = common_unit(extents(1))
-      record%longest = maxval(extents%samples)
       record%duration = maxval(extents%duration)
       layout%points = size(record%sensors)
       if (room_of(layout) < fewest_shown) return
@@ -130,13 +159,13 @@ contains
   end subroutine set_axes
 
   pure function common_unit(extent) result(unit)
-    !! The SI unit of all sensors; `1` where they measure different quantities.
+    !! The unit of all sensors; `1` where they have different ones.
     type(record_extent), intent(in) :: extent
     character(:), allocatable :: unit
     integer :: s
-    unit = si_unit(extent%sensors(1)%quantity)
+    unit = extent%sensors(1)%unit
     do s = 2, size(extent%sensors)
-      if (extent%sensors(s)%quantity /= extent%sensors(1)%quantity) unit = '1'
+      if (extent%sensors(s)%unit /= unit) unit = '1'
     end do
   end function common_unit
 
@@ -174,7 +203,7 @@ contains
     real(dp) :: resolution
     integer :: bins, j
     resolution = 1/maxval(extents%duration + steps)
-    bins = int(0.5_dp/minval(steps)/resolution + 0.01_dp)
+    bins = int(min(0.5_dp/minval(steps)/resolution + 0.01_dp, real(room_of(layout), dp)))
     if (bins >= room_of(layout)) then
       bins = room_of(layout) - 1
       resolution = 0.5_dp/(minval(steps)*bins)

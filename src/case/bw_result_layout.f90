@@ -25,9 +25,9 @@ module bw_result_layout
     !! What the result of a record holds that only its files tell.
     type(sensor_type), allocatable :: sensors(:)         !! of the first file
     logical :: placed = .false.                          !! all of them have places
-    character(:), allocatable :: unit                    !! of all of them; `1` where they measure different quantities
+    character(:), allocatable :: unit                    !! of all of them; `1` where they have different ones
     character(:), allocatable :: checksums               !! of the files
-    integer :: longest = 0                               !! samples of a case, at most
+    integer :: longest = 0                               !! samples that fill the duration of a case evenly, at most
     real(dp) :: duration = 0                             !! of a case, at most [s]
     real(dp), allocatable :: times(:)                    !! since the first sample [s]
     logical :: stretched = .false.                       !! two values in a stretch of time: the least and the largest
@@ -167,13 +167,13 @@ contains
   end function dimension_length
 
   pure integer function letters_of(layout) result(letters)
-    !! Of the longest name of a sensor; 0 where nothing is a sensor.
+    !! Of the longest name or unit of a sensor; 0 where nothing is a sensor.
     type(result_layout), intent(in) :: layout
     integer :: s
     letters = 0
     if (.not. allocated(layout%record)) return
     do s = 1, size(layout%record%sensors)
-      letters = max(letters, len(layout%record%sensors(s)%name))
+      letters = max(letters, len(layout%record%sensors(s)%name), len(layout%record%sensors(s)%unit))
     end do
   end function letters_of
 

@@ -15,6 +15,7 @@ endfunction()
 # hints from pkg-config, without its imported targets
 if(PkgConfig_FOUND)
   pkg_check_modules(BW_PC_NETCDF QUIET netcdf-fortran)
+  pkg_check_modules(BW_PC_NETCDF_C QUIET netcdf)
   pkg_check_modules(BW_PC_FFTW QUIET fftw3)
   pkg_get_variable(BW_PC_NETCDF_FMODDIR netcdf-fortran fmoddir)
 endif()
@@ -26,17 +27,25 @@ if(BW_NF_CONFIG)
     OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 endif()
 
+find_program(BW_NC_CONFIG nc-config)
+if(BW_NC_CONFIG)
+  execute_process(COMMAND ${BW_NC_CONFIG} --prefix OUTPUT_VARIABLE BW_NC_PREFIX OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+endif()
+
 find_path(BW_NETCDF_MODULES netcdf.mod
   HINTS ${BW_PC_NETCDF_FMODDIR} ${BW_PC_NETCDF_INCLUDEDIR} ${BW_NF_INCLUDE})
 find_library(BW_NETCDFF_LIBRARY netcdff HINTS ${BW_PC_NETCDF_LIBRARY_DIRS} ${BW_NF_PREFIX}/lib)
+# netCDF-Fortran stands on the C library, which is called too
+get_filename_component(BW_NETCDFF_DIR "${BW_NETCDFF_LIBRARY}" DIRECTORY)
+find_library(BW_NETCDF_LIBRARY netcdf HINTS ${BW_NETCDFF_DIR} ${BW_PC_NETCDF_C_LIBRARY_DIRS} ${BW_NC_PREFIX}/lib)
 find_path(BW_FFTW_INCLUDE fftw3.f03 HINTS ${BW_PC_FFTW_INCLUDEDIR})
 find_library(BW_FFTW_LIBRARY fftw3 HINTS ${BW_PC_FFTW_LIBRARY_DIRS})
 find_library(BW_MINPACK_LIBRARY minpack)
 find_package(LAPACK QUIET)
 
 set(missing "")
-if(NOT BW_NETCDF_MODULES OR NOT BW_NETCDFF_LIBRARY)
-  string(APPEND missing "\n  NetCDF-Fortran (netcdf.mod, libnetcdff; packages libnetcdff-dev, netcdf-fortran-devel)")
+if(NOT BW_NETCDF_MODULES OR NOT BW_NETCDFF_LIBRARY OR NOT BW_NETCDF_LIBRARY)
+  string(APPEND missing "\n  NetCDF-Fortran (netcdf.mod, libnetcdff, libnetcdf; packages libnetcdff-dev, netcdf-fortran-devel)")
 endif()
 if(NOT BW_FFTW_INCLUDE OR NOT BW_FFTW_LIBRARY)
   string(APPEND missing "\n  FFTW 3 (fftw3.f03, libfftw3; packages libfftw3-dev, fftw-devel)")
@@ -56,7 +65,7 @@ endif()
 if(NOT BEAMWAVE_LIBRARY_VERSIONS)
   try_run(ran compiled "${PROJECT_BINARY_DIR}/probe" "${CMAKE_CURRENT_LIST_DIR}/probe_libraries.f90"
     COMPILE_DEFINITIONS "-I${BW_NETCDF_MODULES}" "-I${BW_FFTW_INCLUDE}"
-    LINK_LIBRARIES "${BW_NETCDFF_LIBRARY}" "${BW_FFTW_LIBRARY}" "${BW_MINPACK_LIBRARY}" LAPACK::LAPACK
+    LINK_LIBRARIES "${BW_NETCDFF_LIBRARY}" "${BW_NETCDF_LIBRARY}" "${BW_FFTW_LIBRARY}" "${BW_MINPACK_LIBRARY}" LAPACK::LAPACK
     COMPILE_OUTPUT_VARIABLE build_output RUN_OUTPUT_VARIABLE versions)
   if(NOT compiled OR NOT ran EQUAL 0)
     unset(ran CACHE)        # tried again next time: the libraries may be another set by then
@@ -69,7 +78,7 @@ if(NOT BEAMWAVE_LIBRARY_VERSIONS)
   message(STATUS "Libraries: ${BEAMWAVE_LIBRARY_VERSIONS}")
 endif()
 
-beamwave_import(netcdf "${BW_NETCDFF_LIBRARY}" "${BW_NETCDF_MODULES}")
+beamwave_import(netcdf "${BW_NETCDFF_LIBRARY};${BW_NETCDF_LIBRARY}" "${BW_NETCDF_MODULES}")
 beamwave_import(fftw "${BW_FFTW_LIBRARY}" "${BW_FFTW_INCLUDE}")
 add_library(beamwave_minpack INTERFACE)
 add_library(beamwave::minpack ALIAS beamwave_minpack)

@@ -1,39 +1,28 @@
 module bw_netcdf_source
   !! A NetCDF file as a source of histories: every variable that has the dimension of the samples is a column, or several, one
   !! for each place of its other dimension, called `name(1)`, `name(2)`, … A result of beamwave is such a file.
+  !!
+  !! A damaged file may crash the library that reads it, or keep it for ever. So each look at the file is that of another
+  !! process (bw_child_process): one that lists the variables, and one for each time that numbers are read.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
+  use bw_child_process, only: child_process
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
-  use bw_kinds, only: dp, i4, i8
+  use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
-  use bw_netcdf_path, only: has_backslash, plain_path
-  use bw_record, only: column_type
+  use bw_netcdf_path, only: has_backslash
+  use bw_netcdf_reading, only: all_is_well, open_to_read => open_netcdf, read_numbers, status_text
+  use bw_netcdf_survey, only: list_columns, netcdf_column, survey
   use bw_record_source, only: record_source
-  use bw_sensor_unit, only: quantity_of
-  use bw_text, only: lower, text_of
-  use netcdf, only: nf90_char, nf90_close, nf90_float, nf90_get_att, nf90_get_var, nf90_inq_varid, nf90_inquire, &
-    nf90_inquire_attribute, nf90_inquire_dimension, nf90_inquire_variable, nf90_max_name, nf90_max_var_dims, nf90_noerr, &
-    nf90_nowrite, nf90_open, nf90_strerror, nf90_string
-  use bw_time_column, only: mark_time
+  use bw_sample_times, only: first_fall
+  use bw_text, only: string, text_of
   implicit none (type, external)
   private
 
-  integer, parameter :: block_size = 2**18           !! numbers of a variable in memory at a time
-  character(*), parameter :: quantities = ' displacement velocity acceleration strain '
-  character(*), parameter :: sample_names = ' time t sample samples index '
-
-  type :: netcdf_column
-    !! Where a column lies.
-    integer :: variable = 0                          !! NetCDF's number
-    integer :: dimensions = 1                        !! 1, or 2
-    integer :: place = 1                             !! along the dimension that is not that of the samples
-    logical :: samples_first = .false.               !! samples vary fastest
-    logical :: is_single = .false.                   !! of single precision
-  end type netcdf_column
+  integer, parameter :: block_size = 2**20           !! numbers of a variable in memory at a time
+  integer, parameter :: most_seconds = 5
+    !! of processor time for a block, or the list of variables: a hundred times what the slowest compression takes
 
   type, extends(record_source), public :: netcdf_source
-    integer, private :: file = -1
-    integer, private :: samples = 0                  !! NetCDF's number of their dimension
-    integer(i8), private :: rows = 0
     type(netcdf_column), allocatable, private :: where(:)
   contains
     procedure :: open => open_netcdf
@@ -41,13 +30,16 @@ module bw_netcdf_source
     procedure :: read_values
     procedure :: place_of_row
     procedure :: close => close_netcdf
-    procedure, private :: check
-    procedure, private :: find_samples
-    procedure, private :: add_columns
-    procedure, private :: describe_column
-    procedure, private :: read_part
+    procedure, private :: stream
+    procedure, private :: serve
     procedure, private :: refuse_number
   end type netcdf_source
+
+  type :: block_type
+    !! Some rows of some columns, which one call of the library reads: all of one variable.
+    integer :: first_column = 0, last_column = 0     !! in the list of what is asked for
+    integer(i8) :: first_row = 0, last_row = 0
+  end type block_type
 
 contains
 
@@ -56,215 +48,193 @@ contains
     class(netcdf_source), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
-    integer :: variables, v
+    type(child_process) :: child
+    type(string), allocatable :: texts(:)
+    logical :: whole
     self%path = path
     if (has_backslash(path)) then
       call fail(error, status_bad_input, path//': NetCDF takes a backslash for a slash; accepted: a path without')
       return
     end if
-    call self%check(nf90_open(plain_path(path), nf90_nowrite, self%file), error)
-    if (allocated(error)) return
-    call self%find_samples(error)
-    allocate (self%columns(0), self%where(0))
-    variables = 0
-    if (.not. allocated(error)) call self%check(nf90_inquire(self%file, nVariables=variables), error)
-    do v = 1, variables
-      if (.not. allocated(error)) call self%add_columns(v, error)
-    end do
-    if (size(self%columns) == 0 .and. .not. allocated(error)) call fail(error, status_bad_input, path// &
-      ': has no variable along the dimension of its samples')
+    call child%begin(most_seconds, error)
+    if (.not. allocated(error)) then
+      if (child%is_here()) then
+        call survey(path, texts, error)
+        call child%tell(texts, error)
+      end if
+      call child%hear(texts, whole, error)
+    end if
+    if (allocated(error)) then
+      error%message = path//': '//error%message
+    else
+      call list_columns(texts, self, self%where)
+    end if
   end subroutine open_netcdf
 
-  subroutine check(self, status, error)
-    !! Turn a NetCDF status into an error that names the file. Keeps an error that is there.
-    class(netcdf_source), intent(in) :: self
-    integer, intent(in) :: status
-    type(error_type), allocatable, intent(inout) :: error
-    if (status == nf90_noerr .or. allocated(error)) return
-    call fail(error, status_bad_file, self%path//': cannot be read: '//trim(nf90_strerror(status)))
-  end subroutine check
-
-  subroutine find_samples(self, error)
-    !! The dimension called time, or the like; else the longest.
-    class(netcdf_source), intent(inout) :: self
-    type(error_type), allocatable, intent(inout) :: error
-    character(nf90_max_name) :: name
-    integer :: dimensions, d, length
-    logical :: known
-    known = .false.
-    self%rows = 0
-    dimensions = 0
-    call self%check(nf90_inquire(self%file, nDimensions=dimensions), error)
-    do d = 1, dimensions
-      if (allocated(error)) return
-      call self%check(nf90_inquire_dimension(self%file, d, name, length), error)
-      if (known .or. (length <= self%rows .and. index(sample_names, ' '//trim(lower(name))//' ') == 0)) cycle
-      known = index(sample_names, ' '//trim(lower(name))//' ') > 0
-      self%samples = d
-      self%rows = length
-    end do
-    if (self%rows == 0 .and. .not. allocated(error)) call fail(error, status_bad_input, self%path//': has no samples')
-  end subroutine find_samples
-
-  subroutine add_columns(self, variable, error)
-    !! The columns of a variable, if it has any. **Errors**: `status_bad_input` for a sweep, whose cases are no sensors.
-    class(netcdf_source), intent(inout) :: self
-    integer, intent(in) :: variable
-    type(error_type), allocatable, intent(inout) :: error
-    character(nf90_max_name) :: name, other
-    integer :: ids(nf90_max_var_dims), rank, type, length, i
-    type(netcdf_column) :: found
-    call self%check(nf90_inquire_variable(self%file, variable, name, type, rank, ids), error)
-    if (allocated(error)) return
-    if (type == nf90_char .or. type == nf90_string .or. .not. any(ids(:rank) == self%samples)) return
-    if (rank > 2) then
-      call fail(error, status_bad_input, self%path//': '//trim(name)//' has '//text_of(rank)//' dimensions, as in a sweep; '// &
-                'accepted: a record of one case')
-      return
-    end if
-    found = netcdf_column(variable, rank, 1, ids(1) == self%samples, type == nf90_float)
-    length = 1
-    if (rank == 2) call self%check(nf90_inquire_dimension(self%file, merge(ids(2), ids(1), found%samples_first), other, length), &
-                                   error)
-    do i = 1, length
-      found%place = i
-      call self%describe_column(found, trim(name), length, error)
-    end do
-  end subroutine add_columns
-
-  subroutine describe_column(self, found, name, length, error)
-    !! One more column, with what the file says of it.
-    class(netcdf_source), intent(inout) :: self
-    type(netcdf_column), intent(in) :: found
-    character(*), intent(in) :: name                 !! of its variable
-    integer, intent(in) :: length                    !! columns of the variable
-    type(error_type), allocatable, intent(inout) :: error
-    type(column_type) :: column
-    type(column_type), allocatable :: more(:)
-    integer :: n
-    column%name = name
-    if (found%dimensions == 2) column%name = name//'('//text_of(found%place)//')'
-    column%unit = text_attribute(self%file, found%variable, 'units')
-    column%quantity = text_attribute(self%file, found%variable, 'quantity')
-    if (index(quantities, ' '//lower(name)//' ') > 0) column%quantity = lower(name)
-    if (index(quantities, ' '//column%quantity//' ') == 0) column%quantity = ''
-    if (column%quantity /= '') self%is_labelled = .true.
-    if (column%quantity == '') column%quantity = quantity_of(column%unit)
-    if (name == 'recorded') self%is_labelled = .true.  ! a result of a record: what was fitted to it is not measured
-    if (name == 'fitted') column%quantity = ''
-    call mark_time(column)
-    column%position = sensor_position(self%file, found)
-    n = size(self%columns)
-    allocate (more(n + 1))
-    more(:n) = self%columns
-    more(n + 1) = column
-    call move_alloc(more, self%columns)
-    self%where = [self%where, found]
-    if (length < 1) call fail(error, status_bad_input, self%path//': '//name//' has no columns')
-  end subroutine describe_column
-
-  real(dp) function sensor_position(file, found) result(position)
-    !! ξ of a column: its variable's attribute `position`, or of several columns `point_position`; else missing.
-    integer, intent(in) :: file
-    type(netcdf_column), intent(in) :: found
-    integer :: points, status
-    status = nf90_get_att(file, found%variable, 'position', position)
-    if (status /= nf90_noerr .and. found%dimensions == 2) then
-      status = nf90_inq_varid(file, 'point_position', points)
-      if (status == nf90_noerr) status = nf90_get_var(file, points, position, [found%place])
-    end if
-    if (status /= nf90_noerr) position = missing
-    if (.not. ieee_is_finite(position)) position = missing
-    if (position < 0.0_dp .or. position > 1.0_dp) position = missing
-  end function sensor_position
-
-  function text_attribute(file, variable, name) result(text)
-    !! An attribute of a variable; empty where it has none.
-    integer, intent(in) :: file, variable
-    character(*), intent(in) :: name
-    character(:), allocatable :: text
-    integer :: length, type
-    text = ''
-    if (nf90_inquire_attribute(file, variable, name, xtype=type, len=length) /= nf90_noerr) return
-    if (type /= nf90_char) return
-    text = repeat(' ', length)
-    if (nf90_get_att(file, variable, name, text) /= nf90_noerr) text = ''
-    text = trim(text)
-  end function text_attribute
-
   subroutine read_times(self, column, rows, times, steps, error)
-    !! All digits of the times are there: those of double or of single precision.
+    !! All digits of the times are there: those of double or of single precision. What is behind a time that falls is not read.
     class(netcdf_source), intent(inout) :: self
     integer, intent(in) :: column
     integer(i8), intent(out) :: rows
     real(dp), allocatable, intent(out) :: times(:), steps(:)
     type(error_type), allocatable, intent(inout) :: error
-    real(dp), allocatable :: part(:, :)
+    integer :: refused
     rows = self%rows
-    allocate (times(merge(rows, 0_i8, column > 0)), steps(merge(rows, 0_i8, column > 0)))
-    if (column == 0) return
-    allocate (part(rows, 1))
-    call self%read_values([column], 1_i8, part, error)
-    if (allocated(error)) return
-    times = part(:, 1)
+    allocate (times(merge(rows, 0_i8, column > 0)), steps(merge(rows, 0_i8, column > 0)), stat=refused)
+    if (refused /= 0) call fail(error, status_bad_file, self%path//': memory for '//text_of(rows)//' times was refused')
+    if (column == 0 .or. allocated(error)) return
+    call self%stream([column], 1_i8, rows, times, error, rising=.true.)
+    if (rows < size(times, kind=i8)) times = times(:rows)
+    if (rows < size(steps, kind=i8)) steps = steps(:rows)
     steps = 0.0_dp
     if (self%where(column)%is_single) steps = 4*real(spacing(real(times)), dp)
   end subroutine read_times
 
   subroutine read_values(self, columns, first, values, error)
-    !! Column by column; of a variable in which the samples vary slowest, in blocks of all its columns.
+    !! In blocks of a column; of a variable in which the samples vary slowest, of all its columns.
     class(netcdf_source), intent(inout) :: self
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first
-    real(dp), intent(inout) :: values(:, :)
+    real(dp), intent(inout), contiguous :: values(:, :)
     type(error_type), allocatable, intent(inout) :: error
-    integer :: s, n, row, rows_at_once
-    n = size(values, 1)
-    do s = 1, size(columns)
-      associate (here => self%where(columns(s)))
-        if (here%dimensions == 2 .and. .not. here%samples_first) cycle
-        call self%read_part(here, int(first), values(:, s), error)
-      end associate
-    end do
-    rows_at_once = max(1, block_size/max(1, size(columns)))
-    do row = 1, n, rows_at_once                      ! so that a chunk of the file is unpacked once for all its columns
-      do s = 1, size(columns)
-        associate (here => self%where(columns(s)))
-          if (here%dimensions == 1 .or. here%samples_first) cycle
-          call self%read_part(here, int(first) + row - 1, values(row:min(n, row + rows_at_once - 1), s), error)
-        end associate
-      end do
-    end do
-    do s = 1, size(columns)
-      if (.not. allocated(error)) call self%refuse_number(columns(s), first, values(:, s), error)
-    end do
+    integer(i8) :: rows
+    rows = size(values, 1, kind=i8)
+    call self%stream(columns, first, rows, values, error)
   end subroutine read_values
 
-  subroutine read_part(self, here, first, values, error)
-    !! Some samples of one column, unpacked as CF says.
+  subroutine stream(self, columns, first, rows, values, error, rising)
+    !! Take numbers from a process that reads them.
     class(netcdf_source), intent(in) :: self
-    type(netcdf_column), intent(in) :: here
-    integer, intent(in) :: first
-    real(dp), intent(inout) :: values(:)
+    integer, intent(in) :: columns(:)
+    integer(i8), intent(in) :: first                 !! row
+    integer(i8), intent(inout) :: rows               !! how many are asked for, and then how many there are
+    real(dp), intent(inout), target :: values(rows, *)   !! (rows, columns)
     type(error_type), allocatable, intent(inout) :: error
-    real(dp) :: fill, factor, offset
-    logical :: filled
+    logical, intent(in), optional :: rising          !! stop behind a fall
+    type(child_process) :: child
+    type(block_type), allocatable :: blocks(:)
+    type(string), allocatable :: texts(:)
+    logical :: good, whole
+    integer :: b, s
+    blocks = blocks_of(self%where(columns), rows)
+    call child%begin(most_seconds, error, bytes=16*self%rows*size(self%where))     ! a chunk may hold all there is
+    if (allocated(error)) error%message = self%path//': '//error%message
     if (allocated(error)) return
-    if (here%dimensions == 1) then
-      call self%check(nf90_get_var(self%file, here%variable, values, [first], [size(values)]), error)
-    else if (here%samples_first) then
-      call self%check(nf90_get_var(self%file, here%variable, values, [first, here%place], [size(values), 1]), error)
-    else
-      call self%check(nf90_get_var(self%file, here%variable, values, [here%place, first], [1, size(values)]), error)
-    end if
-    filled = nf90_get_att(self%file, here%variable, '_FillValue', fill) == nf90_noerr
-    if (.not. filled) fill = missing
-    where (values == fill) values = missing
-    if (nf90_get_att(self%file, here%variable, 'scale_factor', factor) /= nf90_noerr) factor = 1.0_dp
-    if (nf90_get_att(self%file, here%variable, 'add_offset', offset) /= nf90_noerr) offset = 0.0_dp
-    if (factor == 1.0_dp .and. offset == 0.0_dp) return
-    where (values /= missing) values = factor*values + offset
-  end subroutine read_part
+    if (child%is_here()) call self%serve(child, columns, first, blocks, present(rising))
+    good = .true.
+    do b = 1, size(blocks)
+      associate (block => blocks(b))
+        do s = block%first_column, block%last_column
+          if (good) call child%receive(values(block%first_row:block%last_row, s), good)
+        end do
+        if (.not. good) rows = min(rows, block%first_row - 1)
+      end associate
+    end do
+    if (good) call child%receive(values(:0, 1), good)
+    call child%hear(texts, whole, error)
+    if (allocated(error)) error%message = self%path//': '//error%message
+  end subroutine stream
+
+  pure function blocks_of(these, rows) result(blocks)
+    !! What is read at a time, so that no more than a block is in memory, and a chunk of the file is unpacked once for all its
+    !! columns.
+    type(netcdf_column), intent(in) :: these(:)      !! of the columns that are asked for
+    integer(i8), intent(in) :: rows
+    type(block_type), allocatable :: blocks(:)
+    integer(i8) :: row, at_once
+    integer :: first, last, pass, n
+    do pass = 1, 2                                   ! they are counted, and then listed
+      n = 0
+      last = 0
+      do while (last < size(these))
+        first = last + 1
+        last = first
+        do while (last < size(these))                ! further columns of the same variable
+          if (these(first)%samples_first .or. these(last + 1)%variable /= these(first)%variable) exit
+          last = last + 1
+        end do
+        at_once = max(1_i8, block_size/width_of(these(first:last)))
+        do row = 1, rows, at_once
+          n = n + 1
+          if (pass == 2) blocks(n) = block_type(first, last, row, min(rows, row + at_once - 1))
+        end do
+      end do
+      if (pass == 1) allocate (blocks(n))
+    end do
+  end function blocks_of
+
+  pure integer(i8) function width_of(these) result(width)
+    !! How many neighbouring columns of a variable hold all these.
+    type(netcdf_column), intent(in) :: these(:)
+    width = maxval(these%place) - minval(these%place) + 1
+  end function width_of
+
+  subroutine serve(self, child, columns, first, blocks, rising)
+    !! Read what the other process asks for, and end.
+    class(netcdf_source), intent(in) :: self
+    type(child_process), intent(inout) :: child
+    integer, intent(in) :: columns(:)
+    integer(i8), intent(in) :: first                 !! row
+    type(block_type), intent(in) :: blocks(:)
+    logical, intent(in) :: rising                    !! stop behind a fall
+    type(error_type), allocatable :: error
+    type(string), allocatable :: texts(:)
+    real(dp), allocatable :: values(:, :)
+    integer :: file, status, b, s
+    allocate (texts(0))
+    call open_to_read(self%path, file, status)
+    do b = 1, size(blocks)
+      associate (block => blocks(b))
+        call read_block(self%where(columns(block%first_column:block%last_column)), file, first + block%first_row - 1, &
+                        block%last_row - block%first_row + 1, values, status)
+        if (status /= all_is_well) call fail(error, status_bad_file, 'cannot be read: '//status_text(status))
+        do s = 1, size(values, 2)
+          if (.not. allocated(error)) call self%refuse_number(columns(block%first_column + s - 1), first + block%first_row - 1, &
+                                                              values(:, s), error)
+          if (.not. allocated(error)) call child%send(values(:, s))
+        end do
+      end associate
+      if (allocated(error)) exit
+      if (rising) then
+        if (first_fall(values(:, 1)) > 0) exit
+      end if
+    end do
+    call child%send(values(:0, 1))
+    call child%tell(texts, error)
+  end subroutine serve
+
+  subroutine read_block(these, file, first, rows, values, status)
+    !! Some samples of columns of one variable, unpacked as CF says.
+    type(netcdf_column), intent(in) :: these(:)
+    integer, intent(in) :: file
+    integer(i8), intent(in) :: first, rows
+    real(dp), allocatable, intent(out) :: values(:, :)       !! (rows, columns)
+    integer, intent(inout) :: status
+    real(dp), allocatable :: found(:, :)             ! all columns between these, in the order of the file
+    integer(i8) :: place, width
+    integer :: s
+    place = minval(these%place)
+    width = width_of(these)
+    allocate (values(rows, size(these)))
+    associate (here => these(1))
+      if (here%rank == 1) then
+        call read_numbers(file, here%variable, [first], [rows], values, status)
+      else if (here%samples_first) then
+        call read_numbers(file, here%variable, [place, first], [1_i8, rows], values, status)
+      else
+        allocate (found(width, rows))
+        call read_numbers(file, here%variable, [first, place], [rows, width], found, status)
+        if (status /= all_is_well) return
+        do s = 1, size(these)
+          values(:, s) = found(these(s)%place - place + 1, :)
+        end do
+      end if
+      if (status /= all_is_well) return
+      where (values == here%fills(1) .or. values == here%fills(2)) values = missing
+      if (here%factor == 1.0_dp .and. here%offset == 0.0_dp) return
+      where (values /= missing) values = here%factor*values + here%offset
+    end associate
+  end subroutine read_block
 
   subroutine refuse_number(self, column, first, values, error)
     !! Say where a number is missing, or is none. **Errors**: `status_bad_input`.
@@ -276,7 +246,7 @@ contains
     integer(i8) :: j
     do j = 1, size(values, kind=i8)
       if (ieee_is_finite(values(j)) .and. .not. is_missing(values(j))) cycle
-      call fail(error, status_bad_input, self%path//': '//self%columns(column)%name//': sample '//text_of(first + j - 1)// &
+      call fail(error, status_bad_input, self%columns(column)%name//': sample '//text_of(first + j - 1)// &
                 ' is missing or no finite number; accepted: a record without gaps; cut such samples off by start and end')
       return
     end do
@@ -291,11 +261,10 @@ contains
   end function place_of_row
 
   subroutine close_netcdf(self)
-    !! Close the file.
+    !! Nothing is open.
     class(netcdf_source), intent(inout) :: self
-    integer :: ignored
-    if (self%file >= 0) ignored = nf90_close(self%file)
-    self%file = -1
+    associate (unused => self)
+    end associate
   end subroutine close_netcdf
 
 end module bw_netcdf_source

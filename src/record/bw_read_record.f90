@@ -1,18 +1,20 @@
 module bw_read_record
   !! From a file to a record: the columns that the scene means, the part that it uses, in SI, with what there is to say of it.
-  use bw_descriptors, only: close_file, open_file, read_bytes, to_read
+  use bw_descriptors, only: close_file, open_regular, read_bytes
   use bw_error, only: error_type, fail, status_bad_file, status_bad_input
   use bw_files, only: cannot_be_read, directory_of
   use bw_input_values, only: group_values, position_of
   use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing
   use bw_netcdf_source, only: netcdf_source
+  use bw_process, only: free_memory
   use bw_record, only: record_type
   use bw_record_columns, only: choose_columns, sensors_of
   use bw_record_notes, only: add_notes
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, used_part
   use bw_scene, only: scene_type
+  use bw_sensor_unit, only: factor_of
   use bw_text, only: shortest, text_of
   use bw_text_source, only: text_source
   implicit none (type, external)
@@ -53,8 +55,9 @@ contains
     call choose_source(record%path, source, error)
     if (.not. allocated(error)) call source%open(record%path, error)
     if (.not. allocated(error)) call choose_columns(scene, source, time, columns, error)
+    if (.not. allocated(error)) call check_memory(record%path, source%rows, 3, error)
     if (.not. allocated(error)) call source%read_times(time, record%samples_there, times, steps, error)
-    if (.not. allocated(error)) call settle_times(scene, source, times, steps, record, part, error)
+    if (.not. allocated(error)) call settle_times(scene, source, time, times, steps, record, part, error)
     if (.not. allocated(error)) call read_sensors(scene, source, columns, part, record, error)
     if (.not. allocated(error)) call add_notes(scene, source, time, columns, record)
     if (allocated(source)) call source%close()
@@ -71,8 +74,9 @@ contains
     integer(i8) :: have
     integer :: descriptor, problem, ignored
     bytes = 0
-    problem = open_file(path, to_read, descriptor)
-    if (problem == 0) problem = read_bytes(descriptor, 0_i8, bytes, have)
+    call open_regular(path, descriptor, error)
+    if (allocated(error)) return
+    problem = read_bytes(descriptor, 0_i8, bytes, have)
     ignored = close_file(descriptor)
     if (problem /= 0) then
       call cannot_be_read(error, path, problem)
@@ -81,23 +85,41 @@ contains
     else
       allocate (text_source :: source)
     end if
+    if (allocated(source)) allocate (source%notes(0))
   end subroutine choose_source
 
-  subroutine settle_times(scene, source, times, steps, record, part, error)
+  subroutine check_memory(path, samples, numbers, error)
+    !! Whether the machine has the memory for some samples, before any of them is read. **Errors**: `status_bad_file`.
+    character(*), intent(in) :: path
+    integer(i8), intent(in) :: samples
+    integer, intent(in) :: numbers                     !! of each
+    type(error_type), allocatable, intent(inout) :: error
+    integer(i8) :: free                                ! bytes; below 0: not known
+    free = free_memory()
+    if (free < 0 .or. 8.0_dp*real(samples, dp)*numbers <= real(free, dp)) return
+    call fail(error, status_bad_file, path//': memory was refused, for '//text_of(samples)//' samples of '//text_of(numbers)// &
+              ' numbers each')
+  end subroutine check_memory
+
+  subroutine settle_times(scene, source, time, times, steps, record, part, error)
     !! Times since the first sample that is used, and which samples those are.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
+    integer, intent(in) :: time                        !! the column of the times; 0: the sampling rate tells them
     real(dp), allocatable, intent(inout) :: times(:), steps(:)   !! in the file; of size 0 with a sampling rate; used up
     type(record_type), intent(inout) :: record
     integer(i8), intent(out) :: part(2)
     type(error_type), allocatable, intent(inout) :: error
+    real(dp) :: scale                                  ! s over the file's unit
     integer(i8) :: j
     part = [1_i8, 0_i8]
     associate (par => scene%record, first => part(1), last => part(2))
-      if (is_missing(par%sample_rate)) then
-        if (par%time_scale /= 1.0_dp) then
-          times = par%time_scale*times
-          steps = par%time_scale*steps
+      if (time > 0) then
+        scale = par%time_scale
+        if (is_missing(scale)) scale = factor_of(source%columns(time)%unit, 'time')
+        if (abs(scale - 1.0_dp) > 0 .and. scale > 0.0_dp) then
+          times = scale*times
+          steps = scale*steps
         end if
         call check_times(source, times, error)
         if (allocated(error)) return
@@ -107,10 +129,13 @@ contains
       call used_part(times, par%first_time, par%last_time, first, last)
       if (last - first + 1 < least_samples) then
         call refuse_short(scene, record, times, max(0_i8, last - first + 1), error)
-        return
+      else if (last - first >= huge(1)) then
+        call fail(error, status_bad_file, record%path//': has '//text_of(last - first + 1)//' samples; accepted: up to '// &
+                  text_of(huge(1))//' between start and end')
       end if
+      if (allocated(error)) return
       record%origin = times(first)
-      if (is_missing(par%sample_rate)) then
+      if (time > 0) then
         record%interval = even_interval(times(first:last), steps(first:last))
       else
         record%interval = 1.0_dp/par%sample_rate
@@ -134,7 +159,7 @@ contains
       call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
                 ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
     else if (any(abs(times) > latest)) then
-      row = findloc(abs(times) > latest, .true., dim=1)
+      row = findloc(abs(times) > latest, .true., dim=1, kind=i8)
       call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
                 ' is far from that of any clock; accepted: up to '//text_of(latest)//' s; or time_scale, where they are in '// &
                 'ms or the like')
@@ -170,7 +195,7 @@ contains
   end function cut_by
 
   subroutine read_sensors(scene, source, columns, part, record, error)
-    !! The samples that are used, in SI.
+    !! The samples that are used, in SI, or in the file's unit where that is not known.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(inout) :: source
     integer, intent(in) :: columns(:)
@@ -180,18 +205,16 @@ contains
     integer :: s, status
     real(dp) :: factor
     record%sensors = sensors_of(scene%record, source, columns)
+    call check_memory(record%path, part(2) - part(1) + 1, size(columns), error)
+    if (allocated(error)) return
     allocate (record%values(part(2) - part(1) + 1, size(columns)), stat=status)
-    if (status /= 0) then
-      call fail(error, status_bad_file, record%path//': memory for '//text_of(part(2) - part(1) + 1)//' samples of '// &
-                text_of(size(columns))//' sensors was refused')
-      return
-    end if
-    call source%read_values(columns, part(1), record%values, error)
+    if (status /= 0) call fail(error, status_bad_file, record%path//': memory was refused')
+    if (.not. allocated(error)) call source%read_values(columns, part(1), record%values, error)
     if (allocated(error)) return
     do s = 1, size(columns)
-      factor = scene%record%scales(min(s, size(scene%record%scales)))
+      factor = record%sensors(s)%scale
       if (maxval(abs(record%values(:, s))) <= largest/max(1.0_dp, abs(factor))) then
-        if (factor /= 1.0_dp) record%values(:, s) = factor*record%values(:, s)
+        if (abs(factor - 1.0_dp) > 0) record%values(:, s) = factor*record%values(:, s)
         cycle
       end if
       call fail(error, status_bad_input, record%path//': '//record%sensors(s)%name//' has numbers that are too large; '// &

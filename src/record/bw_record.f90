@@ -3,6 +3,7 @@ module bw_record
   !! columns.
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
+  use bw_sensor_unit, only: si_unit
   use bw_text, only: lower, shortest, string, text_of
   implicit none (type, external)
   private
@@ -21,6 +22,8 @@ module bw_record
   type, public :: sensor_type
     character(:), allocatable :: name            !! of its column, or its number
     character(:), allocatable :: quantity        !! one of those above
+    character(:), allocatable :: unit            !! of its numbers: SI, or the file's where that is not known
+    real(dp) :: scale = 1.0_dp                   !! that unit over the file's
     real(dp) :: position = missing               !! ξ in [0, 1]; `missing` where nobody says it
   end type sensor_type
 
@@ -30,7 +33,7 @@ module bw_record
     real(dp) :: origin = 0.0_dp                  !! the file's time of the first sample used [s]
     real(dp) :: interval = 0.0_dp                !! of even samples [s], > 0; 0 where they are uneven
     real(dp), allocatable :: times(:)            !! since the first sample [s], rising; even ones are (j−1)·interval, (samples)
-    real(dp), allocatable :: values(:, :)        !! in SI, (samples, sensors)
+    real(dp), allocatable :: values(:, :)        !! in the sensors' units, (samples, sensors)
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
     type(string), allocatable :: notes(:)        !! what there is to say of it, one line each
   end type record_type
@@ -44,7 +47,7 @@ module bw_record
     real(dp) :: duration = 0.0_dp                !! from the first sample to the last [s]
     real(dp) :: steps(2) = 0.0_dp                !! the smallest and the largest interval [s]; the same where samples are even
     type(sensor_type), allocatable :: sensors(:) !! (sensors)
-    real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in SI, (2, sensors)
+    real(dp), allocatable :: ranges(:, :)        !! least and largest sample of each, in its unit, (2, sensors)
     type(string), allocatable :: notes(:)        !! as those of the record
   end type record_extent
 
@@ -98,30 +101,37 @@ contains
   end function is_even
 
   pure logical function measure_the_same(sensors, others)
-    !! Two records have as many sensors of the same quantities, whatever they are called.
+    !! Two records have as many sensors of the same quantities in the same units, whatever they are called.
     type(sensor_type), intent(in) :: sensors(:), others(:)
     measure_the_same = quantities_of(sensors) == quantities_of(others) .and. size(sensors) == size(others)
   end function measure_the_same
 
   pure function quantities_of(sensors) result(text)
-    !! What sensors measure, in their order: `2 x displacement, strain`.
+    !! What sensors measure, in their order: `2 x displacement, strain`; with its unit where that is not SI: `displacement in V`.
     type(sensor_type), intent(in) :: sensors(:)
-    character(:), allocatable :: text
+    character(:), allocatable :: text, what
     integer :: first, last
     text = ''
     last = 0
     do while (last < size(sensors))
       first = last + 1
-      last = first
-      do while (last < size(sensors))
-        if (sensors(last + 1)%quantity /= sensors(first)%quantity) exit
-        last = last + 1
+      what = quantity_text(sensors(first))
+      do last = first, size(sensors) - 1
+        if (quantity_text(sensors(last + 1)) /= what) exit
       end do
       if (first > 1) text = text//', '
       if (last > first) text = text//text_of(last - first + 1)//' x '
-      text = text//sensors(first)%quantity
+      text = text//what
     end do
   end function quantities_of
+
+  pure function quantity_text(sensor) result(text)
+    !! What a sensor measures; where its unit is not known, that unit.
+    type(sensor_type), intent(in) :: sensor
+    character(:), allocatable :: text
+    text = sensor%quantity
+    if (sensor%unit /= si_unit(sensor%quantity)) text = text//' in '//sensor%unit
+  end function quantity_text
 
   pure function bare_name(name) result(bare)
     !! A name in lower case, without the unit in brackets behind it: `Time [s]` → `time`.

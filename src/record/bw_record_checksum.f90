@@ -1,7 +1,7 @@
 module bw_record_checksum
   !! A sum of a file's bytes, by which a result knows whether the record that it was made of is still the same.
   use bw_checksum, only: lane_sums, word_sum
-  use bw_descriptors, only: close_file, open_file, read_bytes, to_read
+  use bw_descriptors, only: close_file, open_regular, read_bytes
   use bw_error, only: error_type
   use bw_files, only: cannot_be_read
   use bw_kinds, only: i1, i8
@@ -42,8 +42,9 @@ contains
     allocate (bytes(at_once))
     total = 0
     place = 0
-    problem = open_file(path, to_read, descriptor)
-    do while (problem == 0)
+    call open_regular(path, descriptor, error)
+    if (allocated(error)) return
+    do
       bytes = 0_i1
       problem = read_bytes(descriptor, place, bytes, have)
       if (problem /= 0 .or. have == 0) exit

@@ -2,12 +2,14 @@ module bw_record_columns
   !! Which columns of a file a scene means, and what its sensors measure where.
   use bw_error, only: error_type, fail, status_bad_input
   use bw_input_values, only: position_of
+  use bw_kinds, only: dp
   use bw_missing, only: is_missing
   use bw_record, only: bare_name, column_type, sensor_type
-  use bw_record_par, only: column_choice, record_par
+  use bw_record_par, only: column_choice, most_columns, record_par
   use bw_record_source, only: record_source
   use bw_scene, only: scene_type
-  use bw_text, only: shortened, text_of
+  use bw_sensor_unit, only: factor_of, si_unit
+  use bw_text, only: shortened, shortest, string, text_of
   use bw_time_column, only: named_time
   implicit none (type, external)
   private
@@ -24,12 +26,16 @@ contains
     integer, intent(out) :: time                       !! 0: the sampling rate tells the times
     integer, allocatable, intent(out) :: columns(:)    !! of the sensors
     type(error_type), allocatable, intent(inout) :: error
+    type(string) :: bare(size(source%columns))         ! their names in lower case and without units
     integer :: i
+    do i = 1, size(bare)
+      bare(i)%text = bare_name(source%columns(i)%name)
+    end do
     time = 0
     allocate (columns(0))
     associate (record => scene%record)
       if (allocated(record%time)) then
-        call choose(scene, source, 'time', record%time, time, error)
+        call choose(scene, source, bare, 'time', record%time, time, error)
       else
         time = named_time(source%columns)
       end if
@@ -39,7 +45,7 @@ contains
         deallocate (columns)
         allocate (columns(size(record%columns)))
         do i = 1, size(columns)
-          call choose(scene, source, 'columns', record%columns(i), columns(i), error)
+          call choose(scene, source, bare, 'columns', record%columns(i), columns(i), error)
           if (allocated(error)) return
         end do
       else
@@ -94,6 +100,9 @@ contains
     integer :: i
     if (size(columns) == 0) call refuse(scene, 'columns', source%path//' has no column of numbers beside the time; accepted: '// &
                                         'one sensor at least', error)
+    if (size(columns) > most_columns) call refuse(scene, 'columns', source%path//' has '//text_of(size(columns))// &
+      ' columns of numbers beside the time; accepted: '//text_of(most_columns)//' of them by their names or numbers', error)
+    if (allocated(error)) return
     do i = 1, size(columns)
       if (columns(i) == time) call refuse(scene, 'columns', 'holds the column of the times, '//shown(source, time)// &
                                           '; accepted: those of sensors', error)
@@ -107,7 +116,9 @@ contains
       if (allocated(record%quantities)) then
         if (size(record%quantities) > 1) call check_count(scene, source, 'quantity', size(record%quantities), columns, error)
       end if
-      if (size(record%scales) > 1) call check_count(scene, source, 'scale', size(record%scales), columns, error)
+      if (allocated(record%scales)) then
+        if (size(record%scales) > 1) call check_count(scene, source, 'scale', size(record%scales), columns, error)
+      end if
     end associate
   end subroutine check_choice
 
@@ -131,10 +142,11 @@ contains
                 ' ('//text(3:)//'); accepted: one for each', error)
   end subroutine check_count
 
-  subroutine choose(scene, source, name, choice, column, error)
+  subroutine choose(scene, source, bare, name, choice, column, error)
     !! The number of a column that the scene means.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
+    type(string), intent(in) :: bare(:)                !! names of all columns, as `bare_name` has them
     character(*), intent(in) :: name                   !! in `&record`
     type(column_choice), intent(in) :: choice
     integer, intent(out) :: column
@@ -147,7 +159,7 @@ contains
                                                     listed(source), error)
       return
     end if
-    found = named(source, choice%name)
+    found = named(source, bare, choice%name)
     if (size(found) == 0) then
       call refuse(scene, name, "'"//shortened(choice%name)//"' is no column of "//source%path//'; accepted: '// &
                   listed(source), error)
@@ -159,16 +171,19 @@ contains
     end if
   end subroutine choose
 
-  pure function named(source, name) result(found)
+  pure function named(source, bare, name) result(found)
     !! Columns of a name: as it is written, else in whatever letters and without its unit.
     class(record_source), intent(in) :: source
+    type(string), intent(in) :: bare(:)
     character(*), intent(in) :: name
     integer, allocatable :: found(:)
-    logical :: same(size(source%columns)), alike(size(source%columns))
+    character(:), allocatable :: wanted
+    logical :: same(size(bare)), alike(size(bare))
     integer :: i
-    do i = 1, size(same)
+    wanted = bare_name(name)
+    do i = 1, size(bare)
       same(i) = source%columns(i)%name == name
-      alike(i) = bare_name(source%columns(i)%name) == bare_name(name) .and. name /= ''
+      alike(i) = bare(i)%text == wanted .and. name /= ''
     end do
     found = pack([(i, i=1, size(same))], same)
     if (size(found) == 0) found = pack([(i, i=1, size(same))], alike)
@@ -216,7 +231,7 @@ contains
   end subroutine refuse
 
   pure function sensors_of(record, source, columns) result(sensors)
-    !! What each sensor is called, measures, and where it is: the scene's word before the file's.
+    !! What each sensor is called, measures, in which unit, and where it is: the scene's word before the file's.
     type(record_par), intent(in) :: record
     class(record_source), intent(in) :: source
     integer, intent(in) :: columns(:)
@@ -224,16 +239,42 @@ contains
     integer :: i
     allocate (sensors(size(columns)))
     do i = 1, size(columns)
-      associate (column => source%columns(columns(i)))
-        sensors(i)%name = column%name
-        if (column%name == '') sensors(i)%name = 'column '//text_of(columns(i))
-        sensors(i)%quantity = column%quantity
-        if (allocated(record%quantities)) sensors(i)%quantity = record%quantities(min(i, size(record%quantities)))%text
-        if (sensors(i)%quantity == '') sensors(i)%quantity = 'displacement'
-        sensors(i)%position = column%position
-        if (allocated(record%points)) sensors(i)%position = record%points(i)
+      associate (column => source%columns(columns(i)), sensor => sensors(i))
+        sensor%name = column%name
+        if (column%name == '') sensor%name = 'column '//text_of(columns(i))
+        sensor%quantity = column%quantity
+        if (allocated(record%quantities)) sensor%quantity = record%quantities(min(i, size(record%quantities)))%text
+        if (allocated(record%scales)) then
+          call settle_unit(column%unit, sensor, record%scales(min(i, size(record%scales))))
+        else
+          call settle_unit(column%unit, sensor)
+        end if
+        if (sensor%quantity == '') sensor%quantity = 'displacement'
+        sensor%position = column%position
+        if (allocated(record%points)) sensor%position = record%points(i)
       end associate
     end do
   end function sensors_of
+
+  pure subroutine settle_unit(unit, sensor, scale)
+    !! The unit of a sensor's numbers. SI where the file says no other, where it says one that is known, and where the scene brings
+    !! them there; else that of the file, which nothing tells how to change.
+    character(*), intent(in) :: unit                   !! in the file; empty: it says none
+    type(sensor_type), intent(inout) :: sensor         !! its quantity is empty where nobody says it
+    real(dp), intent(in), optional :: scale            !! absent: the scene says none
+    real(dp) :: factor
+    factor = factor_of(unit, sensor%quantity)
+    if (factor > 0.0_dp) sensor%scale = factor
+    if (present(scale)) sensor%scale = scale
+    if (unit == '') then
+      sensor%unit = si_unit(sensor%quantity)
+      if (sensor%quantity == '') sensor%unit = si_unit('displacement')
+    else if (factor > 0.0_dp .or. (present(scale) .and. sensor%quantity /= '')) then
+      sensor%unit = si_unit(sensor%quantity)
+    else
+      sensor%unit = unit
+      if (abs(sensor%scale - 1.0_dp) > 0) sensor%unit = unit//'/'//shortest(sensor%scale, 6)     ! UDUNITS: V/1000 is 1 mV
+    end if
+  end subroutine settle_unit
 
 end module bw_record_columns

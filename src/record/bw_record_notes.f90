@@ -1,8 +1,8 @@
 module bw_record_notes
   !! What there is to say of a record beside its numbers: units that are not SI, columns that are left out, samples that say
   !! nothing.
-  use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
+  use bw_missing, only: is_missing
   use bw_note, only: remark
   use bw_record, only: clock_text, record_type
   use bw_record_flaws, only: find_flaws, flaws_type
@@ -10,13 +10,14 @@ module bw_record_notes
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, nearest_even
   use bw_scene, only: scene_type
-  use bw_sensor_unit, only: factor_of, is_unit, quantity_of, si_unit
+  use bw_sensor_unit, only: factor_of, quantity_of, si_unit
   use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
   public :: add_notes
 
   integer, parameter :: most_named = 4                 !! sensors in one note
+  integer, parameter :: most_listed = 30               !! columns in one note
 
 contains
 
@@ -28,41 +29,42 @@ contains
     type(record_type), intent(inout) :: record
     integer :: s
     allocate (record%notes(0))
+    do s = 1, size(source%notes)
+      call append(record%notes, source%notes(s)%text)
+    end do
     if (time > 0) call note_time_unit(source%columns(time)%unit, scene%record%time_scale, record%notes)
     call note_uneven(record)
     do s = 1, size(columns)
-      call note_unit(scene, source%columns(columns(s))%unit, s, record)
+      call note_unit(scene, source, columns, s, record)
       call note_flaws(find_flaws(record%values(:, s)), s, record)
       call note_counter(record, s)
     end do
     call note_quantity(scene, source, columns, record)
     call note_quiet(record)
-    call note_left_out(source, time, columns, record%notes)
+    call note_left_out(source, time, record%notes)
   end subroutine add_notes
 
   subroutine note_time_unit(unit, scale, notes)
-    !! Times are taken in the unit that the scene says, or for seconds; the file may say something else.
+    !! Times were brought to seconds from the unit that the file says, or it is not known, or the scene says another.
     character(*), intent(in) :: unit
-    real(dp), intent(in) :: scale                      !! s over the unit, as the scene says
+    real(dp), intent(in) :: scale                      !! s over the unit, as the scene says; or `missing`
     type(string), allocatable, intent(inout) :: notes(:)
     real(dp) :: factor
     if (unit == '') return
-    if (index(unit, 'seconds since') == 1 .or. index(unit, 's since') == 1) return
     factor = factor_of(unit, 'time')
-    if (factor > 0.0_dp .and. abs(scale - factor) <= 1e-6_dp*factor) return
-    if (factor == 0.0_dp .and. scale /= 1.0_dp) return
-    if (scale == 1.0_dp) then
-      call append(notes, "times: the file gives them in '"//unit//"', and they are taken for seconds")
-      if (factor > 0.0_dp) notes(size(notes))%text = notes(size(notes))%text//'; time_scale = '//shortest(factor, 6)// &
-        ' would bring them there'
-    else
+    if (is_missing(scale) .and. factor == 0.0_dp) then
+      call append(notes, "times: the file gives them in '"//unit//"', which is not known, and they are taken for seconds; "// &
+                  'time_scale says how many seconds it is')
+    else if (is_missing(scale)) then
+      if (abs(factor - 1.0_dp) > 0) call remark(notes, "times: the file gives them in '"//unit//"', and they are brought to s")
+    else if (factor > 0.0_dp .and. abs(scale - factor) > 1e-6_dp*factor) then
       call append(notes, "times: the file gives them in '"//unit//"', and time_scale is "//shortest(scale, 6)//', not '// &
                   shortest(factor, 6))
     end if
   end subroutine note_time_unit
 
   subroutine note_quantity(scene, source, columns, record)
-    !! Sensors of which neither the scene nor the file says what they measure.
+    !! Sensors of which neither the scene nor the file says what they measure, nor in which unit.
     type(scene_type), intent(in) :: scene
     class(record_source), intent(in) :: source
     integer, intent(in) :: columns(:)
@@ -73,7 +75,7 @@ contains
     names = ''
     unknown = 0
     do s = 1, size(columns)
-      if (source%columns(columns(s))%quantity /= '') cycle
+      if (source%columns(columns(s))%quantity /= '' .or. record%sensors(s)%unit /= si_unit('displacement')) cycle
       unknown = unknown + 1
       if (unknown <= most_named) names = names//', '//record%sensors(s)%name
     end do
@@ -121,27 +123,43 @@ contains
                 'start = '//time//', or a little later, leaves out what is before the blow')
   end subroutine note_quiet
 
-  subroutine note_unit(scene, unit, s, record)
-    !! A sensor's unit is not that of its quantity, and no scale brings it there; or it is another quantity's.
+  subroutine note_unit(scene, source, columns, s, record)
+    !! A sensor was brought to SI from the file's unit, or that unit is not known, or the scene says another. Sensors with the same
+    !! unit, quantity and scale share a note.
     type(scene_type), intent(in) :: scene
-    character(*), intent(in) :: unit                   !! as the file has it
+    class(record_source), intent(in) :: source
+    integer, intent(in) :: columns(:)
     integer, intent(in) :: s                           !! the sensor
     type(record_type), intent(inout) :: record
-    real(dp) :: factor, scale
-    associate (sensor => record%sensors(s))
-      if (.not. is_unit(unit)) return
-      scale = scene%record%scales(min(s, size(scene%record%scales)))
+    character(:), allocatable :: who, what, si
+    real(dp) :: factor
+    integer :: n, more
+    associate (sensor => record%sensors(s), unit => source%columns(columns(s))%unit, given => allocated(scene%record%scales))
       factor = factor_of(unit, sensor%quantity)
-      if (factor == 0.0_dp .and. quantity_of(unit) /= '') then
-        call append(record%notes, 'units: '//sensor%name//" is taken for "//sensor%quantity//", and the file gives it in '"// &
-                    unit//"', a unit of "//quantity_of(unit))
-      else if (factor > 0.0_dp .and. factor /= 1.0_dp .and. &
-               .not. scene%groups(position_of(scene%groups, 'record'))%given('scale')) then
-        call append(record%notes, 'units: '//sensor%name//" is in '"//unit//"' and is taken as it is; scale = "// &
-                    shortest(factor, 6)//' would bring it to '//si_unit(sensor%quantity))
-      else if (factor > 0.0_dp .and. abs(scale/factor - 1.0_dp) > 0.01_dp) then
-        call append(record%notes, 'units: '//sensor%name//" is in '"//unit//"', and scale is "//shortest(scale, 6)// &
-                    ', not '//shortest(factor, 6))
+      si = si_unit(sensor%quantity)
+      if (unit == '' .or. unit == si) return
+      more = 0
+      do n = 1, size(columns)
+        if (n == s .or. source%columns(columns(n))%unit /= unit .or. record%sensors(n)%quantity /= sensor%quantity .or. &
+            abs(record%sensors(n)%scale - sensor%scale) > 0) cycle
+        if (n < s) return
+        more = more + 1
+      end do
+      who = 'units: '//sensor%name
+      if (more > 0) who = who//' and '//text_of(more)//' more'
+      what = who//trim(merge(' are', ' is ', more > 0))//" in '"//unit//"'"
+      if (factor > 0.0_dp .and. .not. given) then
+        if (si == '1') si = sensor%quantity
+        if (abs(factor - 1.0_dp) > 0) call remark(record%notes, what//', and brought to '//si)
+      else if (factor > 0.0_dp) then
+        if (abs(sensor%scale/factor - 1.0_dp) > 0.01_dp) call append(record%notes, what//', and scale is '// &
+          shortest(sensor%scale, 6)//', not '//shortest(factor, 6))
+      else if (quantity_of(unit) /= '') then
+        call append(record%notes, what//', a unit of '//quantity_of(unit)//', and taken for '//sensor%quantity// &
+                    ' in '//sensor%unit)
+      else if (sensor%unit /= si) then
+        call append(record%notes, what//', which is not known as a unit of motion; the numbers are kept in '//sensor%unit// &
+                    ' and treated as '//sensor%quantity//'; quantity and scale bring them to SI')
       end if
     end associate
   end subroutine note_unit
@@ -189,19 +207,21 @@ contains
     call append(record%notes, text)
   end subroutine note_stuck
 
-  subroutine note_left_out(source, time, columns, notes)
+  subroutine note_left_out(source, time, notes)
     !! Columns that hold no numbers, or of which the file does not say what they measure while it does so of others.
     class(record_source), intent(in) :: source
-    integer, intent(in) :: time, columns(:)
+    integer, intent(in) :: time
     type(string), allocatable, intent(inout) :: notes(:)
     character(:), allocatable :: text
-    integer :: i
+    integer :: i, others
     text = ''
+    others = 0
     do i = 1, size(source%columns)
-      if (i == time .or. any(columns == i) .or. source%columns(i)%is_time) cycle
-      if (source%columns(i)%is_numeric) cycle
-      text = text//', '//text_of(i)
+      if (source%columns(i)%is_numeric .or. source%columns(i)%is_time .or. i == time) cycle
+      others = others + 1
+      if (others <= most_listed) text = text//', '//text_of(i)
     end do
+    if (others > most_listed) text = text//' and '//text_of(others - most_listed)//' more'
     if (text /= '') call remark(notes, 'columns: without numbers, and left out: '//text(3:))
   end subroutine note_left_out
 

@@ -3,6 +3,7 @@ module bw_record_source
   use bw_error, only: error_type
   use bw_kinds, only: dp, i8
   use bw_record, only: column_type
+  use bw_text, only: string
   implicit none (type, external)
   private
 
@@ -10,6 +11,8 @@ module bw_record_source
     character(:), allocatable :: path
     type(column_type), allocatable :: columns(:)
     logical :: is_labelled = .false.             !! what its columns measure is said by the file, not guessed by their units
+    integer(i8) :: rows = 0                      !! how many it has; 0: only reading tells
+    type(string), allocatable :: notes(:)        !! what is odd about what the file says of them
   contains
     procedure(open_interface), deferred :: open
     procedure(times_interface), deferred :: read_times
@@ -47,7 +50,7 @@ module bw_record_source
       class(record_source), intent(inout) :: self
       integer, intent(in) :: columns(:)
       integer(i8), intent(in) :: first                     !! row
-      real(dp), intent(inout) :: values(:, :)              !! (rows, size(columns))
+      real(dp), intent(inout), contiguous :: values(:, :)              !! (rows, size(columns))
       type(error_type), allocatable, intent(inout) :: error
     end subroutine values_interface
 

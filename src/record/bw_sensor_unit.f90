@@ -1,76 +1,238 @@
 module bw_sensor_unit
-  !! Units that laboratories write, what they measure, and what they are in SI.
+  !! Units that laboratories write, what they measure, and what they are in SI. A unit is a product of names, each with its prefix
+  !! and its power, as in UDUNITS: `mm/s^2`, `m s-2`, `in/sec²`, `µm/m`, `mg`. Names that measure no motion are known as
+  !! units, and have no factor.
   use bw_kinds, only: dp
   use bw_text, only: lower
   implicit none (type, external)
   private
   public :: factor_of, is_unit, quantity_of, si_unit
 
+  type :: unit_name
+    character(8) :: word
+    integer :: length, time                  !! powers of m and s
+    real(dp) :: factor                       !! SI over the unit; 0 where it measures no motion
+    character(9) :: prefixes = ''            !! letters of those that may stand before it, or `l`: those of whole words
+  end type unit_name
+
+  real(dp), parameter :: gravity = 9.80665_dp, inch = 0.0254_dp
+  character(*), parameter :: short = 'pnumcdk', long = 'l'
+  type(unit_name), parameter :: names(*) = [ &
+    unit_name('s', 0, 1, 1.0_dp, short), unit_name('sec', 0, 1, 1.0_dp, short), unit_name('secs', 0, 1, 1.0_dp, short), &
+    unit_name('second', 0, 1, 1.0_dp, long), unit_name('seconds', 0, 1, 1.0_dp, long), unit_name('min', 0, 1, 60.0_dp), &
+    unit_name('minute', 0, 1, 60.0_dp), unit_name('minutes', 0, 1, 60.0_dp), unit_name('h', 0, 1, 3600.0_dp), &
+    unit_name('hr', 0, 1, 3600.0_dp), unit_name('hour', 0, 1, 3600.0_dp), unit_name('hours', 0, 1, 3600.0_dp), &
+    unit_name('day', 0, 1, 86400.0_dp), unit_name('days', 0, 1, 86400.0_dp), &
+    unit_name('m', 1, 0, 1.0_dp, short), unit_name('meter', 1, 0, 1.0_dp, long), unit_name('meters', 1, 0, 1.0_dp, long), &
+    unit_name('metre', 1, 0, 1.0_dp, long), unit_name('metres', 1, 0, 1.0_dp, long), unit_name('micron', 1, 0, 1.0e-6_dp), &
+    unit_name('microns', 1, 0, 1.0e-6_dp), unit_name('in', 1, 0, inch), unit_name('inch', 1, 0, inch), &
+    unit_name('inches', 1, 0, inch), unit_name('mil', 1, 0, 1.0e-3_dp*inch), unit_name('mils', 1, 0, 1.0e-3_dp*inch), &
+    unit_name('ft', 1, 0, 12*inch), unit_name('foot', 1, 0, 12*inch), unit_name('feet', 1, 0, 12*inch), &
+    unit_name('ips', 1, -1, inch), unit_name('g', 1, -2, gravity, 'num'), unit_name('gn', 1, -2, gravity), &
+    unit_name('gal', 1, -2, 1.0e-2_dp, 'm'), unit_name('strain', 0, 0, 1.0_dp, 'numl'), &
+    unit_name('V', 0, 0, 0.0_dp, 'num'), unit_name('Volt', 0, 0, 0.0_dp, long), unit_name('Volts', 0, 0, 0.0_dp, long), &
+    unit_name('N', 0, 0, 0.0_dp, 'mkM'), unit_name('lbf', 0, 0, 0.0_dp), unit_name('Pa', 0, 0, 0.0_dp, 'umkMG'), &
+    unit_name('bar', 0, 0, 0.0_dp, 'm'), unit_name('psi', 0, 0, 0.0_dp, 'k'), unit_name('Hz', 0, 0, 0.0_dp, 'kM'), &
+    unit_name('rad', 0, 0, 0.0_dp, 'm'), unit_name('deg', 0, 0, 0.0_dp), unit_name('count', 0, 0, 0.0_dp), &
+    unit_name('counts', 0, 0, 0.0_dp), unit_name('dB', 0, 0, 0.0_dp)]
+
+  type :: prefix_type
+    character(5) :: word
+    real(dp) :: factor
+  end type prefix_type
+
+  type(prefix_type), parameter :: prefixes(*) = [prefix_type('nano', 1.0e-9_dp), prefix_type('micro', 1.0e-6_dp), &
+    prefix_type('milli', 1.0e-3_dp), prefix_type('centi', 1.0e-2_dp), prefix_type('kilo', 1.0e3_dp), &
+    prefix_type('p', 1.0e-12_dp), prefix_type('n', 1.0e-9_dp), prefix_type('u', 1.0e-6_dp), prefix_type('m', 1.0e-3_dp), &
+    prefix_type('c', 1.0e-2_dp), prefix_type('d', 1.0e-1_dp), prefix_type('k', 1.0e3_dp), prefix_type('M', 1.0e6_dp), &
+    prefix_type('G', 1.0e9_dp)]
+
+  type :: spelling
+    character(3) :: letter                   !! as files have it: in UTF-8, or in Latin 1
+    character(6) :: plain
+  end type spelling
+
+  type(spelling), parameter :: spellings(*) = [spelling('µ', 'u'), spelling('μ', 'u'), spelling('²', '2'), spelling('³', '3'), &
+    spelling('¹', '1'), spelling('⁻', '-'), spelling('−', '-'), spelling('·', '*'), spelling('⋅', '*'), &
+    spelling('ε', 'strain'), spelling('**', '^'), &
+    spelling(char(181), 'u'), spelling(char(178), '2'), spelling(char(179), '3'), spelling(char(183), '*')]
+
   type :: unit_type
-    character(12) :: word                    !! as it is written
-    character(12) :: quantity                !! what it measures; '' for what is none of a record
-    real(dp) :: factor                       !! SI over this unit; 0 where it says nothing of a quantity
+    !! What a text is as a unit.
+    logical :: known = .false.
+    logical :: named = .false.               !! it is more than `1`
+    integer :: length = 0, time = 0          !! powers of m and s
+    real(dp) :: factor = 1.0_dp              !! SI over the unit; 0 where a name in it measures no motion
   end type unit_type
-
-  real(dp), parameter :: gravity = 9.80665_dp      !! standard acceleration
-
-  type(unit_type), parameter :: units(*) = [ &
-    unit_type('s', 'time', 1.0_dp), unit_type('sec', 'time', 1.0_dp), unit_type('second', 'time', 1.0_dp), &
-    unit_type('seconds', 'time', 1.0_dp), unit_type('ms', 'time', 1e-3_dp), unit_type('msec', 'time', 1e-3_dp), &
-    unit_type('us', 'time', 1e-6_dp), unit_type('µs', 'time', 1e-6_dp), unit_type('min', 'time', 60.0_dp), &
-    unit_type('m', 'displacement', 1.0_dp), unit_type('cm', 'displacement', 1e-2_dp), &
-    unit_type('mm', 'displacement', 1e-3_dp), unit_type('um', 'displacement', 1e-6_dp), &
-    unit_type('µm', 'displacement', 1e-6_dp), unit_type('in', 'displacement', 0.0254_dp), &
-    unit_type('m/s', 'velocity', 1.0_dp), unit_type('m s-1', 'velocity', 1.0_dp), unit_type('mm/s', 'velocity', 1e-3_dp), &
-    unit_type('m/s2', 'acceleration', 1.0_dp), unit_type('m/s^2', 'acceleration', 1.0_dp), &
-    unit_type('m/s**2', 'acceleration', 1.0_dp), unit_type('m/s²', 'acceleration', 1.0_dp), &
-    unit_type('m/s'//char(178), 'acceleration', 1.0_dp), &  ! the same in Latin 1
-    unit_type('m s-2', 'acceleration', 1.0_dp), unit_type('mm/s2', 'acceleration', 1e-3_dp), &
-    unit_type('mm/s^2', 'acceleration', 1e-3_dp), unit_type('g', 'acceleration', gravity), &
-    unit_type('m/m', 'strain', 1.0_dp), unit_type('strain', 'strain', 1.0_dp), unit_type('um/m', 'strain', 1e-6_dp), &
-    unit_type('µm/m', 'strain', 1e-6_dp), unit_type('ustrain', 'strain', 1e-6_dp), &
-    unit_type('microstrain', 'strain', 1e-6_dp), unit_type('V', '', 0.0_dp), unit_type('mV', '', 0.0_dp), &
-    unit_type('Volt', '', 0.0_dp), unit_type('N', '', 0.0_dp), unit_type('Hz', '', 0.0_dp), unit_type('counts', '', 0.0_dp), &
-    unit_type('1', '', 0.0_dp)]
 
 contains
 
-  pure integer function place_of(unit) result(place)
-    !! Place of a unit above; 0 where it is not known. Capitals matter only where another unit is written so.
-    character(*), intent(in) :: unit
-    do place = size(units), 1, -1
-      if (units(place)%word == unit) return
+  pure type(unit_type) function unit_of(text) result(unit)
+    !! Take a unit apart: names between `/`, `*`, `.` and blanks, each with its power behind it, or `1`.
+    character(*), intent(in) :: text
+    character(:), allocatable :: rest
+    integer :: sign, last
+    rest = plain(text)
+    sign = 1
+    unit%known = rest /= ''
+    do while (unit%known .and. rest /= '')
+      last = scan(rest//' ', '/*. ') - 1
+      call multiply(unit, rest(:last), sign)
+      sign = 1
+      rest = adjustl(rest(last + 1:))
+      if (rest == '') exit
+      if (rest(1:1) == '/') sign = -1
+      if (scan(rest(1:1), '/*.') > 0) rest = adjustl(rest(2:))
+      unit%known = unit%known .and. rest /= ''
     end do
-    do place = size(units), 1, -1
-      if (lower(units(place)%word) == lower(unit) .and. unit /= '' .and. len_trim(unit) <= len(units%word)) return
+  end function unit_of
+
+  pure subroutine multiply(unit, word, sign)
+    !! One more factor: 1, or a name with its power.
+    type(unit_type), intent(inout) :: unit
+    character(*), intent(in) :: word
+    integer, intent(in) :: sign              !! −1 behind a stroke
+    type(unit_name) :: name
+    integer :: letters, digits, power, stat
+    unit%known = word /= ''
+    if (.not. unit%known) return
+    if (word == '1') return
+    letters = scan(word//'0', '0123456789^+-') - 1
+    power = 1
+    stat = 0
+    if (letters < len(word)) then
+      digits = letters + 1
+      if (word(digits:digits) == '^') digits = digits + 1
+      read (word(digits:), '(i4)', iostat=stat) power
+      if (digits > len(word)) stat = 1
+    end if
+    call find_name(word(:letters), name, unit%known)
+    unit%known = unit%known .and. stat == 0 .and. abs(power) < 10
+    if (.not. unit%known) return
+    unit%named = .true.
+    unit%length = unit%length + sign*power*name%length
+    unit%time = unit%time + sign*power*name%time
+    if (name%factor > 0) unit%factor = unit%factor*name%factor**(sign*power)
+    if (.not. name%factor > 0) unit%factor = 0.0_dp
+  end subroutine multiply
+
+  pure subroutine find_name(word, name, known)
+    !! A name with or without a prefix. Capitals matter only where another unit is written so, and to names that measure no motion.
+    character(*), intent(in) :: word
+    type(unit_name), intent(out) :: name     !! its factor is that of the prefix, too
+    logical, intent(out) :: known
+    integer :: i, p
+    logical :: exact
+    do i = 1, 2
+      exact = i == 1
+      do p = 0, size(prefixes)
+        call find_behind(word, p, exact, name, known)
+        if (known) return
+      end do
     end do
-  end function place_of
+  end subroutine find_name
+
+  pure subroutine find_behind(word, p, exact, name, known)
+    !! A name behind one prefix.
+    character(*), intent(in) :: word
+    integer, intent(in) :: p                 !! 0: none
+    logical, intent(in) :: exact             !! in the letters of the table
+    type(unit_name), intent(out) :: name
+    logical, intent(out) :: known
+    integer :: i, letters, n
+    known = .false.
+    letters = 0
+    if (p > 0) letters = len_trim(prefixes(p)%word)
+    if (len(word) <= letters .or. len(word) - letters > len(name%word)) return
+    if (p > 0) then
+      if (.not. alike(word(:letters), prefixes(p)%word(:letters), exact)) return
+    end if
+    do i = 1, size(names)
+      if (p > 0) then
+        if (index(names(i)%prefixes, merge('l', prefixes(max(1, p))%word(1:1), letters > 1)) == 0) cycle
+      end if
+      n = len_trim(names(i)%word)
+      known = alike(word(letters + 1:), names(i)%word(:n), exact .or. .not. names(i)%factor > 0)
+      if (.not. known) cycle
+      name = names(i)
+      if (p > 0) name%factor = prefixes(p)%factor*name%factor
+      return
+    end do
+  end subroutine find_behind
+
+  pure logical function alike(word, other, exact)
+    !! Two words are the same, in the same letters or in any.
+    character(*), intent(in) :: word, other
+    logical, intent(in) :: exact
+    alike = len(word) == len(other)
+    if (alike .and. exact) alike = word == other
+    if (alike .and. .not. exact) alike = lower(word) == lower(other)
+  end function alike
+
+  pure function plain(text) result(unit)
+    !! A unit in ASCII, without brackets around a single name.
+    character(*), intent(in) :: text
+    character(:), allocatable :: unit, letter
+    integer :: i, at, last
+    unit = trim(adjustl(text))
+    if (len(unit) > 60) unit = ''            ! no unit is as long
+    do i = 1, size(spellings)
+      letter = trim(spellings(i)%letter)
+      at = index(unit, letter)
+      do while (at > 0)
+        unit = unit(:at - 1)//trim(spellings(i)%plain)//unit(at + len(letter):)
+        at = index(unit, letter)
+      end do
+    end do
+    at = index(unit, '(')
+    last = index(unit, ')')
+    if (at == 0 .or. last < at) return
+    if (scan(unit(at:last), '/* ') == 0) unit = unit(:at - 1)//unit(at + 1:last - 1)//unit(last + 1:)
+  end function plain
 
   pure logical function is_unit(text)
     !! The text is a unit.
     character(*), intent(in) :: text
-    is_unit = place_of(text) > 0 .and. text /= ''
+    type(unit_type) :: unit
+    unit = unit_of(text)
+    is_unit = unit%known
   end function is_unit
 
   pure function quantity_of(unit) result(quantity)
     !! What a unit measures, as `&record` names it; '' where it is not known, or no quantity of a sensor.
     character(*), intent(in) :: unit
     character(:), allocatable :: quantity
-    integer :: place
-    quantity = ''
-    place = place_of(unit)
-    if (place == 0) return
-    if (units(place)%quantity /= 'time') quantity = trim(units(place)%quantity)
+    quantity = measured_by(unit_of(unit))
+    if (quantity == 'time') quantity = ''
   end function quantity_of
 
+  pure function measured_by(unit) result(quantity)
+    !! The quantity of a sensor, or `time`; '' where there is none.
+    type(unit_type), intent(in) :: unit
+    character(:), allocatable :: quantity
+    quantity = ''
+    if (.not. unit%known .or. .not. unit%factor > 0) return
+    select case (10*unit%length + unit%time)
+    case (10); quantity = 'displacement'
+    case (9); quantity = 'velocity'
+    case (8); quantity = 'acceleration'
+    case (1); quantity = 'time'
+    case (0); if (unit%named) quantity = 'strain'
+    end select
+  end function measured_by
+
   pure real(dp) function factor_of(unit, quantity) result(factor)
-    !! SI over a unit of a quantity, or of `time`; 0 where the unit is not known, or of something else.
+    !! SI over a unit of a quantity, or of `time`, where it may stand before `since …`; 0 where the unit is not known, or of
+    !! something else.
     character(*), intent(in) :: unit, quantity
-    integer :: place
+    type(unit_type) :: found
+    integer :: last
+    last = len(unit)
+    if (quantity == 'time' .and. index(unit, ' since') > 0) last = index(unit, ' since')
+    found = unit_of(unit(:last))
     factor = 0.0_dp
-    place = place_of(unit)
-    if (place == 0) return
-    if (units(place)%quantity == quantity) factor = units(place)%factor
+    if (quantity /= '' .and. measured_by(found) == quantity) factor = found%factor
+    if (quantity == 'strain' .and. found%known .and. .not. found%named) factor = found%factor
   end function factor_of
 
   pure function si_unit(quantity) result(unit)

@@ -8,7 +8,7 @@ module bw_record_report
   use bw_record, only: unit_in, without_unit
   use bw_record_lines, only: reason_texts, status_words
   use bw_record_summary, only: record_summary
-  use bw_sensor_unit, only: is_unit, si_unit
+  use bw_sensor_unit, only: is_unit
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
@@ -111,7 +111,7 @@ contains
     integer, intent(in) :: s
     character(:), allocatable :: text
     associate (sensor => record%extent%sensors(s))
-      text = si_unit(sensor%quantity)
+      text = sensor%unit
       if (text == '1') text = sensor%quantity
       if (size(record%extent%sensors) > 1) text = text//' at '//short_name(sensor%name)
     end associate
@@ -218,7 +218,7 @@ contains
     do s = 1, min(shown_sensors, size(record%extent%sensors))
       associate (sensor => record%extent%sensors(s))
         text = text//', '//short_name(sensor%name)//' '//shortest(record%lines%noise_deviation(s), 3)//' '// &
-          si_unit(sensor%quantity)
+          sensor%unit
       end associate
     end do
     if (size(record%extent%sensors) > shown_sensors) text = text//', ...'

@@ -28,7 +28,7 @@ contains
     do s = 1, min(size(record%sensors), most_sensors)
       call lines%append_line('  sensor     '//sensor_text(record%sensors(s))//': '// &
                              shortest(record%ranges(1, s), digits)//' to '// &
-                             shortest(record%ranges(2, s), digits)//' '//si_unit(record%sensors(s)%quantity))
+                             shortest(record%ranges(2, s), digits)//' '//record%sensors(s)%unit)
     end do
     if (size(record%sensors) > most_sensors) call lines%append_line('  sensor     ... and '// &
       text_of(size(record%sensors) - most_sensors)//' more')
@@ -67,7 +67,11 @@ contains
     type(sensor_type), intent(in) :: sensor
     character(:), allocatable :: text
     text = sensor%name
-    if (sensor%name /= sensor%quantity) text = text//', '//sensor%quantity
+    if (sensor%unit /= si_unit(sensor%quantity)) then
+      text = text//', taken for '//sensor%quantity
+    else if (sensor%name /= sensor%quantity) then
+      text = text//', '//sensor%quantity
+    end if
     if (.not. is_missing(sensor%position)) text = text//' at xi = '//shortest(sensor%position, digits)
   end function sensor_text
 

@@ -220,7 +220,7 @@ contains
     !! Memory of a record while its lines are searched for: itself, once more where it stays for the next case, transforms of one
     !! sensor, bands of all; measured.
     integer, intent(in) :: samples, sensors
-    integer, parameter :: of_sample = 180, of_sensor = 700000, of_libraries = 10000000
+    integer, parameter :: of_sample = 240, of_sensor = 700000, of_libraries = 10000000
     integer(i8) :: numbers
     numbers = int(samples, i8)*sensors
     bytes = of_libraries + 8*numbers + int(of_sample, i8)*samples + int(of_sensor, i8)*sensors

@@ -8,14 +8,15 @@ module bw_existing_result
   use bw_file_lock, only: is_locked_to_write
   use bw_files, only: cannot_be_read, look_at, path_state
   use bw_kinds, only: i1, i8
-  use bw_netcdf_path, only: has_backslash, plain_path
+  use bw_netcdf_path, only: has_backslash
+  use bw_netcdf_reading, only: of_the_file, open_netcdf, read_text
   use bw_result_header, only: source_text
   use bw_scene, only: scene_type
   use bw_scene_resolved, only: resolved_text
   use bw_system_calls, only: is_directory, is_file
   use bw_text, only: append, string, text_of
-  use netcdf, only: nf90_enomem, nf90_enotatt, nf90_enotvar, nf90_get_att, nf90_get_var, nf90_global, nf90_inq_varid, &
-    nf90_inquire_attribute, nf90_inquire_dimension, nf90_inquire_variable, nf90_noerr, nf90_nowrite, nf90_open, nf90_strerror
+  use netcdf, only: nf90_enomem, nf90_enotvar, nf90_get_var, nf90_inq_varid, nf90_inquire_dimension, nf90_inquire_variable, &
+    nf90_noerr, nf90_strerror
   implicit none (type, external)
   private
   public :: look_at_existing
@@ -30,6 +31,7 @@ module bw_existing_result
 
   character(*), parameter :: same = 'same', other = 'other', damaged = 'damaged'     !! what it is found to be
   integer, parameter :: at_once = 65536            !! numbers, or bytes, that are read at a time
+  integer, parameter :: most_seconds = 5           !! of processor time to look at a result
 
 contains
 
@@ -82,13 +84,13 @@ contains
     if (is_locked_to_write(descriptor)) then
       call fail(error, status_bad_file, path//': is locked: another program is changing it')
     else
-      call child%begin()
+      call child%begin(most_seconds)
       if (child%is_here()) then
         call compare(path, scene, texts, error, study, record)
         call child%tell(texts, error)
       end if
       call child%hear(texts, whole, error)
-      if (allocated(error)) error%message = path//': cannot be read: '//error%message
+      if (allocated(error)) error%message = path//': '//error%message
     end if
     if (.not. allocated(error)) then
       found = texts(1)%text
@@ -133,7 +135,7 @@ contains
     if (present(study)) wanted = study
     found = same
     cases = 0
-    status = nf90_open(plain_path(path), nf90_nowrite, file)
+    call open_netcdf(path, file, status)
     call compare_text(file, 'scene', resolved_text(scene), found, status)
     call compare_text(file, 'source', source_text(), found, status)
     call compare_text(file, 'study', wanted, found, status)
@@ -141,9 +143,9 @@ contains
     if (present(record)) wanted = record
     call compare_text(file, 'record_checksum', wanted, found, status)
     if (found == same) call count_not_trusted(file, cases, status)
-    call read_text(file, 'report', report, status)
-    call read_text(file, 'notes', notes, status)
-    if (status == nf90_enomem) call fail(error, status_bad_file, trim(nf90_strerror(status)))
+    call read_text(file, of_the_file, 'report', report, status)
+    call read_text(file, of_the_file, 'notes', notes, status)
+    if (status == nf90_enomem) call fail(error, status_bad_file, 'cannot be read: '//trim(nf90_strerror(status)))
     if (status /= nf90_noerr) found = damaged
     call append(texts, found)
     call append(texts, text_of(cases))
@@ -158,28 +160,9 @@ contains
     character(:), allocatable, intent(inout) :: found
     integer, intent(inout) :: status               !! of NetCDF; nothing is done after a failure
     character(:), allocatable :: text
-    call read_text(file, name, text, status)
+    call read_text(file, of_the_file, name, text, status)
     if (status == nf90_noerr .and. text /= wanted) found = other
   end subroutine compare_text
-
-  subroutine read_text(file, name, text, status)
-    !! A global attribute; one that is not there is empty.
-    integer, intent(in) :: file
-    character(*), intent(in) :: name
-    character(:), allocatable, intent(out) :: text
-    integer, intent(inout) :: status               !! of NetCDF; nothing is done after a failure
-    integer :: length
-    text = ''
-    if (status /= nf90_noerr) return
-    length = 0
-    status = nf90_inquire_attribute(file, nf90_global, name, len=length)
-    if (status == nf90_enotatt) length = 0
-    if (status == nf90_enotatt) status = nf90_noerr
-    if (status /= nf90_noerr .or. length == 0) return
-    deallocate (text)
-    allocate (character(length) :: text)
-    status = nf90_get_att(file, nf90_global, name, text)
-  end subroutine read_text
 
   subroutine count_not_trusted(file, cases, status)
     !! How many cases have a `case_status` other than done; studies have none.

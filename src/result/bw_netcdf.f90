@@ -17,7 +17,7 @@ module bw_netcdf
     !! What a file says of a variable, and how it is stored.
     character(64) :: name = ''
     character(24) :: dimensions = ''     !! names in the file's order, by spaces; a scalar has none
-    character(16) :: units = '1'         !! UDUNITS
+    character(40) :: units = '1'         !! UDUNITS, but for sensors whose unit is not known
     character(120) :: long_name = ''
     character(40) :: references = ''     !! the paper's equation; empty where it is not one of the paper's
     logical :: is_integer = .false.

@@ -172,13 +172,15 @@ contains
     class(netcdf_file), intent(inout) :: file
     type(result_layout), intent(in) :: layout
     type(error_type), allocatable, intent(inout) :: error
-    character(dimension_length(layout, 'letter')) :: names(layout%points)
+    character(dimension_length(layout, 'letter')), dimension(layout%points) :: names, units
     type(variable_text) :: text
     integer :: s
     do s = 1, layout%points
       names(s) = layout%record%sensors(s)%name
+      units(s) = layout%record%sensors(s)%unit
     end do
     call file%define_names(variable_text('sensor_name', 'point letter', long_name='name of the sensor'), names, error)
+    call file%define_names(variable_text('sensor_unit', 'point letter', long_name='unit of the sensor'), units, error)
     text = variable_text('sensor_quantity', 'point', '1', 'what the sensor measures', is_integer=.true., &
                          flags=joined(quantities), first_flag=1)
     call file%define_known(text, error, [(real(findloc(quantities == layout%record%sensors(s)%quantity, .true., dim=1), dp), &

@@ -2,14 +2,15 @@ module bw_descriptors
   !! Open files by the system's descriptors: what a call has written lies with the system and survives the process. A
   !! `problem` is that of `bw_files`.
   use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_char
-  use bw_files, only: path_state
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_files, only: cannot_be_read, path_state
   use bw_kinds, only: i1, i8
-  use bw_system_calls, only: bw_close, bw_flush, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, is_file, &
-    new_file, to_lock, to_read, to_read_itself
+  use bw_system_calls, only: bw_close, bw_flush, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, &
+    is_directory, is_file, new_file, to_lock, to_read, to_read_itself
   implicit none (type, external)
   private
-  public :: open_file, close_file, read_words, read_bytes, write_words, write_text, flush_file, flush_path, look_at_open
-  public :: is_terminal
+  public :: open_file, open_regular, close_file, read_words, read_bytes, write_words, write_text, flush_file, flush_path
+  public :: look_at_open, is_terminal
   public :: is_file, new_file, to_lock, to_read, to_read_itself
 
   integer, parameter, public :: standard_output = 1, standard_error = 2
@@ -27,6 +28,26 @@ contains
     problem = bw_open(path//c_null_char, int(way, c_int), opened)
     descriptor = int(opened)
   end function open_file
+
+  subroutine open_regular(path, descriptor, error)
+    !! Open a file to read that may be read again and from any place.
+    !! **Errors**: `status_bad_file` where it cannot be opened, or is a directory, a pipe or a device, which may have no end.
+    character(*), intent(in) :: path
+    integer, intent(out) :: descriptor     !! −1 where there is an error
+    type(error_type), allocatable, intent(inout) :: error
+    type(path_state) :: state
+    integer :: problem, ignored
+    problem = open_file(path, to_read, descriptor)
+    if (problem == 0) problem = look_at_open(descriptor, state)
+    if (problem /= 0) then
+      call cannot_be_read(error, path, problem)
+    else if (state%kind == is_directory) then
+      call fail(error, status_bad_file, path//': is a directory; accepted: a file')
+    else if (state%kind /= is_file) then
+      call fail(error, status_bad_file, path//': is a pipe or a device; accepted: a file')
+    end if
+    if (allocated(error)) ignored = close_file(descriptor)
+  end subroutine open_regular
 
   integer function close_file(descriptor) result(problem)
     !! Close a file. Some file systems tell only now that what was written could not be kept.

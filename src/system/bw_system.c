@@ -412,6 +412,43 @@ int64_t bw_fork(int *channel)
   return 0;
 }
 
+/* Let a child that reads what others wrote live for so many more seconds of processor time, as far as the user lets it. */
+void bw_confine(int seconds)
+{
+  struct rusage used = {0};
+  struct rlimit limit;
+  if (!is_child || seconds <= 0 || getrlimit(RLIMIT_CPU, &limit) < 0) return;
+  getrusage(RUSAGE_SELF, &used);
+  rlim_t wanted = (rlim_t)(used.ru_utime.tv_sec + used.ru_stime.tv_sec + 1 + seconds);
+  limit.rlim_cur = wanted < limit.rlim_max ? wanted : limit.rlim_max;
+  setrlimit(RLIMIT_CPU, &limit);
+}
+
+/* Let it have so many more bytes of memory, where the system tells how many it has. What its libraries print as errors is dropped. */
+void bw_confine_memory(int64_t bytes)
+{
+  struct rlimit limit;
+  unsigned long long pages = 0;
+  FILE *told = fopen("/proc/self/statm", "re");
+  int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
+  if (told && fscanf(told, "%llu", &pages) == 1 && getrlimit(RLIMIT_AS, &limit) == 0) {
+    rlim_t wanted = (rlim_t)pages * (rlim_t)sysconf(_SC_PAGESIZE) + (rlim_t)bytes;
+    limit.rlim_cur = wanted < limit.rlim_max ? wanted : limit.rlim_max;
+    setrlimit(RLIMIT_AS, &limit);
+  }
+  if (told) fclose(told);
+}
+
+/* As many bytes of what the child tells; fewer where it ends before. */
+int64_t bw_receive(int channel, void *bytes, int64_t count)
+{
+  int64_t have = 0;
+  for (ssize_t more = 1; have < count && more > 0; have += more > 0 ? more : 0)
+    AGAIN_WHERE_INTERRUPTED(more = read(channel, (char *)bytes + have, (size_t)(count - have)));
+  return have;
+}
+
 /* More of what the child tells, after a wait of up to so many milliseconds: bytes, 0 at its end, −1 where there is nothing yet. */
 int64_t bw_listen(int channel, void *bytes, int64_t most, int milliseconds)
 {

@@ -178,6 +178,23 @@ module bw_system_calls
       implicit none (type, external)
       integer(c_int), intent(out) :: channel
     end function bw_fork
+    subroutine bw_confine(seconds) bind(c)
+      import :: c_int
+      implicit none (type, external)
+      integer(c_int), value :: seconds
+    end subroutine bw_confine
+    subroutine bw_confine_memory(bytes) bind(c)
+      import :: c_int64_t
+      implicit none (type, external)
+      integer(c_int64_t), value :: bytes
+    end subroutine bw_confine_memory
+    integer(c_int64_t) function bw_receive(channel, bytes, count) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      integer(c_int), value :: channel
+      type(c_ptr), value :: bytes
+      integer(c_int64_t), value :: count
+    end function bw_receive
     integer(c_int64_t) function bw_listen(channel, bytes, most, milliseconds) bind(c)
       import :: c_int, c_int64_t, c_ptr
       implicit none (type, external)

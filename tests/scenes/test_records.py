@@ -64,13 +64,16 @@ def test_a_bad_record_is_refused_with_its_place(here, case):
     assert here.left(".") == ["data", "data/ring.csv", "data/ring.nml"]
 
 
-def test_samples_that_say_nothing_and_units_are_warned_of(here):
+def test_samples_that_say_nothing_and_unknown_units_are_warned_of(here):
     clipped = [(time, max(-0.4, min(0.4, one)), 0.1 if 50 < j < 90 else two) for j, (time, one, two) in enumerate(ROWS)]
     ended = check(here, table(clipped, head="time,acc [g],strain [um/m]"))
     assert ended.returncode == 0
-    for kind in ["clipped: acc [g] is cut off above 0.4", "clipped: acc [g] is cut off below -0.4",
-                 "constant: strain [um/m] stays at 0.1 from 0.051 to 0.089 s", "units: acc [g] is in 'g'"]:
+    for kind in ["clipped: acc [g] is cut off above 3.92266", "clipped: acc [g] is cut off below -3.92266",
+                 "constant: strain [um/m] stays at 1e-7 from 0.051 to 0.089 s"]:
         assert f"data/ring.nml: warning: {kind}" in ended.stderr
+    assert "note: units: acc [g] is in 'g', and brought to m s-2" in ended.stdout
+    unknown = check(here, table(head="time,acc [V],strain [um/m]"))
+    assert "warning: units: acc [V] is in 'V', which is not known as a unit of motion; the numbers are kept in V" in unknown.stderr
 
 
 def test_a_clock_that_counts_from_long_ago_is_told_by_its_start_and_the_duration(here):

@@ -1,17 +1,16 @@
 module bw_line_reader
   !! The lines of a text file one by one, however large it is: a piece of it is in memory at a time.
-  use bw_descriptors, only: close_file, look_at_open, open_file, read_bytes, to_read
-  use bw_error, only: error_type, fail, status_bad_file, status_bad_input
-  use bw_files, only: cannot_be_read, path_state
+  use bw_descriptors, only: close_file, open_regular, read_bytes
+  use bw_error, only: error_type, fail, status_bad_input
+  use bw_files, only: cannot_be_read
   use bw_kinds, only: i1, i8
-  use bw_system_calls, only: is_file
   use bw_text, only: text_of
   implicit none (type, external)
   private
   public :: text_between
 
   integer, parameter :: piece = 2**20                      !! bytes read at a time
-  integer, parameter :: longest_line = 2**24               !! bytes
+  integer, parameter, public :: longest_line = 2**21       !! bytes
   integer(i1), parameter :: line_feed = 10_i1, carriage_return = 13_i1
   integer(i1), parameter :: blank = 32_i1, no_break = int(-96, i1), before_no_break = int(-62, i1)
     !! a no-break space is the second of these by itself in Latin 1, and behind the third in UTF-8
@@ -24,8 +23,8 @@ module bw_line_reader
     integer(i8) :: line = 0                                !! its number in the file, from 1
     integer, private :: descriptor = -1
     integer(i8), private :: offset = 0                     !! bytes read of the file
+    integer :: have = 0                                    !! bytes in memory
     integer, private :: next = 1                           !! where the next line begins in `bytes`
-    integer, private :: have = 0                           !! bytes in memory
     logical, private :: ended = .false.                    !! nothing more is in the file
   contains
     procedure :: open => open_reader
@@ -41,8 +40,6 @@ contains
     class(line_reader), intent(inout) :: self
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
-    type(path_state) :: state
-    integer :: problem
     call self%close()
     self%path = path
     self%line = 0
@@ -50,13 +47,7 @@ contains
     self%next = 1
     self%have = 0
     self%ended = .false.
-    problem = open_file(path, to_read, self%descriptor)
-    if (problem == 0) problem = look_at_open(self%descriptor, state)
-    if (problem /= 0) then
-      call cannot_be_read(error, path, problem)
-    else if (state%kind /= is_file) then
-      call fail(error, status_bad_file, path//': is no file; a record is read more than once, and no pipe can be')
-    end if
+    call open_regular(path, self%descriptor, error)
     if (allocated(error)) return
     if (.not. allocated(self%bytes)) allocate (self%bytes(2*piece))
     call self%refill(error)

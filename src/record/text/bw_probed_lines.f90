@@ -38,18 +38,20 @@ contains
   pure integer function usual_count(probed) result(columns)
     !! How many fields most lines with numbers have; of several such counts the one that comes last.
     type(probed_line), intent(in) :: probed(:)
-    integer :: n, m, lines, most
+    integer :: fields(size(probed))                            ! of lines with numbers; of others 0
+    integer :: n, lines, most
+    fields = 0
+    do n = 1, size(probed)
+      if (any(probed(n)%numeric)) fields(n) = size(probed(n)%fields)
+    end do
     columns = 0
     most = 0
     do n = size(probed), 1, -1
-      if (.not. any(probed(n)%numeric) .or. size(probed(n)%fields) == columns) cycle
-      lines = 0
-      do m = 1, size(probed)
-        if (any(probed(m)%numeric) .and. size(probed(m)%fields) == size(probed(n)%fields)) lines = lines + 1
-      end do
+      if (fields(n) == 0 .or. fields(n) == columns) cycle
+      lines = count(fields == fields(n))
       if (lines <= most) cycle
       most = lines
-      columns = size(probed(n)%fields)
+      columns = fields(n)
     end do
   end function usual_count
 

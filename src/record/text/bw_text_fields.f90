@@ -3,7 +3,7 @@ module bw_text_fields
   !! the rows themselves are read by bw_text_rows, which is fast.
   use bw_kinds, only: dp, i1
   use bw_number_scan, only: scan_number
-  use bw_text, only: append, lower, string
+  use bw_text, only: lower, string
   implicit none (type, external)
   private
   public :: fields_of, is_missing_word, number_marks
@@ -19,17 +19,20 @@ contains
     character(*), intent(in) :: line
     character, intent(in) :: separator                         !! `,`, `;`, `tab` or `blanks`
     type(string), allocatable :: fields(:)
-    integer :: at, last
-    allocate (fields(0))
-    at = 1
-    do
-      at = at + leading_blanks(line(at:), separator)
-      if (at > len(line) .and. separator == blanks) return
-      last = last_of_field(line, at, separator)
-      call append(fields, without_quotes(line(at:last)))
-      at = last + 2
-      if (at > len(line) + 1) return                           ! no separator stands behind the last field
-      if (at > len(line) .and. separator == blanks) return
+    integer :: pass, at, last, n
+    do pass = 1, 2                                             ! they are counted, and then listed
+      n = 0
+      at = 1
+      do
+        at = at + leading_blanks(line(at:), separator)
+        if (at > len(line) .and. separator == blanks) exit
+        last = last_of_field(line, at, separator)
+        n = n + 1
+        if (pass == 2) fields(n)%text = without_quotes(line(at:last))
+        at = last + 2
+        if (at > len(line) + 1) exit                           ! no separator stands behind the last field
+      end do
+      if (pass == 1) allocate (fields(n))
     end do
   end function fields_of
 

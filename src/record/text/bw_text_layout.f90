@@ -33,16 +33,14 @@ contains
     type(string), intent(in) :: lines(:)                       !! the first lines of the file
     type(text_layout), intent(out) :: layout
     type(error_type), allocatable, intent(inout) :: error
-    type(probed_line) :: probed(size(lines)), best(size(lines))
+    type(probed_line) :: probed(size(lines))
     integer :: i, n, numbers, most, columns
     character(:), allocatable :: where_text
     real :: share, largest_share
     most = 0
     largest_share = 0.0
     do i = 1, size(separators)
-      do n = 1, size(lines)
-        call probe(lines(n)%text, separators(i), probed(n))
-      end do
+      call probe_all(lines, separators(i), probed)
       columns = usual_count(probed)
       numbers = numbers_in(probed, number_columns(probed, columns))
       share = real(numbers)/max(1, columns*count([(size(probed(n)%fields) == columns .and. any(probed(n)%numeric), &
@@ -51,7 +49,6 @@ contains
       most = numbers
       largest_share = share
       layout%separator = separators(i)
-      best = probed
     end do
     if (most == 0) then
       where_text = ''
@@ -61,8 +58,20 @@ contains
                 '(beamwave-record makes it of UFF 58, .mat, .npy and .wav files)')
       return
     end if
-    call settle(path, lines, best, layout, error)
+    call probe_all(lines, layout%separator, probed)
+    call settle(path, lines, probed, layout, error)
   end subroutine find_layout
+
+  subroutine probe_all(lines, separator, probed)
+    !! Lines as a separator cuts them.
+    type(string), intent(in) :: lines(:)
+    character, intent(in) :: separator
+    type(probed_line), intent(inout) :: probed(:)
+    integer :: n
+    do n = 1, size(lines)
+      call probe(lines(n)%text, separator, probed(n))
+    end do
+  end subroutine probe_all
 
   subroutine settle(path, lines, probed, layout, error)
     !! The first row, the decimal mark and the columns, once the separator is known.
@@ -111,7 +120,8 @@ contains
     !! others are not whole, and no names before.
     type(probed_line), intent(in) :: probed(:)
     logical, intent(in) :: numeric(:)                          !! columns of numbers
-    character(:), allocatable :: marks
+    character :: mark
+    logical :: decimals
     integer :: n, i, first
     counts = .false.
     n = size(probed)
@@ -119,11 +129,12 @@ contains
     do i = 1, n - 2
       if (size(probed(i)%fields) == size(numeric)) return
     end do
-    marks = ''
+    decimals = .false.
     do i = 1, size(numeric)
-      marks = marks//number_marks(probed(n)%fields(i)%text)
+      mark = number_marks(probed(n)%fields(i)%text)
+      decimals = decimals .or. mark == '.' .or. mark == ','
     end do
-    if (scan(marks, '.,') == 0) return
+    if (.not. decimals) return
     associate (fields => probed(n - 1)%fields)
       first = merge(2, 1, fields(1)%text == '')
       if (size(numeric) < 3 .or. verify(fields(first)%text, '01') > 0) return

@@ -12,6 +12,8 @@ module bw_text_source
   implicit none (type, external)
   private
 
+  integer, parameter :: most_bytes = 2**20                 !! of the lines that tell the layout, of which three may be longer
+
   type, extends(record_source), public :: text_source
     type(text_layout) :: layout
     type(line_reader), private :: reader
@@ -36,41 +38,51 @@ contains
     type(string), allocatable :: lines(:)
     character(:), allocatable :: line
     logical :: there
-    integer :: rows
+    integer :: rows, bytes
     self%path = path
     call self%reader%open(path, error)
     if (allocated(error)) return
-    call refuse_binary(self%reader%bytes, path, error)
+    call refuse_binary(self%reader%bytes(:self%reader%have), path, error)
     allocate (lines(0))
     rows = 0
-    do while (rows < most_probed .and. size(lines) < 10*most_probed .and. .not. allocated(error))
+    bytes = 0
+    do while (rows < most_probed .and. size(lines) < 10*most_probed .and. (size(lines) < 3 .or. bytes < most_bytes))
       call self%reader%next_line(there, error)
+      if (allocated(error)) return
       if (.not. there) exit
       line = text_between(self%reader%bytes, self%reader%first, self%reader%last)
       call append(lines, line)
       if (.not. is_comment(line)) rows = rows + 1
+      bytes = bytes + len(line)
       if (index(line, achar(13)) > 0) call fail(error, status_bad_input, path//':'//text_of(size(lines))// &
         ': a carriage return stands inside the line; accepted: lines that end with LF or CR LF')
+      if (allocated(error)) return
     end do
-    if (allocated(error)) return
     call find_layout(path, lines, self%layout, error)
     if (.not. allocated(error)) self%columns = self%layout%columns
   end subroutine open_text
 
   pure subroutine refuse_binary(bytes, path, error)
-    !! Say of a file that is no text what it may be. **Errors**: `status_bad_input`.
-    integer(i1), intent(in) :: bytes(:)                    !! from its beginning, and behind its end zeros or anything
+    !! Say of a file that is no table of text what it may be. **Errors**: `status_bad_input`.
+    integer(i1), intent(in) :: bytes(:)                    !! from its beginning
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
-    character(:), allocatable :: problem
+    character(*), parameter :: makes = '; accepted: text or NetCDF, which beamwave-record makes of UFF 58, MATLAB, NumPy, WAV '// &
+                               'and other files'
+    character(:), allocatable :: head, problem
+    integer :: line
+    head = text_between(bytes, 1, min(size(bytes), 40))
     problem = ''
-    if (all(bytes(:2) == [-1_i1, -2_i1]) .or. all(bytes(:2) == [-2_i1, -1_i1])) then
+    if (index(head, char(255)//char(254)) == 1 .or. index(head, char(254)//char(255)) == 1) then
       problem = 'is text in UTF-16; accepted: UTF-8, as "CSV UTF-8" of spreadsheets'
-    else if (all(bytes(:2) == [31_i1, -117_i1]) .or. text_between(bytes, 1, 2) == 'PK') then
-      problem = 'is compressed, or a spreadsheet; accepted: text or NetCDF'
-    else if (text_between(bytes, 1, 6) == 'MATLAB' .or. text_between(bytes, 2, 6) == 'NUMPY' .or. &
-             text_between(bytes, 1, 4) == 'RIFF') then
-      problem = 'is binary, of MATLAB, NumPy or sound; accepted: text or NetCDF, which beamwave-record makes of it'
+    else if (index(head, char(31)//char(139)) == 1 .or. index(head, 'PK') == 1) then
+      problem = 'is compressed, or a spreadsheet'//makes
+    else if (index(head, 'MATLAB') == 1 .or. index(head, 'RIFF') == 1 .or. any(bytes == 0)) then
+      problem = 'is binary'//makes
+    else if (index(head, '    -1') == 1) then
+      line = index(head, new_line('a')) + 1
+      if (line > 7 .and. verify(head(line:min(len(head), line + 5)), ' 0123456789') == 0) problem = &
+        'is a universal file (UFF)'//makes
     end if
     if (problem /= '') call fail(error, status_bad_input, path//': '//problem)
   end subroutine refuse_binary
@@ -146,7 +158,7 @@ contains
     class(text_source), intent(inout) :: self
     integer, intent(in) :: columns(:)
     integer(i8), intent(in) :: first
-    real(dp), intent(inout) :: values(:, :)
+    real(dp), intent(inout), contiguous :: values(:, :)
     type(error_type), allocatable, intent(inout) :: error
     type(row_form) :: form
     real(dp) :: numbers(size(columns))

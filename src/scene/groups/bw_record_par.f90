@@ -11,7 +11,8 @@ module bw_record_par
   private
   public :: build_record, check_record, settle_record
 
-  integer, parameter :: most_columns = 4096, most_files = 10000
+  integer, parameter, public :: most_columns = 4096    !! of the sensors
+  integer, parameter :: most_files = 10000
 
   type, public :: column_choice
     !! A column of a table, by its name or its number.
@@ -23,11 +24,11 @@ module bw_record_par
     type(string), allocatable :: files(:)        !! as the user wrote them, beside the scene; repeats of one measurement, (n)
     integer :: file = 1                          !! the number of the one that is this case
     type(column_choice), allocatable :: time     !! unallocated: not said
-    real(dp) :: time_scale = 1.0_dp              !! s over the file's unit of time, > 0
+    real(dp) :: time_scale = missing             !! s over the file's unit of time, > 0; `missing`: the file's unit tells
     real(dp) :: sample_rate = missing            !! [Hz], > 0; `missing` where times are read
     type(column_choice), allocatable :: columns(:)   !! the sensors; unallocated: all but the time, (n_sensors)
     type(string), allocatable :: quantities(:)   !! of all sensors, or one for each; unallocated: what the file says, (1 or n_sensors)
-    real(dp), allocatable :: scales(:)           !! SI over the unit of the column, (1 or n_sensors)
+    real(dp), allocatable :: scales(:)           !! SI over the unit of the column; unallocated: that unit tells, (1 or n_sensors)
     real(dp), allocatable :: points(:)           !! ξ of each sensor; unallocated: what the file says, if anything, (n_sensors)
     real(dp) :: first_time = -huge(1.0_dp)       !! first and last time that is used [s], from the file's time 0
     real(dp) :: last_time = huge(1.0_dp)
@@ -47,15 +48,15 @@ module bw_record_par
     input_name('record', 'time', columns_input, range=number_range(1.0_dp, 1e6_dp), excludes='sample_rate', &
                meaning='column of the times'), &
     input_name('record', 'time_scale', real_input, '1', positive, excludes='sample_rate', &
-               meaning='seconds over the unit of the times: 1e-3 for ms'), &
+               meaning='seconds in a unit of times; else by the file''s unit'), &
     input_name('record', 'sample_rate', real_input, 'Hz', number_range(1e-9_dp, 1e15_dp), excludes='time time_scale', &
                meaning='samples in a second, the first at time 0'), &
     input_name('record', 'columns', columns_input, range=number_range(1.0_dp, 1e6_dp), most=most_columns, &
                meaning='columns of the sensors'), &
     input_name('record', 'quantity', texts_input, words='displacement velocity acceleration strain', most=most_columns, &
                meaning='what sensors measure; else what the file says'), &
-    input_name('record', 'scale', reals_input, '1', any_number, '1', most=most_columns, &
-               meaning='SI unit over the file''s, of all sensors or each'), &
+    input_name('record', 'scale', reals_input, '1', any_number, most=most_columns, &
+               meaning='factor to SI, of all or each; else by the file''s unit'), &
     input_name('record', 'points', reals_input, '1', unit_interval, most=most_columns, &
                meaning='place of each sensor: x/l, 0 at the root, 1 at the tip'), &
     input_name('record', 'start', real_input, 's', any_number, swept=.true., meaning='first time that is used'), &
@@ -162,7 +163,7 @@ contains
     if (values%known('columns')) record%columns = choices(values%values(values%at('columns')))
     if (values%known('quantity')) record%quantities = values%values(values%at('quantity'))%texts
     if (values%known('points')) record%points = values%values(values%at('points'))%numbers
-    record%scales = values%values(values%at('scale'))%numbers
+    if (values%known('scale')) record%scales = values%values(values%at('scale'))%numbers
     if (values%known('time_scale')) record%time_scale = values%number('time_scale')
     if (values%known('sample_rate')) record%sample_rate = values%number('sample_rate')
     if (values%known('start')) record%first_time = values%number('start')

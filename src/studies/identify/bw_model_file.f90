@@ -1,6 +1,7 @@
 module bw_model_file
   !! What a beam says of its record, put into the result of the record.
   use bw_case_result, only: case_done, case_misfit
+  use bw_child_process, only: child_process
   use bw_error, only: error_type
   use bw_fit_search, only: misfit_type
   use bw_identification, only: identification
@@ -9,13 +10,16 @@ module bw_model_file
   use bw_missing, only: is_missing, missing
   use bw_model_comparison, only: compared_lines
   use bw_netcdf_path, only: plain_path
+  use bw_netcdf_reading, only: close_netcdf, of_the_file, open_netcdf, read_text
   use bw_study_file, only: study_file
-  use bw_text, only: string
-  use netcdf, only: nf90_char, nf90_def_var, nf90_get_att, nf90_global, nf90_get_var, nf90_inq_dimid, nf90_inq_varid, &
-    nf90_inquire_attribute, nf90_inquire_dimension, nf90_noerr, nf90_nowrite, nf90_open, nf90_close, nf90_put_var, nf90_write
+  use bw_text, only: append, string
+  use netcdf, only: nf90_char, nf90_def_var, nf90_get_var, nf90_inq_dimid, nf90_inq_varid, nf90_inquire_dimension, nf90_noerr, &
+    nf90_open, nf90_put_var, nf90_write
   implicit none (type, external)
   private
   public :: read_attribute, put_model
+
+  integer, parameter :: most_seconds = 5       !! of processor time to read an attribute
 
   type, public :: model_findings
     !! All that is written.
@@ -182,18 +186,22 @@ contains
     !! A global attribute of a file; empty where it has none, or cannot be read.
     character(*), intent(in) :: path, name
     character(:), allocatable, intent(out) :: text
-    integer :: file, length, problem, ignored
-    text = ''
-    problem = nf90_open(plain_path(path), nf90_nowrite, file)
-    if (problem /= nf90_noerr) return
-    problem = nf90_inquire_attribute(file, nf90_global, name, len=length)
-    if (problem == nf90_noerr .and. length > 0) then
-      deallocate (text)
-      allocate (character(length) :: text)
-      problem = nf90_get_att(file, nf90_global, name, text)
-      if (problem /= nf90_noerr) text = ''
+    type(child_process) :: child
+    type(string), allocatable :: texts(:)
+    type(error_type), allocatable :: error
+    logical :: whole
+    integer :: file, status
+    call child%begin(most_seconds)
+    if (child%is_here()) then
+      call open_netcdf(path, file, status)
+      call read_text(file, of_the_file, name, text, status)
+      call close_netcdf(file)
+      call append(texts, text)
+      call child%tell(texts, error)
     end if
-    ignored = nf90_close(file)
+    call child%hear(texts, whole, error)
+    text = ''
+    if (.not. allocated(error)) text = texts(1)%text
   end subroutine read_attribute
 
 end module bw_model_file
