@@ -35,13 +35,13 @@ def sensor_name(ds: xr.Dataset, point: int) -> str:
 def sensor_label(ds: xr.Dataset, point: int) -> str:
     """Label of an axis for what a sensor measures, in two lines."""
     quantity, units = _quantity(ds, point), unit_text(_units(ds, point))
-    return f"{sensor_name(ds, point)}\n{quantity.capitalize()}" + (f" ({units})" if units else "")
+    return f"{sensor_name(ds, point)}\n" + f"{quantity.capitalize()} ({units})".removesuffix(" ()").strip()
 
 
 def common_label(ds: xr.Dataset, variable: str, words: str) -> str:
     """Label of an axis that all sensors share."""
     kinds = {_quantity(ds, point) for point in range(ds.sizes["point"])}
-    return words + (f" of {kinds.pop()}" if len(kinds) == 1 else "") + in_units(ds[variable])
+    return words + (f" of {kinds.pop()}" if len(kinds) == 1 and "" not in kinds else "") + in_units(ds[variable])
 
 
 def one_record(ds: xr.Dataset) -> tuple[xr.Dataset, str]:
@@ -65,13 +65,17 @@ def status_words(variable: xr.DataArray, value: int) -> str:
 
 
 def _quantity(ds: xr.Dataset, point: int) -> str:
-    if "sensor_quantity" not in ds:
-        return "displacement"
-    return flag_words(ds["sensor_quantity"]).get(int(ds["sensor_quantity"].values[point]), "displacement")
+    """What a sensor measures; empty where its unit is not one of that, such as V."""
+    quantity = "displacement"
+    if "sensor_quantity" in ds:
+        quantity = flag_words(ds["sensor_quantity"]).get(int(ds["sensor_quantity"].values[point]), quantity)
+    return quantity if "sensor_unit" not in ds or _units(ds, point) == OF_QUANTITY[quantity] else ""
 
 
 def _units(ds: xr.Dataset, point: int) -> str:
-    return OF_QUANTITY.get(_quantity(ds, point), "1")
+    if "sensor_unit" in ds:
+        return _text(ds["sensor_unit"].values[point]).strip()
+    return OF_QUANTITY[_quantity(ds, point)]
 
 
 def _text(value: object) -> str:

@@ -29,9 +29,11 @@ def units_of(variable: xr.DataArray) -> str:
 
 
 def unit_text(units: str) -> str:
-    """UDUNITS text as a quotient: 'kg m-3' becomes kg/m³, 'm-1' 1/m, and '1' nothing."""
+    """UDUNITS text as a quotient: 'kg m-3' becomes kg/m³, 'm-1' 1/m, and '1' nothing. Other texts, as sensors have, stay."""
     if units == "1":
         return ""
+    if not re.fullmatch(r"[A-Za-zµ%° \d-]+", units):
+        return units.replace("$", r"\$")
     above, below = [], []
     for name, power in re.findall(r"([A-Za-zµ%°]+)(-?\d+)?", units):
         size = (power or "1").lstrip("-")

@@ -82,6 +82,13 @@ def words_of(fig):
     return " ".join(text.get_text() for text in fig.texts).replace("\n", " ")
 
 
+def test_a_sensor_in_a_unit_of_no_motion_is_shown_in_it_alone(record):
+    units = {"sensor_unit": ("point", ["V/1000", "m s-2 "])}
+    axes = record_fit(record.assign(units)).axes
+    assert axes[0].get_ylabel() == "mid, $\\xi$ = 0.5\n(V/1000)"
+    assert axes[2].get_ylabel().endswith("Acceleration (m/s²)")
+
+
 def test_a_fit_has_a_row_for_each_sensor_and_its_beginning_beside_it(record):
     fig = record_fit(record)
     whole, near = fig.axes[:2]
