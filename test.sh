@@ -44,7 +44,7 @@ for preset in "${presets[@]}"; do
   [ ! -f "$hard_cases" ] || cat "$hard_cases"
 done
 if [ -z "$without_sanitizers" ]; then
-  say 'testing the preset sanitize: the fuzz of the scene reader'
+  say 'testing the preset sanitize: the fuzz'
   in_group ctest --preset sanitize -L '^fuzz$' "$@" || failed+=(sanitize)
 fi
 [ -z "$without_sanitizers" ] || say 'the compiler has no sanitizers: the fuzz with them was left out'
