@@ -241,7 +241,7 @@ def test_modes_that_the_basis_cannot_hold_are_fill(here):
     np.testing.assert_array_equal(here.result("alone")["displacement"], result["displacement"][0])
 
 
-@pytest.mark.parametrize("mass_ratio", [1e24, 1e60, 1e120])
+@pytest.mark.parametrize("mass_ratio", [1e24, 1e60])
 @pytest.mark.parametrize("damping", [None, {"ratio": 1e-4}, {"mass_proportional": 0.0, "stiffness_proportional": 1e-6}])
 @pytest.mark.parametrize("omega", [3e-5, 4.0])
 @pytest.mark.parametrize("groups", [{"capture": {"rotary_inertia": 1e-3}}, {"shear": {}}], ids=["inertia", "shear"])
