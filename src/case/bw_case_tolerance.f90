@@ -13,7 +13,7 @@ module bw_case_tolerance
   use bw_modes_par, only: by_tolerance, relaxed_tolerance
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
-  use bw_scene_cases, only: case_scene, case_words, corner_cases
+  use bw_scene_cases, only: case_scene, case_words, few_corners
   use bw_text, only: text_of
   implicit none (type, external)
   private
@@ -51,22 +51,23 @@ contains
 
   subroutine settle_tolerance(scene, monitor, count, error)
     !! Plan a scene before it is run. A default tolerance becomes the one that is used; in a sweep each case relaxes its own,
-    !! and one that was asked for is tried at the corners: a case between them may still not converge.
+    !! and one that was asked for is tried at few of the corners: other cases may still not converge.
     !! **Errors**: `status_bad_input` where a tolerance that was asked for is out of reach, or none can be had.
     type(scene_type), intent(inout) :: scene
     class(monitor_type), intent(inout), target :: monitor  !! nothing is planned where it asks to stop
     integer, intent(out) :: count                  !! of modes to be summed by a single case; 0: not known
     type(error_type), allocatable, intent(out) :: error
     type(scene_type) :: one
-    integer(i8) :: corners(2**size(scene%sweeps))
+    integer(i8), allocatable :: corners(:)
     integer :: i, ignored
     count = 0
     if (.not. by_tolerance(scene%modes)) return
     if (size(scene%sweeps) == 0) then
       call plan_relaxed(scene, monitor, count, error)
     else if (scene%modes%asked) then
-      corners = corner_cases(scene)
+      corners = few_corners(scene)
       do i = 1, size(corners)
+        if (monitor%stop_requested()) return
         call case_scene(scene, corners(i), one, error)
         if (.not. allocated(error)) call plan_case(one, monitor, ignored, error)
         if (.not. allocated(error)) cycle

@@ -9,7 +9,9 @@ module bw_scene_cases
   use bw_text, only: shortest, text_of
   implicit none (type, external)
   private
-  public :: case_count, case_positions, case_scene, case_words, check_corners, complete, corner_cases, times_in_a_row
+  public :: case_count, case_positions, case_scene, case_words, check_corners, complete, few_corners, times_in_a_row
+
+  integer, parameter :: most_free_ends = 12       !! sweeps whose ends are combined in all ways, so that a check has an end
 
 contains
 
@@ -51,7 +53,7 @@ contains
 
   pure subroutine case_scene(scene, index, one, error)
     !! The scene of one case, without sweeps. Cheap: nothing is read again, what no sweep changes stays as it is, and the
-    !! scales of all cases were checked at the corners of their sweeps when the scene was read.
+    !! scales of all cases were checked at the corners of their sweeps when the scene was read, unless the sweeps are too many.
     type(scene_type), intent(in) :: scene
     integer(i8), intent(in) :: index              !! 1 … case_count(scene)
     type(scene_type), intent(inout) :: one
@@ -65,6 +67,10 @@ contains
     end if
     messages%file = scene%file
     call set_case(scene, case_positions(scene, index), one, messages)
+    if (size(scene%sweeps) > most_free_ends) then
+      messages%case = case_words(scene, index)
+      if (messages%count == 0) call check_case(one, messages)
+    end if
     if (messages%count > 0) call fail(error, status_bad_input, messages%text())
   end subroutine case_scene
 
@@ -153,34 +159,61 @@ contains
 
   pure subroutine check_corners(scene, messages)
     !! Check the cases at the corners. What is checked of a case (products, equal counts) is monotone in each input, so that
-    !! these stand for all.
+    !! these stand for all. Of many sweeps some take their ends together; what these corners miss is found in the case itself.
     type(scene_type), intent(in) :: scene         !! with sweeps
     type(message_list), intent(inout) :: messages
     type(scene_type) :: one
-    integer(i8) :: corners(2**size(scene%sweeps))
-    integer :: i
-    corners = corner_cases(scene)
-    do i = 1, size(corners)
-      messages%case = case_words(scene, corners(i))
-      call set_case(scene, case_positions(scene, corners(i)), one, messages)
+    integer(i8) :: corner
+    integer :: ends(2, size(scene%sweeps)), i, k, free
+    ends = sweep_ends(scene)
+    free = min(most_free_ends, size(scene%sweeps))
+    do k = 0, 2**free - 1
+      corner = corner_case(scene, ends, [(btest(k, mod(i - 1, most_free_ends)), i=1, size(scene%sweeps))])
+      messages%case = case_words(scene, corner)
+      call set_case(scene, case_positions(scene, corner), one, messages)
       if (messages%count == 0) call check_case(one, messages)
       if (messages%count > 0) return
     end do
   end subroutine check_corners
 
-  pure function corner_cases(scene) result(cases)
-    !! The cases in which every sweep takes its least or its largest value.
+  pure function few_corners(scene) result(cases)
+    !! The cases in which every sweep takes its least value, or every one its largest, and those in which one sweep does not: of up
+    !! to three sweeps all corners, and of many no more than twice their number.
     type(scene_type), intent(in) :: scene
-    integer(i8) :: cases(2**size(scene%sweeps))
-    integer :: ends(2), i, k
-    cases = 1
-    do i = 1, size(scene%sweeps)
-      associate (values => scene%sweeps(i)%values)
-        ends = [minloc(values, dim=1), maxloc(values, dim=1)]
-        cases = [((cases(k) - 1)*size(values) + ends(1 + ibits(k - 1, i - 1, 1)), k=1, size(cases))]
-      end associate
+    integer(i8), allocatable :: cases(:)
+    integer(i8) :: corner
+    integer :: ends(2, size(scene%sweeps)), i, side, other
+    ends = sweep_ends(scene)
+    allocate (cases(0))
+    do other = 0, size(scene%sweeps)
+      do side = 1, 2
+        corner = corner_case(scene, ends, [((side == 2) .neqv. (i == other), i=1, size(scene%sweeps))])
+        if (all(cases /= corner)) cases = [cases, corner]
+      end do
     end do
-  end function corner_cases
+  end function few_corners
+
+  pure function sweep_ends(scene) result(ends)
+    !! Which value of each sweep is its least, and which its largest, (2, n_sweeps).
+    type(scene_type), intent(in) :: scene
+    integer :: ends(2, size(scene%sweeps))
+    integer :: i
+    do i = 1, size(scene%sweeps)
+      ends(:, i) = [minloc(scene%sweeps(i)%values, dim=1), maxloc(scene%sweeps(i)%values, dim=1)]
+    end do
+  end function sweep_ends
+
+  pure integer(i8) function corner_case(scene, ends, largest) result(index)
+    !! The case in which these sweeps take their largest value, and the others their least.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: ends(:, :)             !! of the sweeps
+    logical, intent(in) :: largest(:)             !! (n_sweeps)
+    integer :: i
+    index = 1
+    do i = 1, size(scene%sweeps)
+      index = (index - 1)*size(scene%sweeps(i)%values) + merge(ends(2, i), ends(1, i), largest(i))
+    end do
+  end function corner_case
 
   pure function case_words(scene, index) result(text)
     !! How a message ends that holds for one case.
