@@ -70,6 +70,16 @@ def test_between_stiff_and_rigid_no_mode_is_lost(here, stiffness):
         np.testing.assert_allclose(here.run("b", "--overwrite")["angular_frequency"], clamped, rtol=2e-11)
 
 
+def test_a_frequency_with_more_modes_below_than_are_counted_is_no_fault(here):
+    """Where sections hardly slide and turn easily a bracket of the first mode runs into frequencies of 1e9 half waves and more."""
+    beam = "&beam length=0.62, density=4525, youngs_modulus=1.08e-67, area=4.82e-41, second_moment=5.35e-8 /\n"
+    held = "&support rotational_stiffness=187489 /\n&shear shear_coefficient=0.85 /\n"
+    bodies = "&body position=0.277, mass=1.01, stiffness=103161 /\n&body position=0.166, mass=1.74, stiffness=6302 /\n"
+    here.write("a.nml", beam + held + bodies + STRUCK.replace("mass_ratio=0.2", "mass=1.24"))
+    ended = here.beamwave("run", "a.nml", "--max-seconds", "20")
+    assert ended.returncode in (0, 4), ended.stderr
+
+
 @pytest.mark.parametrize("modulus", [1e-12, 1e-18])
 @pytest.mark.parametrize("shear", ["", "&shear /\n"])
 def test_modes_of_a_piece_that_is_far_softer_than_the_first_are_its_own(here, modulus, shear):

@@ -2,7 +2,7 @@ module bw_extended_modes
   !! Modes that binary64 does not tell apart or does not find, in binary128: the count of modes encloses mode k alone, and inverse
   !! iteration goes to it.
   use bw_double_double, only: dd, operator(+), operator(-), operator(*)
-  use bw_extended_probe, only: count_at, extended_probe, improve, open_probe, start
+  use bw_extended_probe, only: count_at, extended_probe, improve, open_probe, start, uncounted
   use bw_kinds, only: dp
   use bw_mode_cluster, only: find_cluster, find_resting, keep_alone, mode_cluster
   use bw_piece_beam, only: piece_beam
@@ -68,7 +68,7 @@ contains
       if (.not. inside .or. (mod(stays, 2) == 0 .and. .not. gains)) x = middle(search)
       before = abs(correction)
     end do
-    found = i <= most_steps
+    found = i <= most_steps .and. search%below_high < uncounted
     if (found) call find_cluster(search%probe, search%below_low + 1, search%below_high, middle(search), search%cluster)
   end subroutine find_extended
 

@@ -9,9 +9,12 @@ module bw_extended_probe
   use bw_mode_probe, only: mode_probe, piece_system, probe_for, set_frequency, system_of, weigh
   use bw_piece_beam, only: cut_all, piece_beam
   use bw_piece_overlap, only: piece_modes
+  use bw_piece_waves, only: is_uncounted
   implicit none (type, external)
   private
   public :: open_probe, count_at, start, improve, hold_root, keep
+
+  integer, parameter, public :: uncounted = huge(1)    !! modes below: more than are ever asked for
 
   integer, parameter :: cuts = 3                   !! ways to cut the pieces: in 1, 2 and 3 parts
   real(qp), parameter :: regular_enough = 1.0e-4_qp
@@ -49,16 +52,18 @@ contains
   end subroutine open_probe
 
   pure subroutine count_at(this, x, n)
-    !! Set up a frequency in the division that serves, and count the modes below.
+    !! Set up a frequency in the division that serves, and count the modes below; where they are `uncounted` nothing is set up.
     type(extended_probe), intent(inout) :: this
     type(dd), intent(in) :: x
     integer, intent(out) :: n
     real(qp) :: best
-    integer :: c
+    integer :: c, i
     best = -1.0_qp
+    n = uncounted
     do c = 1, cuts
       associate (divided => this%divided(c))
         call set_frequency(divided%system, x, divided%probe)
+        if (any([(is_uncounted(divided%system%piece(i), divided%probe%frequency), i=1, size(divided%system%piece))])) return
         call find_stiffness(divided%system, divided%probe%frequency, divided%stiffness)
         if (divided%stiffness%regular > best) then
           best = divided%stiffness%regular

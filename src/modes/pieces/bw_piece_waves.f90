@@ -14,10 +14,12 @@ module bw_piece_waves
   use bw_piece_beam, only: piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, largest_square, parts_at_rest, circular
+  public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, is_uncounted, largest_square, parts_at_rest, circular
 
   real(dp), parameter :: short_square = 0.5_dp
     !! |z|h² up to which a piece is short: half of it turns no wave by more than 0.7 rad
+  real(dp), parameter :: most_quarters = 1.0e8_dp
+    !! quarter turns in half a piece that are counted: more modes than are ever asked for lie below
 
   type, public :: piece_frequency
     type(dd) :: lambda                   !! λ
@@ -125,6 +127,13 @@ contains
     type(piece_frequency), intent(in) :: frequency
     is_short = largest_square(piece, frequency)*piece%half%hi**2 <= short_square
   end function is_short
+
+  pure logical function is_uncounted(piece, frequency)
+    !! More modes of the piece lie below the frequency than are counted.
+    type(piece_numbers), intent(in) :: piece
+    type(piece_frequency), intent(in) :: frequency
+    is_uncounted = sqrt(largest_square(piece, frequency))*piece%half%hi > most_quarters
+  end function is_uncounted
 
   pure real(dp) function largest_square(piece, frequency) result(bound)
     !! A bound of |z|: of the roots of z² − bz + c, real or not.
@@ -253,7 +262,7 @@ contains
     integer, intent(out) :: quarters
     type(dd) :: rest
     real(dp) :: cosine, sine
-    quarters = int(angle%hi*(2.0_dp/dd_pi%hi))
+    quarters = int(min(angle%hi*(2.0_dp/dd_pi%hi), most_quarters))
     rest = angle - dd_pi*(0.5_dp*quarters)
     cosine = cos(rest%hi) - rest%lo*sin(rest%hi)
     sine = sin(rest%hi) + rest%lo*cos(rest%hi)
