@@ -24,14 +24,18 @@ module bw_case_histories
 
 contains
 
-  subroutine sum_histories(scene, motion, monitor, workspace, histories)
+  subroutine sum_histories(scene, motion, monitor, workspace, histories, first)
     !! Fill where the modes mean nothing, or one was not found, or the tolerance is out of reach, and from the first overflow on.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     class(monitor_type), intent(inout) :: monitor        !! the histories mean nothing where it asks to stop
     type(nonuniform_sum), intent(inout) :: workspace     !! any, also one that another case has used
     type(case_histories), intent(out) :: histories
+    integer, intent(in), optional :: first               !! mode, from which on they are summed, else from 1
     type(time_grid) :: grid
+    integer :: from
+    from = 1
+    if (present(first)) from = first
     if (.not. motion%modes%resolved) histories%status = case_not_converged
     if (.not. allocated(scene%response)) return
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
@@ -43,9 +47,9 @@ contains
       call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion%sources, motion%plan)//'; no histories are given')
       call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
     else if (by_tolerance(scene%modes)) then
-      call sum_to_tolerance(scene, motion, grid, monitor, workspace, histories%response)
+      call sum_to_tolerance(scene, motion, grid, from, monitor, workspace, histories%response)
     else if (allocated(motion%later%segments)) then
-      call sum_segments(scene, motion, grid, monitor, histories%response)
+      call sum_segments(scene, motion, grid, from, monitor, histories%response)
     else if (allocated(motion%modes%loaded)) then
       call sum_whole(motion%modes%loaded)
     else
@@ -61,10 +65,19 @@ contains
   contains
     subroutine sum_whole(modes)
       class(mode_set), intent(in) :: modes
-      call free_motion(modes, motion%initial%modal_velocity*scene%impact%approach_velocity, &
+      call free_motion(modes, without_first(from - 1, motion%initial%modal_velocity)*scene%impact%approach_velocity, &
                        sampling_of(scene, motion%units, grid), monitor, histories%response, workspace)
     end subroutine sum_whole
   end subroutine sum_histories
+
+  pure function without_first(count, values) result(others)
+    !! Of values of modes, in their order, zeros in the place of the first.
+    integer, intent(in) :: count
+    real(dp), intent(in) :: values(:)
+    real(dp) :: others(size(values))
+    others = values
+    others(:min(count, size(values))) = 0.0_dp
+  end function without_first
 
   pure type(sampling_type) function sampling_of(scene, units, grid) result(sampling)
     !! What the scene asks for, of all samples or of some.
@@ -92,12 +105,13 @@ contains
       ' s; the histories hold fill from there on')
   end subroutine note_overflow
 
-  subroutine sum_to_tolerance(scene, motion, grid, monitor, workspace, response)
+  subroutine sum_to_tolerance(scene, motion, grid, from, monitor, workspace, response)
     !! As many modes as the plan says; where the mass leaves, the captured motion up to the last sample before that, then the
     !! motion of the beam alone.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(time_grid), intent(in) :: grid
+    integer, intent(in) :: from                  !! the first mode that is summed
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(out) :: response
@@ -105,41 +119,43 @@ contains
     type(part_monitor) :: part
     type(time_grid) :: early
     if (.not. allocated(motion%plan%release)) then
-      call sum_captured(scene, motion, grid, monitor, workspace, response)
+      call sum_captured(scene, motion, grid, from, monitor, workspace, response)
       return
     end if
     early = time_grid(captured_samples(motion%plan, grid), grid%step)
     call start_histories(sampling_of(scene, motion%units, grid), response)
     part = part_monitor(monitor, 0.0_dp, real(early%samples, dp)/grid%samples)
-    call sum_captured(scene, motion, early, part, workspace, captured)
+    call sum_captured(scene, motion, early, from, part, workspace, captured)
     if (monitor%stop_requested()) return
     call copy_samples(captured, 1, early%samples, response)
     response%sum_error = max(sum_tolerance, captured%sum_error)
     response%mode_seconds = captured%mode_seconds
     response%transformed = captured%transformed
-    call add_segment(scene, motion%units, motion%later%segments(2), motion%later%released, grid%samples, monitor, response)
+    call add_segment(scene, motion%units, motion%later%segments(2), motion%later%released, grid%samples, from, monitor, response)
     call fill_unknown(response)
   end subroutine sum_to_tolerance
 
-  subroutine sum_captured(scene, motion, grid, monitor, workspace, response)
+  subroutine sum_captured(scene, motion, grid, from, monitor, workspace, response)
     !! Modes of beam and mass that start from rest position.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(time_grid), intent(in) :: grid
+    integer, intent(in) :: from                  !! the first mode that is summed
     class(monitor_type), intent(inout) :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(out) :: response
     call start_histories(sampling_of(scene, motion%units, grid), response)
     call add_modes_of_source(motion%sources%loaded, force_of(scene)*(scene%impact%approach_velocity*motion%units%time%hi), &
-                             1, motion%plan%count, sum_tolerance, monitor, response, workspace)
+                             from, motion%plan%count, sum_tolerance, monitor, response, workspace)
     call finish_histories(response)
   end subroutine sum_captured
 
-  subroutine sum_segments(scene, motion, grid, monitor, response)
+  subroutine sum_segments(scene, motion, grid, from, monitor, response)
     !! All segments in order, up to where contacts leave nothing that is known; leaves early if the monitor asks for it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
     type(time_grid), intent(in) :: grid
+    integer, intent(in) :: from                  !! the first mode that is summed
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(out) :: response
     integer :: i, last
@@ -149,9 +165,12 @@ contains
       last = min(last_sample(motion%later%segments, i, grid), response%finite_samples)
       associate (segment => motion%later%segments(i))
         select case (segment%modes)
-        case (loaded_beam); call add_segment(scene, motion%units, segment, motion%modes%loaded, last, monitor, response)
-        case (beam_in_contact); call add_segment(scene, motion%units, segment, motion%later%in_contact, last, monitor, response)
-        case default; call add_segment(scene, motion%units, segment, motion%modes%free, last, monitor, response)
+        case (loaded_beam)
+          call add_segment(scene, motion%units, segment, motion%modes%loaded, last, from, monitor, response)
+        case (beam_in_contact)
+          call add_segment(scene, motion%units, segment, motion%later%in_contact, last, from, monitor, response)
+        case default
+          call add_segment(scene, motion%units, segment, motion%modes%free, last, from, monitor, response)
         end select
       end associate
       if (monitor%stop_requested()) return
@@ -179,13 +198,14 @@ contains
     if (i < size(segments)) last = first_sample(segments(i + 1)%start, grid) - 1
   end function last_sample
 
-  subroutine add_segment(scene, units, segment, modes, last, monitor, response)
+  subroutine add_segment(scene, units, segment, modes, last, from, monitor, response)
     !! From the first sample of a segment to its last: summed from its own state at the first.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     type(segment_type), intent(in) :: segment
     class(mode_set), intent(in) :: modes          !! that move in it
     integer, intent(in) :: last                   !! sample, from 1
+    integer, intent(in) :: from                   !! the first mode that is summed
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response    !! of the whole record, started
     type(time_grid) :: grid, own
@@ -196,8 +216,8 @@ contains
     grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
     first = first_sample(segment%start, grid)
     if (first > last .or. response%failing_mode > 0) return
-    q = segment%q
-    rate = segment%rate
+    q = without_first(from - 1, segment%q)
+    rate = without_first(from - 1, segment%rate)
     if (leaves_range(modes, grid%step*real(first - 1, dp) - segment%start)) then
       response%failing_mode = 1
       response%finite_samples = first - 1

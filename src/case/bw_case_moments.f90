@@ -19,7 +19,7 @@ module bw_case_moments
   use bw_text, only: append, shortest
   implicit none (type, external)
   private
-  public :: find_moments
+  public :: find_moments, sum_moments
 
 contains
 
@@ -34,21 +34,43 @@ contains
     type(scene_type) :: plain                             ! asks for displacements alone
     type(case_motion) :: bent
     type(case_histories) :: found
-    real(dp) :: stiffness                                 ! EI/l², N: what makes N m of m
     plain = scene
     plain%response%velocity = .false.
     call bend(motion, .false., bent)
     call sum_histories(plain, bent, monitor, workspace, found)
     if (monitor%stop_requested()) return
-    stiffness = scene%beam%youngs_modulus*scene%beam%second_moment/scene%beam%length/scene%beam%length
     if (allocated(errors%displacement)) then
       call find_errors(plain, motion, bent, found%response, monitor, errors%bending_moment)
-      errors%bending_moment = scaled(errors%bending_moment, stiffness)
+      errors%bending_moment = scaled(errors%bending_moment, stiffness_of(scene))
     end if
     allocate (histories%response%bending_moment, mold=found%response%displacement)
-    histories%response%bending_moment(:, :) = scaled(found%response%displacement, stiffness)
+    histories%response%bending_moment(:, :) = scaled(found%response%displacement, stiffness_of(scene))
     call fill_overflow(scene, histories%response, errors)
   end subroutine find_moments
+
+  subroutine sum_moments(scene, motion, monitor, workspace, moments, first)
+    !! The moments alone, of modes from one on, N m, (samples, points).
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    class(monitor_type), intent(inout) :: monitor         !! the moments mean nothing where it asks to stop
+    type(nonuniform_sum), intent(inout) :: workspace
+    real(dp), allocatable, intent(out) :: moments(:, :)
+    integer, intent(in) :: first
+    type(scene_type) :: plain
+    type(case_motion) :: bent
+    type(case_histories) :: found
+    plain = scene
+    plain%response%velocity = .false.
+    call bend(motion, .false., bent)
+    call sum_histories(plain, bent, monitor, workspace, found, first)
+    moments = scaled(found%response%displacement, stiffness_of(scene))
+  end subroutine sum_moments
+
+  pure real(dp) function stiffness_of(scene) result(stiffness)
+    !! EI/l², N: what makes N m of m.
+    type(scene_type), intent(in) :: scene
+    stiffness = scene%beam%youngs_modulus*scene%beam%second_moment/scene%beam%length/scene%beam%length
+  end function stiffness_of
 
   subroutine fill_overflow(scene, response, errors)
     !! Moments that leave the range of numbers before the displacements do are fill from there on, and a note says so.

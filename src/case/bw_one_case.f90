@@ -10,6 +10,7 @@ module bw_one_case
   use bw_case_modes, only: case_mode_cache, find_modes
   use bw_case_moments, only: find_moments
   use bw_case_notes, only: note_relaxed
+  use bw_case_octave, only: drop_undecided
   use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
@@ -111,14 +112,16 @@ contains
     if (allocated(histories%response)) then
       if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sum, histories, errors)
       if (monitor%stop_requested()) return
-      call watch%lap(stage_response)
-      call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
       call drop_errors(motion, errors)
     end if
 
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
       call note_history_errors(scene, histories%response, errors, foremost, validity)
+      call drop_undecided(scene, motion, part, cache%sum, histories, errors)
+      if (monitor%stop_requested()) return
+      call watch%lap(stage_response)
+      call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
     end if
     call add_notes(motion%modes%notes, validity)
 

@@ -68,8 +68,13 @@ contains
     row = ''
     do p = 1, size(points)
       if (.not. shown(p)) cycle
-      row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 6), 8)//right(fixed(peak(p)), 16)
-      if (.not. present(error)) then
+      row = head//repeat(' ', first_column - len(head))//right(shortest(points(p), 6), 8)
+      if (peak(p) < 0.0_dp) then                       ! nothing of it is given
+        row = row//right('-', 16)
+      else
+        row = row//right(fixed(peak(p)), 16)
+      end if
+      if (.not. present(error) .or. peak(p) < 0.0_dp) then
         row = row//right('-', 15)//right('-', 16)
       else if (peak(p) > 0.0_dp) then
         row = row//right(shortest(error(p), 2), 15)//right(shortest(100.0_dp*part(p), 2)//' %', 16)
