@@ -13,6 +13,7 @@ from ..parts.labels import axis_label
 from ..parts.line import beam_line, places_of_line, whole_line
 from ..parts.passage import first_part
 from ..parts.places import mark_places
+from ..parts.points import error_warning
 from ..parts.select import Chosen, chosen, one_case
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, units_of
@@ -42,7 +43,8 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
     sheet.axes[0].set_ylabel(r"Place $\xi$ (0 root, 1 tip)")
-    return sheet.finish(ds, [note, end_note([case], name)])
+    warning = error_warning(case, [case], name, list(range(case.sizes["point"])))
+    return sheet.finish(ds, [note, end_note([case], name)], warning=warning)
 
 
 def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:

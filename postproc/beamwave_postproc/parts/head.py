@@ -1,4 +1,4 @@
-"""The head of a figure: title, inputs, notes and legend, above all axes and as wide as the figure."""
+"""The head of a figure: title, warning, inputs, notes and legend, above all axes and as wide as the figure."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ MARGIN = 0.12  # inches, left and right and at the top
 GAP = 0.05  # inches, between the parts
 # Titles and file names are anybody's: a dollar in them begins no formula.
 TITLE: dict[str, Any] = {"fontsize": 10.5, "fontweight": "bold", "parse_math": False}
+WARNING: dict[str, Any] = {"fontsize": 8.5, "fontweight": "bold", "color": "firebrick", "parse_math": False}
 SMALL: dict[str, Any] = {"fontsize": 8.5, "color": "0.25", "parse_math": False}
 ENTRY = 9.0  # size of a legend's words
 HANDLE, TEXT_PAD, COLUMN_GAP = 3.4, 0.6, 1.6  # of a legend, in its font's size
@@ -23,17 +24,18 @@ HANDLE, TEXT_PAD, COLUMN_GAP = 3.4, 0.6, 1.6  # of a legend, in its font's size
 
 @dataclass
 class Head:
-    """What stands above the axes: lines of words, and a legend of these handles and labels."""
+    """What stands above the axes: a warning, lines of words, and a legend of these handles and labels."""
 
     title: str
     lines: list[str]
     handles: list[Any] = field(default_factory=list)
     labels: list[str] = field(default_factory=list)
+    warning: str = ""
 
 
-def head_of(ds: xr.Dataset, notes: list[str]) -> Head:
+def head_of(ds: xr.Dataset, notes: list[str], warning: str = "") -> Head:
     """Head of a picture of `ds`: which scene, which effects and inputs, and what has to be said of this picture."""
-    return Head(title_of(ds), [description_of(ds), "; ".join(filter(None, notes))])
+    return Head(title_of(ds), [description_of(ds), "; ".join(filter(None, notes))], warning=warning)
 
 
 def add_head(fig: Figure, head: Head) -> None:
@@ -47,7 +49,7 @@ def grow_by_head(fig: Figure, head: Head) -> float:
     width = fig.get_figwidth() - 2.0 * MARGIN
     above = MARGIN
     placed = []
-    for text, style in [(head.title, TITLE), *((plain(line), SMALL) for line in head.lines)]:
+    for text, style in [(head.title, TITLE), (plain(head.warning), WARNING), *((plain(line), SMALL) for line in head.lines)]:
         if text:
             artist = fig.text(0.0, 0.0, broken(fig, text, width, **style), va="top", linespacing=1.25, **style)
             placed.append((artist, above))

@@ -16,20 +16,22 @@ FEW = 3  # panels up to which the figure stays on a screen at full height
 
 
 def shown_points(ds: xr.Dataset, cases: list[xr.Dataset], name: str, limit: int | None) -> tuple[list[int], str]:
-    """Indices of all points, or of `limit` of those at which `name` is not 0 throughout, spread evenly.
+    """Indices of all points, or of `limit` of those at which `name` is given and not 0 throughout, spread evenly.
 
-    The words say what is left out. Where all points rest they are shown.
+    The words say what is left out. Where no point moves all are shown.
     """
     every = list(range(ds.sizes["point"]))
     if limit is None:
         return every, ""
     resting = [point for point in every if all(rests(case[name][point].values) for case in cases)]
-    there = [point for point in every if point not in resting] or every
+    unknown = [point for point in every if all(np.isnan(case[name][point].values).all() for case in cases)]
+    there = [point for point in every if point not in resting + unknown] or every
     shown = [there[i] for i in spread(len(there), limit)]
     words = [left_out(len(shown), len(there), "points that move" if len(there) < len(every) else "points")]
-    if len(there) < len(every):
-        places = ds["point_position"].values[resting]
-        words.append(rf"zero throughout at $\xi$ = {', '.join(map(number_text, places))}")
+    for left, which in ((resting, "zero throughout"), (unknown, "not given, as the notes say,")):
+        if left and len(there) < len(every):
+            places = ds["point_position"].values[left]
+            words.append(rf"{which} at $\xi$ = {', '.join(map(number_text, places))}")
     return shown, "; ".join(filter(None, words))
 
 
@@ -58,21 +60,40 @@ def point_label(ds: xr.Dataset, name: str, point: int, prefix: str = "") -> str:
 
 
 def error_note(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[int]) -> str:
-    """The largest estimated error, over the peak at its point, and where that is; empty without estimates."""
+    """The largest estimated error, over the peak at its point, and where that is; empty without estimates.
+
+    Where it exceeds the peak `error_warning` tells it.
+    """
+    worst, where = _worst_error(cases, name, points)
+    if not 0.0 < worst <= 1.0:
+        return ""
+    place = rf"at $\xi$ = {float(ds['point_position'][where]):.4g}"
+    single = len(cases) == 1 and len(points) == 1
+    return f"estimated error {percent(worst)} of the peak {place}" + ("" if single else ", the largest here")
+
+
+def error_warning(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[int]) -> str:
+    """Warning of a history that may be nothing but error, since its estimated error exceeds its peak; empty elsewhere."""
+    worst, where = _worst_error(cases, name, points)
+    if worst <= 1.0:
+        return ""
+    place = rf"at $\xi$ = {float(ds['point_position'][where]):.4g}"
+    words = name.replace("_", " ")
+    return f"Warning: the {words} may be nothing but error, which is estimated at {percent(worst)} of its peak {place}"
+
+
+def _worst_error(cases: list[xr.Dataset], name: str, points: list[int]) -> tuple[float, int]:
+    """The largest estimated error over the peak at its point, and which point that is; 0 without estimates."""
     worst, where = 0.0, 0
     for case in cases:
         if f"{name}_error" not in case:
-            return ""
+            return 0.0, 0
         for point in points:
             peak = np.nanmax(np.abs(case[name][point].values), initial=0.0)
             error = float(case[f"{name}_error"][point])
             if peak > 0.0 and np.isfinite(error) and error / peak > worst:
                 worst, where = error / peak, point
-    if not worst:
-        return ""
-    place = rf"at $\xi$ = {float(ds['point_position'][where]):.4g}"
-    single = len(cases) == 1 and len(points) == 1
-    return f"estimated error {percent(worst)} of the peak {place}" + ("" if single else ", the largest here")
+    return worst, where
 
 
 def percent(share: float) -> str:

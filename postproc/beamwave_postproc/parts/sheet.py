@@ -33,9 +33,11 @@ class Sheet:
         """The figure of the axes."""
         return self.axes[0].figure
 
-    def finish(self, ds: xr.Dataset, notes: Iterable[str] = (), legend: list[Axes] | None = None) -> Figure:
-        """Write the head of `ds` with `notes`, as `finish_with` does."""
-        return self.finish_with(head_of(ds, list(notes)), legend)
+    def finish(
+        self, ds: xr.Dataset, notes: Iterable[str] = (), legend: list[Axes] | None = None, warning: str = ""
+    ) -> Figure:
+        """Write the head of `ds` with `notes` and a `warning`, as `finish_with` does."""
+        return self.finish_with(head_of(ds, list(notes), warning), legend)
 
     def finish_with(self, head: Head, legend: list[Axes] | None = None) -> Figure:
         """Write `head` with a legend of what is labelled on all axes, or on those in `legend`.

@@ -83,6 +83,26 @@ def test_the_worst_point_is_named_with_its_error(full_result):
     assert "2e-7 of the peak at ξ = 1" in notes and "largest" not in notes
 
 
+def test_a_history_that_may_be_nothing_but_error_carries_a_warning(full_result):
+    with open_result(full_result) as ds:
+        peaks = np.abs(ds["displacement"]).max("time").values
+        doubtful = displacement(ds.assign(displacement_error=("point", peaks * [0.5, 1.3])))
+        near = displacement(ds.assign(displacement_error=("point", peaks * [0.5, 0.99])))
+    warning = doubtful.texts[1].get_text().replace("\n", " ")
+    told = "Warning: the displacement may be nothing but error, which is estimated at 130 % of its peak at ξ = 1"
+    assert warning == told
+    assert not any("estimated error" in text.get_text() or "Warning" in text.get_text() for text in doubtful.texts[2:])
+    assert not any("Warning" in text.get_text() for text in near.texts)
+
+
+def test_points_at_which_nothing_is_given_are_named_and_take_no_panel(five_points):
+    given = five_points["displacement"].where(five_points["point_position"] != 0.25)
+    fig = displacement(five_points.assign(displacement=given))
+    assert len(fig.axes) == 3
+    notes = " ".join(text.get_text() for text in fig.texts).replace("\n", " ")
+    assert "zero throughout at ξ = 0" in notes and "not given, as the notes say, at ξ = 0.25" in notes
+
+
 @pytest.fixture
 def five_points(tmp_path):
     """A history at five points from the root, which rests, to the tip, whose bending moment is zero."""
