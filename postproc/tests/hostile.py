@@ -236,7 +236,8 @@ RECORDS = {
         *((one, ".npy") for one in (npy_of_nested_brackets, npy_of_wide_numbers)),
         *((one, ".wav") for one in (wav_longer_than_it_is, wav_without_a_rate, wav_without_channels)),
         *((one, ".wav") for one in (wav_of_many_channels, wav_of_odd_numbers, wav_in_a_form_that_is_none)),
-        *((one, ".txt") for one in (csv_of_one_long_line, lvm_of_too_many_columns, hdf5_that_is_no_matlab)),
+        *((one, ".txt") for one in (csv_of_one_long_line, hdf5_that_is_no_matlab)),
+        (lvm_of_too_many_columns, ".lvm"),
     ]
 }
 

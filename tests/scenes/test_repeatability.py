@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import results
+from ring_downs import text_of
 from workplace import captured_beam
 
 EVERYTHING = captured_beam(
@@ -37,6 +38,31 @@ def test_the_scene_in_a_result_gives_the_same_values(here, sweeps):
     assert "nothing to do" in here.beamwave("run", "resolved/a.nml").stdout
     assert here.beamwave("run", "resolved", "--output", "again").returncode == 0
     assert results.differences(here.result("a", "again"), first) == ["given"]  # its defaults are given now
+
+
+MEMORY = [  # as glibc hands it out: other blocks, their places and what is left in them
+    {"MALLOC_PERTURB_": "165"},
+    {"MALLOC_MMAP_THRESHOLD_": "128", "MALLOC_PERTURB_": "90"},
+    {"GLIBC_TUNABLES": "glibc.malloc.tcache_count=0", "MALLOC_TOP_PAD_": "1000000"},
+]
+
+
+@pytest.mark.parametrize("kind", ["simulated", "recorded"])
+def test_no_bit_depends_on_the_memory_that_a_run_is_given(here, monkeypatch, kind):
+    if kind == "simulated":
+        here.scene("a", EVERYTHING, *SWEEPS)
+    else:
+        here.write("ring.csv", text_of(1))
+        record = {"file": "ring.csv", "points": [0.5, 1.0]}
+        beam = {"length": 0.6, "density": 2700.0, "width": 0.03, "height": 0.018, "youngs_modulus": 69e9}
+        stiffness = {"parameter": "support%rotational_stiffness", "first": 1e3, "last": 1e5, "count": 9, "spacing": "log"}
+        here.scene("a", {"beam": beam, "support": {"rotational_stiffness": 1e3}, "record": record, "spectrum": {}}, stiffness)
+    first = here.run("a", status=0)
+    for names in MEMORY:
+        with monkeypatch.context() as own:
+            for name, value in names.items():
+                own.setenv(name, value)
+            assert results.differences(here.run("a", "--overwrite"), first) == []
 
 
 # what the units of a scene's inputs count of metre, kilogram and second

@@ -1,5 +1,6 @@
 module bw_fourier
-  !! This module makes discrete Fourier transforms of real records by FFTW.
+  !! This module makes discrete Fourier transforms of real records by FFTW. Its plans, and so the last bits, depend on the remainder
+  !! of addresses by 16 bytes: that of allocated arrays, and of columns of complex numbers in them, is 0 in every run.
   use, intrinsic :: iso_c_binding
   use bw_kinds, only: dp
   implicit none (type, external)
