@@ -32,7 +32,7 @@ module bw_check_command
 
   real(dp), parameter :: check_seconds = 2.0_dp        !! what `check` may take to try cases of all its scenes
   real(dp), parameter :: most_check_seconds = 1.0_dp   !! and of one of them
-  real(dp), parameter :: most_scene_seconds = 4.0_dp   !! for all that is tried of a scene; twice that ends what does not stop
+  real(dp), parameter :: most_scene_seconds = 6.0_dp   !! for all that is tried of a scene; half more ends what does not stop
   character(*), parameter :: untried = '  tried      nothing to its end: only a run tells what it warns of'
 
 contains
@@ -96,7 +96,7 @@ contains
       call examine(scene, brief, budget, patience, texts, error)
       call child%tell(texts, error)
     end if
-    patience = patience_for(scene, 2.0_dp*most_scene_seconds)
+    patience = patience_for(scene, 1.5_dp*most_scene_seconds)
     call child%hear(texts, whole, error, patience)
     text = ''
     notes = ''
