@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: ddot, dgemm, dtrsm
-  public :: dpotrf, dpotri, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, dlabrd, dgebrd, dormbr, dbdsdc, zgeev, zgesvd
+  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgeev, zgesvd
 
   interface
 
@@ -50,6 +50,39 @@ module bw_lapack
       real(dp), intent(inout) :: a(lda, *)
       integer, intent(out) :: info
     end subroutine dpotrf
+
+    subroutine dpbtrf(uplo, n, kd, ab, ldab, info)
+      !! Cholesky's factor of a symmetric positive definite band matrix; info > 0: it is not positive definite.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: uplo
+      integer, intent(in) :: n, kd, ldab
+      real(dp), intent(inout) :: ab(ldab, *)
+      integer, intent(out) :: info
+    end subroutine dpbtrf
+
+    subroutine dgejsv(joba, jobu, jobv, jobr, jobt, jobp, m, n, a, lda, sva, u, ldu, v, ldv, work, lwork, iwork, info)
+      !! Singular values and vectors by Jacobi's method, each to its own digits where a matrix is a well conditioned one between two
+      !! diagonal ones; values are work(1)/work(2)·sva.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: joba, jobu, jobv, jobr, jobt, jobp
+      integer, intent(in) :: m, n, lda, ldu, ldv, lwork
+      real(dp), intent(inout) :: a(lda, *)
+      real(dp), intent(out) :: sva(*), u(ldu, *), v(ldv, *), work(*)
+      integer, intent(out) :: iwork(*), info
+    end subroutine dgejsv
+
+    subroutine dgesdd(jobz, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, iwork, info)
+      !! Singular values and vectors, to rounding of the largest value.
+      import :: dp
+      implicit none (type, external)
+      character, intent(in) :: jobz
+      integer, intent(in) :: m, n, lda, ldu, ldvt, lwork
+      real(dp), intent(inout) :: a(lda, *)
+      real(dp), intent(out) :: s(*), u(ldu, *), vt(ldvt, *), work(*)
+      integer, intent(out) :: iwork(*), info
+    end subroutine dgesdd
 
     subroutine dpotri(uplo, n, a, lda, info)
       !! The inverse of a symmetric positive definite matrix from Cholesky's factor; info > 0: there is none.
@@ -132,47 +165,6 @@ module bw_lapack
       real(dp), intent(inout) :: d(*), e(*)
       integer, intent(out) :: info
     end subroutine dsterf
-
-    subroutine dlabrd(m, n, nb, a, lda, d, e, tauq, taup, x, ldx, y, ldy)
-      !! The first nb rows and columns of a matrix to bidiagonal form, and the matrices X and Y that change the remaining ones.
-      import :: dp
-      implicit none (type, external)
-      integer, intent(in) :: m, n, nb, lda, ldx, ldy
-      real(dp), intent(inout) :: a(lda, *)
-      real(dp), intent(out) :: d(*), e(*), tauq(*), taup(*), x(ldx, *), y(ldy, *)
-    end subroutine dlabrd
-
-    subroutine dgebrd(m, n, a, lda, d, e, tauq, taup, work, lwork, info)
-      !! A = Q B Pᵀ, B bidiagonal.
-      import :: dp
-      implicit none (type, external)
-      integer, intent(in) :: m, n, lda, lwork
-      real(dp), intent(inout) :: a(lda, *), work(*)
-      real(dp), intent(out) :: d(*), e(*), tauq(*), taup(*)
-      integer, intent(out) :: info
-    end subroutine dgebrd
-
-    subroutine dormbr(vect, side, trans, m, n, k, a, lda, tau, c, ldc, work, lwork, info)
-      !! A product with Q or P of dgebrd.
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: vect, side, trans
-      integer, intent(in) :: m, n, k, lda, ldc, lwork
-      real(dp), intent(inout) :: a(lda, *), c(ldc, *), work(*)
-      real(dp), intent(in) :: tau(*)
-      integer, intent(out) :: info
-    end subroutine dormbr
-
-    subroutine dbdsdc(uplo, compq, n, d, e, u, ldu, vt, ldvt, q, iq, work, iwork, info)
-      !! All singular values of a bidiagonal matrix with their vectors, by divide and conquer.
-      import :: dp
-      implicit none (type, external)
-      character, intent(in) :: uplo, compq
-      integer, intent(in) :: n, ldu, ldvt
-      real(dp), intent(inout) :: d(*), e(*), u(ldu, *), vt(ldvt, *), q(*), work(*)
-      integer, intent(inout) :: iq(*), iwork(*)
-      integer, intent(out) :: info
-    end subroutine dbdsdc
 
     subroutine zgeev(jobvl, jobvr, n, a, lda, w, vl, ldvl, vr, ldvr, work, lwork, rwork, info)
       !! Eigenvalues of a complex matrix, and their vectors where asked for.

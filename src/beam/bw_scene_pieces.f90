@@ -8,12 +8,12 @@ module bw_scene_pieces
   use bw_double_double, only: dd, to_dd, operator(*)
   use bw_kinds, only: dp, qp
   use bw_piece_beam, only: attach, beam_joint, beam_root, cut_at, piece_beam, uniform_piece, operator(==)
-  use bw_piece_tension, only: tension_in_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: scene_type
   use bw_shear_par, only: shear_par
   use bw_support_par, only: support_par
   use bw_tension_layers, only: cut_layers
+  use bw_varying_beam, only: tension_in_pieces
   implicit none (type, external)
   private
   public :: mass_struck, pieces_of

@@ -13,6 +13,7 @@ module bw_tension_layers
 
   real(dp), parameter :: depth = 20.0_dp           !! δ in a layer's piece: 2e-9 of the bending is left beyond it
   real(dp), parameter :: thin = 0.05_dp            !! of a piece is a layer that gets a piece of its own
+  real(dp), parameter, public :: most_layers = depth/thin    !! δ in a piece whose layers are not cut off
 
 contains
 

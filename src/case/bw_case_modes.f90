@@ -1,6 +1,5 @@
 module bw_case_modes
   !! The modes of a case: the one place that knows how they are found.
-  use bw_beam_operator, only: operator_of
   use bw_beam_units, only: beam_units
   use bw_case_notes, only: note_coupling, note_empty_bodies, note_growth, note_no_effect, note_unresolved
   use bw_case_result, only: case_modes
@@ -16,9 +15,10 @@ module bw_case_modes
   use bw_piece_source, only: source_of_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: by_pieces, changes_shapes, is_built_up, scene_type
-  use bw_scene_pieces, only: pieces_of
+  use bw_scene_pieces, only: pieces_of, struck_beam
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
+  use bw_varying_beam, only: under_tension
   implicit none (type, external)
   private
   public :: enough_for_errors, extend_sources, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
@@ -191,12 +191,13 @@ contains
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     logical, intent(in) :: carries_mass            !! the captured mass is there
-    if (is_built_up(scene)) then
-      problem%pieces = pieces_of(scene, units, carries_mass)
-      problem%hub_radius = scene%stiffening%hub_radius/units%length
-    else
-      problem%operator = operator_of(scene, units, carries_mass)
-    end if
+    type(struck_beam) :: pieces
+    pieces = pieces_of(scene, units, carries_mass)
+    problem%given = under_tension(pieces%beam, scene%stiffening%hub_radius/units%length)
+    problem%struck = pieces%struck
+    problem%position = pieces%position
+    problem%captured = pieces%captured
+    problem%uniform = .not. is_built_up(scene)
   end function problem_of
 
   subroutine solve_strains(problem, count, source, monitor, cache)

@@ -1,22 +1,18 @@
 module bw_some_modes
   !! A few modes of the beam alone, for whoever asks for those of many beams one after another and for nothing but their frequencies,
   !! damping and shapes. Under tension they are found in as few functions as frequencies need, and without waves.
-  use bw_beam_operator, only: operator_of
   use bw_beam_units, only: beam_units
   use bw_case_modes, only: find_sources
   use bw_case_result, only: case_modes
   use bw_damping, only: law_of
-  use bw_galerkin, only: galerkin_modes
-  use bw_galerkin_set, only: galerkin_set
   use bw_mode_demand, only: mode_demand
   use bw_mode_set, only: mode_set, mode_sources
   use bw_monitor, only: silent_monitor
-  use bw_piece_tension, only: tension_in_pieces
-  use bw_scene, only: is_built_up, scene_type
+  use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam
-  use bw_tension_modes, only: tension_modes
-  use bw_tension_set, only: tension_set
-  use bw_tension_system, only: tension_beam
+  use bw_strain_modes, only: strain_modes
+  use bw_strain_set, only: strain_set
+  use bw_varying_beam, only: under_tension
   implicit none (type, external)
   private
   public :: find_some_modes
@@ -54,21 +50,14 @@ contains
     integer, intent(in) :: count                 !! ≥ 1
     type(mode_demand), intent(in) :: demand
     class(mode_set), allocatable, intent(out) :: set
+    type(strain_set), allocatable :: found
     type(struck_beam) :: pieces
-    type(tension_set), allocatable :: of_pieces
-    type(galerkin_set), allocatable :: uniform
-    if (is_built_up(scene)) then
-      allocate (of_pieces)
-      pieces = pieces_of(scene, units, .false.)
-      call tension_modes(tension_beam(pieces%beam, tension_in_pieces(pieces%beam, scene%stiffening%hub_radius/units%length)), &
-                         count, pieces%struck, of_pieces, demand=demand)
-      of_pieces%struck_at = pieces%position
-      call move_alloc(of_pieces, set)
-    else
-      allocate (uniform)
-      call galerkin_modes(operator_of(scene, units, .false.), count, uniform, demand=demand)
-      call move_alloc(uniform, set)
-    end if
+    allocate (found)
+    pieces = pieces_of(scene, units, .false.)
+    call strain_modes(under_tension(pieces%beam, scene%stiffening%hub_radius/units%length), count, pieces%struck, found, &
+                      demand=demand)
+    found%struck_at = pieces%position
+    call move_alloc(found, set)
     if (set%resolved .and. allocated(scene%damping)) call set%damp(law_of(scene%damping, units))
   end subroutine find_under_tension
 

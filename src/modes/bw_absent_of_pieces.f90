@@ -11,11 +11,11 @@ module bw_absent_of_pieces
   use bw_piece_set, only: piece_set
   use bw_piece_shape, only: states_inside
   use bw_piece_source, only: piece_source, source_of_pieces
-  use bw_piece_tension, only: tension_in_pieces
   use bw_piece_waves, only: frequency_at, parts_at_rest, piece_frequency, piece_numbers
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of
   use bw_shear_par, only: usual_shear
+  use bw_varying_beam, only: tension_in_pieces
   implicit none (type, external)
   private
   public :: place_shifts, shifts_of_pieces

@@ -61,15 +61,15 @@ def settings(case):
 
 def places(case):
     """Values of beta^2 between which no two modes lie. Those of a heavy body are near 1/gamma and 1/J, from 0 or from
-    -omega^2."""
+    -omega^2. With shear waves of either kind have modes of their own, which lie as near each other as they like."""
     spin = mpf(case.omega) ** 2 if case.in_plane else mpf(0)
     small = [0, *(-int(log10(load)) for load in (case.gamma, case.inertia) if load > 1)]
     thirds = sorted({third for power in small for third in range(3 * power - 9, 3 * power + 10)})
     decades = [mpf(10) ** (mpf(third) / 3) for third in thirds]
     near = sorted({*(-spin + decade for decade in decades), *decades, *(-decade for decade in decades)})
     most = mpf(1) if case.hub is None else spin + sum(case.tension()) / mpf(case.gamma)  # that of a pendulum
-    step = mpf("0.3") + mpf(pull(case)) ** mpf("0.25") / 30
-    return [square for square in near if -spin < square < most] + [(1 + i * step) ** 4 for i in range(1000)]
+    step = mpf("0.1") if case.compliance else mpf("0.3") + mpf(pull(case)) ** mpf("0.25") / 30
+    return sorted([square for square in near if -spin < square < most] + [(1 + i * step) ** 4 for i in range(1000)])
 
 
 def squares_of(case, determinant):
@@ -80,7 +80,10 @@ def squares_of(case, determinant):
     for low, high in zip(squares, squares[1:]):
         after = determinant(high)
         if (before < 0) != (after < 0):
-            found.append(findroot(determinant, (low, high), solver="anderson", tol=mpf(10) ** -mp.dps, verify=False))
+            root = findroot(determinant, (low, high), solver="anderson", tol=mpf(10) ** -mp.dps, verify=False)
+            if not low <= root <= high:
+                raise ValueError(f"{case}: {root} is not between {low} and {high}")
+            found.append(root)
             if len(found) == MODES:
                 return found
         before = after

@@ -7,26 +7,22 @@ module bw_local_waves
   !! shear waves of the thickness run too). P is the mean of p over the beam, C_p = β/P and C_g = dβ/dP. Without tension
   !! and shear P⁴ = λ, Eq. 2; at high speeds P is that of a string.
   use bw_kinds, only: dp
-  use bw_beam_operator, only: beam_operator
-  use bw_double_double, only: dd
   use bw_lapack, only: dsterf
-  use bw_missing, only: missing
   use bw_strain_basis, only: basis_values
   implicit none (type, external)
   private
-  public :: find_waves, gauss_rule, local_wave, mean_rule
+  public :: gauss_rule, local_wave, mean_rule
 
   integer, parameter :: nodes = 200
     !! of the mean over a beam with tension: 1e-12 for Ω to 1000, where T reaches 0 at the tip
 
   type, public :: wave_section
-    !! What waves at one place depend on, but for the tension: of a uniform beam without shear as it stands.
+    !! What waves at one place depend on.
     real(dp) :: stiffness = 1.0_dp               !! B = EI
     real(dp) :: mass = 1.0_dp                    !! m = ρA
     real(dp) :: compliance = 0.0_dp              !! s = 1/(κGA)
     real(dp) :: rotary = 0.0_dp                  !! ρI
-    real(dp) :: spin = 0.0_dp                    !! Ω²
-    logical :: in_plane = .false.
+    real(dp) :: tension = 0.0_dp                 !! T
   end type wave_section
 
   type :: rule_type
@@ -38,65 +34,21 @@ module bw_local_waves
 
 contains
 
-  subroutine find_waves(operator, beta_squared, alpha, phase_velocity, group_velocity)
-    !! Find mean wave numbers over the beam, and the velocities that follow from them.
-    type(beam_operator), intent(in) :: operator
-    type(dd), intent(in) :: beta_squared(:)                    !! (modes)
-    real(dp), intent(out) :: alpha(:)                          !! P l, (modes)
-    real(dp), intent(out) :: phase_velocity(:), group_velocity(:)   !! missing where they do not exist, (modes)
-    real(dp), allocatable :: z(:), weight(:), tension(:)
-    integer :: k
-    if (allocated(operator%tension)) then
-      call mean_rule(z, weight)
-      tension = operator%tension(1) + (1.0_dp - z**2)*(operator%tension(2) + (1.0_dp - z**2)*operator%tension(3))
-    else
-      weight = [1.0_dp]
-      tension = [0.0_dp]
-    end if
-    do k = 1, size(alpha)
-      call mean_wave(operator, beta_squared(k)%hi, tension, weight, alpha(k), phase_velocity(k), group_velocity(k))
-    end do
-  end subroutine find_waves
-
-  pure subroutine mean_wave(operator, beta_squared, tension, weight, alpha, phase_velocity, group_velocity)
-    !! Find the mean wave number of one mode, and its velocities.
-    type(beam_operator), intent(in) :: operator
-    real(dp), intent(in) :: beta_squared
-    real(dp), intent(in) :: tension(:), weight(:)              !! at the nodes of a mean over the beam
-    real(dp), intent(out) :: alpha, phase_velocity, group_velocity
-    real(dp) :: p(size(tension)), slope(size(tension))         ! p and dp/dβ²
-    call local_wave(section_of(operator), beta_squared, tension, p, slope)
-    alpha = sum(weight*p)
-    phase_velocity = missing
-    group_velocity = missing
-    if (beta_squared >= 0.0_dp .and. alpha > 0.0_dp) phase_velocity = sqrt(beta_squared)/alpha
-    if (beta_squared > 0.0_dp .and. abs(sum(weight*slope)) > 0.0_dp) &
-      group_velocity = 0.5_dp/(sqrt(beta_squared)*sum(weight*slope))
-  end subroutine mean_wave
-
-  pure type(wave_section) function section_of(operator) result(section)
-    type(beam_operator), intent(in) :: operator
-    if (allocated(operator%shear)) then
-      section%compliance = operator%shear%compliance
-      section%rotary = operator%shear%rotary
-    end if
-    if (allocated(operator%omega)) section%spin = operator%omega%hi**2
-    section%in_plane = operator%in_plane
-  end function section_of
-
-  elemental subroutine local_wave(section, beta_squared, tension, p, slope)
+  elemental subroutine local_wave(section, spin, in_plane, beta_squared, p, slope)
     !! Find p at one place, of which y = p² is the larger root of ay² + by − c, and dp/dβ².
     type(wave_section), intent(in) :: section
-    real(dp), intent(in) :: beta_squared, tension
+    real(dp), intent(in) :: spin                 !! Ω²
+    logical, intent(in) :: in_plane
+    real(dp), intent(in) :: beta_squared
     real(dp), intent(out) :: p, slope
     real(dp) :: turning, lambda, rho, a, b, c, root, y, stiff, soft
     stiff = section%compliance*section%stiffness
     soft = stiff*section%mass
-    lambda = beta_squared + merge(section%spin, 0.0_dp, section%in_plane)
-    rho = section%rotary*(beta_squared + merge(0.0_dp, section%spin, section%in_plane))
+    lambda = beta_squared + merge(spin, 0.0_dp, in_plane)
+    rho = section%rotary*(beta_squared + merge(0.0_dp, spin, in_plane))
     turning = 1.0_dp - section%compliance*rho
-    a = section%stiffness + stiff*tension
-    b = tension*turning - soft*lambda - rho
+    a = section%stiffness + stiff*section%tension
+    b = section%tension*turning - soft*lambda - rho
     c = section%mass*lambda*turning
     root = sqrt(max(0.0_dp, b**2 + 4.0_dp*a*c))
     if (b > 0.0_dp) then
@@ -108,7 +60,7 @@ contains
     slope = 0.0_dp
     if (root <= 0.0_dp .or. p <= 0.0_dp) return       ! λ = 0: no wave runs, and β² < 0 asks for no velocity
     slope = section%mass*(turning - section%compliance*section%rotary*lambda) &
-      + y*(soft + section%rotary*(1.0_dp + section%compliance*tension))
+      + y*(soft + section%rotary*(1.0_dp + section%compliance*section%tension))
     slope = slope/root/(2.0_dp*p)
   end subroutine local_wave
 

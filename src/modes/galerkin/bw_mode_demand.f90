@@ -1,5 +1,9 @@
 module bw_mode_demand
-  !! What is asked of modes by strains beside their frequencies and shapes, and how many digits these need.
+  !! What is asked of modes by strains beside their frequencies and shapes, and how many polynomials these need.
+  !!
+  !! Of e^{iθx} and e^{−θx} over 0 ≤ x ≤ 1 the coefficients of Legendre's polynomials are spherical Bessel functions j_n(z) and
+  !! i_n(z)e^{−z}, z = θ/2, whose logarithms are √(n² − z²) − n arcosh(n/z), n > z, and √(n² + z²) − z − n arsinh(n/z), but for
+  !! powers of n (Debye's expansions, Abramowitz and Stegun 9.3.7, 9.7.7).
   use bw_kinds, only: dp
   implicit none (type, external)
   private
@@ -12,7 +16,7 @@ module bw_mode_demand
       !! wave numbers, velocities and the critical speed; without them their arrays stay unallocated and the speed is 0
   contains
     procedure :: negligible
-    procedure :: ends
+    procedure :: functions
   end type mode_demand
 
 contains
@@ -23,11 +27,22 @@ contains
     negligible = 10.0_dp**(-self%digits)
   end function negligible
 
-  pure integer function ends(self, of_all_digits)
-    !! Functions that the ends of a beam or of a piece need beside those of its waves; errors fall exponentially with them.
+  elemental integer function functions(self, wave, layer) result(n)
+    !! How many polynomials a piece needs.
     class(mode_demand), intent(in) :: self
-    integer, intent(in) :: of_all_digits        !! those of 11 digits
-    ends = (of_all_digits*self%digits + 10)/11
-  end function ends
+    real(dp), intent(in) :: wave                !! phase of the shortest wave over the piece, rad
+    real(dp), intent(in) :: layer               !! length of the piece over the thickness of its layers
+    integer, parameter :: fewest = 3
+    real(dp) :: z
+    n = max(fewest, ceiling(0.5_dp*wave))
+    z = max(0.5_dp*wave, epsilon(z))
+    do while (n*acosh(n/z) - sqrt((n - z)*(n + z)) < -log(self%negligible()))
+      n = n + 1
+    end do
+    z = max(0.5_dp*layer, epsilon(z))
+    do while (n*asinh(n/z) - sqrt(n**2 + z**2) + z < -log(self%negligible()))
+      n = n + 1
+    end do
+  end function functions
 
 end module bw_mode_demand

@@ -3,17 +3,17 @@ module bw_piece_strains
   !! that move neither of its ends.
   !!
   !! With x from 0 to 1 over a piece of length L the curvature is Σa_jp_j/√(BL) and the shear strain √(s/L)Σb_jp_j, so that the
-  !! elastic energy is ½Σa² + ½Σb²; strains need not be continuous. ψ and v are integrals from the inner joint. Of all strains
-  !! only a_0, a_1 and b_0 move the outer joint: e = Δψ = √(L/B)a_0, and d = Δv/L − ½(ψ + ψ') = −√(L/B)(√3/6)a_1 + √(s/L)b_0. The
-  !! joints' motions stand for them, as in a beam element, with the smallest energy; with shear a third strain moves nothing. All
-  !! others are at right angles to these.
+  !! elastic energy of a uniform piece is ½Σa² + ½Σb²; strains need not be continuous. ψ and v are integrals from the inner joint. Of
+  !! all strains only a_0, a_1 and b_0 move the outer joint: e = Δψ = √(L/B)a_0, and d = Δv/L − ½(ψ + ψ') = −√(L/B)(√3/6)a_1 +
+  !! √(s/L)b_0. The joints' motions stand for them, as in a beam element, in a uniform piece with the smallest energy; with shear a
+  !! third strain moves nothing. All others are at right angles to these.
   use bw_joint_unknowns, only: joint_unknowns, unknowns_of_joints
   use bw_kinds, only: dp
   use bw_piece_beam, only: piece_beam, uniform_piece
-  use bw_strain_basis, only: integral
+  use bw_strain_basis, only: integral, integral_transposed
   implicit none (type, external)
   private
-  public :: layout_of, motions_of, ends_of, columns_of, strains_inside
+  public :: layout_of, motions_of, forces_on, ends_of, columns_of, strains_inside
 
   type, public :: strain_layout
     !! Where the unknowns stand: strains inside of the pieces first, then those of the joints.
@@ -32,6 +32,20 @@ module bw_piece_strains
     real(dp), allocatable :: slope(:, :)           !! of v', (functions + 1, columns)
     real(dp), allocatable :: deflection(:, :)      !! of v, (functions + 2, columns)
   end type piece_motions
+
+  type, public :: piece_forces
+    !! What does work on the motions of one column.
+    real(dp), allocatable :: strain(:), turning(:), slope(:), deflection(:)
+  end type piece_forces
+
+  type :: strain_scales
+    !! By which strains of size 1 move a piece.
+    real(dp) :: length = 1.0_dp                    !! L
+    real(dp) :: turn = 1.0_dp                      !! √(L/B)
+    real(dp) :: shear = 0.0_dp                     !! √(s/L)
+    real(dp) :: share(2) = 0.0_dp                  !! of a_1 and b_0 in d
+    real(dp) :: across(2) = 0.0_dp                 !! of both in a motion that moves no end
+  end type strain_scales
 
 contains
 
@@ -86,33 +100,73 @@ contains
     integer, intent(in) :: functions
     logical, intent(in) :: shear
     real(dp), intent(in) :: columns(:, :)          !! (4 + strains inside, motions)
-    real(dp) :: turn, lever(2), length
+    type(strain_scales) :: scale
     integer :: j, n
     n = functions
-    length = piece%length%hi
-    turn = sqrt(length/piece%stiffness%hi)
-    lever = [-turn*sqrt(3.0_dp)/6.0_dp, sqrt(piece%compliance%hi/length)]
+    scale = scales_of(piece)
     allocate (motions%strain(merge(2*n, n, shear), size(columns, 2)))
     allocate (motions%turning(n + 1, size(columns, 2)), motions%slope(n + 1, size(columns, 2)))
     allocate (motions%deflection(n + 2, size(columns, 2)))
     do j = 1, size(columns, 2)
       associate (c => columns(:, j), strain => motions%strain(:, j), psi => motions%turning(:, j), slope => motions%slope(:, j))
-        strain(1) = c(3)/turn
-        strain(2) = c(4)*lever(1)/sum(lever**2)
+        strain(1) = c(3)/scale%turn
+        strain(2) = c(4)*scale%share(1)
         strain(3:n) = c(5:n + 2)
         if (shear) then
-          strain(n + 1) = c(4)*lever(2)/sum(lever**2)
+          strain(n + 1) = c(4)*scale%share(2)
           strain(n + 2:) = c(n + 4:)
-          strain([2, n + 1]) = strain([2, n + 1]) + c(n + 3)*[lever(2), -lever(1)]/norm2(lever)
+          strain([2, n + 1]) = strain([2, n + 1]) + c(n + 3)*scale%across
         end if
-        psi = turn*integral(strain(:n))
+        psi = scale%turn*integral(strain(:n))
         psi(1) = psi(1) + c(2)
         slope = psi
-        if (shear) slope(:n) = slope(:n) + lever(2)*strain(n + 1:)
-        motions%deflection(:, j) = length*integral(slope)
+        if (shear) slope(:n) = slope(:n) + scale%shear*strain(n + 1:)
+        motions%deflection(:, j) = scale%length*integral(slope)
         motions%deflection(1, j) = motions%deflection(1, j) + c(1)
       end associate
     end do
   end function motions_of
+
+  pure function forces_on(piece, functions, shear, given) result(force)
+    !! The transpose of `motions_of`, of one column: what forces on strains, turning, slope and deflection do to the unknowns,
+    !! (4 + strains inside).
+    type(uniform_piece), intent(in) :: piece
+    integer, intent(in) :: functions
+    logical, intent(in) :: shear
+    type(piece_forces), intent(in) :: given
+    real(dp), allocatable :: force(:)
+    real(dp), dimension(functions + 1) :: slope, psi
+    real(dp) :: strain(size(given%strain))
+    type(strain_scales) :: scale
+    integer :: n
+    n = functions
+    scale = scales_of(piece)
+    allocate (force(4 + strains_inside(n, shear)))
+    force(1) = given%deflection(1)
+    slope = given%slope + scale%length*integral_transposed(given%deflection)
+    strain = given%strain
+    if (shear) strain(n + 1:) = strain(n + 1:) + scale%shear*slope(:n)
+    psi = given%turning + slope
+    force(2) = psi(1)
+    strain(:n) = strain(:n) + scale%turn*integral_transposed(psi)
+    force(3) = strain(1)/scale%turn
+    force(4) = scale%share(1)*strain(2)
+    force(5:n + 2) = strain(3:n)
+    if (.not. shear) return
+    force(4) = force(4) + scale%share(2)*strain(n + 1)
+    force(n + 3) = dot_product(scale%across, strain([2, n + 1]))
+    force(n + 4:) = strain(n + 2:)
+  end function forces_on
+
+  pure type(strain_scales) function scales_of(piece) result(scale)
+    type(uniform_piece), intent(in) :: piece
+    real(dp) :: lever(2)
+    scale%length = piece%length%hi
+    scale%turn = sqrt(piece%length%hi/piece%stiffness%hi)
+    scale%shear = sqrt(piece%compliance%hi/piece%length%hi)
+    lever = [-scale%turn*sqrt(3.0_dp)/6.0_dp, scale%shear]
+    scale%share = lever/sum(lever**2)
+    scale%across = [lever(2), -lever(1)]/norm2(lever)
+  end function scales_of
 
 end module bw_piece_strains

@@ -1,151 +1,443 @@
 module bw_strain_modes
-  !! Modes of a strain system by their singular values, in as many functions as they need.
+  !! Modes of a beam of pieces with tension, uniform or tapering, in as many functions as they need.
+  !!
+  !! With S = LLᵀ (bw_strain_system) the singular values of B L⁻ᵀ are p = (β² + σ)^(−½) and its left singular vectors hold the
+  !! coefficients of v and ψ: neither M nor v is ever a difference of large numbers, and all modes keep their digits. β² comes from p
+  !! and again from Rayleigh's quotient, term by term: β² = λ + what rotation adds, λ the elastic stiffness, of modes of mass 1. The
+  !! quotient is wrong by the square of what a shape is wrong. It says β² where p leaves it as a small difference, and where two ways
+  !! to the same number agree there are digits.
   !!
   !! **Errors**: β² + σ within 1e-13 relatively for 200 modes, Ω from 0 to 1000 and every slenderness (tests).
+  use bw_double_double, only: dd, to_dd, operator(*), operator(+), operator(-), operator(/)
   use bw_kinds, only: dp
-  use bw_beam_operator, only: beam_operator
-  use bw_lapack, only: dpotrf, dtrsm
+  use bw_lapack, only: dpotrf, dsygv, dtrsm
+  use bw_local_waves, only: local_wave, mean_rule, wave_section
+  use bw_missing, only: missing
   use bw_mode_demand, only: mode_demand
   use bw_monitor, only: monitor_type, stops
+  use bw_piece_strains, only: ends_of, motions_of, strains_inside
   use bw_singular_values, only: singular_values
-  use bw_strain_system, only: build_system, strain_system
+  use bw_strain_basis, only: times_polynomial
+  use bw_strain_set, only: strain_set
+  use bw_strain_system, only: build_system, forms_of_spin, strain_system, unfactored
+  use bw_tension_layers, only: most_layers
+  use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
-  public :: solve_strain_modes, solve_with, solve_system
+  public :: strain_modes, modes_with, critical_speed_of
 
-  integer, parameter :: watched = 4                !! how many of the last: neighbours may vanish by parity
-  integer, parameter :: most_functions = 2000
-
-  type, public :: strain_modes
-    !! The first modes, each with BᵀB-norm 1.
-    type(strain_system) :: system                  !! without its matrices
-    real(dp), allocatable :: period(:)             !! (β² + σ)^(−½), descending, (modes)
-    real(dp), allocatable :: motion(:, :)          !! rows of B: coefficients of v, rψ, √γ v(1), √J ψ(1), (rows, modes)
-    real(dp), allocatable :: strain(:, :)          !! curvatures, and shear strains over s, (unknowns, modes)
-    logical :: resolved = .false.                  !! the functions were enough
-  end type strain_modes
+  integer, parameter :: most_functions = 2000      !! of all pieces together
+  integer, parameter :: watched = 2                !! of the last coefficients: neighbours may vanish by parity
 
 contains
 
-  subroutine solve_strain_modes(operator, count, modes, monitor, demand)
-    !! Find the first `count` modes; not `resolved`, and maybe without arrays, where there are none to be had.
-    type(beam_operator), intent(in) :: operator
+  subroutine strain_modes(given, count, struck, set, monitor, demand)
+    !! Find the first `count` modes; not `resolved`, with arrays in which nothing moves, where there are none to be had.
+    type(varying_beam), intent(in) :: given
     integer, intent(in) :: count                   !! ≥ 1
-    type(strain_modes), intent(out) :: modes
-    class(monitor_type), intent(inout), optional :: monitor    !! none are found where it asks to stop
+    integer, intent(in) :: struck                  !! the joint at which the mass strikes
+    type(strain_set), intent(out) :: set
+    class(monitor_type), intent(inout), optional :: monitor   !! none are found where it asks to stop
     type(mode_demand), intent(in), optional :: demand
     type(mode_demand) :: wanted
-    integer :: functions
+    integer :: functions(size(given%beam%piece))
+    real(dp) :: last
     if (present(demand)) wanted = demand
-    functions = first_guess(operator, count, wanted)
-    if (functions > most_functions) return
+    functions = first_guess(given, count, wanted)
     do
-      call solve_with(operator, count, functions, modes, monitor)
-      if (stops(monitor)) return
-      if (modes%resolved) modes%resolved = all(last_coefficients(modes) < wanted%negligible())
-      if (modes%resolved .or. functions == most_functions) exit
-      functions = min(functions + functions/2, most_functions)
+      call modes_with(given, count, functions, struck, set, last, monitor)
+      if (stops(monitor) .or. .not. set%resolved .or. last < wanted%negligible()) exit
+      functions = functions + functions/2
+      set%resolved = sum(functions) <= most_functions
+      if (.not. set%resolved) exit
     end do
-  end subroutine solve_strain_modes
+    if (stops(monitor)) set%resolved = .false.
+    if (.not. set%resolved) call leave_empty(given, count, set)
+    set%given = given
+    if (.not. wanted%waves) return
+    if (set%resolved) call find_waves(given, set)
+    set%critical_speed = critical_speed_of(given)
+  end subroutine strain_modes
 
-  pure integer function first_guess(operator, count, wanted)
-    !! How many functions to try first. Half a wave of mode k needs π/2 polynomials, and the ends need more. Tension leaves bending
-    !! to a layer at the clamp of length δ = √((1 + s²T)/T), which needs about 4/√δ.
-    type(beam_operator), intent(in) :: operator
+  pure function first_guess(given, count, wanted) result(functions)
+    !! What the shortest wave needs, which waves share among the pieces as they do in a beam without tension, and the layers of
+    !! thickness δ = √(B(1 + sT)/T) in which tension leaves bending to the ends of a piece, unless they are so thin that they are
+    !! pieces of their own (bw_tension_layers).
+    type(varying_beam), intent(in) :: given
     integer, intent(in) :: count
     type(mode_demand), intent(in) :: wanted
-    real(dp), parameter :: layer = 2.5_dp          ! tuned: what is never enough
-    real(dp) :: pull
-    first_guess = wanted%ends(30) + count + (3*count)/4    ! tuned
-    if (.not. allocated(operator%tension)) return
-    pull = operator%tension(1)
-    if (allocated(operator%shear)) pull = pull/(1.0_dp + operator%shear%compliance*pull)
-    first_guess = max(first_guess, int(min(layer*sqrt(sqrt(pull)), 2.0_dp*most_functions)))
+    integer :: functions(size(given%beam%piece))
+    real(dp), dimension(size(functions)) :: waves, layers, pull
+    real(dp), parameter :: pi = acos(-1.0_dp)
+    associate (piece => given%beam%piece)
+      waves = piece%length%hi*sqrt(sqrt(piece%mass%hi/piece%stiffness%hi))
+      pull = given%beam%spin_squared%hi*pulls(given)
+      layers = piece%length%hi*sqrt(pull/piece%stiffness%hi/(1.0_dp + piece%compliance%hi*pull))
+      functions = wanted%functions(pi*count*waves/sum(waves), merge(layers, 0.0_dp, layers <= most_layers))
+    end associate
   end function first_guess
 
-  subroutine solve_with(operator, count, functions, modes, monitor)
-    !! Find modes in a given number of functions; `resolved` says no more than that LAPACK had no trouble.
-    type(beam_operator), intent(in) :: operator
-    integer, intent(in) :: count
-    integer, intent(in) :: functions               !! ≥ `count` and 3
-    type(strain_modes), intent(out) :: modes
-    class(monitor_type), intent(inout), optional :: monitor
-    call build_system(operator, functions, modes%system)
-    call solve_system(count, modes, monitor)
-  end subroutine solve_with
+  pure function pulls(given) result(pull)
+    !! T/Ω² at the inner ends of the pieces.
+    type(varying_beam), intent(in) :: given
+    real(dp) :: pull(size(given%law))
+    integer :: i
+    pull = [(given%law(i)%tension(1) + given%law(i)%pull, i=1, size(pull))]
+  end function pulls
 
-  subroutine solve_system(count, modes, monitor)
-    !! Find modes of a system that is built; `resolved` says no more than that LAPACK had no trouble.
-    integer, intent(in) :: count                   !! ≤ unknowns
-    type(strain_modes), intent(inout) :: modes     !! of which there is a system
+  subroutine modes_with(given, count, functions, struck, set, last, monitor)
+    !! Find modes in given numbers of functions, without their waves.
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: count
+    integer, intent(in) :: functions(:)            !! of each strain in a piece, (pieces)
+    integer, intent(in) :: struck
+    type(strain_set), intent(out) :: set
+    real(dp), intent(out) :: last                  !! their largest last coefficient: small where the functions were enough
     class(monitor_type), intent(inout), optional :: monitor
-    integer :: info
-    associate (s => modes%system%stiffness, b => modes%system%mass_root)
-      call dpotrf('L', size(s, 1), s, size(s, 1), info)
-      if (info == 0) call divide_by_factor(s, b, monitor)
+    type(strain_system) :: system
+    type(dd) :: shift
+    real(dp), allocatable :: period(:), motion(:, :), strain(:, :)
+    last = huge(last)
+    set%count = count
+    call factor_system(given, functions, system, shift, set%resolved)
+    if (set%resolved) set%resolved = count <= system%layout%unknowns
+    if (.not. set%resolved) return
+    call solve_system(count, system, period, motion, strain, set%resolved, monitor)
+    if (.not. set%resolved) return
+    set%given = given
+    call find_motions(system, motion, strain, set)
+    call find_squares(given, period, shift, set)
+    last = maxval(last_coefficients(set))
+    call normalise(struck, set)
+  end subroutine modes_with
+
+  subroutine factor_system(given, functions, system, shift, factored)
+    !! Build the system with the smallest shift that leaves S positive definite, whose factor L takes its place. In plane σ = Ω²
+    !! leaves K and Ω² times the inertia of turning, so that A, which may be a small difference, is never built; out of plane A itself
+    !! is positive definite unless sections turn too fast. A beam that floats has a shift of 1 more.
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: functions(:)
+    type(strain_system), intent(out) :: system
+    type(dd), intent(out) :: shift                 !! σ
+    logical, intent(out) :: factored
+    type(dd) :: shifts(3)
+    integer :: i, info
+    shifts = [dd(), given%beam%spin_squared, given%beam%spin_squared + to_dd(1.0_dp)]
+    do i = merge(2, 1, given%beam%in_plane), size(shifts)
+      shift = shifts(i)
+      call build_system(given, functions, shift, system)
+      associate (s => system%stiffness)
+        call dpotrf('L', size(s, 1), s, size(s, 1), info)
+      end associate
+      factored = info == 0
+      if (factored) return
+    end do
+  end subroutine factor_system
+
+  subroutine solve_system(count, system, period, motion, strain, resolved, monitor)
+    !! The first modes with BᵀB-norm 1.
+    integer, intent(in) :: count                   !! ≤ unknowns
+    type(strain_system), intent(inout) :: system   !! factored; its matrices are used up
+    real(dp), allocatable, intent(out) :: period(:)        !! p = (β² + σ)^(−½), descending, (modes)
+    real(dp), allocatable, intent(out) :: motion(:, :)     !! rows of B, (rows, modes)
+    real(dp), allocatable, intent(out) :: strain(:, :)     !! unknowns, L⁻ᵀ(right singular vector)/p, (unknowns, modes)
+    logical, intent(out) :: resolved               !! no more than that LAPACK had no trouble
+    class(monitor_type), intent(inout), optional :: monitor
+    integer :: info, k
+    resolved = .false.
+    associate (s => system%stiffness, b => system%mass_root)
+      call dtrsm('R', 'L', 'T', 'N', size(b, 1), size(b, 2), 1.0_dp, s, size(s, 1), b, size(b, 1))
+      if (stops(monitor)) return
+      call singular_values(b, count, period, motion, strain, info)
+      if (info /= 0) return
+      if (stops(monitor)) return
+      resolved = all(period > 0.0_dp)
+      if (.not. resolved) return
+      call dtrsm('L', 'L', 'T', 'N', size(strain, 1), count, 1.0_dp, s, size(s, 1), strain, size(strain, 1))
+      do k = 1, count
+        strain(:, k) = strain(:, k)/period(k)
+      end do
     end associate
-    if (stops(monitor)) return
-    if (info == 0) call singular_values(modes%system%mass_root, count, modes%period, modes%motion, modes%strain, info, monitor)
-    modes%resolved = info == 0
-    if (stops(monitor)) modes%resolved = .false.
-    if (modes%resolved) modes%resolved = all(modes%period > 0.0_dp)
-    if (modes%resolved) call find_strains(modes)
-    deallocate (modes%system%stiffness, modes%system%mass_root)
   end subroutine solve_system
 
-  subroutine find_strains(modes)
-    !! Find the unknowns x = L⁻ᵀ(right singular vector)/value, and from them the strains.
-    type(strain_modes), intent(inout) :: modes
-    integer :: k
-    associate (s => modes%system%stiffness, x => modes%strain)
-      call dtrsm('L', 'L', 'T', 'N', size(x, 1), size(x, 2), 1.0_dp, s, size(s, 1), x, size(x, 1))
-      do k = 1, size(x, 2)
-        x(:, k) = x(:, k)/modes%period(k)
+  subroutine find_motions(system, motion, strain, set)
+    !! What the pieces and the joints do in modes of mass 1. Deflections are those of the left singular vectors: they have
+    !! digits where strains have lost them.
+    type(strain_system), intent(in) :: system
+    real(dp), intent(in) :: motion(:, :), strain(:, :)     !! those of `solve_system`
+    type(strain_set), intent(inout) :: set
+    integer :: i, n, row
+    associate (beam => set%given%beam, layout => system%layout)
+      n = size(beam%piece)
+      allocate (set%piece(n), set%deflection(0:n, set%count), set%turning(0:n, set%count))
+      associate (joints => strain(layout%of_joints, :), m => layout%joints%number)
+        set%deflection = matmul(transpose(layout%joints%deflection(:m, :)), joints)
+        set%turning = matmul(transpose(layout%joints%turning(:m, :)), joints)
+      end associate
+      row = 0
+      do i = 1, n
+        associate (piece => beam%piece(i), f => layout%functions(i))
+          set%piece(i) = motions_of(piece, f, layout%shear, ends_and_inside(i))
+          set%piece(i)%deflection = unfactored(set%given%law(i)%mass, motion(row + 1:row + f + 2, :)) &
+            /sqrt(piece%mass%hi*piece%length%hi)
+          row = row + f + 2
+          if (piece%rotary%hi > 0.0_dp) row = row + f + 1
+        end associate
       end do
-      if (modes%system%tip_row > 0) call sharpen_tip(modes)
-      if (allocated(modes%system%tip)) call modes%system%tip%from_rows(x)
     end associate
-  end subroutine find_strains
+  contains
+    pure function ends_and_inside(i) result(columns)
+      integer, intent(in) :: i
+      real(dp), allocatable :: columns(:, :)
+      integer :: inside
+      associate (layout => system%layout)
+        inside = strains_inside(layout%functions(i), layout%shear)
+        allocate (columns(4 + inside, size(strain, 2)))
+        columns(:4, :) = matmul(ends_of(layout, i), strain(layout%of_joints, :))
+        columns(5:, :) = strain(layout%inside(i) + 1:layout%inside(i) + inside, :)
+      end associate
+    end function ends_and_inside
+  end subroutine find_motions
 
-  subroutine divide_by_factor(s, b, monitor)
-    !! Replace B by B L⁻ᵀ, a batch of rows at a time.
-    real(dp), intent(in) :: s(:, :)
-    real(dp), intent(inout) :: b(:, :)
-    class(monitor_type), intent(inout), optional :: monitor
-    integer, parameter :: batch = 512
-    integer :: first, last
-    do first = 1, size(b, 1), batch
-      if (stops(monitor)) return
-      last = min(first + batch - 1, size(b, 1))
-      call dtrsm('R', 'L', 'T', 'N', last - first + 1, size(b, 2), 1.0_dp, s, size(s, 1), b(first:last, :), last - first + 1)
+  ! β²
+
+  pure subroutine find_squares(given, period, shift, set)
+    !! β², of modes of mass 1. The terms of rotation are about Ω², and what rounding leaves where they cancel is 0: a beam that
+    !! turns freely about the axis of its rotation is at rest anywhere.
+    type(varying_beam), intent(in) :: given
+    real(dp), intent(in) :: period(:)
+    type(dd), intent(in) :: shift                  !! σ
+    type(strain_set), intent(inout) :: set
+    real(dp), parameter :: rest = 16.0_dp*epsilon(1.0_dp)
+    real(dp) :: quotient(set%count)
+    type(dd) :: p
+    integer :: k
+    allocate (set%beta_squared(set%count), set%rotation(set%count), set%modal_mass(set%count))
+    set%modal_mass = 1.0_dp
+    do k = 1, set%count
+      p = to_dd(period(k))
+      set%beta_squared(k) = to_dd(1.0_dp)/(p*p) - shift
+      set%rotation(k) = rotation_term(given, set, k)
+      quotient(k) = set%work(k, k) + set%rotation(k)
     end do
-  end subroutine divide_by_factor
+    call choose_squares(quotient, shift%hi, set)
+    where (abs(set%beta_squared%hi) <= rest*given%beam%spin_squared%hi) set%beta_squared = dd()
+  end subroutine find_squares
 
-  pure subroutine sharpen_tip(modes)
-    !! Find √γ v(1) of a heavy mass that hardly moves from the force on it: the row of v(1) in S x = p⁻²M x.
-    type(strain_modes), intent(inout) :: modes
-    real(dp) :: force, push, rounding
-    integer :: k
-    associate (system => modes%system, x => modes%strain, u => modes%motion, gamma => modes%system%mass)
-      do k = 1, size(modes%period)
-        push = sqrt(gamma)*(modes%period(k)**(-2) - system%mass_weight)   ! over √γ, lest γ take it out of range
-        force = dot_product(system%force, x(:, k)) - dot_product(system%pushed, u(:, k))/modes%period(k)**2
-        rounding = norm2(system%force)*norm2(x(:, k)) + norm2(system%pushed)/modes%period(k)**2
-        if (rounding < push) u(system%tip_row, k) = force/push
+  pure subroutine choose_squares(quotient, shift, set)
+    !! Choose β² between that of the singular values, which the set has, and Rayleigh's quotient of the modes' shapes. The former is
+    !! a small difference where the shift or what rotation takes is larger; and where a system is badly conditioned, as with springs
+    !! of very different strength, it is off by all that the two differ, since the quotient is off by the square of what a shape is.
+    !! Where the two do not agree at all the modes are not resolved.
+    real(dp), intent(in) :: quotient(:)            !! (modes)
+    real(dp), intent(in) :: shift                  !! σ ≥ 0
+    type(strain_set), intent(inout) :: set
+    real(dp), parameter :: agreement = 1.0e-8_dp
+    real(dp), parameter :: conditioned = 2.0e-14_dp       ! tuned: what the two differ by at most where all is well
+    real(dp), parameter :: rounding = 16.0_dp*epsilon(1.0_dp)   ! of all terms otherwise, by comparison with power series
+    real(dp), dimension(size(quotient)) :: scale, difference
+    scale = shift + (quotient - set%rotation) + abs(set%rotation)
+    difference = abs(quotient - set%beta_squared%hi)
+    set%resolved = all(difference <= agreement*scale)
+    set%square_rounding = max(rounding*scale, min(difference, conditioned*scale))
+    where (abs(set%beta_squared%hi) < 0.5_dp*scale .or. difference > conditioned*scale) set%beta_squared = to_dd(quotient)
+  end subroutine choose_squares
+
+  pure real(dp) function rotation_term(given, set, k) result(term)
+    !! Work against the tension, less Ω² times what of the mass the centrifugal force acts on.
+    type(varying_beam), intent(in) :: given
+    type(strain_set), intent(in) :: set
+    integer, intent(in) :: k
+    integer :: i
+    term = 0.0_dp
+    do i = 1, size(set%piece)
+      associate (piece => given%beam%piece(i), law => given%law(i), motion => set%piece(i))
+        term = term + piece%length%hi*weighed(law%tension, motion%slope(:, k))
+        if (given%beam%in_plane) then
+          term = term - piece%mass%hi*piece%length%hi*weighed(law%mass, motion%deflection(:, k))
+        else
+          term = term - piece%rotary%hi*piece%length%hi*weighed(law%rotary, motion%turning(:, k))
+        end if
+        term = term + given%beam%joint(i)%mass%hi*body_term(given, set, k, i)
+      end associate
+    end do
+    term = given%beam%spin_squared%hi*term
+  end function rotation_term
+
+  pure real(dp) function weighed(law, f) result(integral)
+    !! ∫w f² over a piece, as it were of the length 1.
+    real(dp), intent(in) :: law(:)                 !! of w
+    real(dp), intent(in) :: f(:)                   !! coefficients
+    integral = dot_product(f, times_polynomial(law, f))
+  end function weighed
+
+  pure real(dp) function body_term(given, set, k, joint) result(term)
+    !! What a body at ξ_b adds by its mass: with tension (R + ξ_b)∫v'² dξ as far as there, in plane less v(ξ_b)². With the mean slope
+    !! s, v(ξ_b) = v(0) + sξ_b, both are (R + ξ_b)∫(v' − s)² + Rs²ξ_b − v(0)(v(0) + 2sξ_b), in which nothing cancels at a root that
+    !! does not move, however heavy the body.
+    type(varying_beam), intent(in) :: given
+    type(strain_set), intent(in) :: set
+    integer, intent(in) :: k, joint
+    real(dp) :: mean, place
+    integer :: i
+    term = 0.0_dp
+    associate (v => set%deflection(:, k), in_plane => given%beam%in_plane, hub => given%hub_radius)
+      if (.not. given%is_pulled) then
+        if (in_plane) term = -v(joint + 1)**2
+        return
+      end if
+      place = sum(given%beam%piece(:joint)%length%hi)
+      mean = 0.0_dp
+      if (in_plane) mean = (v(joint + 1) - v(1))/place
+      do i = 1, joint
+        associate (slope => set%piece(i)%slope(:, k))
+          term = term + given%beam%piece(i)%length%hi*((slope(1) - mean)**2 + sum(slope(2:)**2))
+        end associate
       end do
+      term = (hub + place)*term
+      if (in_plane) term = term + hub*mean**2*place - v(1)*(v(1) + 2.0_dp*mean*place)
     end associate
-  end subroutine sharpen_tip
+  end function body_term
 
-  pure function last_coefficients(modes) result(largest)
-    !! The largest of the last coefficients of v, and of rψ where there is shear: how far a mode is from being resolved, (modes).
-    type(strain_modes), intent(in) :: modes
-    real(dp) :: largest(size(modes%period))
-    integer :: last
-    last = modes%system%functions + 2
-    largest = maxval(abs(modes%motion(last - watched + 1:last, :)), dim=1)
-    if (modes%system%turn_row == 0) return
-    last = modes%system%turn_row + modes%system%functions
-    largest = max(largest, maxval(abs(modes%motion(last - watched + 1:last, :)), dim=1))
+  pure function last_coefficients(set) result(largest)
+    !! The largest of the last coefficients of √(mL) v, and of √(ρIL) ψ, in any piece, (modes).
+    type(strain_set), intent(in) :: set
+    real(dp) :: largest(set%count)
+    integer :: i, n
+    largest = 0.0_dp
+    do i = 1, size(set%piece)
+      associate (piece => set%given%beam%piece(i), v => set%piece(i)%deflection, psi => set%piece(i)%turning)
+        n = size(v, 1)
+        largest = max(largest, sqrt(piece%mass%hi*piece%length%hi)*maxval(abs(v(n - watched + 1:, :)), dim=1))
+        largest = max(largest, sqrt(piece%rotary%hi*piece%length%hi)*maxval(abs(psi(n - watched:, :)), dim=1))
+      end associate
+    end do
   end function last_coefficients
+
+  pure subroutine normalise(struck, set)
+    !! Scale modes from mass 1 to ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+    integer, intent(in) :: struck
+    type(strain_set), intent(inout) :: set
+    real(dp) :: scale
+    integer :: i, k
+    do k = 1, set%count
+      scale = 0.0_dp
+      do i = 1, size(set%piece)
+        scale = scale + set%given%beam%piece(i)%length%hi*sum(set%piece(i)%deflection(:, k)**2)
+      end do
+      scale = 1.0_dp/sqrt(scale)
+      set%modal_mass(k) = scale**2
+      if (mod(k, 2) == 0 .neqv. set%deflection(size(set%piece), k) > 0.0_dp) scale = -scale
+      set%deflection(:, k) = scale*set%deflection(:, k)
+      set%turning(:, k) = scale*set%turning(:, k)
+      do i = 1, size(set%piece)
+        associate (piece => set%piece(i))
+          piece%strain(:, k) = scale*piece%strain(:, k)
+          piece%turning(:, k) = scale*piece%turning(:, k)
+          piece%slope(:, k) = scale*piece%slope(:, k)
+          piece%deflection(:, k) = scale*piece%deflection(:, k)
+        end associate
+      end do
+    end do
+    set%struck_joint = struck
+    set%struck = set%deflection(struck, :)
+  end subroutine normalise
+
+  subroutine find_waves(given, set)
+    !! Mean wave numbers over the beam, and the velocities that follow from them.
+    type(varying_beam), intent(in) :: given
+    type(strain_set), intent(inout) :: set
+    real(dp), allocatable :: z(:), weight(:), p(:), rise(:)
+    real(dp) :: slope
+    integer :: i, k
+    call mean_rule(z, weight)
+    allocate (set%alpha(set%count), source=0.0_dp)
+    allocate (set%phase_velocity(set%count), set%group_velocity(set%count), source=missing)
+    allocate (p(size(z)), rise(size(z)))
+    do k = 1, set%count
+      slope = 0.0_dp
+      associate (square => set%beta_squared(k)%hi)
+        do i = 1, size(set%piece)
+          associate (piece => given%beam%piece(i), spin => given%beam%spin_squared%hi)
+            call local_wave(sections_of(given, i, 1.0_dp - z**2), spin, given%beam%in_plane, square, p, rise)
+            set%alpha(k) = set%alpha(k) + piece%length%hi*sum(weight*p)
+            slope = slope + piece%length%hi*sum(weight*rise)
+          end associate
+        end do
+        if (square >= 0.0_dp .and. set%alpha(k) > 0.0_dp) set%phase_velocity(k) = sqrt(square)/set%alpha(k)
+        if (square > 0.0_dp .and. slope > 0.0_dp) set%group_velocity(k) = 0.5_dp/(sqrt(square)*slope)
+      end associate
+    end do
+  end subroutine find_waves
+
+  pure function sections_of(given, i, x) result(section)
+    !! What waves depend on at places of a piece, (places).
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: i
+    real(dp), intent(in) :: x(:)                   !! from 0 to 1 over the piece
+    type(wave_section) :: section(size(x))
+    associate (piece => given%beam%piece(i), law => given%law(i))
+      section%stiffness = piece%stiffness%hi*value_of(law%stiffness, x)
+      section%mass = piece%mass%hi*value_of(law%mass, x)
+      section%compliance = piece%compliance%hi/value_of(law%shear, x)
+      section%rotary = piece%rotary%hi*value_of(law%rotary, x)
+      section%tension = given%beam%spin_squared%hi*value_of(given%tension(i), x)
+    end associate
+  end function sections_of
+
+  pure subroutine leave_empty(given, count, set)
+    !! Make a set whose modes could not be found: arrays of the right lengths, in which nothing moves.
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: count
+    type(strain_set), intent(out) :: set
+    integer :: i, n
+    n = size(given%beam%piece)
+    set%count = count
+    set%resolved = .false.
+    allocate (set%alpha(count), set%phase_velocity(count), set%group_velocity(count), source=missing)
+    allocate (set%modal_mass(count), source=1.0_dp)
+    allocate (set%struck(count), set%rotation(count), set%deflection(0:n, count), set%turning(0:n, count), source=0.0_dp)
+    set%beta_squared = spread(dd(), 1, count)
+    allocate (set%piece(n))
+    do i = 1, n
+      associate (piece => set%piece(i))
+        allocate (piece%strain(3, count), piece%turning(4, count), piece%slope(4, count), piece%deflection(5, count), source=0.0_dp)
+      end associate
+    end do
+  end subroutine leave_empty
+
+  type(dd) function critical_speed_of(given) result(omega)
+    !! The lowest Ω at which a mode is unstable, 0 where there is none: there Kx = Ω²Gx, G being what Ω² takes from the
+    !! stiffness; both are linear in Ω². A beam that floats or turns freely has none here.
+    type(varying_beam), intent(in) :: given
+    real(dp), parameter :: agreement = 1.0e-11_dp
+    type(dd) :: before
+    integer :: functions(size(given%beam%piece))
+    functions = first_guess(given, 1, mode_demand())
+    omega = critical_speed_in(given, functions)
+    do
+      before = omega
+      functions = functions + functions/2
+      omega = critical_speed_in(given, functions)
+      if (abs(omega%hi - before%hi) <= agreement*omega%hi .or. sum(functions) > most_functions) exit
+    end do
+  end function critical_speed_of
+
+  type(dd) function critical_speed_in(given, functions) result(omega)
+    !! That speed in given numbers of functions.
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: functions(:)
+    real(dp), parameter :: rounding = 1.0e-13_dp   ! of the largest value: where tension holds everything, nothing is left but it
+    real(dp), allocatable :: stiffness(:, :), push(:, :), value(:), work(:)
+    integer :: info
+    call forms_of_spin(given, functions, stiffness, push)
+    associate (n => size(push, 1))
+      allocate (value(n), work(64*n))
+      call dsygv(1, 'N', 'L', n, push, n, stiffness, n, value, work, size(work), info)
+      omega = dd()
+      if (info /= 0) return
+      if (value(n) > rounding*maxval(abs(value))) omega = to_dd(1.0_dp/sqrt(value(n)))
+    end associate
+  end function critical_speed_in
 
 end module bw_strain_modes

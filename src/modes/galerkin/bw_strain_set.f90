@@ -1,115 +1,244 @@
 module bw_strain_set
-  !! What sets and sources of modes that are known by the coefficients of their strains have in common, be the beam uniform or of
-  !! several pieces: modes are taken from those that were solved for, and Rayleigh's damping couples them.
+  !! Modes of a beam of pieces that are known by the coefficients of their strains in each piece: shapes, overlaps and energies
+  !! are sums of products, the polynomials being orthonormal. Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
   use bw_damping, only: damping_law
-  use bw_double_double, only: dd, to_dd
+  use bw_double_double, only: dd, to_dd, operator(+)
   use bw_kinds, only: dp
   use bw_mode_set, only: mode_set
+  use bw_monitor, only: monitor_type
+  use bw_piece_shape, only: beam_place, place_of
+  use bw_piece_strains, only: piece_motions
+  use bw_strain_basis, only: basis_values, times_polynomial
+  use bw_strain_system, only: stressed
+  use bw_varying_beam, only: value_of, varying_beam
   implicit none (type, external)
   private
-  public :: choose_squares, products
 
-  type, abstract, extends(mode_set), public :: strain_set
-    !! Shapes have ∫Φ² dξ = 1 and a tip value of sign (−1)^k.
+  type, extends(mode_set), public :: strain_set
+    type(varying_beam) :: given
+    type(piece_motions), allocatable :: piece(:)   !! coefficients of the shapes and of their strains, (pieces)
+    real(dp), allocatable :: deflection(:, :)      !! of the joints, (0:pieces, n)
+    real(dp), allocatable :: turning(:, :)         !! of the joints, (0:pieces, n)
     real(dp), allocatable :: rotation(:)           !! β² less the elastic stiffness over the mass, (n)
+    integer :: struck_joint = 1                    !! where the mass strikes, or has been captured
+    real(dp) :: body_inertia = 0.0_dp              !! J of the body that has been captured there
+    real(dp) :: body_pull = 0.0_dp                 !! Ω²γ(ξ₀ + R): tension that its mass brings into the beam inside of it
   contains
-    procedure :: take_numbers
-    procedure(chosen_interface), deferred :: choose
-    procedure(works_interface), deferred :: works
+    procedure :: choose
+    procedure :: some_shapes => shapes_of_strains
+    procedure :: some_curvatures => curvatures_of_strains
+    procedure :: overlap_with_mass
+    procedure :: overlap_of_beam
+    procedure :: elastic => elastic_of_strains
+    procedure :: work
     procedure :: coupling
+    procedure :: body_energy => energy_of_body
   end type strain_set
-
-  abstract interface
-    subroutine chosen_interface(self, number, chosen)
-      !! Take some of these modes, undamped.
-      import :: strain_set
-      implicit none (type, external)
-      class(strain_set), intent(in) :: self
-      integer, intent(in) :: number(:)             !! of the modes, ascending
-      class(strain_set), allocatable, intent(out) :: chosen
-    end subroutine chosen_interface
-
-    pure function works_interface(self) result(works)
-      !! The work of the elastic forces of each mode in each, of modes of mass 1, (n, n).
-      import :: strain_set, dp
-      implicit none (type, external)
-      class(strain_set), intent(in) :: self
-      real(dp) :: works(self%count, self%count)
-    end function works_interface
-  end interface
 
 contains
 
-  pure subroutine choose_squares(self, quotient, shift)
-    !! Choose β² between that of the singular values, which the set has, and Rayleigh's quotient of the modes' shapes. The former is
-    !! a small difference where the shift is larger; and where a system is badly conditioned, as with springs of very different
-    !! strength, it is off by all that the two differ, since the quotient is off by the square of what a shape is. Where the two do
-    !! not agree at all the modes are not resolved.
-    class(strain_set), intent(inout) :: self
-    real(dp), intent(in) :: quotient(:)            !! (n)
-    real(dp), intent(in) :: shift                  !! σ ≥ 0
-    real(dp), parameter :: agreement = 1.0e-8_dp
-    real(dp), parameter :: conditioned = 2.0e-14_dp       ! what the two differ by at most where all is well, by experience
-    real(dp), parameter :: rounding = 16.0_dp*epsilon(1.0_dp)   ! of β² + σ otherwise, by comparison with power series
-    real(dp), dimension(size(quotient)) :: scale, difference
-    scale = abs(self%beta_squared%hi) + shift
-    difference = abs(quotient - self%beta_squared%hi)
-    self%resolved = all(difference <= agreement*scale)
-    self%square_rounding = max(rounding*scale, min(difference, conditioned*scale))
-    where (abs(self%beta_squared%hi) < 0.5_dp*shift .or. difference > conditioned*scale) self%beta_squared = to_dd(quotient)
-  end subroutine choose_squares
-
-  pure subroutine take_numbers(self, all, number)
-    !! Take the numbers of some modes, but not their shapes, from those of all that were solved for.
-    class(strain_set), intent(inout) :: self
-    class(strain_set), intent(in) :: all
+  pure type(strain_set) function choose(self, number) result(chosen)
+    !! Take some of these modes, undamped.
+    class(strain_set), intent(in) :: self
     integer, intent(in) :: number(:)               !! of the modes, ascending
-    self%count = size(number)
-    self%gamma = all%gamma
-    self%struck_at = all%struck_at
-    self%uniform = all%uniform
-    self%root_power = all%root_power
-    self%resolved = all%resolved
-    self%critical_speed = all%critical_speed
-    self%grows_at_any_speed = all%grows_at_any_speed
-    self%alpha = all%alpha(number)
-    self%beta_squared = all%beta_squared(number)
-    if (allocated(all%square_rounding)) self%square_rounding = all%square_rounding(number)
-    self%struck = all%struck(number)
-    self%modal_mass = all%modal_mass(number)
-    self%phase_velocity = all%phase_velocity(number)
-    self%group_velocity = all%group_velocity(number)
-    self%rotation = all%rotation(number)
-  end subroutine take_numbers
+    integer :: i
+    chosen%count = size(number)
+    chosen%gamma = self%gamma
+    chosen%struck_at = self%struck_at
+    chosen%uniform = self%uniform
+    chosen%root_power = self%root_power
+    chosen%resolved = self%resolved
+    chosen%critical_speed = self%critical_speed
+    chosen%grows_at_any_speed = self%grows_at_any_speed
+    chosen%alpha = self%alpha(number)
+    chosen%beta_squared = self%beta_squared(number)
+    if (allocated(self%square_rounding)) chosen%square_rounding = self%square_rounding(number)
+    chosen%struck = self%struck(number)
+    chosen%modal_mass = self%modal_mass(number)
+    chosen%phase_velocity = self%phase_velocity(number)
+    chosen%group_velocity = self%group_velocity(number)
+    chosen%rotation = self%rotation(number)
+    chosen%given = self%given
+    chosen%struck_joint = self%struck_joint
+    chosen%body_inertia = self%body_inertia
+    chosen%body_pull = self%body_pull
+    allocate (chosen%piece(size(self%piece)))
+    allocate (chosen%deflection(0:size(self%piece), size(number)), source=self%deflection(:, number))
+    allocate (chosen%turning(0:size(self%piece), size(number)), source=self%turning(:, number))
+    do i = 1, size(self%piece)
+      associate (piece => self%piece(i))
+        chosen%piece(i) = piece_motions(piece%strain(:, number), piece%turning(:, number), piece%slope(:, number), &
+                                        piece%deflection(:, number))
+      end associate
+    end do
+  end function choose
+
+  pure function shapes_of_strains(self, first, last, xi) result(values)
+    !! At joints their own deflections.
+    class(strain_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    type(beam_place) :: place
+    real(dp) :: x
+    integer :: p
+    do p = 1, size(xi)
+      place = place_of(self%given%beam, xi(p))
+      x = 0.5_dp + place%offset%hi/self%given%beam%piece(place%piece)%length%hi
+      if (x <= 0.0_dp) then
+        values(:, p) = self%deflection(place%piece - 1, first:last)
+      else if (x >= 1.0_dp) then
+        values(:, p) = self%deflection(place%piece, first:last)
+      else
+        associate (f => self%piece(place%piece)%deflection)
+          values(:, p:p) = matmul(transpose(f(:, first:last)), basis_values(size(f, 1), [x]))
+        end associate
+      end if
+      if (xi(p) == self%struck_at) values(:, p) = self%struck(first:last)
+    end do
+  end function shapes_of_strains
+
+  pure function curvatures_of_strains(self, first, last, xi) result(values)
+    !! The moment over EI of the root piece; at a joint that of the piece inside it. Exactly 0 at a tip where nothing turns it.
+    class(strain_set), intent(in) :: self
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)
+    real(dp) :: values(last - first + 1, size(xi))
+    type(beam_place) :: place
+    real(dp) :: x
+    integer :: n, p
+    do p = 1, size(xi)
+      place = place_of(self%given%beam, xi(p))
+      associate (piece => self%given%beam%piece(place%piece), f => self%piece(place%piece))
+        x = 0.5_dp + place%offset%hi/piece%length%hi
+        n = size(f%turning, 1) - 1
+        values(:, p:p) = sqrt(piece%stiffness%hi/piece%length%hi)/self%given%beam%piece(1)%stiffness%hi &
+          *matmul(transpose(f%strain(:n, first:last)), basis_values(n, [x]))
+        values(:, p:p) = values(:, p:p)*sum(value_of(self%given%law(place%piece)%stiffness, [x]))
+      end associate
+      associate (tip => self%given%beam%joint(size(self%given%beam%joint)))
+        if (xi(p) == 1.0_dp .and. tip%inertia%hi == 0.0_dp .and. tip%turning_stiffness%hi == 0.0_dp) values(:, p) = 0.0_dp
+      end associate
+    end do
+  end function curvatures_of_strains
+
+  function overlap_of_beam(self, from, amplitude, monitor) result(sums)
+    !! With all mass and inertia that both beams have.
+    class(strain_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! of the same pieces, springs and joints
+    real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor     ! not asked: it takes no time
+    real(dp) :: sums(self%count)
+    integer :: i, n
+    select type (from)
+    class is (strain_set)
+      n = size(amplitude)
+      sums = 0.0_dp
+      do i = 1, size(self%piece)
+        associate (piece => self%given%beam%piece(i), law => self%given%law(i), &
+                   joint => self%given%beam%joint(i), joint_too => from%given%beam%joint(i))
+          sums = sums &
+            + piece%mass%hi*piece%length%hi*products(law%mass, self%piece(i)%deflection, from%piece(i)%deflection, amplitude) &
+            + piece%rotary%hi*piece%length%hi*products(law%rotary, self%piece(i)%turning, from%piece(i)%turning, amplitude) &
+            + min(joint%mass%hi, joint_too%mass%hi)*self%deflection(i, :)*sum(from%deflection(i, :n)*amplitude) &
+            + min(joint%inertia%hi, joint_too%inertia%hi)*self%turning(i, :)*sum(from%turning(i, :n)*amplitude)
+        end associate
+      end do
+      if (present(monitor)) continue
+    class default
+      error stop 'bw_strain_set: modes found in different ways have no overlap'
+    end select
+  end function overlap_of_beam
+
+  function overlap_with_mass(self, from, amplitude, monitor) result(sums)
+    !! With the masses of either beam, but no inertia of a body that only one of them has: it arrives without spin.
+    class(strain_set), intent(in) :: self
+    class(mode_set), intent(in) :: from            !! as that of `overlap_of_beam`
+    real(dp), intent(in) :: amplitude(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    real(dp) :: sums(self%count)
+    integer :: i
+    sums = self%overlap_of_beam(from, amplitude, monitor)
+    select type (from)
+    class is (strain_set)
+      do i = 1, size(self%piece)
+        sums = sums + abs(self%given%beam%joint(i)%mass%hi - from%given%beam%joint(i)%mass%hi) &
+          *self%deflection(i, :)*sum(from%deflection(i, :size(amplitude))*amplitude)
+      end do
+    end select
+  end function overlap_with_mass
+
+  pure function elastic_of_strains(self) result(squares)
+    !! λ_k ≥ 0 from strains and springs, or from β² less what rotation adds where that is the smaller part: exactly β² where nothing
+    !! turns.
+    class(strain_set), intent(in) :: self
+    type(dd) :: squares(self%count)
+    integer :: k
+    squares = [(to_dd(self%work(k, k)/self%modal_mass(k)), k=1, self%count)]
+    where (abs(self%rotation) <= squares%hi) squares = self%beta_squared + to_dd(-self%rotation)
+    where (squares%hi < 0.0_dp) squares = dd()             ! β² has been rounded to 0
+  end function elastic_of_strains
+
+  pure real(dp) function work(self, j, k)
+    !! Of the elastic forces of mode j in mode k.
+    class(strain_set), intent(in) :: self
+    integer, intent(in) :: j, k
+    integer :: i
+    associate (root => self%given%beam%root, v => self%deflection, psi => self%turning)
+      work = root%stiffness%hi*v(0, j)*v(0, k) + root%turning_stiffness%hi*psi(0, j)*psi(0, k)
+      do i = 1, size(self%piece)
+        associate (piece => self%piece(i), law => self%given%law(i), joint => self%given%beam%joint(i))
+          work = work &
+            + dot_product(piece%strain(:, j), stressed(law%stiffness, law%shear, size(piece%turning, 1) - 1, piece%strain(:, k))) &
+            + joint%stiffness%hi*v(i, j)*v(i, k) + joint%turning_stiffness%hi*psi(i, j)*psi(i, k)
+        end associate
+      end do
+    end associate
+  end function work
 
   real(dp) function coupling(self, law) result(ratio)
     !! The largest ratio of what damping couples two modes to what damps each, |C_ij|/√(C_iiC_jj): how far the matrix that is
     !! treated as diagonal is from being so.
     class(strain_set), intent(in) :: self
     type(damping_law), intent(in) :: law           !! Rayleigh's: a ratio of each mode couples none
-    real(dp) :: gram(self%count, self%count), rate(self%count)
+    real(dp) :: rate(self%count)
     type(dd) :: elastic(self%count)
     integer :: i, j
-    gram = self%works()
     elastic = self%elastic()
-    rate = law%rates(elastic%hi)
+    rate = law%rates(elastic%hi)*self%modal_mass
     ratio = 0.0_dp
     do j = 1, self%count
       do i = 1, j - 1
-        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(gram(i, j))/sqrt(rate(i)*rate(j)))
+        if (rate(i) > 0.0_dp .and. rate(j) > 0.0_dp) ratio = max(ratio, abs(self%work(i, j))/sqrt(rate(i)*rate(j)))
       end do
     end do
     ratio = ratio*real(law%stiffness, dp)
   end function coupling
 
-  pure function products(onto, from, amplitude) result(sums)
-    !! Σ_i a_i Σ_j o_jk f_ji over the coefficients that both sets have, (modes of `onto`).
+  pure function energy_of_body(self, q, rate) result(energy)
+    !! ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inside of it: how far its centrifugal force has been drawn inwards.
+    !! Rotation does no work on its turning: in plane (ω + ψ̇)² leaves none, and out of plane the body is isotropic.
+    class(strain_set), intent(in) :: self
+    real(dp), intent(in) :: q(:), rate(:)          !! (modes)
+    real(dp) :: energy(2)
+    integer :: i
+    energy(1) = 0.5_dp*self%body_inertia*dot_product(self%turning(self%struck_joint, :size(rate)), rate)**2
+    energy(2) = 0.0_dp
+    do i = 1, self%struck_joint
+      energy(2) = energy(2) + 0.5_dp*self%body_pull*self%given%beam%piece(i)%length%hi &
+        *sum(matmul(self%piece(i)%slope(:, :size(q)), q)**2)
+    end do
+  end function energy_of_body
+
+  pure function products(weight, onto, from, amplitude) result(sums)
+    !! Σ_i a_i∫w o_k f_i over the polynomials that both sets have, (modes of `onto`).
+    real(dp), intent(in) :: weight(:)                      !! law of w
     real(dp), intent(in) :: onto(:, :), from(:, :)         !! coefficients, (functions, modes)
     real(dp), intent(in) :: amplitude(:)
     real(dp) :: sums(size(onto, 2))
     integer :: n
     n = min(size(onto, 1), size(from, 1))
-    sums = matmul(matmul(from(:n, :size(amplitude)), amplitude), onto(:n, :))
+    sums = matmul(times_polynomial(weight, matmul(from(:n, :size(amplitude)), amplitude)), onto(:n, :))
   end function products
 
 end module bw_strain_set

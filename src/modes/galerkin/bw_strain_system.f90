@@ -1,181 +1,276 @@
 module bw_strain_system
-  !! A beam with tension, shear, and mass and inertia at its tip, in a basis of strains.
+  !! A beam of pieces with tension, uniform or tapering, in the strains of bw_piece_strains: S = A + σM and B with M = BᵀB. The
+  !! rows of B are the coefficients of √(mL) v and √(ρIL) ψ in each piece, in a piece that tapers times the factor C of the weight,
+  !! W = CᵀC, and √m_b v and √J ψ of the bodies. All is exact, since tension and sections are polynomials.
   !!
-  !! The unknowns are the coefficients z = (a, b) of the curvature κ = Σa_jp_j and, with shear, of the shear strain
-  !! sΣb_jp_j. From the clamped end ψ = ∫κ, v' = ψ (+ shear strain), v = ∫v', so
-  !!
-  !! - the elastic stiffness is the identity: no locking;
-  !! - mass is M = BᵀB, the rows of B being the coefficients of v and of rψ, and √γ v(1) and √J ψ(1): exact;
-  !! - what tension adds is exact too, T being quadratic.
-  !!
-  !! With a body at the tip v(1) and ψ(1) stand for the strains that move it (bw_strain_basis).
-  !!
-  !! With the modes' equation A x = β²M x, S = A + σM is positive definite for the shift σ chosen here, even beyond a
-  !! critical speed. With S = LLᵀ the singular values of B L⁻ᵀ are (β² + σ)^(−½) and its left singular vectors hold the
-  !! coefficients of v and ψ: neither M nor v is ever a difference of large numbers, and all modes keep their digits.
+  !! The modes' equation is A x = β²M x. In plane A = K − Ω²(mass of v), out of plane A = K − Ω²(inertia of ψ), K with the tension.
+  use bw_double_double, only: dd
   use bw_kinds, only: dp
-  use bw_beam_operator, only: beam_operator
-  use bw_double_double, only: dd, operator(*)
-  use bw_strain_basis, only: integral, integral_transposed, times_quadratic, tip_coordinates, tip_coordinates_of
+  use bw_lapack, only: dpbtrf
+  use bw_piece_strains, only: columns_of, ends_of, forces_on, layout_of, motions_of, piece_forces, piece_motions, strain_layout
+  use bw_strain_basis, only: times_polynomial
+  use bw_varying_beam, only: varying_beam
   implicit none (type, external)
   private
-  public :: build_system
-
-  real(dp), parameter :: weak_turning = 0.25_dp
-    !! (rΩ)² up to which the turning of the sections out of plane leaves A positive definite: π²/4 at most
+  public :: build_system, forms_of_spin, stressed, unfactored
 
   type, public :: strain_system
-    integer :: functions = 0                    !! n, of each strain
-    real(dp), allocatable :: stiffness(:, :)    !! S, (unknowns, unknowns)
-    real(dp), allocatable :: mass_root(:, :)    !! B, (rows, unknowns): n + 2 for v, then what there is of ψ, γ and J
-    integer :: turn_row = 0                     !! where the n + 1 rows of rψ begin; 0: none
-    integer :: tip_row = 0                      !! the row √γ v(1); 0: none
-    integer :: inertia_row = 0                  !! the row √J ψ(1); 0: none
-    type(tip_coordinates), allocatable :: tip   !! unknowns of the tip; unallocated: there are none
-    real(dp), allocatable :: force(:)           !! the row of v(1) in S, without the mass; unallocated where there is none
-    real(dp), allocatable :: pushed(:)          !! the column of v(1) in B, likewise
-    real(dp) :: mass = 0.0_dp                   !! γ at the tip
-    real(dp) :: mass_weight = 0.0_dp            !! by which the mass enters S beside the shift
-    type(dd) :: shift                           !! σ
+    type(strain_layout) :: layout
+    real(dp), allocatable :: stiffness(:, :)       !! S, (unknowns, unknowns)
+    real(dp), allocatable :: mass_root(:, :)       !! B, (rows, unknowns)
   end type strain_system
 
-  type :: shift_weights
-    !! By how much the rows of B enter S beside what A has of them and the shift.
-    real(dp) :: deflection = 0.0_dp, turning = 0.0_dp, inertia = 0.0_dp
-  end type shift_weights
+  type :: part_weights
+    !! By how much these enter a form.
+    real(dp) :: elastic = 0.0_dp
+    real(dp) :: tension = 0.0_dp                   !! ∫Tv'²/Ω²
+    real(dp) :: deflection = 0.0_dp                !! ∫mv² and bodies' masses
+    real(dp) :: turning = 0.0_dp                   !! ∫ρIψ²
+    real(dp) :: inertia = 0.0_dp                   !! bodies' inertias
+  end type part_weights
 
 contains
 
-  pure subroutine build_system(operator, functions, system)
-    !! Build the factors of mass and stiffness for n functions of each strain.
-    type(beam_operator), intent(in) :: operator
-    integer, intent(in) :: functions                 !! n ≥ 3
+  subroutine build_system(given, functions, shift, system)
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: functions(:)            !! of each strain in a piece, ≥ 3, (pieces)
+    type(dd), intent(in) :: shift                  !! σ
     type(strain_system), intent(out) :: system
-    type(shift_weights) :: weights
-    integer :: strains, rows, j
-    strains = merge(2, 1, allocated(operator%shear))
-    system%functions = functions
-    call place_rows(operator, system, rows)
-    call choose_shift(operator, system%shift, weights)
-    allocate (system%stiffness(strains*functions, strains*functions), source=0.0_dp)
-    allocate (system%mass_root(rows, strains*functions), source=0.0_dp)
-    do j = 1, strains*functions
-      call set_column(operator, weights, j, system)
-    end do
-    if (max(system%tip_row, system%inertia_row) > 0) call add_body(operator, weights, system)
+    type(part_weights) :: weights
+    associate (square => given%beam%spin_squared, in_plane => given%beam%in_plane)
+      weights = part_weights(elastic=1.0_dp, tension=square%hi, deflection=shift%hi, turning=shift%hi, inertia=shift%hi)
+      if (in_plane) weights%deflection = shift%hi - square%hi
+      if (.not. in_plane) weights%turning = shift%hi - square%hi
+    end associate
+    system%layout = layout_of(given%beam, functions)
+    call build_form(given, system%layout, weights, system%stiffness)
+    call build_mass_root(given, system%layout, system%mass_root)
   end subroutine build_system
 
-  pure subroutine place_rows(operator, system, rows)
-    !! Say which rows of B stand for what, and how many there are.
-    type(beam_operator), intent(in) :: operator
-    type(strain_system), intent(inout) :: system
-    integer, intent(out) :: rows
-    rows = system%functions + 2
-    if (allocated(operator%shear)) then
-      system%turn_row = rows + 1
-      rows = rows + system%functions + 1
-    end if
-    if (operator%gamma > 0.0_dp) then
-      rows = rows + 1
-      system%tip_row = rows
-    end if
-    if (allocated(operator%tip_inertia)) then
-      rows = rows + 1
-      system%inertia_row = rows
-    end if
-  end subroutine place_rows
-
-  pure subroutine choose_shift(operator, shift, weights)
-    !! Choose σ. In plane A = K − Ω²(mass of v): σ = Ω² leaves K and Ω² times the other masses. Out of plane
-    !! A = K − Ω²(inertia of ψ), which is positive definite without a shift where rotation is slow.
-    type(beam_operator), intent(in) :: operator
-    type(dd), intent(out) :: shift
-    type(shift_weights), intent(out) :: weights
-    real(dp) :: square
-    if (.not. allocated(operator%omega)) return
-    square = operator%omega%hi**2
-    if (operator%in_plane) then
-      shift = operator%omega*operator%omega
-      weights = shift_weights(0.0_dp, square, square)
-    else if (allocated(operator%shear)) then
-      if (square*operator%shear%rotary <= weak_turning) then
-        weights = shift_weights(0.0_dp, -square, 0.0_dp)
-      else
-        shift = operator%omega*operator%omega
-        weights = shift_weights(square, 0.0_dp, square)
-      end if
-    end if
-  end subroutine choose_shift
-
-  pure subroutine set_column(operator, weights, j, system)
-    !! Fill in column j of S and B: what strain j of size 1 does.
-    type(beam_operator), intent(in) :: operator
-    type(shift_weights), intent(in) :: weights
-    integer, intent(in) :: j
-    type(strain_system), intent(inout) :: system
-    real(dp), dimension(system%functions + 1) :: psi, slope, force, moment
-    real(dp) :: v(system%functions + 2)
-    integer :: n
-    n = system%functions
-    call strain_motion(operator, n, j, psi, slope)
-    v = integral(slope)
-    force = weights%deflection*integral_transposed(v)
-    moment = 0.0_dp
-    if (allocated(operator%tension)) force = force + times_quadratic(operator%tension, slope)
-    system%mass_root(:n + 2, j) = v
-    if (allocated(operator%shear)) then
-      moment = weights%turning*operator%shear%rotary*psi
-      system%mass_root(system%turn_row:system%turn_row + n, j) = sqrt(operator%shear%rotary)*psi
-      system%stiffness(n + 1:, j) = sqrt(operator%shear%compliance)*force(:n)
-    end if
-    system%stiffness(:n, j) = integral_transposed(force + moment)
-    system%stiffness(j, j) = system%stiffness(j, j) + 1.0_dp
-  end subroutine set_column
-
-  pure subroutine strain_motion(operator, n, j, psi, slope)
-    !! Find ψ and v' of strain j: a curvature, or beyond n a shear strain.
-    type(beam_operator), intent(in) :: operator
-    integer, intent(in) :: n, j
-    real(dp), intent(out) :: psi(:), slope(:)        !! (n + 1)
-    real(dp) :: strain(n)
-    strain = 0.0_dp
-    strain(merge(j, j - n, j <= n)) = 1.0_dp
-    psi = 0.0_dp
-    if (j <= n) psi = integral(strain)
-    slope = psi
-    if (j > n) slope(:n) = sqrt(operator%shear%compliance)*strain
-  end subroutine strain_motion
-
-  pure subroutine add_body(operator, weights, system)
-    !! Change to the unknowns of the tip, and add mass and inertia of the body there.
-    type(beam_operator), intent(in) :: operator
-    type(shift_weights), intent(in) :: weights
-    type(strain_system), intent(inout) :: system
-    real(dp) :: inertia
-    inertia = 0.0_dp
-    if (allocated(operator%tip_inertia)) inertia = operator%tip_inertia
-    if (allocated(operator%shear)) then
-      system%tip = tip_coordinates_of(system%functions, sqrt(operator%shear%compliance), inertia > operator%gamma/3.0_dp)
+  subroutine forms_of_spin(given, functions, stiffness, push)
+    !! The elastic stiffness K, and G, what Ω² takes from it: A = K − Ω²G.
+    type(varying_beam), intent(in) :: given
+    integer, intent(in) :: functions(:)
+    real(dp), allocatable, intent(out) :: stiffness(:, :), push(:, :)      !! (unknowns, unknowns)
+    type(strain_layout) :: layout
+    type(part_weights) :: weights
+    layout = layout_of(given%beam, functions)
+    call build_form(given, layout, part_weights(elastic=1.0_dp), stiffness)
+    weights = part_weights(tension=-1.0_dp)
+    if (given%beam%in_plane) then
+      weights%deflection = 1.0_dp
     else
-      system%tip = tip_coordinates_of(system%functions, turning_last=inertia > operator%gamma/3.0_dp)
+      weights%turning = 1.0_dp
     end if
-    call system%tip%to_columns(system%mass_root)
-    call system%tip%to_columns(system%stiffness)
-    call system%tip%to_rows(system%stiffness)
-    associate (v => system%tip%deflection, psi => system%tip%turning)
-      if (system%tip_row > 0) then
-        system%force = system%stiffness(v, :)
-        system%pushed = system%mass_root(:, v)
-        system%mass = operator%gamma
-        system%mass_weight = weights%deflection
-        system%mass_root(system%tip_row, v) = sqrt(operator%gamma)
-        system%stiffness(v, v) = system%stiffness(v, v) + weights%deflection*operator%gamma
-      end if
-      if (system%inertia_row > 0) then
-        system%mass_root(system%inertia_row, psi) = sqrt(inertia)
-        system%stiffness(psi, psi) = system%stiffness(psi, psi) + weights%inertia*inertia
-      end if
+    call build_form(given, layout, weights, push)
+  end subroutine forms_of_spin
+
+  ! Forms
+
+  pure subroutine build_form(given, layout, weights, form)
+    type(varying_beam), intent(in) :: given
+    type(strain_layout), intent(in) :: layout
+    type(part_weights), intent(in) :: weights
+    real(dp), allocatable, intent(out) :: form(:, :)   !! (unknowns, unknowns)
+    integer, allocatable :: column(:)
+    integer :: i
+    allocate (form(layout%unknowns, layout%unknowns), source=0.0_dp)
+    do i = 1, size(given%beam%piece)
+      column = columns_of(layout, i)
+      form(column, column) = form(column, column) + part_of_piece(given, layout, weights, i)
+    end do
+    associate (root => given%beam%root)
+      call add_joint(layout, 0, weights%elastic*[root%stiffness%hi, root%turning_stiffness%hi], form)
     end associate
-  end subroutine add_body
+    do i = 1, size(given%beam%joint)
+      associate (joint => given%beam%joint(i))
+        call add_joint(layout, i, weights%elastic*[joint%stiffness%hi, joint%turning_stiffness%hi] &
+                       + [weights%deflection*joint%mass%hi, weights%inertia*joint%inertia%hi], form)
+      end associate
+    end do
+  end subroutine build_form
+
+  pure subroutine add_joint(layout, i, values, form)
+    type(strain_layout), intent(in) :: layout
+    integer, intent(in) :: i
+    real(dp), intent(in) :: values(2)                  !! of v² and of ψ²
+    real(dp), intent(inout) :: form(:, :)
+    integer :: j
+    associate (n => size(layout%of_joints))
+      associate (v => layout%joints%deflection(:n, i), psi => layout%joints%turning(:n, i))
+        do j = 1, n
+          associate (column => form(layout%of_joints, layout%of_joints(j)))
+            form(layout%of_joints, layout%of_joints(j)) = column + values(1)*v(j)*v + values(2)*psi(j)*psi
+          end associate
+        end do
+      end associate
+    end associate
+  end subroutine add_joint
+
+  pure function part_of_piece(given, layout, weights, i) result(part)
+    !! What a piece has of a form, by the unknowns that move it, as `columns_of` names them.
+    type(varying_beam), intent(in) :: given
+    type(strain_layout), intent(in) :: layout
+    type(part_weights), intent(in) :: weights
+    integer, intent(in) :: i
+    real(dp), allocatable :: part(:, :)
+    real(dp), allocatable :: unit(:, :), force(:)
+    type(piece_motions) :: motion
+    integer :: j, joints
+    unit = unit_columns(layout, i)
+    joints = size(unit, 2) - (size(unit, 1) - 4)
+    motion = motions_of(given%beam%piece(i), layout%functions(i), layout%shear, unit)
+    allocate (part(size(unit, 2), size(unit, 2)), force(size(unit, 1)))
+    do j = 1, size(unit, 2)
+      force = forces_on(given%beam%piece(i), layout%functions(i), layout%shear, forces_of(given, weights, i, motion, j))
+      part(:joints, j) = matmul(force(:4), unit(:4, :joints))
+      part(joints + 1:, j) = force(5:)
+    end do
+  end function part_of_piece
+
+  pure type(piece_forces) function forces_of(given, weights, i, motion, j) result(force)
+    !! The forces of a form on what column j does in a piece.
+    type(varying_beam), intent(in) :: given
+    type(part_weights), intent(in) :: weights
+    integer, intent(in) :: i
+    type(piece_motions), intent(in) :: motion
+    integer, intent(in) :: j
+    associate (piece => given%beam%piece(i), law => given%law(i), n => size(motion%turning, 1) - 1)
+      force%strain = 0.0_dp*motion%strain(:, j)
+      if (weights%elastic > 0.0_dp) force%strain = weights%elastic*stressed(law%stiffness, law%shear, n, motion%strain(:, j))
+      force%slope = 0.0_dp*motion%slope(:, j)
+      if (weights%tension /= 0.0_dp) force%slope = &
+        weights%tension*piece%length%hi*times_polynomial(given%tension(i), motion%slope(:, j))
+      force%turning = 0.0_dp*motion%turning(:, j)
+      if (weights%turning*piece%rotary%hi /= 0.0_dp) force%turning = &
+        weights%turning*piece%rotary%hi*piece%length%hi*times_polynomial(law%rotary, motion%turning(:, j))
+      force%deflection = 0.0_dp*motion%deflection(:, j)
+      if (weights%deflection /= 0.0_dp) force%deflection = &
+        weights%deflection*piece%mass%hi*piece%length%hi*times_polynomial(law%mass, motion%deflection(:, j))
+    end associate
+  end function forces_of
+
+  pure function unit_columns(layout, i) result(unit)
+    !! Each unknown that moves a piece, of size 1: ends and strains inside, (4 + inside, columns).
+    type(strain_layout), intent(in) :: layout
+    integer, intent(in) :: i
+    real(dp), allocatable :: unit(:, :), ends(:, :)
+    integer :: j, joints, n
+    ends = ends_of(layout, i)
+    n = size(columns_of(layout, i))
+    joints = count(any(ends /= 0.0_dp, dim=1))
+    allocate (unit(4 + n - joints, n), source=0.0_dp)
+    unit(:4, :joints) = ends(:, pack([(j, j=1, size(ends, 2))], any(ends /= 0.0_dp, dim=1)))
+    do j = 1, n - joints
+      unit(4 + j, joints + j) = 1.0_dp
+    end do
+  end function unit_columns
+
+  pure function stressed(stiffness, shear, n, strain) result(stress)
+    !! What the strains of a piece are worth in energy: each times the stiffness where it is.
+    real(dp), intent(in) :: stiffness(:), shear(:)     !! laws of EI and κGA
+    integer, intent(in) :: n                           !! curvatures; shear strains stand behind them
+    real(dp), intent(in) :: strain(:)
+    real(dp) :: stress(size(strain))
+    stress(:n) = times_polynomial(stiffness, strain(:n))
+    if (size(strain) > n) stress(n + 1:) = times_polynomial(shear, strain(n + 1:))
+  end function stressed
+
+  ! Mass
+
+  subroutine build_mass_root(given, layout, root)
+    type(varying_beam), intent(in) :: given
+    type(strain_layout), intent(in) :: layout
+    real(dp), allocatable, intent(out) :: root(:, :)   !! (rows, unknowns)
+    type(piece_motions) :: unit
+    integer, allocatable :: column(:)
+    integer :: i, n, row
+    associate (beam => given%beam)
+      n = size(beam%piece)
+      allocate (root(2*sum(layout%functions + 2) + 2*n, layout%unknowns), source=0.0_dp)
+      row = 0
+      do i = 1, n
+        column = columns_of(layout, i)
+        unit = motions_of(beam%piece(i), layout%functions(i), layout%shear, unit_columns(layout, i))
+        associate (piece => beam%piece(i), law => given%law(i), f => layout%functions(i))
+          root(row + 1:row + f + 2, column) = sqrt(piece%mass%hi*piece%length%hi)*factored(law%mass, unit%deflection)
+          row = row + f + 2
+          if (piece%rotary%hi > 0.0_dp) then
+            root(row + 1:row + f + 1, column) = sqrt(piece%rotary%hi*piece%length%hi)*factored(law%rotary, unit%turning)
+            row = row + f + 1
+          end if
+        end associate
+      end do
+      do i = 1, n
+        call add_body(beam%joint(i)%mass%hi, layout%joints%deflection(:layout%joints%number, i))
+        call add_body(beam%joint(i)%inertia%hi, layout%joints%turning(:layout%joints%number, i))
+      end do
+      root = root(:max(row, layout%unknowns), :)
+    end associate
+  contains
+    subroutine add_body(inertia, motion)
+      real(dp), intent(in) :: inertia, motion(:)
+      if (inertia == 0.0_dp) return
+      row = row + 1
+      root(row, layout%of_joints) = sqrt(inertia)*motion
+    end subroutine add_body
+  end subroutine build_mass_root
+
+  function factored(law, f) result(g)
+    !! C f, where ∫w f² = |C f|² for the weight w of a law.
+    real(dp), intent(in) :: law(:)
+    real(dp), intent(in) :: f(:, :)                    !! coefficients, (functions, columns)
+    real(dp) :: g(size(f, 1), size(f, 2))
+    real(dp), allocatable :: c(:, :)
+    integer :: d, j, n
+    g = f
+    if (size(law) == 1) return
+    n = size(f, 1)
+    call factor_weight(law, n, c)
+    do j = 1, n
+      g(j, :) = c(1, j)*f(j, :)
+      do d = 1, min(size(law) - 1, n - j)
+        g(j, :) = g(j, :) + c(d + 1, j)*f(j + d, :)
+      end do
+    end do
+  end function factored
+
+  function unfactored(law, g) result(f)
+    !! The f of g = C f.
+    real(dp), intent(in) :: law(:)
+    real(dp), intent(in) :: g(:, :)                    !! (functions, columns)
+    real(dp) :: f(size(g, 1), size(g, 2))
+    real(dp), allocatable :: c(:, :)
+    integer :: d, j, n
+    f = g
+    if (size(law) == 1) return
+    n = size(g, 1)
+    call factor_weight(law, n, c)
+    do j = n, 1, -1
+      f(j, :) = g(j, :)
+      do d = 1, min(size(law) - 1, n - j)
+        f(j, :) = f(j, :) - c(d + 1, j)*f(j + d, :)
+      end do
+      f(j, :) = f(j, :)/c(1, j)
+    end do
+  end function unfactored
+
+  subroutine factor_weight(law, n, c)
+    !! Cholesky's factor of the matrix ∫w p_i p_j, by its lower band: Cᵀ_{j+d,j} is c(d + 1, j).
+    real(dp), intent(in) :: law(:)                     !! of w > 0
+    integer, intent(in) :: n
+    real(dp), allocatable, intent(out) :: c(:, :)      !! (size(law), n)
+    real(dp) :: unit(n)
+    integer :: d, info, j
+    allocate (c(size(law), n), source=0.0_dp)
+    do j = 1, n
+      unit = 0.0_dp
+      unit(j) = 1.0_dp
+      unit = times_polynomial(law, unit)
+      d = min(size(law), n - j + 1)
+      c(:d, j) = unit(j:j + d - 1)
+    end do
+    call dpbtrf('L', n, size(law) - 1, c, size(law), info)
+  end subroutine factor_weight
 
 end module bw_strain_system

@@ -1,0 +1,155 @@
+module bw_varying_beam
+  !! A beam of pieces in which something varies along a piece: the tension that rotation brings into it, and sections that taper.
+  !!
+  !! Along a piece every property is a polynomial in x, from 0 at its inner end to 1 at its outer end, over the value that the piece
+  !! of `piece_beam` has. The tension is T(ξ) = Ω²[∫ρA(R + ξ)dξ + Σm_b(R + ξ_b)] over all that lies beyond ξ.
+  use bw_double_double, only: to_quad
+  use bw_kinds, only: dp, qp
+  use bw_piece_beam, only: joint_position, piece_beam
+  implicit none (type, external)
+  private
+  public :: tension_in_pieces, under_tension, value_of, without_tension
+
+  type, public :: piece_law
+    !! Coefficients of 1, x, x², …; the first is 1 but for the tension.
+    real(dp), allocatable :: stiffness(:)          !! of EI
+    real(dp), allocatable :: mass(:)               !! of ρA
+    real(dp), allocatable :: shear(:)              !! of κGA
+    real(dp), allocatable :: rotary(:)             !! of ρI
+    real(dp), allocatable :: tension(:)            !! of T/Ω² by the beam's own mass; not over a value of the piece
+    real(dp) :: pull = 0.0_dp                      !! Σm_b(R + ξ_b), T/Ω² by the bodies beyond the piece
+  end type piece_law
+
+  type, public :: varying_beam
+    !! A component that is added here, or to `piece_law`, stands in `same_beam`, too.
+    type(piece_beam) :: beam
+    type(piece_law), allocatable :: law(:)         !! (pieces)
+    logical :: is_pulled = .false.                 !! by the tension of its rotation
+    real(dp) :: hub_radius = 0.0_dp                !! R in l, where it is
+  contains
+    procedure :: tension
+    procedure, private :: same_beam
+    generic :: operator(==) => same_beam
+  end type varying_beam
+
+contains
+
+  pure type(varying_beam) function without_tension(beam, sections) result(varying)
+    !! The beam with the sections that it has.
+    type(piece_beam), intent(in) :: beam
+    type(piece_law), intent(in), optional :: sections(:)   !! without tension; absent: all pieces are uniform
+    integer :: i
+    varying%beam = beam
+    if (present(sections)) then
+      varying%law = sections
+      return
+    end if
+    allocate (varying%law(size(beam%piece)))
+    do i = 1, size(beam%piece)
+      call make_uniform(varying%law(i))
+    end do
+  end function without_tension
+
+  pure type(varying_beam) function under_tension(beam, hub_radius, sections) result(varying)
+    !! The same with the tension of its rotation.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: hub_radius             !! R in l
+    type(piece_law), intent(in), optional :: sections(:)   !! as above
+    real(qp) :: outer, inner, bodies, beyond
+    integer :: i
+    varying = without_tension(beam, sections)
+    varying%is_pulled = .true.
+    varying%hub_radius = hub_radius
+    bodies = 0.0_qp
+    beyond = 0.0_qp
+    do i = size(beam%piece), 1, -1
+      outer = hub_radius + to_quad(joint_position(beam, i))
+      inner = hub_radius + to_quad(joint_position(beam, i - 1))
+      bodies = bodies + to_quad(beam%joint(i)%mass)*outer
+      varying%law(i)%pull = real(bodies, dp)
+      call pull_piece(to_quad(beam%piece(i)%mass), to_quad(beam%piece(i)%length), inner, varying%law(i), beyond)
+    end do
+  end function under_tension
+
+  pure subroutine make_uniform(law)
+    type(piece_law), intent(inout) :: law
+    law%stiffness = [1.0_dp]
+    law%mass = [1.0_dp]
+    law%shear = [1.0_dp]
+    law%rotary = [1.0_dp]
+    law%tension = [0.0_dp]
+  end subroutine make_uniform
+
+  pure subroutine pull_piece(mass, length, inner, law, beyond)
+    !! T/Ω² = T(1) + P(1) − P(x), P' = mL(R + ξ) over the piece.
+    real(qp), intent(in) :: mass                   !! ρA at the inner end
+    real(qp), intent(in) :: length
+    real(qp), intent(in) :: inner                  !! R + ξ of the inner end
+    type(piece_law), intent(inout) :: law
+    real(qp), intent(inout) :: beyond              !! T/Ω² of the beam at the outer end, then at the inner one
+    real(qp) :: pull(0:size(law%mass) + 1)         ! coefficients of P
+    integer :: k
+    pull = 0.0_qp
+    do k = 0, size(law%mass) - 1
+      pull(k + 1) = pull(k + 1) + mass*length*law%mass(k + 1)*inner/(k + 1)
+      pull(k + 2) = pull(k + 2) + mass*length*law%mass(k + 1)*length/(k + 2)
+    end do
+    beyond = beyond + sum(pull)
+    law%tension = real([beyond, -pull(1:)], dp)
+  end subroutine pull_piece
+
+  pure function tension(self, i) result(t)
+    !! T/Ω² as a polynomial in x over piece i, with the pull of the bodies beyond it.
+    class(varying_beam), intent(in) :: self
+    integer, intent(in) :: i
+    real(dp), allocatable :: t(:)
+    t = self%law(i)%tension
+    t(1) = t(1) + self%law(i)%pull
+  end function tension
+
+  pure function tension_in_pieces(beam, hub_radius) result(t)
+    !! T/Ω² = t_0 + t_1x + t_2x² in each of some uniform pieces, (3, pieces).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: hub_radius             !! R in l
+    real(dp) :: t(3, size(beam%piece))
+    type(varying_beam) :: varying
+    integer :: i
+    varying = under_tension(beam, hub_radius)
+    do i = 1, size(beam%piece)
+      t(:, i) = varying%tension(i)
+    end do
+  end function tension_in_pieces
+
+  pure function value_of(polynomial, x) result(value)
+    !! Of a law, at places from 0 to 1 over a piece.
+    real(dp), intent(in) :: polynomial(0:), x(:)
+    real(dp) :: value(size(x))
+    integer :: i
+    value = 0.0_dp
+    do i = size(polynomial) - 1, 0, -1
+      value = polynomial(i) + x*value
+    end do
+  end function value_of
+
+  pure logical function same_beam(self, other) result(same)
+    !! To the bit, so that their modes are the same.
+    class(varying_beam), intent(in) :: self
+    type(varying_beam), intent(in) :: other
+    integer :: i
+    same = self%beam == other%beam .and. self%hub_radius == other%hub_radius .and. (self%is_pulled .eqv. other%is_pulled)
+    if (.not. same) return
+    do i = 1, size(self%law)
+      associate (a => self%law(i), b => other%law(i))
+        same = same .and. alike(a%stiffness, b%stiffness) .and. alike(a%mass, b%mass) .and. alike(a%shear, b%shear) &
+          .and. alike(a%rotary, b%rotary) .and. alike(a%tension, b%tension) .and. a%pull == b%pull
+      end associate
+    end do
+  end function same_beam
+
+  pure logical function alike(a, b)
+    real(dp), intent(in) :: a(:), b(:)
+    alike = size(a) == size(b)
+    if (alike) alike = all(a == b)
+  end function alike
+
+end module bw_varying_beam
