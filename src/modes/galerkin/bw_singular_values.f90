@@ -11,27 +11,29 @@ module bw_singular_values
 contains
 
   subroutine singular_values(matrix, count, values, left, right, info)
-    !! Find them by divide and conquer, columns from the longest to the shortest, so that small values keep their digits as far as
-    !! columns are short. Where the rounding of the largest value is too much of the smallest that is asked for even so, as with
-    !! bodies that are a million times heavier than the beam, find them by Jacobi's method: each then keeps its own digits, for
-    !! several times the work.
+    !! Find them by divide and conquer, columns from the longest to the shortest: values then keep their digits as far as columns are
+    !! short. Where lengths fall by a step, as behind the column of a heavy body, what is beyond loses digits to what is before;
+    !! then by Jacobi's method, in which each value and each component keeps its own, for several times the work.
     real(dp), contiguous, intent(in) :: matrix(:, :)                  !! not fewer rows than columns
     integer, intent(in) :: count                                      !! ≥ 1, at most as many as columns
     real(dp), allocatable, intent(out) :: values(:)                   !! descending
     real(dp), allocatable, intent(out) :: left(:, :), right(:, :)     !! (rows, count), (columns, count)
     integer, intent(out) :: info                                      !! 0: LAPACK had no trouble
-    real(dp), parameter :: loss = 1.0e-9_dp        ! tuned: of a value; Rayleigh's quotients err by its square
+    real(dp), parameter :: loss = 2.0e-13_dp       ! tuned: of shapes, beyond a step
+    real(dp) :: length(size(matrix, 2))
     real(dp), allocatable :: a(:, :), s(:), u(:, :), v(:, :), work(:)
     integer, allocatable :: iwork(:), order(:)
-    integer :: j, m, n
+    integer :: m, n
     logical :: halts
     m = size(matrix, 1)
     n = size(matrix, 2)
     allocate (s(n), u(m, n), v(n, n), work(4*n**2 + 8*n + 64*(m + n)), iwork(m + 8*n))
-    order = ascending([(-norm2(matrix(:, j)), j=1, n)])
-    a = matrix(:, order)
-    call dgesdd('S', m, n, a, m, s, u, m, v, n, work, size(work), iwork, info)
-    if (info == 0 .and. epsilon(loss)*s(1) <= loss*s(count)) then
+    length = norm2(matrix, dim=1)
+    order = ascending(-length)
+    length = length(order)
+    if (all(epsilon(loss)*length(:count - 1) <= loss*length(2:count))) then
+      a = matrix(:, order)
+      call dgesdd('S', m, n, a, m, s, u, m, v, n, work, size(work), iwork, info)
       values = s(:count)
       allocate (right(n, count))
       right(order, :) = transpose(v(:count, :))

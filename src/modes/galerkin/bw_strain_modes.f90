@@ -412,32 +412,40 @@ contains
     type(varying_beam), intent(in) :: given
     real(dp), parameter :: agreement = 1.0e-11_dp
     type(dd) :: before
+    real(dp) :: rounding
     integer :: functions(size(given%beam%piece))
     functions = first_guess(given, 1, mode_demand())
-    omega = critical_speed_in(given, functions)
+    call find_critical_speed(given, functions, omega, rounding)
     do
       before = omega
       functions = functions + functions/2
-      omega = critical_speed_in(given, functions)
-      if (abs(omega%hi - before%hi) <= agreement*omega%hi .or. sum(functions) > most_functions) exit
+      call find_critical_speed(given, functions, omega, rounding)
+      if (abs(omega%hi - before%hi) <= max(agreement, rounding)*omega%hi .or. sum(functions) > most_functions) exit
     end do
   end function critical_speed_of
 
-  type(dd) function critical_speed_in(given, functions) result(omega)
+  subroutine find_critical_speed(given, functions, omega, rounding)
     !! That speed in given numbers of functions.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: functions(:)
-    real(dp), parameter :: rounding = 1.0e-13_dp   ! of the largest value: where tension holds everything, nothing is left but it
+    type(dd), intent(out) :: omega
+    real(dp), intent(out) :: rounding              !! of Ω, relative: eigenvalues have that of the largest
+    real(dp), parameter :: of_the_largest = 1.0e-13_dp
     real(dp), allocatable :: stiffness(:, :), push(:, :), value(:), work(:)
     integer :: info
+    rounding = 0.0_dp
     call forms_of_spin(given, functions, stiffness, push)
     associate (n => size(push, 1))
       allocate (value(n), work(64*n))
       call dsygv(1, 'N', 'L', n, push, n, stiffness, n, value, work, size(work), info)
       omega = dd()
       if (info /= 0) return
-      if (value(n) > rounding*maxval(abs(value))) omega = to_dd(1.0_dp/sqrt(value(n)))
+      associate (lost => of_the_largest*maxval(abs(value)))   ! where tension holds everything, nothing is left but it
+        if (value(n) <= lost) return
+        omega = to_dd(1.0_dp/sqrt(value(n)))
+        rounding = 0.5_dp*lost/value(n)
+      end associate
     end associate
-  end function critical_speed_in
+  end subroutine find_critical_speed
 
 end module bw_strain_modes
