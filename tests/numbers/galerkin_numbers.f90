@@ -74,7 +74,8 @@ contains
     real(dp), intent(in) :: omega
     real(dp), intent(in) :: r                 !! 0: no shear
     type(varying_beam) :: beam
-    type(strain_set), allocatable :: set, finer
+    type(strain_set), allocatable :: set
+    type(strain_set) :: finer
     real(dp) :: last
     beam = stiffened(omega, 0.3_dp, 0.2_dp, .false., 3*r**2, r**2)
     set = first_modes(beam, 200)

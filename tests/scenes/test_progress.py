@@ -32,7 +32,7 @@ def test_nothing_is_shown_while_no_scene_is_under_way(here):
     # to plan a tolerance calls for progress: of the first scene before it begins, of the second after the first has ended
     still = {"duration": 1e-12, "samples": 50, "points": 1e-7}
     here.scene("a", captured_beam())
-    here.scene("b", captured_beam(modes={"tolerance": 1e-6}, response=still))
+    here.scene("b", {**captured_beam(response=still), "modes": {"tolerance": 1e-6}})
     for words in (["b.nml"], ["a.nml", "b.nml"]):
         ended = here.beamwave("run", *words, "--overwrite")
         assert ended.returncode == 2
