@@ -9,11 +9,11 @@ import xarray as xr
 
 from .terminal import Refusal, reason
 
-FORMAT_VERSION = 1
+FORMAT_VERSIONS = (1, 2)  # NetCDF-4; classic NetCDF
 DIMENSIONS = {
     *("case", "mode", "mode_before", "peak", "event", "stage", "time", "frequency", "point", "profile", "piece"),
     *("body", "rung", "effect", "unknown", "unknown_too"),
-    *("window", "candidate", "pooled", "letter"),
+    *("window", "candidate", "pooled", "letter", "note_letter", "parameter_letter"),
 }
 
 
@@ -54,8 +54,8 @@ def _why_not_a_result(ds: xr.Dataset) -> str:
     """Why `ds` is no result of beamwave that this package reads; empty when it is one."""
     if "format_version" not in ds.attrs or not str(ds.attrs.get("source", "")).startswith("beamwave"):
         return "not a beamwave result (no 'format_version', or 'source' is not beamwave)"
-    if not np.array_equal(ds.attrs["format_version"], FORMAT_VERSION):
-        return f"format_version is {ds.attrs['format_version']}; this package reads {FORMAT_VERSION}"
+    if not any(np.array_equal(ds.attrs["format_version"], version) for version in FORMAT_VERSIONS):
+        return f"format_version is {ds.attrs['format_version']}; this package reads {FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]}"
     return ""
 
 

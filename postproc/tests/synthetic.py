@@ -59,7 +59,10 @@ def scene(**groups):
     return merged
 
 
-def write(path, settings, sweep=None, title="synthetic"):
+FORMATS = {1: "NETCDF4", 2: "NETCDF3_64BIT_OFFSET"}  # by format_version
+
+
+def write(path, settings, sweep=None, title="synthetic", version=2):
     """Write the result of `settings` at `path`; `sweep` maps 'group_name' to values, the first varying slowest."""
     sweep = sweep or {}
     cases = []
@@ -70,7 +73,8 @@ def write(path, settings, sweep=None, title="synthetic"):
             cases[-1][group][item] = value
     axes = _axes(settings)
     solved = [_solve(case, axes) for case in cases]
-    with netCDF4.Dataset(path, "w") as file:
+    with netCDF4.Dataset(path, "w", format=FORMATS[version]) as file:
+        file.format_version = np.int32(version)
         _write_attributes(file, settings, title)
         _write_axes(file, axes, solved, len(cases) if sweep else 0)
         _write_inputs(file, cases, list(sweep))
@@ -162,9 +166,8 @@ def _measure(case, axes, found):
 
 def _write_attributes(file, settings, title):
     file.Conventions = "CF-1.11"
-    file.format_version = np.int32(1)
     file.title = title
-    file.source = "beamwave 0.1.0 (synthetic)"
+    file.source = "beamwave (synthetic)"
     file.method = "closed form"
     file.effects = " ".join(name for name in settings if name not in ("beam", "modes", "response", "spectrum"))
     file.given = " ".join(

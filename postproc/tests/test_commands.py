@@ -96,14 +96,14 @@ def test_bad_files_are_named_and_good_ones_drawn(modes_only, text_file, tmp_path
         file.source = "another program"
     with netCDF4.Dataset(tmp_path / "later.nc", "w") as file:
         file.source = "beamwave 9"
-        file.format_version = 2
+        file.format_version = 3
     with netCDF4.Dataset(tmp_path / "empty.nc", "w") as file:
-        file.source = "beamwave 0.1.0"
+        file.source = "beamwave"
         file.format_version = 1
     bad = [text_file, *(tmp_path / f"{name}.nc" for name in ("other", "later", "empty", "absent"))]
     assert cli.main([str(path) for path in (*bad, modes_only)]) == 3
     lines = capsys.readouterr().err.splitlines()
-    reasons = ("not readable as NetCDF", "not a beamwave result", "this package reads 1", "nothing in it", "no such")
+    reasons = ("not readable as NetCDF", "not a beamwave result", "this package reads 1 to 2", "nothing in it", "no such")
     for line, path, reason in zip(lines, bad, reasons):
         assert line.startswith(f"{path}: ") and reason in line
     assert len(lines) == len(bad)

@@ -8,7 +8,7 @@ import pytest
 import synthetic
 import xarray as xr
 
-from beamwave_postproc import swept_inputs, to_grid
+from beamwave_postproc import open_result, swept_inputs, to_grid
 from beamwave_postproc.run import find_program
 
 README = Path(__file__).parents[1] / "README.md"
@@ -27,12 +27,25 @@ def first_with(results, holds, what):
 def test_a_result_opens_as_it_is(results):
     for path in results:
         with xr.open_dataset(path) as ds:
-            assert ds.attrs["format_version"] == 1
+            assert ds.attrs["format_version"] == 2
             for name, variable in ds.variables.items():
                 assert "units" in variable.attrs, f"{path.name}: {name}"
                 assert "long_name" in variable.attrs, f"{path.name}: {name}"
             for name, coordinate in ds.coords.items():
                 assert coordinate.notnull().all(), f"{path.name}: {name}"
+
+
+def test_every_engine_reads_the_same(results):
+    for path in results:
+        with xr.open_dataset(path, engine="netcdf4") as one, xr.open_dataset(path, engine="scipy") as other:
+            xr.testing.assert_identical(one, other)
+
+
+def test_results_of_the_former_format_are_read(tmp_path, results):
+    settings = synthetic.scene(modes={"before": 6, "after": 6})
+    former, now = (synthetic.write(tmp_path / f"{version}.nc", settings, version=version) for version in (1, 2))
+    with open_result(former) as one, open_result(now) as other:
+        xr.testing.assert_equal(one, other)
 
 
 def test_no_number_in_a_file_is_nan_or_infinite(results):

@@ -40,6 +40,8 @@ contains
       if (count < rule%fewest .or. count > rule%most) call fail(error, status_bad_input, &
         'beamwave '//trim(command%row%name)//': '//trim(rule%complaint))
     end associate
+    if (command%has_part .and. command%overwrite .and. .not. allocated(error)) call fail(error, status_bad_input, &
+      'beamwave: --part and --overwrite: one part would take away what others have done; accepted: one of them')
   end subroutine read_command_line
 
   subroutine read_word(rows, command, i, error)
@@ -104,6 +106,9 @@ contains
     case ('--overwrite'); command%overwrite = .true.
     case ('--quiet'); command%quiet = .true.
     case ('--max-seconds'); call read_seconds(value, command%max_seconds, error)
+    case ('--part')
+      command%has_part = .true.
+      call read_part(value, command%part, error)
     end select
   end subroutine set_option
 
@@ -127,6 +132,24 @@ contains
                 ''' is not a number of seconds; accepted: a number >= 0')
     end if
   end subroutine read_seconds
+
+  subroutine read_part(value, part, error)
+    !! Read which part of how many is to be run.
+    !! **Errors**: the value is no I/N.
+    character(*), intent(in) :: value
+    integer, intent(inout) :: part(2)
+    type(error_type), allocatable, intent(inout) :: error
+    character(*), parameter :: digits = '0123456789'
+    integer :: numbers(2), slash, stat
+    slash = index(value, '/')
+    stat = merge(0, 1, verify(value, digits) == slash .and. verify(value(slash + 1:), digits) == 0)
+    if (stat == 0) read (value(:slash - 1), *, iostat=stat) numbers(1)
+    if (stat == 0) read (value(slash + 1:), *, iostat=stat) numbers(2)
+    if (stat == 0) stat = merge(0, 1, numbers(1) >= 1 .and. numbers(1) <= numbers(2))
+    if (stat == 0) part = numbers
+    if (stat /= 0) call fail(error, status_bad_input, 'beamwave: --part: '''//shortened(value)// &
+      ''' is no part; accepted: I/N, whole numbers from 1 on, I at most N')
+  end subroutine read_part
 
   function argument(i) result(text)
     !! A word of the command line, from 1.

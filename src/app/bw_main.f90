@@ -23,7 +23,7 @@ contains
     type(command_row) :: rows(7)
     character(*), parameter :: writing = '--output --overwrite --quiet'
     rows = [ &
-      command_row('run', some_scenes, writing//' --max-seconds', &
+      command_row('run', some_scenes, writing//' --max-seconds --part', &
                   'run scenes; a directory stands for its *.nml', run_command, shared=.true.), &
       command_row('check', some_scenes, '--quiet', &
                   'read and validate; say what would be simulated, how, and what it would take', check_command), &

@@ -3,17 +3,19 @@ module bw_mpi_processes
   !! which each process changes by itself. Nobody waits in a busy loop.
   use, intrinsic :: iso_c_binding, only: c_ptr
   use bw_error, only: error_type, fail, status_done
+  use bw_file_lock, only: own_host
   use bw_kinds, only: dp, i4, i8
   use bw_process, only: pause
   use bw_process_group, only: process_group, stopped_at
+  use bw_text, only: append, string
   use mpi_f08, only: mpi_2integer, mpi_address_kind, mpi_character, mpi_comm_rank, mpi_comm_size, mpi_comm_world, &
-    mpi_double_precision, mpi_fetch_and_op, mpi_finalize, mpi_iallreduce, mpi_ibarrier, mpi_ibcast, mpi_info_null, mpi_init, &
-    mpi_integer, mpi_integer8, mpi_maxloc, mpi_no_op, mpi_op, mpi_replace, mpi_request, mpi_status_ignore, mpi_sum, &
+    mpi_double_precision, mpi_fetch_and_op, mpi_finalize, mpi_iallreduce, mpi_ibarrier, mpi_ibcast, mpi_igather, mpi_info_null, &
+    mpi_init, mpi_integer, mpi_integer8, mpi_maxloc, mpi_no_op, mpi_op, mpi_replace, mpi_request, mpi_status_ignore, mpi_sum, &
     mpi_test, mpi_win, mpi_win_allocate, mpi_win_flush, mpi_win_free, mpi_win_lock_all, mpi_win_unlock_all
   implicit none (type, external)
   private
 
-  integer, parameter :: pause_microseconds = 50
+  integer, parameter :: pause_microseconds = 50, longest_name = 256       !! of a host
   integer(mpi_address_kind), parameter :: next_place = 0, done_cases = 1    !! the integers of the window
 
   type, extends(process_group), public :: mpi_processes
@@ -22,6 +24,7 @@ module bw_mpi_processes
     procedure :: join
     procedure :: part
     procedure :: share
+    procedure :: hosts
     procedure :: begin
     procedure :: take
     procedure :: tell
@@ -82,6 +85,22 @@ contains
     call wait_for(request)
     call move_alloc(shared, values)
   end subroutine share
+
+  subroutine hosts(self, names)
+    !! The leader gathers the names of all hosts.
+    class(mpi_processes), intent(inout) :: self
+    type(string), allocatable, intent(out) :: names(:)
+    character(longest_name), asynchronous :: mine, every(self%processes)
+    type(mpi_request) :: request
+    integer :: i
+    mine = own_host()
+    call mpi_igather(mine, longest_name, mpi_character, every, longest_name, mpi_character, 0, mpi_comm_world, request)
+    call wait_for(request)
+    allocate (names(0))
+    do i = 1, merge(self%processes, 0, self%leads())
+      if (.not. any(every(:i - 1) == every(i))) call append(names, trim(every(i)))
+    end do
+  end subroutine hosts
 
   subroutine begin(self)
     !! The leader sets its integers back while the others wait.

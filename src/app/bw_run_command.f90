@@ -83,9 +83,9 @@ contains
     type(error_type), allocatable :: error
     outcome%notes = ''
     if (allocated(scene%record)) then
-      call run_record(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+      call run_record(scene, command%output, command%overwrite, command%part, command%group, progress, outcome, error)
     else
-      call run_scene(scene, command%output, command%overwrite, command%group, progress, outcome, error)
+      call run_scene(scene, command%output, command%overwrite, command%part, command%group, progress, outcome, error)
     end if
     status = outcome%status
     if (.not. command%group%leads()) return

@@ -18,15 +18,18 @@ module bw_stopwatch
     real(dp) :: cpu(stage_count) = 0.0_dp         !! processor time, s
     real(dp) :: calls(stage_count) = 0.0_dp
     real(dp), private :: last = 0.0_dp            ! of start and laps, on the clock of `wall_seconds`
-    real(dp), private :: last_cpu = 0.0_dp        ! processor time then
+    real(dp), private :: unshared(0:stage_count) = 0.0_dp
+      ! wall time whose processor time is not booked yet: of no stage, and of each
+    real(dp), private :: shared_cpu = 0.0_dp      ! processor time that is
   contains
     procedure :: start
     procedure :: lap
     procedure :: rebook
-    procedure :: add_cpu
     procedure :: totals
     procedure :: set_totals
   end type stopwatch
+
+  real(dp), parameter :: short = 1.0e-3_dp        !! s: stages that take less share their processor time, which is asked for slowly
 
   type, public :: repeats_type
     !! Seconds of work that is done again and again: the median, and the quarter below and above it. On a busy machine
@@ -52,23 +55,37 @@ contains
   subroutine start(self)
     !! Time from here on belongs to the stage that the next `lap` names.
     class(stopwatch), intent(inout) :: self
-    self%last = wall_seconds()
-    call cpu_time(self%last_cpu)
+    call book(self, 0)
   end subroutine start
 
   subroutine lap(self, stage)
     !! Book the time since `start` or the last `lap` on a stage.
     class(stopwatch), intent(inout) :: self
     integer, intent(in) :: stage          !! one of this module's stage numbers
+    real(dp) :: began
+    began = self%last
+    call book(self, stage)
+    self%seconds(stage) = self%seconds(stage) + (self%last - began)
+    self%calls(stage) = self%calls(stage) + 1.0_dp
+  end subroutine lap
+
+  subroutine book(self, stage)
+    !! Book the time since the last call on a stage, or on none.
+    class(stopwatch), intent(inout) :: self
+    integer, intent(in) :: stage          !! 0: none
     real(dp) :: cpu, now
     now = wall_seconds()
+    if (self%last > 0.0_dp) self%unshared(stage) = self%unshared(stage) + (now - self%last)
+    if (self%last > 0.0_dp .and. sum(self%unshared) < short) then
+      self%last = now
+      return
+    end if
     call cpu_time(cpu)
-    self%seconds(stage) = self%seconds(stage) + (now - self%last)
-    self%cpu(stage) = self%cpu(stage) + (cpu - self%last_cpu)
-    self%calls(stage) = self%calls(stage) + 1.0_dp
+    if (self%last > 0.0_dp) self%cpu = self%cpu + (cpu - self%shared_cpu)*self%unshared(1:)/sum(self%unshared)
+    self%unshared = 0.0_dp
+    self%shared_cpu = cpu
     self%last = now
-    self%last_cpu = cpu
-  end subroutine lap
+  end subroutine book
 
   pure subroutine rebook(self, from, to, seconds)
     !! Book seconds of one stage on another: what was done within it belongs there.
@@ -80,14 +97,6 @@ contains
     self%seconds([from, to]) = self%seconds([from, to]) + [-seconds, seconds]
     self%cpu([from, to]) = self%cpu([from, to]) + [-cpu, cpu]
   end subroutine rebook
-
-  pure subroutine add_cpu(self, stage, seconds)
-    !! Processor time of another process, which worked for this one.
-    class(stopwatch), intent(inout) :: self
-    integer, intent(in) :: stage
-    real(dp), intent(in) :: seconds
-    self%cpu(stage) = self%cpu(stage) + seconds
-  end subroutine add_cpu
 
   pure function totals(self) result(values)
     !! All that was booked, as numbers that can be summed over processes.

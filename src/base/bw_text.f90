@@ -4,7 +4,7 @@ module bw_text
   use bw_kinds, only: dp, qp, i8
   implicit none (type, external)
   private
-  public :: append, joined, lines_of, lower, percent, printable, shortened, shortest, string, text_of
+  public :: append, fitted, joined, lines_of, lower, percent, printable, shortened, shortest, string, text_of
 
   type :: string
     !! One text of its own length, so that texts of different lengths stand in one array.
@@ -19,6 +19,7 @@ module bw_text
   contains
     procedure :: append => append_piece
     procedure :: append_line
+    procedure :: length => length_built
     procedure :: text => text_built
   end type text_builder
 
@@ -276,6 +277,26 @@ contains
     if (plain) plain = .not. any(code >= invisible(1, :) .and. code <= invisible(2, :))
   end subroutine read_letter
 
+  pure function fitted(text, room) result(letters)
+    !! A text in so many bytes: zeros behind a shorter one, and of a longer one what there is room for, with '…' behind it. A letter
+    !! of several bytes (UTF-8) stays whole.
+    character(*), intent(in) :: text
+    integer, intent(in) :: room
+    character(room) :: letters
+    character(*), parameter :: more = '…'
+    integer :: last
+    if (len(text) <= room) then
+      letters = text//repeat(achar(0), room - len(text))
+      return
+    end if
+    last = max(0, room - len(more))
+    do while (last > 0)
+      if (iand(iachar(text(last + 1:last + 1)), 192) /= 128) exit         ! the byte behind begins a letter
+      last = last - 1
+    end do
+    letters = text(:last)//more//repeat(achar(0), room)
+  end function fitted
+
   pure subroutine append_piece(self, piece)
     !! A piece at the end of the text.
     class(text_builder), intent(inout) :: self
@@ -298,6 +319,12 @@ contains
     call self%append(piece)
     call self%append(new_line('a'))
   end subroutine append_line
+
+  pure integer function length_built(self) result(length)
+    !! How many letters were appended.
+    class(text_builder), intent(in) :: self
+    length = self%used
+  end function length_built
 
   pure function text_built(self) result(text)
     !! All that was appended.

@@ -12,14 +12,17 @@ module bw_result_layout
   private
   public :: layout_of, has, dimension_length
 
-  character(*), parameter, public :: dimension_names(*) = [character(11) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
-    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'body', 'unknown', 'letter', 'stage']
+  character(*), parameter, public :: dimension_names(*) = [character(16) :: 'case', 'mode', 'mode_before', 'profile', 'event', &
+    'point', 'time', 'frequency', 'peak', 'window', 'candidate', 'pooled', 'piece', 'body', 'unknown', 'unknown_too', 'letter', &
+    'parameter_letter', 'note_letter', 'stage']
 
   integer, parameter :: usual_profile = 201         !! places along the beam where no impact says how many
   integer(i8), parameter :: most_shape_numbers = 200000
     !! of mode shapes, all cases together, that a result holds unasked: 1.6 MB, 49 cases of 20 modes
 
   integer, parameter, public :: most_candidates = 32    !! of a record that are no lines: the most likely ones
+  integer, parameter :: note_letters = 1000             !! room for the notes of a case of a sweep
+  integer, parameter :: parameter_letters = 64          !! and for the name of an unknown, or its unit
 
   type, public :: record_layout
     !! What the result of a record holds that only its files tell.
@@ -48,6 +51,7 @@ module bw_result_layout
     integer :: pieces = 0             !! of a beam that has several
     integer :: bodies = 0
     integer :: unknowns = 0           !! that are identified
+    logical :: modelled = .false.     !! a record's lines are held against the modes of its beam
     logical :: velocity = .false.     !! velocity histories are asked for
     logical :: bending_moment = .false.   !! and bending moments
     logical :: continuum = .false.    !! histories have the answer of infinitely many modes as their limit
@@ -161,6 +165,9 @@ contains
     case ('piece'); length = layout%pieces
     case ('body'); length = layout%bodies
     case ('unknown'); length = layout%unknowns
+    case ('unknown_too'); length = merge(layout%unknowns, 0, layout%modelled)
+    case ('parameter_letter'); length = merge(parameter_letters, 0, layout%modelled .and. layout%unknowns > 0)
+    case ('note_letter'); length = merge(note_letters, 0, layout%cases > 0)
     case ('stage'); length = stage_count
     case default; length = 0
     end select
@@ -180,7 +187,7 @@ contains
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
     !! that go through them), `estimates` (of the errors of histories), `mode_shapes` (there are not too many), `record`
-    !! or `simulated`, `places` (of all points along the beam), `waves`.
+    !! or `simulated`, `model` (of the record's beam), `places` (of all points along the beam), `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -195,6 +202,7 @@ contains
     case ('velocity'); there = layout%velocity
     case ('bending_moment'); there = layout%bending_moment
     case ('mode_shapes'); there = layout%mode_shapes
+    case ('model'); there = layout%modelled
     case ('record'); there = layout%of_record
     case ('simulated'); there = .not. layout%of_record
     case ('places')                           ! the points have places along the beam

@@ -1,4 +1,4 @@
-# LAPACK, FFTW3, MINPACK and NetCDF-Fortran as imported targets beamwave::{lapack,fftw,minpack,netcdf}, and what they
+# LAPACK, FFTW3, MINPACK and NetCDF-Fortran as imported targets beamwave::{lapack,fftw,minpack,netcdff}, and what they
 # call themselves in BEAMWAVE_LIBRARY_VERSIONS.
 #
 # gfortran does not look for .mod and .f03 files in /usr/include, and CMake drops -I/usr/include as
@@ -78,7 +78,7 @@ if(NOT BEAMWAVE_LIBRARY_VERSIONS)
   message(STATUS "Libraries: ${BEAMWAVE_LIBRARY_VERSIONS}")
 endif()
 
-beamwave_import(netcdf "${BW_NETCDFF_LIBRARY};${BW_NETCDF_LIBRARY}" "${BW_NETCDF_MODULES}")
+beamwave_import(netcdff "${BW_NETCDFF_LIBRARY};${BW_NETCDF_LIBRARY}" "${BW_NETCDF_MODULES}")
 beamwave_import(fftw "${BW_FFTW_LIBRARY}" "${BW_FFTW_INCLUDE}")
 add_library(beamwave_minpack INTERFACE)
 add_library(beamwave::minpack ALIAS beamwave_minpack)

@@ -10,7 +10,7 @@ module bw_netcdf_source
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing, missing
   use bw_netcdf_path, only: has_backslash
-  use bw_netcdf_reading, only: all_is_well, open_to_read => open_netcdf, read_numbers, status_text
+  use bw_netcdf_reading, only: all_is_well, load_netcdf, open_to_read => open_netcdf, read_numbers, status_text
   use bw_netcdf_survey, only: list_columns, netcdf_column, survey
   use bw_record_source, only: record_source
   use bw_sample_times, only: first_fall
@@ -56,6 +56,7 @@ contains
       call fail(error, status_bad_input, path//': NetCDF takes a backslash for a slash; accepted: a path without')
       return
     end if
+    call load_netcdf()
     call child%begin(most_seconds, error)
     if (.not. allocated(error)) then
       if (child%is_here()) then

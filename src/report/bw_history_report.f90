@@ -1,6 +1,6 @@
 module bw_history_report
   !! The printed report of histories: the largest value at each point, how far it may be off, and the waves that were measured.
-  use bw_case_fields, only: named_value
+  use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, numbered_rows, right
   use bw_kinds, only: dp
@@ -92,11 +92,11 @@ contains
     real(dp), allocatable, dimension(:) :: frequency, bound, wavenumber, phase, group
     integer :: shown
     if (result%measured%peak_count == 0) return
-    frequency = named_value(result, 'measured_angular_frequency')
-    bound = named_value(result, 'measured_angular_frequency_error')
-    wavenumber = named_value(result, 'measured_wavenumber')
-    phase = named_value(result, 'measured_phase_velocity')
-    group = named_value(result, 'measured_group_velocity')
+    frequency = values_of(result, 'measured_angular_frequency')
+    bound = values_of(result, 'measured_angular_frequency_error')
+    wavenumber = values_of(result, 'measured_wavenumber')
+    phase = values_of(result, 'measured_phase_velocity')
+    group = values_of(result, 'measured_group_velocity')
     shown = min(shown_peaks, size(wavenumber))
     call lines%append_line('')
     call lines%append_line('  Measured in the tip and midpoint histories alone; +/- is a bound of the error')

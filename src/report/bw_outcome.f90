@@ -1,9 +1,11 @@
 module bw_outcome
   !! How a scene ended, and what there is to say of it.
+  use bw_case_result, only: case_done
   use bw_error, only: status_done, status_not_trusted, status_stopped
   use bw_existing_result, only: existing_result
-  use bw_kinds, only: dp, i8
+  use bw_kinds, only: dp, i1, i8
   use bw_report, only: notes_report
+  use bw_result_draft, only: not_done
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_summary, only: scene_heading, scene_summary
@@ -28,6 +30,7 @@ module bw_outcome
     procedure :: notes_text
     procedure :: set_report
     procedure :: set_stopped
+    procedure :: set_part, set_part_without_case
   end type outcome_type
 
 contains
@@ -115,6 +118,39 @@ contains
     call report%append_line('  result     '//self%file)
     self%report = report%text()
   end subroutine set_report
+
+  subroutine set_part(self, scene, part, parts, statuses)
+    !! A part of a sweep that is done while others are not.
+    class(outcome_type), intent(inout) :: self
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: part, parts
+    integer(i1), intent(in) :: statuses(:)    !! how the cases ended, `not_done` of those that have not, (cases)
+    integer :: failed, missing, p
+    failed = count(statuses(part::parts) /= case_done)
+    if (failed > 0) self%status = status_not_trusted
+    self%notes = ''
+    if (failed > 0) self%notes = text_of(failed)//' of the '//text_of(size(statuses(part::parts)))//' cases of part '// &
+      text_of(part)//' hold numbers that cannot be trusted'//new_line('a')
+    self%report = scene_heading(scene)//'  part '//text_of(part)//' of '//text_of(parts)//' is done: '// &
+      text_of(size(statuses(part::parts)))//' of '//text_of(size(statuses))//' cases'//new_line('a')
+    if (all(statuses /= not_done)) self%report = self%report// &
+      '  no case is missing; the last of the parts that are still at work finishes '//self%file//new_line('a')
+    do p = 1, parts
+      missing = count(statuses(p::parts) == not_done)
+      if (missing > 0) self%report = self%report//'  missing    '//text_of(missing)//' of the '// &
+        text_of(size(statuses(p::parts)))//' cases of part '//text_of(p)//new_line('a')
+    end do
+  end subroutine set_part
+
+  subroutine set_part_without_case(self, scene, part, parts)
+    !! A part of a scene that has one case only.
+    class(outcome_type), intent(inout) :: self
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: part, parts
+    self%notes = ''
+    self%report = scene_heading(scene)//'  part '//text_of(part)//' of '//text_of(parts)// &
+      ' has nothing to do: the scene has one case, which is part 1'//new_line('a')
+  end subroutine set_part_without_case
 
   subroutine set_stopped(self, saved, cases)
     !! Work that is left for later.

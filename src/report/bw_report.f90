@@ -2,7 +2,7 @@ module bw_report
   !! The printed report of a case: the first modes with their wave velocities, the jump, the balance, the histories, and what to
   !! beware of.
   use bw_kinds, only: dp
-  use bw_case_fields, only: named_value
+  use bw_case_rows, only: values_of
   use bw_case_result, only: case_result
   use bw_columns, only: fixed, numbered_rows, right
   use bw_event, only: event_words, release_event
@@ -47,11 +47,11 @@ contains
     real(dp), allocatable, dimension(:) :: frequency, phase, group
     real(dp), allocatable :: columns(:, :)
     integer :: n
-    frequency = named_value(result, 'angular_frequency')
-    phase = named_value(result, 'phase_velocity')
-    group = named_value(result, 'group_velocity')
+    frequency = values_of(result, 'angular_frequency')
+    phase = values_of(result, 'phase_velocity')
+    group = values_of(result, 'group_velocity')
     call lines%append_line('')
-    columns = reshape([named_value(result, 'alpha'), named_value(result, 'wavenumber'), frequency, &
+    columns = reshape([values_of(result, 'alpha'), values_of(result, 'wavenumber'), frequency, &
                        scaled(frequency, 1.0_dp/two_pi), phase, group], [size(frequency), 6])
     if (leaves_again(result)) then
       call lines%append_line('  mode       alpha  wave number    frequency    frequency  phase velocity  group velocity       '// &
@@ -65,7 +65,7 @@ contains
     end if
     call numbered_rows(lines, shown_modes, [12, 13, 13, 13, 16, 16, 15], columns)
     n = min(shown_modes, size(frequency))
-    call lines%append(why_not(named_value(result, 'growth_rate'), frequency(:n), phase(:n), group(:n), result%modes%rigid()))
+    call lines%append(why_not(values_of(result, 'growth_rate'), frequency(:n), phase(:n), group(:n), result%modes%rigid()))
     call report_critical(scene, result, lines)
   end subroutine report_modes
 
@@ -76,7 +76,7 @@ contains
     if (leaves_again) leaves_again = any(result%events%kind == release_event)
   end function leaves_again
 
-  pure function released_frequency(result, count) result(frequency)
+  function released_frequency(result, count) result(frequency)
     !! Of the first modes of the beam alone, rad/s; missing beyond them.
     type(case_result), intent(in) :: result
     integer, intent(in) :: count
@@ -84,7 +84,7 @@ contains
     integer :: n
     n = min(count, result%before%count)
     frequency = missing
-    associate (all => named_value(result, 'angular_frequency_before'))
+    associate (all => values_of(result, 'angular_frequency_before'))
       frequency(:n) = all(:n)
     end associate
   end function released_frequency
@@ -114,7 +114,7 @@ contains
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
     real(dp) :: critical(1)
-    critical = named_value(result, 'critical_angular_velocity')
+    critical = values_of(result, 'critical_angular_velocity')
     if (is_missing(critical(1)) .or. .not. allocated(scene%rotation)) return
     if (critical(1) == 0.0_dp) then
       call lines%append_line('  A mode is unstable at any angular velocity: the beam can turn about its root, and nothing '// &
@@ -136,7 +136,7 @@ contains
     spot = 'tip'
     if (scene%impact%position < 1.0_dp) struck = 'beam there'
     if (scene%impact%position < 1.0_dp) spot = 'place of the blow'
-    state = [named_value(result, 'impulse'), named_value(result, 'mass_velocity'), named_value(result, 'tip_velocity')]
+    state = [values_of(result, 'impulse'), values_of(result, 'mass_velocity'), values_of(result, 'tip_velocity')]
     call lines%append_line('')
     if (result%impact%gamma == 0.0_dp) then
       call lines%append_line('  Nothing strikes the beam: the mass is 0.')
@@ -158,8 +158,8 @@ contains
     integer, parameter :: width = 14, narrow = 10
     integer :: timed, lasting, doubtful           ! columns: 0 or 1
     integer :: i
-    time = named_value(result, 'event_time')
-    end_time = named_value(result, 'event_end')
+    time = values_of(result, 'event_time')
+    end_time = values_of(result, 'event_end')
     timed = merge(1, 0, any(end_time > 0.0_dp))
     lasting = merge(1, 0, any(end_time > time))
     doubtful = merge(timed, 0, any(result%events%time_error > 0.0_dp))
@@ -170,11 +170,11 @@ contains
     call lines%append_line('          '//repeat(right('s', width), timed)//repeat(right('s', narrow), doubtful)// &
                            repeat(right('s', width), lasting)// &
                            '         N s              J              J           kg m/s          kg m/s')
-    impulse = named_value(result, 'event_impulse')
-    energy_before = named_value(result, 'energy_before')
-    energy_after = named_value(result, 'energy_after')
-    momentum_before = named_value(result, 'momentum_before')
-    momentum_after = named_value(result, 'momentum_after')
+    impulse = values_of(result, 'event_impulse')
+    energy_before = values_of(result, 'energy_before')
+    energy_after = values_of(result, 'energy_after')
+    momentum_before = values_of(result, 'momentum_before')
+    momentum_after = values_of(result, 'momentum_after')
     do i = 1, min(shown_events, size(result%events))
       call lines%append('  '//event_words(result%events(i)%kind))
       if (timed == 1) call lines%append(right(shortest(time(i), 7), width))

@@ -4,19 +4,20 @@ module bw_scene_summary
   use bw_kinds, only: dp, i8
   use bw_beam_par, only: beam_text
   use bw_beam_units, only: beam_units, units_of
-  use bw_case_fields, only: blocks_for, case_block, case_length, fields_of
   use bw_case_shares, only: case_bytes
   use bw_hint, only: hint_line
   use bw_modes_par, only: by_tolerance
   use bw_record_case, only: few_numbers
-  use bw_result_file, only: result_bytes
+  use bw_result_draft, only: result_draft
   use bw_result_layout, only: result_layout
+  use bw_result_table, only: most_waiting
   use bw_scene, only: by_pieces, count_methods, effect_names, effects_text, scene_type
   use bw_scene_cases, only: case_count
   use bw_text, only: shortest, text_builder, text_of
   implicit none (type, external)
   private
-  public :: scene_heading, scene_summary, unknowns_text, bytes_text, cost_summary, disk_bytes, record_seconds, working_bytes
+  public :: scene_heading, scene_summary, unknowns_text, bytes_text, case_numbers, cost_summary, disk_bytes, record_seconds
+  public :: working_bytes
 
 contains
 
@@ -174,46 +175,46 @@ contains
     integer(i8), intent(in) :: bytes          !! of memory
     character(:), allocatable :: text
     text = '  memory     '//bytes_text(bytes)//new_line('a')// &
-      '  result     '//bytes_text(result_bytes(scene, layout))
-    if (layout%cases > 0) text = text//', and '//bytes_text(journal_bytes(layout))//' beside it until it is complete'
-    text = text//new_line('a')
+      '  result     '//bytes_text(disk_bytes(scene, layout))//new_line('a')
   end function cost_summary
 
   function disk_bytes(scene, layout) result(bytes)
-    !! What a run writes, until its result is complete.
+    !! What a run writes.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer(i8) :: bytes
-    bytes = result_bytes(scene, layout)
-    if (layout%cases > 0) bytes = bytes + journal_bytes(layout)
+    type(result_draft) :: draft
+    call draft%plan(scene, layout)
+    bytes = draft%head%bytes
   end function disk_bytes
 
-  pure integer(i8) function journal_bytes(layout) result(bytes)
-    !! What a sweep takes beside its result until that is complete: a record of each case in a journal, and the name of its work.
+  integer(i8) function case_numbers(scene, layout) result(count)
+    !! How many numbers a case has.
+    type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
-    integer(i8), parameter :: frame = 20      ! words of a record beside its numbers: header and notes
-    bytes = 8*layout%cases*(case_length(fields_of(layout)) + frame) + 5000
-  end function journal_bytes
+    type(result_draft) :: draft
+    call draft%plan(scene, layout)
+    count = draft%case_numbers
+  end function case_numbers
 
-  pure integer(i8) function working_bytes(scene, layout) result(bytes)
+  integer(i8) function working_bytes(scene, layout) result(bytes)
     !! Memory of the first case, as far as it can be told without running it: its numbers as they are found and once more on their
     !! way to the file, times, shapes, modes, what is needed to search histories for waves, and about 27 MB of program and
-    !! libraries; of a sweep also blocks of cases and the list of all of them.
+    !! libraries; of a sweep also other cases on their way and how all of them ended.
     type(scene_type), intent(in) :: scene
     type(result_layout), intent(in) :: layout
     integer, parameter :: most_shapes = 2**22        ! in memory at a time
     integer, parameter :: wave_numbers = 30          ! by frequency
     integer, parameter :: time_copies = 3
-    integer(i8) :: shapes
+    integer, parameter :: of_case = 16               ! its number and how it ended
+    integer(i8) :: shapes, numbers
     shapes = int(max(layout%modes, layout%modes_before), i8)*max(layout%points, 2*layout%profile)
     shapes = min(shapes, int(most_shapes, i8))
-    associate (fields => fields_of(layout))
-      bytes = 8*(2*case_length(fields) + shapes + wave_numbers*int(layout%frequencies, i8) &
-                 + time_copies*int(layout%samples, i8)) + 27000000
-      if (.not. allocated(scene%record)) bytes = bytes + case_bytes(scene)
-      if (allocated(layout%record)) bytes = bytes + record_bytes(layout%record%longest, layout%points)
-      if (layout%cases > 0) bytes = bytes + sum(block_bytes(blocks_for(fields, layout%cases))) + 6_i8*layout%cases
-    end associate
+    numbers = case_numbers(scene, layout)
+    bytes = 8*(2*numbers + shapes + wave_numbers*int(layout%frequencies, i8) + time_copies*int(layout%samples, i8)) + 27000000
+    if (.not. allocated(scene%record)) bytes = bytes + case_bytes(scene)
+    if (allocated(layout%record)) bytes = bytes + record_bytes(layout%record%longest, layout%points)
+    bytes = bytes + 8*min(int(most_waiting, i8), numbers*layout%cases) + of_case*int(layout%cases, i8)
   end function working_bytes
 
   pure integer(i8) function record_bytes(samples, sensors) result(bytes)
@@ -236,12 +237,6 @@ contains
       seconds = max(1, layout%cases)*layout%points*(0.1_dp*min(1.0_dp, samples/16384) + 3.0e-7_dp*samples)
     end associate
   end function record_seconds
-
-  elemental integer(i8) function block_bytes(block) result(bytes)
-    !! Memory of a block of cases, and of a field of it on its way into the file, which may be all of it.
-    type(case_block), intent(in) :: block
-    bytes = 2*8*case_length(block%fields)*block%capacity
-  end function block_bytes
 
   pure function bytes_text(bytes) result(text)
     !! In kB, MB or GB of 1000s, three digits.

@@ -1,108 +1,95 @@
 module bw_sweep_table
   !! The printed table of a sweep: of a few cases all, of many the first, the last, and those that are extreme, each with the
-  !! values that it was given. Cases are added in any order.
-  use bw_case_fields, only: case_field, field_of, fields_of
+  !! values that it was given.
   use bw_case_result, only: case_done
   use bw_columns, only: fixed, right
-  use bw_kinds, only: dp, i8
-  use bw_magnitude, only: largest_magnitude
+  use bw_kinds, only: dp, i1, i8
   use bw_missing, only: is_missing, missing, scaled
   use bw_record_table, only: record_table
-  use bw_result_layout, only: result_layout
-  use bw_scene, only: scene_type
+  use bw_result_draft, only: result_draft
   use bw_swept_text, only: swept_text
   use bw_text, only: text_builder, text_of
   implicit none (type, external)
   private
+  public :: sweep_table
 
   integer, parameter :: most_rows = 20      !! of a sweep whose cases are all shown
+  integer, parameter :: at_once = 4096      !! cases that are looked at together
   character(*), parameter :: reasons(*) = [character(24) :: 'first', 'last', 'lowest frequency', 'highest frequency', &
     'smallest displacement', 'largest displacement', 'first without frequency', 'first not trusted']
     !! why cases of a large sweep are shown
 
   type :: case_row
-    !! A case that is shown.
+    !! What there is to say of a case that may be shown.
     integer(i8) :: case = 0                 !! its number; 0: none yet
-    integer :: modes = 0                    !! how many were summed
     integer :: status = case_done
     real(dp) :: frequency = missing         !! of mode 1, rad/s
-    real(dp) :: phase_velocity = missing
-    real(dp) :: group_velocity = missing
     real(dp) :: displacement = missing      !! the largest, m
   end type case_row
 
-  type, public :: sweep_table
-    private
-    integer(i8) :: cases = 0
-    type(case_row) :: rows(max(most_rows, size(reasons)))     !! by case, or by reason
-    type(case_field) :: mode_count, status, frequency, phase_velocity, group_velocity, displacement
-      !! where they stand in a case
-    type(record_table), allocatable :: of_records      !! instead of all that, of repeats of a record
-  contains
-    procedure :: add
-    procedure :: text
-  end type sweep_table
-
-  interface sweep_table
-    module procedure :: table_of
-  end interface sweep_table
-
 contains
 
-  pure function table_of(layout) result(table)
-    !! A table without rows.
-    type(result_layout), intent(in) :: layout
-    type(sweep_table) :: table
-    if (layout%of_record) then
-      table%of_records = record_table(layout)
-      return
-    end if
-    associate (fields => fields_of(layout))
-      table%mode_count = field_of(fields, 'mode_count')
-      table%status = field_of(fields, 'case_status')
-      table%frequency = field_of(fields, 'angular_frequency')
-      table%phase_velocity = field_of(fields, 'phase_velocity')
-      table%group_velocity = field_of(fields, 'group_velocity')
-      table%displacement = field_of(fields, 'displacement')
-    end associate
-    table%cases = layout%cases
-  end function table_of
-
-  pure subroutine add(self, index, numbers)
-    !! Take account of a case.
-    class(sweep_table), intent(inout) :: self
-    integer(i8), intent(in) :: index          !! its number
-    real(dp), intent(in), contiguous :: numbers(:)    !! (case_length)
-    type(case_row) :: row
+  function sweep_table(draft, statuses) result(lines)
+    !! The table of all cases of a draft, as it is printed.
+    type(result_draft), intent(inout) :: draft
+    integer(i1), intent(in) :: statuses(:)    !! how they ended, (cases)
+    character(:), allocatable :: lines
+    type(case_row), allocatable :: rows(:)    ! by case, or by reason
+    type(text_builder) :: built
+    integer(i8) :: printed                    ! the last case
+    logical :: without
     integer :: r
-    if (allocated(self%of_records)) then
-      call self%of_records%add(index, numbers)
+    if (draft%layout%of_record) then
+      lines = record_table(draft)
       return
     end if
-    row = case_row(index, nint(numbers(self%mode_count%first)), nint(numbers(self%status%first)), &
-                   numbers(self%frequency%first), numbers(self%phase_velocity%first), numbers(self%group_velocity%first))
-    if (self%displacement%name /= '') then
-      associate (first => self%displacement%first, length => self%displacement%length)
-        row%displacement = largest_of(numbers(first:first + length - 1))
-      end associate
-    end if
-    if (self%cases <= most_rows) then
-      self%rows(index) = row
-      return
-    end if
-    do r = 1, size(reasons)
-      if (is_better(row, self%rows(r), trim(reasons(r)), self%cases)) self%rows(r) = row
+    allocate (rows(merge(size(statuses), size(reasons), size(statuses) <= most_rows)))
+    call choose_rows(draft, statuses, rows)
+    without = .false.
+    printed = 0
+    call built%append_line('')
+    call built%append_line('    case   modes  mode 1: frequency   frequency  phase velocity  group velocity  displacement   swept')
+    call built%append_line('                              rad/s          Hz             m/s             m/s    m, largest')
+    do
+      r = next_row(rows, printed)
+      if (r == 0) exit
+      call built%append(row_text(draft, rows(r))//'   '//swept_text(draft%scene, rows(r)%case))
+      if (size(statuses) > most_rows) call built%append(why(rows, r))
+      call built%append_line('')
+      without = without .or. is_missing(rows(r)%frequency)
+      printed = rows(r)%case
     end do
-  end subroutine add
+    if (without) call built%append_line('  -: mode 1 grows, or creeps back, or could not be found: it has no frequency.')
+    if (size(statuses) > most_rows) call built%append_line('    '//text_of(size(statuses))//' cases in the file')
+    lines = built%text()
+  end function sweep_table
 
-  pure real(dp) function largest_of(history) result(largest)
-    !! The largest displacement that is known; missing where none is.
-    real(dp), intent(in), contiguous :: history(:)
-    largest = largest_magnitude(history)
-    if (largest < missing) return
-    largest = missing
-    if (any(.not. is_missing(history))) largest = maxval(abs(history), mask=.not. is_missing(history))
-  end function largest_of
+  subroutine choose_rows(draft, statuses, rows)
+    !! Look at all cases for those that are shown.
+    type(result_draft), intent(inout) :: draft
+    integer(i1), intent(in) :: statuses(:)
+    type(case_row), intent(inout) :: rows(:)
+    real(dp) :: frequency(at_once), displacement(at_once), at_point(at_once)
+    type(case_row) :: row
+    integer :: first, n, i, p, r
+    do first = 1, size(statuses), at_once
+      n = min(at_once, size(statuses) - first + 1)
+      call draft%get_column(draft%variable('angular_frequency'), 1, int(first, i8), frequency(:n))
+      displacement(:n) = missing
+      do p = 1, draft%layout%points
+        call draft%get_column(draft%variable('largest_displacement'), p, int(first, i8), at_point(:n))
+        where (is_missing(displacement(:n)) .or. (at_point(:n) > displacement(:n) .and. .not. is_missing(at_point(:n)))) &
+          displacement(:n) = at_point(:n)
+      end do
+      do i = 1, n
+        row = case_row(first + i - 1, int(statuses(first + i - 1)), frequency(i), displacement(i))
+        if (size(statuses) <= most_rows) rows(row%case) = row
+        do r = 1, merge(0, size(reasons), size(statuses) <= most_rows)
+          if (is_better(row, rows(r), trim(reasons(r)), size(statuses, kind=i8))) rows(r) = row
+        end do
+      end do
+    end do
+  end subroutine choose_rows
 
   pure logical function is_better(row, than, reason, cases)
     !! A case is to be shown for a reason instead of another: of equal ones the first.
@@ -130,74 +117,48 @@ contains
     end function leads
   end function is_better
 
-  function text(self, scene) result(lines)
-    !! The table as it is printed.
-    class(sweep_table), intent(in) :: self
-    type(scene_type), intent(in) :: scene
-    character(:), allocatable :: lines
-    type(text_builder) :: built
-    integer(i8) :: printed                    ! the last case
-    logical :: without
-    integer :: r
-    if (allocated(self%of_records)) then
-      lines = self%of_records%text(scene)
-      return
-    end if
-    without = .false.
-    printed = 0
-    call built%append_line('')
-    call built%append_line('    case   modes  mode 1: frequency   frequency  phase velocity  group velocity  displacement   swept')
-    call built%append_line('                              rad/s          Hz             m/s             m/s    m, largest')
-    do
-      r = next_row(self, printed)
-      if (r == 0) exit
-      call built%append_line(row_text(self%rows(r))//'   '//swept_text(scene, self%rows(r)%case)//why(self, r))
-      without = without .or. is_missing(self%rows(r)%frequency)
-      printed = self%rows(r)%case
-    end do
-    if (without) call built%append_line('  -: mode 1 grows, or creeps back, or could not be found: it has no frequency.')
-    if (self%cases > most_rows) call built%append_line('    '//text_of(self%cases)//' cases in the file')
-    lines = built%text()
-  end function text
-
-  pure integer function next_row(self, printed) result(next)
+  pure integer function next_row(rows, printed) result(next)
     !! The row of the lowest case behind the last that is printed; 0 where there is none.
-    class(sweep_table), intent(in) :: self
+    type(case_row), intent(in) :: rows(:)
     integer(i8), intent(in) :: printed
     integer :: k
     next = 0
-    do k = 1, size(self%rows)
-      if (self%rows(k)%case <= printed) cycle
+    do k = 1, size(rows)
+      if (rows(k)%case <= printed) cycle
       if (next == 0) then
         next = k
-      else if (self%rows(k)%case < self%rows(next)%case) then
+      else if (rows(k)%case < rows(next)%case) then
         next = k
       end if
     end do
   end function next_row
 
-  pure function why(self, r) result(words)
+  pure function why(rows, r) result(words)
     !! The reasons for which a case of a large sweep is shown.
-    class(sweep_table), intent(in) :: self
+    type(case_row), intent(in) :: rows(:)
     integer, intent(in) :: r
     character(:), allocatable :: words
     integer :: k
     words = ''
-    if (self%cases <= most_rows) return
     do k = 1, size(reasons)
-      if (self%rows(k)%case == self%rows(r)%case) words = words//', '//trim(reasons(k))
+      if (rows(k)%case == rows(r)%case) words = words//', '//trim(reasons(k))
     end do
     words = ' ('//words(3:)//')'
   end function why
 
-  pure function row_text(row) result(text)
+  function row_text(draft, row) result(text)
     !! The numbers of a case.
+    type(result_draft), intent(inout) :: draft
     type(case_row), intent(in) :: row
     character(:), allocatable :: text
     real(dp), parameter :: two_pi = 2.0_dp*acos(-1.0_dp)
-    text = right(text_of(row%case), 8)//right(text_of(row%modes), 8)//right(fixed(row%frequency), 19)// &
-      right(fixed(scaled(row%frequency, 1.0_dp/two_pi)), 12)//right(fixed(row%phase_velocity), 16)// &
-      right(fixed(row%group_velocity), 16)//right(fixed(row%displacement), 14)
+    real(dp), allocatable :: modes(:), phase_velocity(:), group_velocity(:)
+    modes = draft%get('mode_count', row%case)
+    phase_velocity = draft%get('phase_velocity', row%case)
+    group_velocity = draft%get('group_velocity', row%case)
+    text = right(text_of(row%case), 8)//right(text_of(nint(modes(1))), 8)//right(fixed(row%frequency), 19)// &
+      right(fixed(scaled(row%frequency, 1.0_dp/two_pi)), 12)//right(fixed(phase_velocity(1)), 16)// &
+      right(fixed(group_velocity(1)), 16)//right(fixed(row%displacement), 14)
   end function row_text
 
 end module bw_sweep_table

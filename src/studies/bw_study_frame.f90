@@ -1,6 +1,5 @@
 module bw_study_frame
   !! What studies of a scene have in common: where their result lies, and how they begin and end.
-  use bw_child_process, only: child_process
   use bw_error, only: error_type, status_stopped
   use bw_existing_result, only: existing_result, look_at_existing
   use bw_kinds, only: i8
@@ -10,7 +9,7 @@ module bw_study_frame
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_summary, only: scene_heading, scene_summary
-  use bw_study_file, only: create_study, study_file, study_values
+  use bw_study_file, only: study_values, write_study
   use bw_text, only: shortest, string, text_of
   use bw_work_directory, only: work_directory
   implicit none (type, external)
@@ -26,7 +25,6 @@ module bw_study_frame
     procedure :: begin
     procedure :: end => end_study
     procedure :: leave
-    procedure, private :: write_file
   end type study_frame
 
 contains
@@ -71,8 +69,9 @@ contains
     do i = 1, size(lines)
       outcome%notes = outcome%notes//lines(i)%text//nl
     end do
-    call self%write_file(values, outcome%notes_text(), report, error)
-    call self%work%leave()
+    call write_study(self%work%draft_of(''), self%scene, self%study, values, outcome%notes_text(), report, error)
+    call self%work%publish(error)
+    call self%work%discard()
     if (allocated(error)) return
     outcome%report = scene_heading(self%scene)//scene_summary(self%scene, layout_of(self%scene))//report//nl// &
       notes_report(outcome%notes_text())//'  result     '//outcome%file//nl
@@ -91,36 +90,11 @@ contains
     text = nl//'  Of '//text_of(case_count(scene))//' cases only the first is measured: '//text(3:)//'.'//nl
   end function which_case
 
-  subroutine write_file(self, values, notes, report, error)
-    !! Write the file in a process of its own, and give it its final name.
-    !! **Errors**: it cannot be written.
-    class(study_frame), intent(in) :: self
-    class(study_values), intent(in) :: values
-    character(*), intent(in) :: notes, report
-    type(error_type), allocatable, intent(inout) :: error
-    type(child_process) :: child
-    type(study_file) :: file
-    type(string), allocatable :: texts(:)
-    character(:), allocatable :: draft
-    logical :: whole
-    draft = self%work%new_draft()
-    call child%begin()
-    if (child%is_here()) then
-      allocate (texts(0))
-      call create_study(draft, self%scene, self%study, file, error)
-      call values%put(file, error)
-      call file%finish(notes, report, error)
-      call child%tell(texts, error)
-    end if
-    call child%hear(texts, whole, error)
-    if (.not. allocated(error)) call self%work%publish(draft, error)
-  end subroutine write_file
-
   subroutine leave(self, outcome)
     !! End a study that was stopped in order: nothing is left of it.
     class(study_frame), intent(inout) :: self
     type(outcome_type), intent(inout) :: outcome
-    call self%work%leave()
+    call self%work%discard()
     outcome%status = status_stopped
     outcome%report = ''
     outcome%notes = outcome%file//': stopped; seconds cannot be taken up again, so the same command starts anew'//nl

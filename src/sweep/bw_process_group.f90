@@ -2,7 +2,9 @@ module bw_process_group
   !! The processes that share the cases of a sweep, as seen from one of them: each takes the next batch from a counter that all
   !! see; one of them leads: it speaks, and writes the result. This is a group of one; MPI's in `app/` extends it.
   use bw_error, only: error_type
+  use bw_file_lock, only: own_host
   use bw_kinds, only: dp, i4, i8
+  use bw_text, only: append, string
   implicit none (type, external)
   private
 
@@ -18,6 +20,7 @@ module bw_process_group
     procedure :: join
     procedure :: part
     procedure :: share
+    procedure :: hosts
     procedure :: begin
     procedure :: take
     procedure :: tell
@@ -52,6 +55,15 @@ contains
     associate (unused => self, shared => values)
     end associate
   end subroutine share
+
+  subroutine hosts(self, names)
+    !! Find out on which hosts the processes run. Called by all; the leader gets the names, each once, its own first.
+    class(process_group), intent(inout) :: self
+    type(string), allocatable, intent(out) :: names(:)
+    associate (unused => self)
+    end associate
+    call append(names, own_host())
+  end subroutine hosts
 
   subroutine begin(self)
     !! Set the counter to the first place, and the number of finished cases to 0. Called by all.

@@ -1,160 +1,165 @@
 module bw_unfinished_work
-  !! The unfinished work of a scene: the scene, what its result will hold, and the directory with the journals of its finished
-  !! cases. Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or
-  !! version whose place a run takes.
-  use bw_checksum, only: word_sum, words_of_text
-  use bw_error, only: error_type, fail, status_stopped
-  use bw_file_lock, only: is_unique_name
-  use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, files_in, remove_file
-  use bw_journal_reader, only: journal_reader
-  use bw_kinds, only: i1, i8
-  use bw_monitor, only: monitor_type, stops
+  !! The unfinished work of a scene: the scene, what its result will hold, and the drafts with its finished cases. The first host has
+  !! the draft that becomes the result; each further one has its own, since clients of a file server write whole pages back.
+  !! Nothing is taken away but what has been read, under the lock, as this work's own, or as work of another scene or version
+  !! whose place a run takes.
+  use bw_case_result, only: case_done, case_misfit
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_file_lock, only: own_host
+  use bw_files, only: cannot_be_written, directory_is_there, look_at, path_state, remove_file
+  use bw_kinds, only: i1
+  use bw_result_draft, only: not_done, result_draft
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
-  use bw_system_calls, only: bw_kind_of_error, error_not_there
-  use bw_text, only: append, string
+  use bw_text, only: string
   use bw_work_directory, only: work_directory
   implicit none (type, external)
   private
 
-  character(*), parameter, public :: journal_suffix = '.journal'
-
   type, extends(work_directory), public :: unfinished_work
     type(scene_type) :: scene
     type(result_layout) :: layout             !! of the scene's result
-    character(:), allocatable :: identity     !! what the journals have to belong to: program, version, layout and resolved scene
-    type(string), allocatable :: own(:)       !! journals of this work, as they were found last
-    type(string), allocatable, private :: others(:)
-    integer(i8) :: damaged = 0                !! records in them that are not what they were
+    type(result_draft) :: draft               !! laid out; open where this process puts its cases
+    character(:), allocatable :: owner        !! the host of the first draft; empty: there is none
+    logical :: took_away = .false.            !! work of another scene or version, or a damaged draft
   contains
+    procedure :: remove
     procedure :: survey
-    procedure :: has_others
-    procedure :: remove_others
-    procedure :: discard
+    procedure :: provide
+    procedure :: open_draft
+    procedure :: merge => merge_drafts
     procedure :: clear
-    procedure :: sum_of_identity
-    procedure, private :: read_journal
   end type unfinished_work
 
 contains
 
-  subroutine survey(self, count, done, error, monitor)
-    !! Read all journals, and find out which cases are finished. Files that no run has named are not looked at.
-    !! **Errors**: one cannot be read; `status_stopped` where the monitor asks to stop.
+  subroutine remove(self, own, others, error)
+    !! Take away drafts of this work, or of other work.
+    !! **Errors**: one cannot be read, or not be taken away.
     class(unfinished_work), intent(inout) :: self
-    integer(i8), intent(in) :: count          !! numbers of a case
-    integer(i1), intent(inout) :: done(:)     !! (cases), set to 1
+    logical, intent(in) :: own, others
     type(error_type), allocatable, intent(inout) :: error
-    class(monitor_type), intent(inout), optional :: monitor
-    type(string), allocatable :: names(:)
-    type(journal_reader) :: reader
-    logical :: is_others, is_readable
-    integer :: problem, i
-    self%damaged = 0
-    if (allocated(self%own)) deallocate (self%own, self%others)
-    allocate (self%own(0), self%others(0))
-    problem = files_in(self%path, journal_suffix, names)
-    if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_read(error, self%path, problem)
-    do i = 1, size(names)
-      if (.not. is_journal(names(i)%text)) cycle
-      call reader%open(self%path//'/'//names(i)%text, error)
-      call self%read_journal(reader, count, done, is_others, is_readable, error, monitor)
-      call reader%close()
+    type(string), allocatable :: paths(:)
+    logical :: is_ours
+    integer :: i, problem
+    call self%drafts(paths, error)
+    do i = 1, size(paths)
+      call self%draft%open(paths(i)%text, .false., is_ours, error)
+      call self%draft%file%close()
       if (allocated(error)) return
-      self%damaged = self%damaged + reader%damaged
-      if (is_others) then
-        call append(self%others, reader%path)
-      else if (is_readable) then
-        call append(self%own, reader%path)
+      if (.not. merge(own, others, is_ours)) cycle
+      self%took_away = self%took_away .or. .not. is_ours
+      problem = remove_file(paths(i)%text)
+      if (problem /= 0) call cannot_be_written(error, paths(i)%text, problem)
+    end do
+  end subroutine remove
+
+  subroutine survey(self, statuses, error)
+    !! Read all drafts of this work: how the cases ended that are done in any. None of them is open here.
+    !! **Errors**: one cannot be read.
+    class(unfinished_work), intent(inout) :: self
+    integer(i1), allocatable, intent(out) :: statuses(:)   !! (cases), `not_done` of the others
+    type(error_type), allocatable, intent(inout) :: error
+    type(string), allocatable :: paths(:)
+    integer(i1), allocatable :: found(:)
+    logical :: is_ours
+    integer :: i
+    allocate (statuses(max(1, self%layout%cases)), source=int(not_done, i1))
+    self%owner = ''
+    call self%drafts(paths, error)
+    do i = 1, size(paths)
+      call self%draft%open(paths(i)%text, .false., is_ours, error)
+      if (is_ours) then
+        call self%draft%get_statuses(found)
+        where (found == case_misfit) found = case_done       ! which is found anew
+        where (statuses == not_done) statuses = found
+        if (paths(i)%text == self%draft_of('')) self%owner = self%draft%host()
       end if
+      call self%draft%file%close()
+      if (allocated(error)) return
     end do
   end subroutine survey
 
-  pure logical function is_journal(name)
-    !! Whether a file has such a name as runs give to journals: one of their own, and the number of a process.
-    character(*), intent(in) :: name
-    integer :: last
-    last = index(name, '-', back=.true.) - 1
-    is_journal = last > 0
-    if (is_journal) is_journal = is_unique_name(name(:last))
-  end function is_journal
-
-  subroutine read_journal(self, reader, count, done, is_others, is_readable, error, monitor)
-    !! Read all sound records of a journal.
-    class(unfinished_work), intent(in) :: self
-    type(journal_reader), intent(inout) :: reader
-    integer(i8), intent(in) :: count
-    integer(i1), intent(inout) :: done(:)
-    logical, intent(out) :: is_others         !! it belongs to other work, and says so
-    logical, intent(out) :: is_readable       !! some of it is sound, or nothing was written yet
+  subroutine provide(self, hosts, error)
+    !! Make the drafts that are not there: the first one, and one for each further host. Of a part the first one may be another
+    !! host's. **Errors**: one cannot be made.
+    class(unfinished_work), intent(inout) :: self
+    type(string), intent(in) :: hosts(:)
     type(error_type), allocatable, intent(inout) :: error
-    class(monitor_type), intent(inout), optional :: monitor
-    logical :: found, any_found
-    is_others = .false.
-    any_found = .false.
-    do
-      if (stops(monitor) .and. .not. allocated(error)) call fail(error, status_stopped, self%result// &
-        ': stopped while the cases of an earlier run were read; nothing is changed')
-      call reader%next(found, error)
-      any_found = any_found .or. found
-      is_readable = any_found .or. reader%damaged == 0
-      if (.not. found) return
-      is_others = reader%work /= self%sum_of_identity()
-      if (is_others) return
-      if (reader%case < 1 .or. reader%case > size(done, kind=i8) .or. size(reader%numbers, kind=i8) /= count) cycle
-      done(reader%case) = 1_i1
+    integer :: i
+    if (self%owner == '') call make(self%draft_of(''))
+    if (self%owner == '' .or. self%parts == 1) self%owner = own_host()
+    do i = 1, size(hosts)
+      if (hosts(i)%text /= self%owner) call make(self%draft_of(hosts(i)%text))
     end do
-  end subroutine read_journal
+  contains
+    subroutine make(path)
+      character(*), intent(in) :: path
+      type(path_state) :: state
+      if (allocated(error)) return
+      if (look_at(path, state) == 0 .and. state%kind > 0) return
+      call self%draft%create(path, error)
+      call self%draft%file%close()
+    end subroutine make
+  end subroutine provide
 
-  pure integer(i8) function sum_of_identity(self)
-    !! The checksum of the identity, which each record of this work's journals has.
-    class(unfinished_work), intent(in) :: self
-    sum_of_identity = word_sum(words_of_text(self%identity))
-  end function sum_of_identity
-
-  pure logical function has_others(self)
-    !! Whether the survey has found work of another scene or version.
-    class(unfinished_work), intent(in) :: self
-    has_others = size(self%others) > 0
-  end function has_others
-
-  subroutine remove_others(self, error)
-    !! Remove the journals of other work that the survey has found.
-    !! **Errors**: one cannot be removed.
+  subroutine open_draft(self, error)
+    !! Open the draft of this host.
+    !! **Errors**: the system refuses it, or it is not there as it was laid out.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable, intent(inout) :: error
-    integer :: problem, i
-    do i = 1, size(self%others)
-      problem = remove_file(self%others(i)%text)
-      if (problem /= 0) call cannot_be_written(error, self%others(i)%text, problem)
-    end do
-  end subroutine remove_others
+    character(:), allocatable :: host
+    logical :: is_ours
+    host = own_host()
+    if (host == self%owner) host = ''
+    call self%draft%open(self%draft_of(host), self%parts > 1, is_ours, error)
+    if (.not. is_ours .and. .not. allocated(error)) call fail(error, status_bad_file, self%draft_of(host)// &
+      ': is not what this run has laid out: do all processes run the same program, and see the same directory?')
+  end subroutine open_draft
 
-  subroutine discard(self)
-    !! Take away the journals of this work that the last survey has found, and give the lock back.
+  subroutine merge_drafts(self, error)
+    !! Open the first draft, and take into it the cases that further hosts have done.
+    !! **Errors**: one cannot be read, or the first not be written.
     class(unfinished_work), intent(inout) :: self
-    integer :: ignored, i
-    do i = 1, size(self%own)
-      ignored = remove_file(self%own(i)%text)
+    type(error_type), allocatable, intent(inout) :: error
+    type(string), allocatable :: paths(:)
+    type(result_draft) :: other
+    integer(i1), allocatable :: mine(:), theirs(:)
+    integer, allocatable :: cases(:)
+    logical :: is_ours
+    integer :: i, c
+    other = self%draft
+    call self%draft%open(self%draft_of(''), .false., is_ours, error)
+    if (allocated(error)) return
+    call self%draft%get_statuses(mine)
+    call self%drafts(paths, error)
+    do i = 1, size(paths)
+      if (paths(i)%text == self%draft_of('')) cycle
+      call other%open(paths(i)%text, .false., is_ours, error)
+      if (allocated(error)) return
+      if (.not. is_ours) cycle
+      call other%get_statuses(theirs)
+      cases = pack([(c, c=1, size(mine))], mine == not_done .and. theirs /= not_done)
+      call self%draft%take_cases(other, cases)
+      call other%file%close()
+      call self%draft%file%flush(error)
+      if (allocated(error)) return
+      call self%draft%put_statuses(cases, int(theirs(cases)))
+      mine(cases) = theirs(cases)
     end do
-    call self%leave()
-  end subroutine discard
+  end subroutine merge_drafts
 
   subroutine clear(self)
     !! Take away what a run left that was killed when its result had its final name already, unless another run is at work.
-    !! Cases of another scene or version are not touched: a run of that may still want them.
+    !! Work of another scene or version is not touched: a run of that may still want it.
     class(unfinished_work), intent(inout) :: self
     type(error_type), allocatable :: error
-    integer(i1) :: none(0)
     if (.not. directory_is_there(self%path)) return
     call self%begin(error)
     if (allocated(error)) return
-    call self%survey(0_i8, none, error)
-    if (allocated(error) .or. self%has_others()) then
-      call self%leave()
-    else
-      call self%discard()
-    end if
+    call self%refuse_other_parts(error)
+    if (.not. allocated(error)) call self%remove(own=.true., others=.false., error=error)
+    call self%leave()
   end subroutine clear
 
 end module bw_unfinished_work

@@ -1,15 +1,14 @@
 module bw_worker
-  !! One of the processes that share the cases of a sweep: it takes a batch of them, runs it, and appends each case to its
-  !! journal, until nothing is left.
-  use bw_case_fields, only: case_field, case_length, fields_of, forbid_lost, put_fields
+  !! One of the processes that share the cases of a sweep: it takes a batch of them, runs it, and puts each case into the draft of
+  !! its host, until nothing is left. A case is done when its numbers are on the disk: this is seen to every two seconds or sooner.
   use bw_case_result, only: case_result
   use bw_error, only: error_type
-  use bw_journal_writer, only: journal_writer
+  use bw_files, only: cannot_be_written
   use bw_kinds, only: dp, i4, i8
   use bw_monitor, only: monitor_type, progress_type
   use bw_one_case, only: case_cache, run_case
   use bw_process_group, only: process_group
-  use bw_result_layout, only: result_layout
+  use bw_result_draft, only: result_draft
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_scene
   use bw_stopwatch, only: stage_write, stopwatch, wall_seconds
@@ -20,11 +19,28 @@ module bw_worker
   real(dp), parameter :: batch_seconds = 0.05_dp     !! work of a batch: long beside taking it, short beside a run; tuned
   integer, parameter :: batches_left = 4             !! how many each process gets at least of what is left
   real(dp), parameter :: look_every = 0.1_dp         !! s between two looks at what the others do
+  real(dp), parameter :: save_seconds(2) = [0.1_dp, 2.0_dp]
+    !! between two times at which cases are saved, at least and at most: so much that saving takes a twentieth of the time
+  real(dp), parameter :: saving_share = 0.05_dp
+
+  type :: unsaved_cases
+    !! Cases that are put into a draft and not on the disk.
+    type(result_draft), pointer :: draft => null()
+    integer, allocatable :: cases(:), statuses(:)
+    integer :: count = 0
+    real(dp) :: due = 0.0_dp                         !! when they are to be saved next
+    integer(i8) :: saved = 0                         !! cases of this process
+    type(error_type), allocatable :: error           !! why they cannot be saved
+  contains
+    procedure :: add => add_unsaved
+    procedure :: save => save_cases
+  end type unsaved_cases
 
   type, extends(monitor_type) :: group_monitor
-    !! Passes on the progress of a case and of the group, and learns that anybody has stopped.
+    !! Passes on the progress of a case and of the group, learns that anybody has stopped, and sees to it that cases are saved in time.
     class(progress_type), pointer :: progress => null()
     class(process_group), pointer :: group => null()
+    type(unsaved_cases) :: unsaved
     integer(i8) :: done = 0                          !! cases of this process
     integer(i8) :: told = 0                          !! of these, how many the others know of
     integer(i8) :: shown = 0                         !! of all processes, how many the progress knows of
@@ -40,12 +56,9 @@ module bw_worker
   type, public :: worker_type
     !! What a process has at hand while it runs cases.
     type(scene_type) :: scene
-    type(result_layout) :: layout                    !! of the scene's result
-    type(journal_writer) :: journal                  !! with its path and work
     type(stopwatch) :: watch                         !! times of the stages of all its cases
-    type(case_field), allocatable, private :: fields(:)  !! the numbers of a case
     type(scene_type), private :: one                 !! the case at hand, or the one before it
-    type(case_cache), private :: cache                !! what cases share
+    type(case_cache), private :: cache               !! what cases share
     type(group_monitor), private :: monitor
   contains
     procedure :: run_cases
@@ -54,10 +67,11 @@ module bw_worker
 
 contains
 
-  subroutine run_cases(self, left, group, progress, done, error)
+  subroutine run_cases(self, draft, left, group, progress, done, error)
     !! Do cases as long as there are any, or until somebody stops.
-    !! **Errors**: a case cannot be written to the journal; then all are stopped.
+    !! **Errors**: a case cannot be put into the draft; then all are stopped.
     class(worker_type), intent(inout) :: self
+    type(result_draft), intent(inout), target :: draft
     integer(i4), intent(in) :: left(:)               !! cases that are to be done
     class(process_group), intent(inout), target :: group
     class(progress_type), intent(inout), target :: progress
@@ -67,7 +81,9 @@ contains
     real(dp) :: began
     self%monitor%progress => progress
     self%monitor%group => group
-    self%fields = fields_of(self%layout)
+    self%monitor%unsaved%draft => draft
+    self%monitor%unsaved%due = wall_seconds() + save_seconds(1)
+    allocate (self%monitor%unsaved%cases(64), self%monitor%unsaved%statuses(64))
     length = 1
     do
       call group%take(length, first)
@@ -83,8 +99,11 @@ contains
       length = batch_length(size(left) - (first + length - 1), group%processes, (wall_seconds() - began)/length)
     end do
     call self%monitor%look()
-    call self%journal%close(error)
-    done = self%monitor%done
+    call self%watch%start()
+    call self%monitor%unsaved%save(.not. group%leads())          ! who leads goes on to flush the draft
+    call self%watch%lap(stage_write)
+    if (.not. allocated(error)) call move_alloc(self%monitor%unsaved%error, error)
+    done = self%monitor%unsaved%saved
   end subroutine run_cases
 
   pure integer(i8) function batch_length(left, processes, case_seconds) result(length)
@@ -96,31 +115,57 @@ contains
   end function batch_length
 
   subroutine run_one(self, index, error)
-    !! Run a case and write it to the journal, unless it is stopped on the way.
-    !! **Errors**: the case cannot be built, or not be written.
+    !! Run a case and put it into the draft, unless it is stopped on the way.
+    !! **Errors**: the case cannot be built, or not be put.
     class(worker_type), intent(inout) :: self
     integer(i8), intent(in) :: index                 !! of the case, from 1
     type(error_type), allocatable, intent(out) :: error
     type(case_result) :: result
-    real(dp), pointer, contiguous :: numbers(:)
-    logical :: whole, lost
+    logical :: whole
     whole = .false.
     call case_scene(self%scene, index, self%one, error)
-    if (.not. allocated(error)) call run_case(self%one, self%layout, self%watch, self%monitor, self%cache, result, whole)
-    if (allocated(result%error)) call move_alloc(result%error, error)
-    if (.not. whole .or. allocated(error)) return
-    call self%journal%prepare(case_length(self%fields), numbers, error)
-    if (allocated(error)) return
-    call put_fields(result, self%fields, numbers, lost)
-    if (lost) then
-      call forbid_lost(result, self%fields)
-      call put_fields(result, self%fields, numbers)
-    end if
-    call self%journal%append(index, case_length(self%fields), result%notes, error)
+    associate (unsaved => self%monitor%unsaved)
+      if (.not. allocated(error)) call run_case(self%one, unsaved%draft%layout, self%watch, self%monitor, self%cache, result, whole)
+      if (allocated(result%error)) call move_alloc(result%error, error)
+      if (.not. whole .or. allocated(error)) return
+      call unsaved%draft%put_case(index, result)
+      call unsaved%add(int(index), result%status)
+      if (unsaved%draft%file%problem /= 0) call cannot_be_written(error, unsaved%draft%file%path, unsaved%draft%file%problem)
+    end associate
     if (allocated(error)) return
     call self%watch%lap(stage_write)
     call self%monitor%count_case()
   end subroutine run_one
+
+  subroutine add_unsaved(self, case, status)
+    !! Remember a case.
+    class(unsaved_cases), intent(inout) :: self
+    integer, intent(in) :: case, status
+    if (self%count == size(self%cases)) then
+      self%cases = [self%cases, self%cases]
+      self%statuses = [self%statuses, self%statuses]
+    end if
+    self%count = self%count + 1
+    self%cases(self%count) = case
+    self%statuses(self%count) = status
+  end subroutine add_unsaved
+
+  subroutine save_cases(self, and_statuses)
+    !! Bring the numbers of all cases onto the disk, then put how they ended.
+    class(unsaved_cases), intent(inout) :: self
+    logical, intent(in) :: and_statuses              !! bring that onto the disk, too
+    real(dp) :: began
+    began = wall_seconds()
+    self%due = began + save_seconds(1)
+    if (self%count == 0 .or. allocated(self%error)) return
+    call self%draft%write_cases()
+    call self%draft%file%flush(self%error)
+    if (.not. allocated(self%error)) call self%draft%put_statuses(self%cases(:self%count), self%statuses(:self%count))
+    if (and_statuses) call self%draft%file%flush(self%error)
+    if (.not. allocated(self%error)) self%saved = self%saved + self%count
+    self%count = 0
+    self%due = wall_seconds() + min(save_seconds(2), max(save_seconds(1), (wall_seconds() - began)/saving_share))
+  end subroutine save_cases
 
   subroutine advance(self, fraction)
     !! Pass on how much of the case at hand is done.
@@ -130,11 +175,14 @@ contains
   end subroutine advance
 
   logical function stop_requested(self)
-    !! Somebody has stopped: this process asks its progress, and now and then the others.
+    !! Somebody has stopped: this process asks its progress, and now and then the others. What is put is saved now and then.
     class(group_monitor), intent(inout) :: self
-    if (wall_seconds() - self%looked > look_every) call self%look()
+    real(dp) :: now
+    now = wall_seconds()
+    if (now > self%unsaved%due) call self%unsaved%save(.true.)
+    if (now - self%looked > look_every) call self%look()
     if (.not. self%stopped) then
-      self%stopped = self%progress%stop_requested()
+      self%stopped = self%progress%stop_requested() .or. allocated(self%unsaved%error)
       if (self%stopped) call self%group%stop()
     end if
     stop_requested = self%stopped

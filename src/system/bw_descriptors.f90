@@ -5,22 +5,20 @@ module bw_descriptors
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read, path_state
   use bw_kinds, only: i1, i8
-  use bw_system_calls, only: bw_close, bw_flush, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, &
-    is_directory, is_file, new_file, to_lock, to_read, to_read_itself
+  use bw_system_calls, only: bw_close, bw_flush, bw_is_terminal, bw_look_at_open, bw_open, bw_read, bw_write, is_directory, &
+    is_file, new_file, to_change, to_read
   implicit none (type, external)
   private
-  public :: open_file, open_regular, close_file, read_words, read_bytes, write_words, write_text, flush_file, flush_path
-  public :: look_at_open, is_terminal
-  public :: is_file, new_file, to_lock, to_read, to_read_itself
+  public :: open_file, open_regular, close_file, read_bytes, write_text, flush_file, look_at_open
+  public :: is_terminal
+  public :: is_file, new_file, to_change, to_read
 
   integer, parameter, public :: standard_output = 1, standard_error = 2
-  integer(i8), parameter :: word = 8       !! bytes
 
 contains
 
   integer function open_file(path, way, descriptor) result(problem)
-    !! Open a file. The `way` is `to_read`, `to_read_itself` (where the path is a link, that is a problem), `new_file` (which
-    !! must not be there) or `to_lock`.
+    !! Open a file. The `way` is `to_read`, `new_file` (which must not be there) or `to_change` (which is no link).
     character(*), intent(in) :: path
     integer, intent(in) :: way
     integer, intent(out) :: descriptor     !! −1 where there is a problem
@@ -57,16 +55,6 @@ contains
     descriptor = -1
   end function close_file
 
-  integer function read_words(descriptor, offset, words, have) result(problem)
-    !! Read words of eight bytes from any place.
-    integer, intent(in) :: descriptor
-    integer(i8), intent(in) :: offset      !! bytes, from 0
-    integer(i8), intent(inout), contiguous, target :: words(:)
-    integer(i8), intent(out) :: have       !! whole words that there are
-    problem = bw_read(int(descriptor, c_int), c_loc(words), word*size(words, kind=i8), offset, have)
-    have = have/word
-  end function read_words
-
   integer function read_bytes(descriptor, offset, bytes, have) result(problem)
     !! Read bytes from any place.
     integer, intent(in) :: descriptor
@@ -75,13 +63,6 @@ contains
     integer(i8), intent(out) :: have       !! how many there are
     problem = bw_read(int(descriptor, c_int), c_loc(bytes), size(bytes, kind=i8), offset, have)
   end function read_bytes
-
-  integer function write_words(descriptor, words) result(problem)
-    !! Write words behind what was written before, at once and whole.
-    integer, intent(in) :: descriptor
-    integer(i8), intent(in), contiguous, target :: words(:)
-    problem = bw_write(int(descriptor, c_int), c_loc(words), word*size(words, kind=i8))
-  end function write_words
 
   integer function write_text(descriptor, text) result(problem)
     !! Write text behind what was written before, at once. gfortran's own units forget a failure of their last buffer.
@@ -96,16 +77,6 @@ contains
     integer, intent(in) :: descriptor
     problem = bw_flush(int(descriptor, c_int))
   end function flush_file
-
-  integer function flush_path(path) result(problem)
-    !! Flush a file that is not open onto the disk.
-    character(*), intent(in) :: path
-    integer :: descriptor, closed
-    problem = open_file(path, to_read, descriptor)
-    if (problem == 0) problem = flush_file(descriptor)
-    closed = close_file(descriptor)
-    if (problem == 0) problem = closed
-  end function flush_path
 
   integer function look_at_open(descriptor, state) result(problem)
     !! Find out which file a descriptor is.

@@ -2,35 +2,43 @@ module bw_file_lock
   !! A lock: a file that one process at a time has. It comes into being with its text, which names the holder: host, process and
   !! beginning. Where the file system has `flock`, the lock ends with its holder, however that ends. Where it has none, as
   !! Lustre by default, the file is the lock: a holder of this host that is no longer there is found out, and a word in the
-  !! message says how to remove the lock of another host.
+  !! message says how to remove the lock of another host. A lock that is held for moments only says so, and is waited for.
   use, intrinsic :: iso_c_binding, only: c_int, c_null_char
-  use bw_descriptors, only: close_file, look_at_open, new_file, open_file, read_bytes, to_lock, write_text
+  use bw_descriptors, only: close_file, look_at_open, new_file, open_file, read_bytes, to_change, write_text
   use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_written, directory_of, link_file, look_at, make_directory, path_state, remove_file, &
     rename_file, same_file
   use bw_kinds, only: i1, i8
-  use bw_system_calls, only: bw_beginning_of, bw_host, bw_is_there, bw_kind_of_error, bw_lock, bw_process, error_is_held, &
-    error_is_there, error_not_offered, error_not_there
+  use bw_system_calls, only: bw_beginning_of, bw_host, bw_kind_of_error, bw_lock, bw_pause, bw_process, &
+    error_is_held, error_is_there, error_not_offered, error_not_there
   use bw_text, only: text_of
   implicit none (type, external)
   private
-  public :: draft_suffix, is_locked_to_write, is_unique_name, unique_name
+  public :: first_of_lock, lock_suffix, is_locked_to_write, own_host, unique_name
 
-  character(*), parameter :: draft_suffix = '.lock'
-  integer, parameter :: attempts = 100       !! at a lock whose holder takes it away meanwhile, or its directory
+  character(*), parameter :: lock_suffix = '.lock', first_of_lock = 'lock.'     !! the latter until it is whole
+  integer, parameter :: attempts = 3000      !! at a lock whose holder takes it away meanwhile, or its directory, or has it for moments
+  integer, parameter :: wait_microseconds = 20000      !! for the latter
   integer, parameter :: longest = 1000       !! letters of a lock's text
+  character(*), parameter :: for_moments = 'moments', for_a_run = 'run'
+  character(*), parameter :: no_locks = '; this file system has no locks: if it is no longer there, remove this file'
   integer(c_int), parameter :: to_write = 0, to_read = 1
 
   type, public :: file_lock
     character(:), allocatable :: path
+    logical :: is_brief = .false.            !! it is held for moments
+    logical :: is_refused = .false.          !! somebody else has it, or had when that was asked last
+    logical, private :: other_is_brief = .false.      !! who has it holds it for moments
     integer, private :: descriptor = -1      !! of this process's lock
   contains
     procedure :: take
+    procedure :: refuse_if_held
     procedure :: is_held
     procedure :: give_back
     procedure, private :: write_draft
     procedure, private :: place_draft
     procedure, private :: take_over
+    procedure, private :: refuse
   end type file_lock
 
 contains
@@ -43,29 +51,6 @@ contains
     call date_and_time(date, time)
     name = own_host()//'-'//text_of(bw_process())//'-'//date//'T'//time
   end function unique_name
-
-  pure logical function is_unique_name(name)
-    !! Whether a name is one that `unique_name` may have given to any process.
-    character(*), intent(in) :: name
-    character(*), parameter :: digits = '0123456789', form = '-00000000T000000.000'
-    integer :: start, i
-    start = len(name) - len(form)                      ! the letter before '-date'
-    is_unique_name = start > 1
-    if (.not. is_unique_name) return
-    do i = 1, len(form)
-      if (form(i:i) == '0') then
-        is_unique_name = is_unique_name .and. index(digits, name(start + i:start + i)) > 0
-      else
-        is_unique_name = is_unique_name .and. name(start + i:start + i) == form(i:i)
-      end if
-    end do
-    i = verify(name(:start), digits, back=.true.)      ! the '-' before the process
-    if (i < 1 .or. i == start) then
-      is_unique_name = .false.
-    else
-      is_unique_name = is_unique_name .and. name(i:i) == '-'
-    end if
-  end function is_unique_name
 
   function own_host() result(name)
     !! The name of this host.
@@ -84,8 +69,8 @@ contains
     logical :: taken
     integer :: problem, ignored, i
     self%path = path
-    draft = directory_of(path)//unique_name()//draft_suffix
-    taken = .false.
+    draft = directory_of(path)//first_of_lock//unique_name()
+    self%is_refused = .false.
     do i = 1, attempts
       problem = make_directory(directory_of(path))
       if (problem == 0) call self%write_draft(draft, problem)
@@ -93,10 +78,14 @@ contains
       taken = problem == 0
       if (bw_kind_of_error(problem) == error_is_there) call self%take_over(draft, taken, problem, error)
       ignored = remove_file(draft)
+      if (taken) self%is_refused = .false.
       if (taken) return
       ignored = close_file(self%descriptor)
       if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_written(error, path, problem)
-      if (allocated(error)) return
+      if (.not. allocated(error)) cycle
+      if (problem /= 0 .or. .not. self%other_is_brief .or. i == attempts) return
+      deallocate (error)
+      call bw_pause(int(wait_microseconds, c_int))
     end do
     call fail(error, status_bad_file, path//': other runs take and leave this lock all the time')
   end subroutine take
@@ -108,8 +97,9 @@ contains
     integer, intent(out) :: problem
     problem = open_file(draft, new_file, self%descriptor)
     if (problem == 0) problem = write_text(self%descriptor, own_host()//' '//text_of(bw_process())//' '// &
-      text_of(bw_beginning_of(bw_process()))//new_line('a')//'host, process and beginning (in ticks of /proc) of a run '// &
-      'of beamwave; once it is no longer there, this file may be removed'//new_line('a'))
+      text_of(bw_beginning_of(bw_process()))//' '//trim(merge(for_moments, for_a_run//'    ', self%is_brief))//new_line('a')// &
+      'host, process and beginning (in ticks of /proc) of a run of beamwave; once it is no longer there, this file may be '// &
+      'removed'//new_line('a'))
     if (problem == 0) problem = bw_lock(int(self%descriptor, c_int), to_write)
     if (bw_kind_of_error(problem) == error_not_offered) problem = 0
   end subroutine write_draft
@@ -137,18 +127,18 @@ contains
     type(path_state) :: opened, named
     integer :: descriptor, locked, ignored
     taken = .false.
-    problem = open_file(self%path, to_lock, descriptor)
+    problem = open_file(self%path, to_change, descriptor)
     if (problem == 0) problem = look_at_open(descriptor, opened)
     if (problem == 0) then
       locked = bw_lock(int(descriptor, c_int), to_write)
       select case (bw_kind_of_error(locked))
       case (error_is_held)
-        call refuse(self%path, descriptor, '', error)
+        call self%refuse(self%path, descriptor, '', error)
       case (error_not_offered)
         if (holder_is_gone(descriptor)) then
           call bury(self%path, draft//'.old', opened)
         else
-          call refuse(self%path, descriptor, '; this file system has no locks: if it is no longer there, remove this file', error)
+          call self%refuse(self%path, descriptor, no_locks, error)
         end if
       case default                           ! nobody holds it: it is replaced as long as it is still the one that was opened
         problem = locked
@@ -162,30 +152,51 @@ contains
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
   end subroutine take_over
 
-  subroutine refuse(path, descriptor, advice, error)
-    !! Say that another run has the lock, and which one, as far as the text of the lock tells.
+  subroutine refuse(self, path, descriptor, advice, error)
+    !! Say that another run has a lock, and which one, as far as the text of the lock tells.
+    class(file_lock), intent(inout) :: self
     character(*), intent(in) :: path
     integer, intent(in) :: descriptor
     character(*), intent(in) :: advice
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: host
     integer(i8) :: process, beginning
-    call read_holder(descriptor, host, process, beginning)
+    self%is_refused = .true.
+    call read_holder(descriptor, host, process, beginning, self%other_is_brief)
     if (host == '') host = 'somewhere'
     call fail(error, status_bad_file, path//': another run is at work on this scene: process '//text_of(process)// &
               ' on host '//host//advice)
   end subroutine refuse
+
+  subroutine refuse_if_held(self, path, error)
+    !! See whether anybody has a lock, which is left as it is. **Errors**: somebody has it, as far as that can be told.
+    class(file_lock), intent(inout) :: self
+    character(*), intent(in) :: path
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: descriptor, ignored
+    self%is_refused = .false.
+    if (open_file(path, to_change, descriptor) /= 0) return
+    select case (bw_kind_of_error(bw_lock(int(descriptor, c_int), to_write)))
+    case (error_is_held)
+      call self%refuse(path, descriptor, '', error)
+    case (error_not_offered)
+      if (.not. holder_is_gone(descriptor)) call self%refuse(path, descriptor, no_locks, error)
+    end select
+    ignored = close_file(descriptor)
+  end subroutine refuse_if_held
 
   logical function holder_is_gone(descriptor)
     !! Whether the holder was a process of this host that has ended.
     integer, intent(in) :: descriptor
     character(:), allocatable :: host
     integer(i8) :: process, beginning
-    call read_holder(descriptor, host, process, beginning)
+    logical :: ignored
+    call read_holder(descriptor, host, process, beginning, ignored)
     holder_is_gone = .false.
     if (host /= own_host() .or. process <= 0) return
-    holder_is_gone = bw_is_there(process) == 0
-    if (.not. holder_is_gone .and. beginning > 0) holder_is_gone = bw_beginning_of(process) /= beginning
+    associate (now => bw_beginning_of(process))
+      holder_is_gone = now < 0 .or. (now > 0 .and. beginning > 0 .and. now /= beginning)
+    end associate
   end function holder_is_gone
 
   logical function is_locked_to_write(descriptor)
@@ -194,24 +205,28 @@ contains
     is_locked_to_write = bw_kind_of_error(bw_lock(int(descriptor, c_int), to_read)) == error_is_held
   end function is_locked_to_write
 
-  subroutine read_holder(descriptor, host, process, beginning)
+  subroutine read_holder(descriptor, host, process, beginning, is_brief)
     !! Read what the text of a lock says; host is empty and process 0 where it says nothing.
     integer, intent(in) :: descriptor
     character(:), allocatable, intent(out) :: host
     integer(i8), intent(out) :: process, beginning
+    logical, intent(out) :: is_brief
     integer(i1) :: bytes(longest)
     character(longest) :: text
-    character(256) :: name
+    character(256) :: name, how_long
     integer(i8) :: have
     integer :: stat
     host = ''
     process = 0
     beginning = 0
+    is_brief = .false.
     if (read_bytes(descriptor, 0_i8, bytes, have) /= 0) return
     text = transfer(bytes(:have), text(:have))
-    text(have + 1:) = ''
-    read (text, *, iostat=stat) name, process, beginning
-    if (stat == 0) host = trim(name)
+    text(have + 1:) = ' '//for_a_run               ! where the text is cut short
+    read (text, *, iostat=stat) name, process, beginning, how_long
+    if (stat /= 0) return
+    host = trim(name)
+    is_brief = how_long == for_moments
   end subroutine read_holder
 
   subroutine bury(path, grave, dead)

@@ -4,8 +4,8 @@ module bw_files
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_null_char, c_ptr
   use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: i8
-  use bw_system_calls, only: bw_error_text, bw_flush_directory, bw_kind_of_error, bw_link, bw_list, bw_look_at, bw_look_at_itself, &
-    bw_make_directory, bw_may_write, bw_release, bw_remove, bw_remove_directory, bw_rename, error_not_there, is_directory
+  use bw_system_calls, only: bw_do, bw_error_text, bw_kind_of_error, bw_list, bw_look_at, bw_release, error_not_there, &
+    is_directory, may_be_written, to_flush_names, to_link, to_make_directory, to_remove, to_remove_directory, to_rename
   use bw_text, only: append, string
   implicit none (type, external)
   private
@@ -28,16 +28,9 @@ contains
     !! Find out what a path names; that nothing is there is no problem.
     character(*), intent(in) :: path
     type(path_state), intent(out) :: state
-    logical, intent(in), optional :: itself      !! a link is looked at, not what it leads to
+    logical, intent(in), optional :: itself      !! present: a link is looked at, not what it leads to
     integer(c_int64_t) :: found(5)
-    logical :: follows
-    follows = .true.
-    if (present(itself)) follows = .not. itself
-    if (follows) then
-      problem = bw_look_at(path//c_null_char, found)
-    else
-      problem = bw_look_at_itself(path//c_null_char, found)
-    end if
+    problem = bw_look_at(path//c_null_char, merge(1_c_int, 0_c_int, present(itself)), found)
     if (problem == 0) state = path_state(int(found(1)), found(2), found(3), found(4), found(5))
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
   end function look_at
@@ -81,6 +74,13 @@ contains
     call bw_release(address)
   end function files_in
 
+  integer function on_path(what, path) result(problem)
+    !! Do with a path what `bw_do` can.
+    integer(c_int), intent(in) :: what
+    character(*), intent(in) :: path
+    problem = bw_do(what, path//c_null_char, c_null_char)
+  end function on_path
+
   integer function make_directory(path) result(problem)
     !! Make a directory and its parents, where they are not there, so that they outlive the machine.
     character(*), intent(in) :: path
@@ -90,7 +90,7 @@ contains
       if (last < len(path)) then
         if (path(last + 1:last + 1) /= '/' .or. path(last:last) == '/') cycle
       end if
-      problem = bw_make_directory(path(:last)//c_null_char)
+      problem = on_path(to_make_directory, path(:last))
       if (problem == 0) problem = flush_directory(directory_of(path(:last)))
     end do
     if (directory_is_there(path)) problem = 0
@@ -99,7 +99,7 @@ contains
   integer function may_write(directory) result(problem)
     !! Find out whether names can be made in a directory.
     character(*), intent(in) :: directory
-    problem = bw_may_write(directory//c_null_char)
+    problem = on_path(may_be_written, directory)
   end function may_write
 
   pure function directory_of(path) result(directory)
@@ -116,32 +116,32 @@ contains
   integer function remove_file(path) result(problem)
     !! Remove a file; that nothing is there is no problem.
     character(*), intent(in) :: path
-    problem = bw_remove(path//c_null_char)
+    problem = on_path(to_remove, path)
     if (bw_kind_of_error(problem) == error_not_there) problem = 0
   end function remove_file
 
   integer function remove_directory(path) result(problem)
     !! Remove a directory if it is empty.
     character(*), intent(in) :: path
-    problem = bw_remove_directory(path//c_null_char)
+    problem = on_path(to_remove_directory, path)
   end function remove_directory
 
   integer function rename_file(from, to) result(problem)
     !! Give a file another name at once, within one file system; what has that name is replaced.
     character(*), intent(in) :: from, to
-    problem = bw_rename(from//c_null_char, to//c_null_char)
+    problem = bw_do(to_rename, from//c_null_char, to//c_null_char)
   end function rename_file
 
   integer function link_file(from, to) result(problem)
     !! Give a file one more name, which nothing may have.
     character(*), intent(in) :: from, to
-    problem = bw_link(from//c_null_char, to//c_null_char)
+    problem = bw_do(to_link, from//c_null_char, to//c_null_char)
   end function link_file
 
   integer function flush_directory(path) result(problem)
     !! Flush the names in a directory onto the disk.
     character(*), intent(in) :: path
-    problem = bw_flush_directory(path//c_null_char)
+    problem = on_path(to_flush_names, path)
   end function flush_directory
 
   function reason(problem) result(text)

@@ -25,6 +25,11 @@
 #include <sys/prctl.h>
 #endif
 
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+#define HIGH_FIRST(word, bits) (word)
+#else
+#define HIGH_FIRST(word, bits) __builtin_bswap##bits(word)
+#endif
 #define AGAIN_WHERE_INTERRUPTED(call) \
   do { errno = 0; } while ((call) < 0 && errno == EINTR)
 
@@ -50,13 +55,11 @@ void bw_error_text(int number, char *text, int length)
 
 /* ---- files by descriptors ------------------------------------------------------------------------------------------ */
 
-enum { TO_READ = 1, TO_READ_ITSELF = 2, NEW = 3, TO_LOCK = 4 };
-
 /* No way empties a file. A pipe or a device is not waited for: whoever opens looks at what it is. */
 int bw_open(const char *path, int way, int *descriptor)
 {
   const int always = O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
-  const int flags[] = {0, O_RDONLY, O_RDONLY | O_NOFOLLOW, O_RDWR | O_CREAT | O_EXCL, O_RDWR | O_NOFOLLOW};
+  const int flags[] = {0, O_RDONLY, O_RDWR | O_CREAT | O_EXCL, O_RDWR | O_NOFOLLOW};
   AGAIN_WHERE_INTERRUPTED(*descriptor = open(path, flags[way] | always, 0666));
   return *descriptor < 0 ? errno : 0;
 }
@@ -98,23 +101,12 @@ int bw_write(int descriptor, const void *bytes, int64_t count)
   return 0;
 }
 
-/* Onto the disk, so that it outlives the machine. */
+/* What a file holds, onto the disk, so that it outlives the machine. */
 int bw_flush(int descriptor)
 {
   int result;
-  AGAIN_WHERE_INTERRUPTED(result = fsync(descriptor));
+  AGAIN_WHERE_INTERRUPTED(result = fdatasync(descriptor));
   return result < 0 ? errno : 0;
-}
-
-int bw_flush_directory(const char *path)
-{
-  int descriptor, number;
-  AGAIN_WHERE_INTERRUPTED(descriptor = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (descriptor < 0) return errno == EACCES ? 0 : errno;    /* who may not read it cannot do this */
-  number = bw_flush(descriptor);
-  if (number == EINVAL || number == EBADF) number = 0;       /* a file system that has no such thing */
-  bw_close(descriptor);
-  return number;
 }
 
 static void tell(const struct stat *found, int64_t state[5])
@@ -126,20 +118,12 @@ static void tell(const struct stat *found, int64_t state[5])
   state[4] = (int64_t)found->st_size;
 }
 
-/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes. */
-int bw_look_at(const char *path, int64_t state[5])
+/* Kind (1 file, 2 directory, 3 something else), device, inode, links, bytes; of a link itself, where the path is one, or of what it
+   leads to. */
+int bw_look_at(const char *path, int itself, int64_t state[5])
 {
   struct stat found;
-  if (stat(path, &found) < 0) return errno;
-  tell(&found, state);
-  return 0;
-}
-
-/* The same of a link itself, where the path is one. */
-int bw_look_at_itself(const char *path, int64_t state[5])
-{
-  struct stat found;
-  if (lstat(path, &found) < 0) return errno;
+  if ((itself ? lstat : stat)(path, &found) < 0) return errno;
   tell(&found, state);
   return 0;
 }
@@ -152,14 +136,181 @@ int bw_look_at_open(int descriptor, int64_t state[5])
   return 0;
 }
 
+/* ---- numbers in their places ------------------------------------------------------------------------------------------ */
+
+/* Make a file so long, and have the disk keep room for its first bytes: a full disk tells now. Where a file system cannot do that,
+   it tells later. */
+int bw_reserve(int descriptor, int64_t reserved, int64_t bytes)
+{
+  int result;
+#ifdef __linux__
+  AGAIN_WHERE_INTERRUPTED(result = fallocate(descriptor, 0, 0, reserved));
+#else
+  result = (errno = posix_fallocate(descriptor, 0, reserved)) ? -1 : 0;
+#endif
+  if (result < 0 && errno != EOPNOTSUPP && errno != ENOSYS && errno != EINVAL) return errno;
+  AGAIN_WHERE_INTERRUPTED(result = ftruncate(descriptor, bytes));
+  return result < 0 ? errno : 0;
+}
+
+static int write_at(int descriptor, const char *bytes, int64_t count, int64_t place)
+{
+  for (int64_t have = 0; have < count;) {
+    ssize_t more;
+    AGAIN_WHERE_INTERRUPTED(more = pwrite(descriptor, bytes + have, (size_t)(count - have), place + have));
+    if (more <= 0) return more < 0 ? errno : EIO;
+    have += more;
+  }
+  return 0;
+}
+
+/* A file whose numbers have their places. What is put is gathered as long as each comes behind the one before it. Where numbers lie
+   scattered, as where several processes take turns, the file is in memory instead, if the system offers that. */
+static volatile sig_atomic_t is_mapped;
+typedef struct {
+  int descriptor;
+  char *memory;
+  int64_t length;                                            /* of the memory */
+  int64_t place, count;                                      /* of the bytes that are gathered, or were put into the memory */
+  char bytes[1 << 18];
+} number_file;
+
+int bw_open_numbers(int descriptor, int64_t length, int scattered, number_file **file)
+{
+  number_file *made = *file = malloc(sizeof *made);
+  if (!made) return ENOMEM;
+  made->descriptor = descriptor;
+  made->length = length;
+  made->place = made->count = 0;
+  made->memory = scattered ? mmap(NULL, (size_t)length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0) : NULL;
+  if (made->memory == MAP_FAILED) made->memory = NULL;
+  is_mapped = is_mapped || made->memory;
+  return 0;
+}
+
+/* Write what is gathered; pages that lie in memory are the system's again. */
+int bw_write_gathered(number_file *file)
+{
+  int64_t count = file->count;
+  file->count = 0;
+  if (file->memory && count) madvise(file->memory, (size_t)file->length, MADV_DONTNEED);
+  return count && !file->memory ? write_at(file->descriptor, file->bytes, count, file->place) : 0;
+}
+
+/* So many bytes of room for what comes next, of one number at least; NULL where what was there cannot be written. */
+static char *room_for(number_file *file, int64_t place, int64_t count, int64_t width, int64_t *room, int *number)
+{
+  *number = 0;
+  *room = count;
+  if (file->memory) {
+    file->count += count;
+    return file->memory + place;
+  }
+  if (place != file->place + file->count || file->count + width > (int64_t)sizeof file->bytes) {
+    if ((*number = bw_write_gathered(file))) return NULL;
+    file->place = place;
+  }
+  if (*room > (int64_t)sizeof file->bytes - file->count) *room = (int64_t)sizeof file->bytes - file->count;
+  *room -= *room % width;
+  file->count += *room;
+  return file->bytes + file->count - *room;
+}
+
+int bw_put_bytes(number_file *file, int64_t place, const char *bytes, int64_t count)
+{
+  int number;
+  for (int64_t room; count > 0; place += room, bytes += room, count -= room) {
+    char *to = room_for(file, place, count, 1, &room, &number);
+    if (!to) return number;
+    memcpy(to, bytes, (size_t)room);
+  }
+  return 0;
+}
+
+/* The most significant byte first, in words of eight bytes, or of four as integers. */
+int bw_put_numbers(number_file *file, int64_t place, int width, const double *values, int64_t count)
+{
+  int number;
+  for (int64_t room; count > 0; place += room, values += room / width, count -= room / width) {
+    char *to = room_for(file, place, count * width, width, &room, &number);
+    if (!to) return number;
+    for (int64_t i = 0; width == 8 && i < room / 8; i++) {
+      uint64_t word;
+      memcpy(&word, values + i, 8);
+      word = HIGH_FIRST(word, 64);
+      memcpy(to + 8 * i, &word, 8);
+    }
+    for (int64_t i = 0; width == 4 && i < room / 4; i++) {
+      uint32_t word = (uint32_t)(int32_t)values[i];
+      word = HIGH_FIRST(word, 32);
+      memcpy(to + 4 * i, &word, 4);
+    }
+  }
+  return 0;
+}
+
+/* Numbers that were written, by this process or another. */
+int bw_get_numbers(number_file *file, int64_t place, int width, double *values, int64_t count)
+{
+  char piece[8192];
+  int64_t have = 0;
+  int number = bw_write_gathered(file);
+  for (int64_t n; !number && count > 0; place += n * width, values += n, count -= n) {
+    n = count < 8192 / width ? count : 8192 / width;
+    number = bw_read(file->descriptor, piece, n * width, place, &have);
+    if (!number && have < n * width) number = EIO;
+    if (number) break;
+    for (int64_t i = 0; width == 8 && i < n; i++) {
+      uint64_t word;
+      memcpy(&word, piece + 8 * i, 8);
+      word = HIGH_FIRST(word, 64);
+      memcpy(values + i, &word, 8);
+    }
+    for (int64_t i = 0; width == 4 && i < n; i++) {
+      uint32_t word;
+      memcpy(&word, piece + 4 * i, 4);
+      values[i] = (int32_t)HIGH_FIRST(word, 32);
+    }
+  }
+  return number;
+}
+
+/* Memory goes back to the system; the file is left open. */
+void bw_close_numbers(number_file *file)
+{
+  if (file->memory) munmap(file->memory, (size_t)file->length);
+  free(file);
+}
+
 /* ---- files by names ------------------------------------------------------------------------------------------------ */
 
-int bw_rename(const char *from, const char *to) { return rename(from, to) < 0 ? errno : 0; }
-int bw_link(const char *from, const char *to) { return link(from, to) < 0 ? errno : 0; }
-int bw_remove(const char *path) { return unlink(path) < 0 ? errno : 0; }
-int bw_make_directory(const char *path) { return mkdir(path, 0777) < 0 ? errno : 0; }
-int bw_may_write(const char *path) { return faccessat(AT_FDCWD, path, W_OK | X_OK, AT_EACCESS) < 0 ? errno : 0; }
-int bw_remove_directory(const char *path) { return rmdir(path) < 0 ? errno : 0; }
+static int flush_names(const char *directory)
+{
+  int descriptor, number;
+  AGAIN_WHERE_INTERRUPTED(descriptor = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (descriptor < 0) return errno == EACCES ? 0 : errno;    /* who may not read it cannot do this */
+  AGAIN_WHERE_INTERRUPTED(number = fsync(descriptor));
+  number = number < 0 && errno != EINVAL && errno != EBADF ? errno : 0;       /* some file systems have no such thing */
+  bw_close(descriptor);
+  return number;
+}
+
+/* What is done by names: the numbers are those of bw_system_calls.f90. */
+int bw_do(int what, const char *path, const char *to)
+{
+  int result = -1;
+  errno = EINVAL;
+  switch (what) {
+  case 1: result = unlink(path); break;
+  case 2: result = mkdir(path, 0777); break;
+  case 3: result = rmdir(path); break;
+  case 4: result = faccessat(AT_FDCWD, path, W_OK | X_OK, AT_EACCESS); break;
+  case 5: return flush_names(path);
+  case 6: result = rename(path, to); break;
+  case 7: result = link(path, to); break;
+  }
+  return result < 0 ? errno : 0;
+}
 
 static int by_name(const void *one, const void *other)
 {
@@ -220,12 +371,14 @@ void bw_host(char *name, int length)
 
 int64_t bw_process(void) { return (int64_t)getpid(); }
 
-/* When a process began, in the system's ticks, which tells it from a later one of the same number; 0: not known. */
+/* When a process of this machine began, in the system's ticks, which tells it from a later one of the same number; 0: not known;
+   below 0: it is not there. One that may not be asked is. */
 int64_t bw_beginning_of(int64_t process)
 {
   char path[64], line[1024];
   unsigned long long ticks = 0;
   snprintf(path, sizeof path, "/proc/%lld/stat", (long long)process);
+  if (kill((pid_t)process, 0) < 0 && errno == ESRCH) return -1;
   FILE *file = fopen(path, "re");
   if (!file) return 0;
   if (fgets(line, sizeof line, file)) {
@@ -236,12 +389,9 @@ int64_t bw_beginning_of(int64_t process)
   return (int64_t)ticks;
 }
 
-/* Whether a process of this machine is there; one that may not be asked is. */
-int bw_is_there(int64_t process) { return kill((pid_t)process, 0) == 0 || errno != ESRCH; }
-
 /* ---- how this process ends ------------------------------------------------------------------------------------------- */
 
-enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, ENDINGS };    /* numbers of bw_process.f90 */
+enum { OF_FAULT, OF_MEMORY, OF_STACK, OF_STOP, OF_FILE, ENDINGS };    /* numbers of bw_process.f90 */
 
 static const int faults[] = {SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV}, stops[] = {SIGINT, SIGTERM, SIGUSR1};
 static volatile sig_atomic_t received, time_is_up, is_unseen, is_child;
@@ -289,13 +439,14 @@ static void on_missed_stop(int number)
   end_at_once(OF_STOP);
 }
 
-/* A fault just after memory was refused comes of that, and one just below the stack of a stack that is full. Of others of a child
-   its parent will see and tell. */
+/* A fault just after memory was refused comes of that, and one just below the stack of a stack that is full; a page of a file is not
+   there where the file was cut, or its disk failed. Of others of a child its parent will see and tell. */
 static void on_fault(int number, siginfo_t *fault, void *unused)
 {
   uint64_t below = (uint64_t)(uintptr_t)stack_top - (uint64_t)(uintptr_t)fault->si_addr;
   (void)unused;
   if ((number == SIGSEGV || number == SIGBUS) && fault->si_code > 0 && below < stack_room) end_at_once(OF_STACK);
+  if (number == SIGBUS && is_mapped) end_at_once(OF_FILE);
   if (!is_child) end_at_once(errno == ENOMEM ? OF_MEMORY : OF_FAULT);
   signal(number, SIG_DFL);
   raise(number);

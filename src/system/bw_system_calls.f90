@@ -9,8 +9,11 @@ module bw_system_calls
   integer(c_int), parameter :: error_nobody_reads = 5
     !! what `bw_kind_of_error` tells of an error: nothing of that name, something of that name, another process holds it,
     !! the file system does not offer it, the other end of a pipe is closed; 0: anything else
-  integer(c_int), parameter :: to_read = 1, to_read_itself = 2, new_file = 3, to_lock = 4
-    !! ways of `bw_open`: to read; the same, and no link is followed; a file that must not be there yet; an existing file
+  integer(c_int), parameter :: to_read = 1, new_file = 2, to_change = 3
+    !! ways of `bw_open`: to read; a file that must not be there yet; an existing file, and no link to one
+  integer(c_int), parameter :: to_remove = 1, to_make_directory = 2, to_remove_directory = 3, may_be_written = 4, &
+    to_flush_names = 5, to_rename = 6, to_link = 7
+    !! what `bw_do` does with a path, or finds out; the last two with another one
   integer, parameter :: is_file = 1, is_directory = 2      !! kinds of what a path names; anything else is above
 
   interface
@@ -19,6 +22,52 @@ module bw_system_calls
       implicit none (type, external)
       integer(c_int), value :: number
     end function bw_kind_of_error
+    integer(c_int) function bw_reserve(descriptor, reserved, bytes) bind(c)
+      import :: c_int, c_int64_t
+      implicit none (type, external)
+      integer(c_int), value :: descriptor
+      integer(c_int64_t), value :: reserved, bytes
+    end function bw_reserve
+    integer(c_int) function bw_open_numbers(descriptor, length, scattered, file) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      integer(c_int), value :: descriptor, scattered
+      integer(c_int64_t), value :: length
+      type(c_ptr), intent(out) :: file
+    end function bw_open_numbers
+    integer(c_int) function bw_put_bytes(file, place, bytes, count) bind(c)
+      import :: c_char, c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: file
+      integer(c_int64_t), value :: place, count
+      character(c_char), intent(in) :: bytes(*)
+    end function bw_put_bytes
+    integer(c_int) function bw_put_numbers(file, place, width, values, count) bind(c)
+      import :: c_double, c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: file
+      integer(c_int64_t), value :: place, count
+      integer(c_int), value :: width
+      real(c_double), intent(in) :: values(*)
+    end function bw_put_numbers
+    integer(c_int) function bw_get_numbers(file, place, width, values, count) bind(c)
+      import :: c_double, c_int, c_int64_t, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: file
+      integer(c_int64_t), value :: place, count
+      integer(c_int), value :: width
+      real(c_double), intent(out) :: values(*)
+    end function bw_get_numbers
+    integer(c_int) function bw_write_gathered(file) bind(c)
+      import :: c_int, c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: file
+    end function bw_write_gathered
+    subroutine bw_close_numbers(file) bind(c)
+      import :: c_ptr
+      implicit none (type, external)
+      type(c_ptr), value :: file
+    end subroutine bw_close_numbers
     subroutine bw_error_text(number, text, length) bind(c)
       import :: c_char, c_int
       implicit none (type, external)
@@ -57,59 +106,25 @@ module bw_system_calls
       implicit none (type, external)
       integer(c_int), value :: descriptor
     end function bw_flush
-    integer(c_int) function bw_flush_directory(path) bind(c)
+    integer(c_int) function bw_do(what, path, to) bind(c)
       import :: c_char, c_int
       implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-    end function bw_flush_directory
-    integer(c_int) function bw_look_at(path, state) bind(c)
+      integer(c_int), value :: what
+      character(c_char), intent(in) :: path(*), to(*)
+    end function bw_do
+    integer(c_int) function bw_look_at(path, itself, state) bind(c)
       import :: c_char, c_int, c_int64_t
       implicit none (type, external)
       character(c_char), intent(in) :: path(*)
+      integer(c_int), value :: itself
       integer(c_int64_t), intent(out) :: state(5)
     end function bw_look_at
-    integer(c_int) function bw_look_at_itself(path, state) bind(c)
-      import :: c_char, c_int, c_int64_t
-      implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-      integer(c_int64_t), intent(out) :: state(5)
-    end function bw_look_at_itself
     integer(c_int) function bw_look_at_open(descriptor, state) bind(c)
       import :: c_int, c_int64_t
       implicit none (type, external)
       integer(c_int), value :: descriptor
       integer(c_int64_t), intent(out) :: state(5)
     end function bw_look_at_open
-    integer(c_int) function bw_rename(from, to) bind(c)
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: from(*), to(*)
-    end function bw_rename
-    integer(c_int) function bw_link(from, to) bind(c)
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: from(*), to(*)
-    end function bw_link
-    integer(c_int) function bw_remove(path) bind(c)
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-    end function bw_remove
-    integer(c_int) function bw_make_directory(path) bind(c)
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-    end function bw_make_directory
-    integer(c_int) function bw_remove_directory(path) bind(c)
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-    end function bw_remove_directory
-    integer(c_int) function bw_may_write(path) bind(c)
-      import :: c_char, c_int
-      implicit none (type, external)
-      character(c_char), intent(in) :: path(*)
-    end function bw_may_write
     integer(c_int) function bw_list(path, suffix, text, length) bind(c)
       import :: c_char, c_int, c_int64_t, c_ptr
       implicit none (type, external)
@@ -142,11 +157,6 @@ module bw_system_calls
       implicit none (type, external)
       integer(c_int64_t), value :: process
     end function bw_beginning_of
-    integer(c_int) function bw_is_there(process) bind(c)
-      import :: c_int, c_int64_t
-      implicit none (type, external)
-      integer(c_int64_t), value :: process
-    end function bw_is_there
     subroutine bw_open_standard_streams() bind(c)
       implicit none (type, external)
     end subroutine bw_open_standard_streams

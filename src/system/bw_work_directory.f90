@@ -1,29 +1,38 @@
 module bw_work_directory
-  !! The directory DIR/<result>.partial, in which a result is made: one run at a time has its lock, and with it the right to give
-  !! the result its name. Whatever is written there has a name of its own, which no other process and no later run can have.
-  use bw_descriptors, only: flush_path
+  !! The directory DIR/<result>.partial, in which a result is made as `draft.nc`: one run at a time has its lock, and with it the
+  !! right to lay out drafts and to give the result its name. The parts of a sweep that are run by themselves have that lock for
+  !! moments only, and one of their own each while they work.
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_file_lock, only: draft_of_lock => draft_suffix, file_lock, is_unique_name, unique_name
-  use bw_files, only: cannot_be_written, directory_is_there, directory_of, files_in, flush_directory, link_file, look_at, &
-    make_directory, may_write, path_state, remove_directory, remove_file, rename_file, same_file
-  use bw_system_calls, only: bw_kind_of_error, error_is_there, error_not_offered, is_directory
-  use bw_text, only: string
+  use bw_file_lock, only: file_lock, first_of_lock, lock_suffix, unique_name
+  use bw_files, only: cannot_be_read, cannot_be_written, directory_is_there, directory_of, files_in, flush_directory, link_file, &
+    look_at, make_directory, may_write, path_state, remove_directory, remove_file, rename_file, same_file
+  use bw_system_calls, only: bw_kind_of_error, error_is_there, error_not_offered, error_not_there, is_directory
+  use bw_text, only: append, string, text_of
   implicit none (type, external)
   private
   public :: give_name
 
-  character(*), parameter :: lock_name = '/lock', draft_suffix = '.nc'
+  character(*), parameter :: draft_suffix = '.nc', first_of_draft = 'draft', first_of_part = 'part.', &
+    first_of_scratch = 'scratch.'
 
   type, public :: work_directory
     character(:), allocatable :: path        !! DIR/<result>.partial
     character(:), allocatable :: result      !! DIR/<result>.nc
     logical :: overwrite = .false.           !! replace a result that is there
-    type(file_lock), private :: lock
+    integer :: part = 1, parts = 1           !! the part that this process runs by itself
+    type(file_lock), private :: lock, part_lock
   contains
     procedure :: plan
     procedure :: begin
-    procedure :: new_draft
+    procedure :: begin_part
+    procedure :: begin_end
+    procedure :: end_part
+    procedure :: refuse_other_parts
+    procedure :: draft_of
+    procedure :: drafts
+    procedure :: scratch
     procedure :: publish
+    procedure :: discard
     procedure :: leave
     procedure :: clear
   end type work_directory
@@ -41,7 +50,7 @@ contains
   end subroutine plan
 
   subroutine begin(self, error)
-    !! Make the directory, take its lock, and take away what a killed run left half written.
+    !! Make the directory and take its lock; a part takes it for moments.
     !! **Errors**: another run is at work, or the system refuses it.
     class(work_directory), intent(inout) :: self
     type(error_type), allocatable, intent(out) :: error
@@ -56,33 +65,110 @@ contains
       call fail(error, status_bad_file, self%path//': is no directory but a link or a file, which is left as it is; remove it')
     end if
     if (allocated(error)) return
-    call self%lock%take(self%path//lock_name, error)
-    if (.not. allocated(error)) call remove_all(self%path, draft_suffix)
+    self%lock%is_brief = self%parts > 1
+    call self%lock%take(self%path//'/lock', error)
+    if (.not. allocated(error) .and. self%parts == 1) call self%refuse_other_parts(error)
+    if (allocated(error)) call self%leave()
+    if (.not. allocated(error)) call remove_rubbish(self%path)
   end subroutine begin
 
-  function new_draft(self) result(path)
-    !! Where a result is written until it is whole.
+  subroutine begin_part(self, error)
+    !! Take the lock of the part, and let others have that of the directory.
+    !! **Errors**: another run is at work on this part, or the system refuses it.
+    class(work_directory), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    type(error_type), allocatable :: refused
+    call self%part_lock%take(self%path//'/'//first_of_part//text_of(self%part)//'-of-'//text_of(self%parts)//lock_suffix, refused)
+    call self%lock%give_back()
+    if (.not. allocated(error)) call move_alloc(refused, error)
+  end subroutine begin_part
+
+  subroutine begin_end(self, is_busy, error)
+    !! Take the lock of the directory again; as long as the part has its own, nobody finishes the file.
+    !! **Errors**: the system refuses it.
+    class(work_directory), intent(inout) :: self
+    logical, intent(out) :: is_busy          !! another process has it for longer
+    type(error_type), allocatable, intent(inout) :: error
+    type(error_type), allocatable :: refused
+    call self%lock%take(self%path//'/lock', refused)
+    is_busy = allocated(refused) .and. self%lock%is_refused
+    if (.not. (is_busy .or. allocated(error))) call move_alloc(refused, error)
+  end subroutine begin_end
+
+  subroutine end_part(self, is_busy, error)
+    !! Give the lock of the part back. Who then has the lock of the directory and meets no other part may finish the file.
+    !! **Errors**: it cannot be told whether there are other parts.
+    class(work_directory), intent(inout) :: self
+    logical, intent(inout) :: is_busy        !! others are at work
+    type(error_type), allocatable, intent(inout) :: error
+    type(error_type), allocatable :: refused
+    call self%part_lock%give_back()
+    if (is_busy .or. allocated(error)) return
+    call self%refuse_other_parts(refused)
+    is_busy = allocated(refused) .and. self%part_lock%is_refused
+    if (.not. is_busy) call move_alloc(refused, error)
+  end subroutine end_part
+
+  subroutine refuse_other_parts(self, error)
+    !! Find out whether other processes run parts; locks that ended ones left are taken away.
+    !! **Errors**: one does, or that cannot be told.
+    class(work_directory), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    type(string), allocatable :: names(:)
+    integer :: problem, i
+    problem = files_in(self%path, lock_suffix, names)
+    if (problem /= 0) call cannot_be_read(error, self%path, problem)
+    do i = 1, size(names)
+      if (index(names(i)%text, first_of_part) /= 1) cycle
+      call self%part_lock%refuse_if_held(self%path//'/'//names(i)%text, error)
+      if (allocated(error)) return
+      problem = remove_file(self%path//'/'//names(i)%text)
+    end do
+  end subroutine refuse_other_parts
+
+  pure function draft_of(self, host) result(path)
+    !! The path of the draft of a further host; of an empty name that of the first one, which becomes the result.
+    class(work_directory), intent(in) :: self
+    character(*), intent(in) :: host
+    character(:), allocatable :: path
+    path = self%path//'/'//first_of_draft//draft_suffix
+    if (host /= '') path = self%path//'/'//first_of_draft//'.'//host//draft_suffix
+  end function draft_of
+
+  subroutine drafts(self, paths, error)
+    !! All drafts that there are.
+    !! **Errors**: the directory cannot be read.
+    class(work_directory), intent(in) :: self
+    type(string), allocatable, intent(out) :: paths(:)
+    type(error_type), allocatable, intent(inout) :: error
+    type(string), allocatable :: names(:)
+    integer :: problem, i
+    allocate (paths(0))
+    problem = files_in(self%path, draft_suffix, names)
+    if (problem /= 0 .and. bw_kind_of_error(problem) /= error_not_there) call cannot_be_read(error, self%path, problem)
+    do i = 1, size(names)
+      if (index(names(i)%text, first_of_draft//'.') == 1) call append(paths, self%path//'/'//names(i)%text)
+    end do
+  end subroutine drafts
+
+  function scratch(self) result(path)
+    !! A path that nothing else has, for a file that gets another name before the lock is given back.
     class(work_directory), intent(in) :: self
     character(:), allocatable :: path
-    path = self%path//'/'//unique_name()//draft_suffix
-  end function new_draft
+    path = self%path//'/'//first_of_scratch//unique_name()
+  end function scratch
 
-  subroutine publish(self, draft, error)
-    !! Give a whole result its name, so that it outlives the machine.
-    !! **Errors**: it cannot be written, another run has taken the work over, or a result was put there meanwhile.
+  subroutine publish(self, error)
+    !! Give the first draft, which is on the disk, the name of the result, so that it outlives the machine.
+    !! **Errors**: that is refused, another run has taken the work over, or a result was put there meanwhile.
     class(work_directory), intent(in) :: self
-    character(*), intent(in) :: draft
     type(error_type), allocatable, intent(inout) :: error
     logical :: taken
     integer :: problem
-    problem = flush_path(draft)
-    if (problem /= 0) then
-      call cannot_be_written(error, draft, problem)
-    else if (.not. self%lock%is_held()) then
-      call fail(error, status_bad_file, self%lock%path//': is gone or another run''s; the result was not put in its place')
-    end if
+    if (.not. self%lock%is_held()) call fail(error, status_bad_file, self%lock%path// &
+                                             ': is gone or another run''s; the result was not put in its place')
     if (allocated(error)) return
-    call give_name(draft, self%result, self%overwrite, taken, problem)
+    call give_name(self%draft_of(''), self%result, self%overwrite, taken, problem)
     if (taken) call fail(error, status_bad_file, self%result//': a result was put there meanwhile; --overwrite replaces it')
     if (problem == 0) problem = flush_directory(directory_of(self%result))
     if (problem /= 0) call cannot_be_written(error, self%result, problem)
@@ -110,15 +196,28 @@ contains
     if (.not. taken) problem = rename_file(draft, path)
   end subroutine give_name
 
+  subroutine discard(self)
+    !! Take away all drafts, and give the lock back.
+    class(work_directory), intent(inout) :: self
+    type(string), allocatable :: paths(:)
+    type(error_type), allocatable :: ignored_too
+    integer :: ignored, i
+    if (self%lock%is_held()) then
+      call self%drafts(paths, ignored_too)
+      do i = 1, size(paths)
+        ignored = remove_file(paths(i)%text)
+      end do
+    end if
+    call self%leave()
+  end subroutine discard
+
   subroutine leave(self)
-    !! Take away what is half written, and give the lock back; the directory stays where work is left in it.
+    !! Give the locks back; the directory stays where something is left in it.
     class(work_directory), intent(inout) :: self
     integer :: ignored
-    if (self%lock%is_held()) then
-      call remove_all(self%path, draft_suffix)
-      call remove_all(self%path, draft_of_lock)
-    end if
+    if (self%lock%is_held()) call remove_rubbish(self%path)
     call self%lock%give_back()
+    call self%part_lock%give_back()
     ignored = remove_directory(self%path)
   end subroutine leave
 
@@ -131,17 +230,16 @@ contains
     if (.not. allocated(error)) call self%leave()
   end subroutine clear
 
-  subroutine remove_all(path, suffix)
-    !! Remove what has such a name as runs give, as far as that is possible; whatever else is there is not theirs.
-    character(*), intent(in) :: path, suffix
-    type(string), allocatable :: names(:)
+  subroutine remove_rubbish(path)
+    !! Remove files that runs have begun and not come to an end with; whatever else is there is not theirs.
+    character(*), intent(in) :: path
     integer :: ignored, i
-    ignored = files_in(path, suffix, names)
+    type(string), allocatable :: names(:)
+    ignored = files_in(path, '', names)
     do i = 1, size(names)
-      associate (name => names(i)%text)
-        if (is_unique_name(name(:len(name) - len(suffix)))) ignored = remove_file(path//'/'//name)
-      end associate
+      if (index(names(i)%text, first_of_lock) == 1 .or. index(names(i)%text, first_of_scratch) == 1) &
+        ignored = remove_file(path//'/'//names(i)%text)
     end do
-  end subroutine remove_all
+  end subroutine remove_rubbish
 
 end module bw_work_directory

@@ -24,10 +24,10 @@
 #include <sys/types.h>
 #include <unistd.h>
 
-enum { OPEN, FOPEN, READ, PREAD, WRITE, PWRITE, CLOSE, FSYNC, FTRUNCATE, RENAME, LINK, UNLINK, MKDIR, RMDIR, OPENDIR, READDIR, STAT,
-       FLOCK, FORK, MALLOC, KINDS };
-static const char *const kinds[KINDS] = {"open", "fopen", "read", "pread", "write", "pwrite", "close", "fsync", "ftruncate", "rename",
-  "link", "unlink", "mkdir", "rmdir", "opendir", "readdir", "stat", "flock", "fork", "malloc"};
+enum { OPEN, FOPEN, READ, PREAD, WRITE, PWRITE, CLOSE, FSYNC, FDATASYNC, FALLOCATE, FTRUNCATE, MMAP, RENAME, LINK, UNLINK, MKDIR, RMDIR,
+       OPENDIR, READDIR, STAT, FLOCK, FORK, MALLOC, KINDS };
+static const char *const kinds[KINDS] = {"open", "fopen", "read", "pread", "write", "pwrite", "close", "fsync", "fdatasync", "fallocate",
+  "ftruncate", "mmap", "rename", "link", "unlink", "mkdir", "rmdir", "opendir", "readdir", "stat", "flock", "fork", "malloc"};
 
 static uint64_t *counts, at;
 static const char *under = "";
@@ -178,6 +178,31 @@ int fsync(int descriptor)
   REAL(int, fsync, int);
   return file_counts(descriptor) && fails(FSYNC) ? -1 : real(descriptor);
 }
+
+int fdatasync(int descriptor)
+{
+  REAL(int, fdatasync, int);
+  return file_counts(descriptor) && fails(FDATASYNC) ? -1 : real(descriptor);
+}
+
+#define ALLOCATES(name, type) \
+  int name(int descriptor, int mode, type first, type length) \
+  { \
+    REAL(int, name, int, int, type, type); \
+    return file_counts(descriptor) && fails(FALLOCATE) ? -1 : real(descriptor, mode, first, length); \
+  }
+ALLOCATES(fallocate, off_t)
+ALLOCATES(fallocate64, off64_t)
+
+#define MAPS(name, type) \
+  void *name(void *address, size_t length, int protection, int flags, int descriptor, type place) \
+  { \
+    REAL(void *, name, void *, size_t, int, int, int, type); \
+    if (descriptor >= 0 && file_counts(descriptor) && fails(MMAP)) return MAP_FAILED; \
+    return real(address, length, protection, flags, descriptor, place); \
+  }
+MAPS(mmap, off_t)
+MAPS(mmap64, off64_t)
 
 int flock(int descriptor, int operation)
 {

@@ -22,7 +22,7 @@ SCENES = Path(__file__).parents[1] / "scenes"
 sys.path.insert(0, str(SCENES))
 
 import results  # noqa: E402
-from journals import cases_in  # noqa: E402
+from drafts import cases_in  # noqa: E402
 from workplace import captured_beam, namelist  # noqa: E402
 
 CASES = 1500
@@ -147,7 +147,7 @@ def cut_power(program, disk, dice, moments):
                 running.communicate()
         found, cases = judge(program, disk, image, expected, said)
         assert kind != "after 0" or found == "result", "the result was said to be there"
-        print(f"{moment + 1}: {kind}: {found}, {cases} cases in journals; taken up: the same bits", flush=True)
+        print(f"{moment + 1}: {kind}: {found}, {cases} cases saved; taken up: the same bits", flush=True)
 
 
 if __name__ == "__main__":

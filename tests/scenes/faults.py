@@ -6,7 +6,8 @@ import os
 import struct
 
 KINDS = (
-    "open fopen read pread write pwrite close fsync ftruncate rename link unlink mkdir rmdir opendir readdir stat flock fork malloc"
+    "open fopen read pread write pwrite close fsync fdatasync fallocate ftruncate mmap rename link unlink mkdir rmdir opendir readdir "
+    "stat flock fork malloc"
 ).split()
 OF_BYTES = {"read", "write", "pread", "pwrite"}
 NO_LOCKS = f"flock:1:+{errno.ENOSYS}"

@@ -114,7 +114,7 @@ def test_nothing_is_removed_that_no_run_has_made(inside, linked, sweeps):
         place.symlink_to(treasure)
     else:
         place.mkdir()
-    names = ["a.nc", "b.journal", "c.lock", "d-1-20260101T000000.journal"]
+    names = ["a.nc", "b.journal", "c.lock", "d-1-20260101T000000.nc", "drafts.nc", "draft.txt"]
     for name in names:
         (place / name).write_text("precious")
     ended = inside.beamwave("run", "a.nml")

@@ -6,7 +6,7 @@ import time
 
 import pytest
 import results
-from journals import cases_in, journals_in
+from drafts import cases_in
 from mounts import in_own_mounts
 from workplace import SECONDS, captured_beam
 
@@ -14,6 +14,9 @@ SCENE = captured_beam(modes={"before": 30, "after": 30}, response={"duration": 0
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 0.0, "last": 100.0, "count": 40}
 COUNTS = {"parameter": "modes%after", "values": [30, 4, 17]}
 LONG = {**SPEEDS, "count": 6000}
+# small cases with much to sum, and so many that any build is under way when it is stopped
+ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
+RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
 DIVERGING = {**SPEEDS, "first": 300.0, "last": 0.0}
 
 
@@ -87,11 +90,11 @@ def test_work_goes_on_with_another_number_of_processes(processes, uninterrupted,
 @pytest.mark.parametrize(("number", "statuses"), [(signal.SIGUSR1, [5]), (signal.SIGTERM, range(1, 256))])
 def test_a_signal_to_mpirun_saves_what_is_finished(processes, number, statuses):
     here = processes(2)
-    here.scene("a", SCENE, {**LONG, "count": 400_000})
+    here.scene("a", ENDLESS, RATIOS)
     running = here.start("run", "a.nml")
     partial = here.directory / "output/a.partial"
     until = time.perf_counter() + SECONDS
-    while len(journals_in(partial)) < 2:
+    while not cases_in(partial):
         assert time.perf_counter() < until
         time.sleep(0.01)
     running.send_signal(number)
@@ -102,18 +105,28 @@ def test_a_signal_to_mpirun_saves_what_is_finished(processes, number, statuses):
     assert not (here.directory / "output/a.nc").exists()
 
 
-def test_a_full_disk_ends_all_with_3_and_keeps_what_is_finished(processes):
+def test_a_full_disk_ends_all_with_3_before_any_work(processes):
     here = processes(2)
     here.scene("a", SCENE, LONG)
     script = """mkdir disk && mount -t tmpfs -o size=1M none disk
     beamwave run a.nml --output disk; status=$?
-    cp -r disk kept; exit $status"""
+    find disk -type f; exit $status"""
     ended = in_own_mounts(here, script)
     assert ended.returncode == 3, ended.stderr
-    assert len(re.findall(r"disk/a.partial/.*: cannot be written: (NetCDF: .*; is the disk full|No space left)", ended.stderr)) == 1
-    saved = cases_in(here.directory / "kept/a.partial")
-    assert f"{len(saved)} of {LONG['count']} cases are saved; the same command goes on from there" in ended.stderr
-    assert here.beamwave("run", "a.nml", "--output", "kept").returncode == 0
+    assert len(re.findall(r"disk/a.partial/.*: cannot be written: No space left", ended.stderr)) == 1
+    assert ended.stdout == ""
+
+
+def test_a_disk_that_others_fill_meanwhile_has_kept_the_room(processes, alone):
+    here = processes(2)
+    here.scene("a", SCENE, LONG)
+    script = """mkdir disk && mount -t tmpfs -o size=400M none disk
+    (until test -s disk/a.partial/draft.nc; do sleep 0.01; done; cat /dev/zero > disk/full 2> /dev/null) &
+    beamwave run a.nml --output disk; status=$?
+    wait; df --output=avail disk | tail -1; exit $status"""
+    ended = in_own_mounts(here, script)
+    assert ended.returncode == 0, ended.stderr
+    assert int(ended.stdout.split()[-1]) < 100  # kB: those of the lock are free again
 
 
 def test_a_run_at_work_keeps_a_second_one_out(processes):
@@ -121,7 +134,7 @@ def test_a_run_at_work_keeps_a_second_one_out(processes):
     here.scene("a", SCENE, LONG)
     running = here.start("run", "a.nml", "--max-seconds", "20")
     until = time.perf_counter() + SECONDS
-    while not journals_in(here.directory / "output/a.partial"):
+    while not cases_in(here.directory / "output/a.partial"):
         assert time.perf_counter() < until
         time.sleep(0.01)
     second = processes(1).beamwave("run", "a.nml")

@@ -1,6 +1,5 @@
 """Records through the program: lines inside their intervals, repeats and sweeps as cases, and what makes a result another."""
 
-import os
 import signal
 import time
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 import results
 from ring_downs import AMPLITUDE, DECAY, FREQUENCY, NOISE, PHASE, RATE, SAMPLES, as_text, ring_down, text_of
-from workplace import SECONDS, captured_beam, namelist
+from workplace import captured_beam, namelist
 
 ASKED = {"record": {"file": "ring.csv"}, "spectrum": {}}
 WIDE = 2.0  # intervals of 95 %, four standard deviations: with 40 numbers one in 400 draws leaves one, and the seeds are fixed
@@ -252,16 +251,10 @@ def repeats(here):
     here.scene("a", {"record": {"file": [f"r{number}.csv" for number in range(REPEATS)]}, "spectrum": {}})
 
 
-def test_repeats_that_were_killed_go_on(here):
+def test_repeats_that_were_killed_go_on(here, injector):
     repeats(here)
-    running = here.start("run", "a.nml", "--quiet", "--output", "killed")
-    partial = here.directory / "killed/a.partial"
-    until = time.perf_counter() + SECONDS
-    while not any(file.stat().st_size > 10_000 for file in partial.glob("*.journal")):
-        assert time.perf_counter() < until and running.poll() is None
-        time.sleep(0.002)
-    os.kill(running.pid, signal.SIGKILL)
-    running.communicate(timeout=SECONDS)
+    ended, _ = injector.run(here, "run", "a.nml", "--output", "killed", fault="fdatasync:3:kill")  # the result has no name yet
+    assert ended.returncode == -signal.SIGKILL
     ended = here.beamwave("run", "a.nml", "--output", "killed")
     assert ended.returncode == 0, ended.stderr
     assert "taken over from an earlier run" in ended.stdout

@@ -129,7 +129,7 @@ def test_a_full_disk_leaves_no_half_written_result(here, size):
     beamwave run a.nml --output disk; status=$?
     find disk -type f; exit $status"""
     ended = in_own_mounts(here, script)
-    assert_refused(ended, "disk/a.partial", "disk full")
+    assert_refused(ended, "disk/a.partial", "No space left on device")
     assert ended.stdout == ""
 
 

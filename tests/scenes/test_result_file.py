@@ -34,7 +34,7 @@ DIMENSIONS = {
     **dict.fromkeys(["mode_count", "peak_count", "case_status"], ()),
     "velocity_jump": ("profile",),
     "mode_shape": ("mode", "profile"),
-    **dict.fromkeys(["displacement_error", "velocity_error"], ("point",)),
+    **dict.fromkeys(["largest_displacement", "displacement_error", "velocity_error"], ("point",)),
     "displacement": ("point", "time"),
     "velocity": ("point", "time"),
     "amplitude": ("point", "frequency"),
@@ -108,6 +108,8 @@ def test_no_number_is_nan_or_infinite_and_no_coordinate_is_fill(place, name):
     result = place.result(name)
     coordinates = {*COORDINATES, "case", *INPUTS}
     for variable, (_, values, attributes) in result.variables.items():
+        if values.dtype.kind in "SU":
+            continue  # letters
         assert np.isfinite(values).all(), variable
         assert ("_FillValue" in attributes) == (values.dtype == np.float64 and variable not in coordinates), variable
         if variable in coordinates:
@@ -164,7 +166,7 @@ def names_in(scene):
 def test_the_attributes_say_what_made_the_file(full):
     attributes = full.attributes
     assert attributes["Conventions"] == "CF-1.11"
-    assert attributes["format_version"] == 1
+    assert attributes["format_version"] == 2
     assert attributes["title"] == "all of it"
     assert attributes["effects"] == "rotation impact capture"
     assert attributes["method"] == "closed form"

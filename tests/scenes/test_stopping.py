@@ -6,7 +6,7 @@ import time
 
 import pytest
 import results
-from journals import journals_in
+from drafts import cases_in, drafts_in
 from workplace import SECONDS, captured_beam
 
 SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 300}
@@ -37,15 +37,15 @@ def uninterrupted(shared):
 
 
 def wait_for_work(here):
-    """Until a first case is finished, or all are."""
+    """Until a first case is saved, or all are."""
     until = time.perf_counter() + SECONDS
-    while not (journals_in(here.directory / "output/a.partial") or (here.directory / "output/a.nc").exists()):
+    while not (cases_in(here.directory / "output/a.partial") or (here.directory / "output/a.nc").exists()):
         assert time.perf_counter() < until, "no work is done"
         time.sleep(0.005)
 
 
-def has_journal(here):
-    return any(name.endswith(".journal") for name in here.left())
+def has_draft(here):
+    return "a.partial/draft.nc" in here.left()
 
 
 def send(here, number, seconds, *words):
@@ -71,7 +71,7 @@ def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupte
     status, _, err = send(here, number, seconds / 4)
     assert status == 5, err
     assert "of 300 cases saved; the same command goes on from there" in err
-    assert has_journal(here) and "a.nc" not in here.left()
+    assert has_draft(here) and "a.nc" not in here.left()
     resumed = here.beamwave("run", "a.nml")
     assert resumed.returncode == STATUS
     assert "taken over from an earlier run" in resumed.stdout
@@ -185,7 +185,7 @@ def test_what_a_killed_run_leaves_never_blocks(here, uninterrupted, part):
     whole, seconds = uninterrupted
     here.scene("a", LONG, SPEEDS)
     assert send(here, signal.SIGKILL, part * seconds)[0] == -signal.SIGKILL
-    assert has_journal(here) and "a.nc" not in here.left()
+    assert has_draft(here) and "a.nc" not in here.left()
     assert results.differences(here.run("a", status=STATUS), whole) == []
 
 
@@ -217,20 +217,20 @@ def test_unfinished_work_that_is_no_use_is_discarded(here, leave):
     here.scene("a", captured_beam())
     here.run("older")
     (here.directory / "output/a.partial").mkdir()
-    leave(here.directory / "output/a.partial/host-1-20260101T000000.000.nc")
+    leave(here.directory / "output/a.partial/draft.nc")
     assert here.run("a")["impact_mass_ratio"] == 0.2
     assert here.left() == ["a.nc", "older.nc"]
 
 
-@pytest.mark.parametrize("what", ["output", "output/a.partial", "the journal"])
+@pytest.mark.parametrize("what", ["output", "output/a.partial", "the draft"])
 def test_work_that_vanishes_ends_the_run_soon_and_is_not_said_to_be_saved(here, what):
     here.scene("a", ENDLESS, RATIOS)
     running = here.start("run", "a.nml")
     wait_for_work(here)
-    (journal,) = journals_in(here.directory / "output/a.partial")
-    gone = journal if what == "the journal" else here.directory / what
+    (draft,) = drafts_in(here.directory / "output/a.partial")
+    gone = draft if what == "the draft" else here.directory / what
     shutil.rmtree(gone) if gone.is_dir() else gone.unlink()
     _, err = running.communicate(timeout=SECONDS)
     assert running.returncode == 3
-    assert f"{journal.relative_to(here.directory)}: is gone" in err
+    assert f"{draft.relative_to(here.directory)}: is gone" in err
     assert "0 of 20000 cases are saved; the same command begins anew" in err

@@ -1,7 +1,7 @@
 """Unfinished work is taken away by a run that puts its own in its place, which says so, and by nobody else."""
 
 import pytest
-from journals import cases_in, journals_in
+from drafts import cases_in, drafts_in
 from terminals import ended_on_terminal
 from workplace import captured_beam
 
@@ -40,7 +40,7 @@ def test_what_a_finished_run_left_of_itself_is_taken_away(here):
     partial = here.directory / "output/a.partial"
     here.run("a")
     partial.mkdir()
-    (partial / "host-1-20260101T000000.000.nc").write_text("as far as it came")
+    (partial / "lock.host-1-20260101T000000.000").write_text("as far as it came")
     assert "nothing to do" in here.beamwave("run", "a.nml").stdout
     assert here.left() == ["a.nc"]
 
@@ -74,18 +74,18 @@ def test_a_terminal_shows_it_once(here):
     assert shown.count(TAKEN_AWAY) == 1
 
 
-def test_a_journal_that_cannot_be_read_stays(here):
+def test_a_draft_that_cannot_be_read_stays(here):
     here.scene("a", ENDLESS, CASES)
     _, saved = stop_early(here)
-    (journal,) = journals_in(here.directory / "output/a.partial")
+    (draft,) = drafts_in(here.directory / "output/a.partial")
     elsewhere = here.directory / "elsewhere"
-    journal.rename(elsewhere)
-    journal.symlink_to("where its disk is not mounted")
+    draft.rename(elsewhere)
+    draft.symlink_to("where its disk is not mounted")
     ended = here.beamwave("run", "a.nml", "--max-seconds", "0.5")
     assert ended.returncode == 3
-    assert f"{journal.name}: cannot be read; it may hold finished cases" in ended.stderr
-    journal.unlink()
-    elsewhere.rename(journal)
+    assert f"{draft.name}: cannot be written" in ended.stderr
+    draft.unlink()
+    elsewhere.rename(draft)
     _, more = stop_early(here)
     assert more > saved
 

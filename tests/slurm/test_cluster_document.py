@@ -41,6 +41,10 @@ def test_the_array_leaves_a_result_for_each_scene(place):
     assert place.left("output/scan") == ["mass 0.1.nc", "mass 0.2.nc", "mass 0.5.nc"]
 
 
+def test_the_parts_leave_the_result_of_the_ranks(place):
+    assert results.differences(place.result("map", "parts"), place.result("map")) == []
+
+
 def test_what_depends_on_the_continued_run_follows_it(place):
     assert (place.directory / "after.log").read_text() == "long/map.nc\n"
     assert results.differences(place.result("map", "long"), place.result("map")) == []

@@ -19,8 +19,8 @@ RESPONSE = {"duration": 1.0, "samples": 4096}
 SOME = {"parameter": SPEED, "first": 0.0, "last": 100.0, "count": 8}
 PROBE, LONG = 50, 5.0  # cases that are timed, start-up being a small part, and the seconds that a long run is to take
 PART = 58  # s that a run of continue.sh has to spare: of the minute that Slurm gives at least, it uses two seconds
-SINGLE, ARRAY, MPI, RECORDS, CONTINUE, POSTPROCESS = (
-    PROJECT / f"jobs/{name}.sh" for name in ["single", "array", "mpi", "records", "continue", "postprocess"]
+SINGLE, ARRAY, PARTS, MPI, RECORDS, CONTINUE, POSTPROCESS = (
+    PROJECT / f"jobs/{name}.sh" for name in ["single", "array", "parts", "mpi", "records", "continue", "postprocess"]
 )
 
 
@@ -126,6 +126,16 @@ def test_an_array_with_gaps_or_without_scenes_is_refused(jobs, here):
     assert jobs.states(job) == [("FAILED", 2)]
     assert "no such scenes: nowhere/*.nml" in log(here, f"{job}_1")
     assert not (here.directory / "output").exists()
+
+
+def test_an_array_shares_out_a_sweep(jobs, here):
+    here.scene("a", captured_beam(response=RESPONSE), SOME)
+    job, _ = jobs.ended(here, "--array=2-4", PARTS, "a.nml", "--output", "by parts")
+    assert jobs.states(job) == 3 * [("COMPLETED", 0)]
+    assert results.differences(here.result("a", "by parts"), here.run("a")) == []
+    job, _ = jobs.ended(here, "--array=1,3", PARTS, "a.nml", "--output", "by parts")
+    assert jobs.states(job) == 2 * [("FAILED", 2)]
+    assert "without gaps" in log(here, f"{job}_3")
 
 
 def test_a_sweep_over_ranks_has_the_bits_of_one_process(jobs, here):

@@ -3,7 +3,6 @@ module bw_effect_report
   use bw_kinds, only: dp
   use bw_columns, only: right
   use bw_effect_list, only: effect_list, effect_not_combined, effect_on, effect_row, largest_change, state_words
-  use bw_error, only: error_type
   use bw_hint, only: compared_modes
   use bw_missing, only: is_missing, missing
   use bw_stopwatch, only: processor_name
@@ -130,57 +129,54 @@ contains
     if (.not. is_missing(ratio(above, below))) text = 'x '//shortest(ratio(above, below), 2)
   end function times
 
-  subroutine put_effects(self, file, error)
+  subroutine put_effects(self, file)
     !! Put all rows into the file.
     class(effect_values), intent(in) :: self
-    type(study_file), intent(in) :: file
-    type(error_type), allocatable, intent(inout) :: error
-    call file%put_text('machine', processor_name(), error)
-    call file%put_text('remarks', remarks_of(self%list%rows), error)
-    call file%put_axis('effect', size(self%list%rows), 'effect', error, self%list%rows%effect)
-    call file%put_axis('mode', compared_modes, 'mode number k', error)
-    call file%put_flags('effect_state', 'effect', 'whether the scene has the effect', self%list%rows%state, state_words, error)
+    type(study_file), intent(inout) :: file
+    call file%put_text('machine', processor_name())
+    call file%put_text('remarks', remarks_of(self%list%rows))
+    call file%put_axis('effect', size(self%list%rows), 'effect', self%list%rows%effect)
+    call file%put_axis('mode', compared_modes, 'mode number k')
+    call file%put_counts('effect_state', 'effect', 'whether the scene has the effect', self%list%rows%state, state_words)
     call file%put_counts('matters_from_mode', 'effect', &
                          'first mode whose frequency the effect changes by more than the tolerance; 0 where none', &
-                         self%list%rows%matters_from, error)
+                         self%list%rows%matters_from)
     call file%put_numbers('frequency_tolerance', '', '1', 'change of a frequency above which an effect matters', &
-                          [self%list%tolerance], error)
-    call put_modes(file, self%list%rows, error)
-    call put_costs(file, self%list%rows, error)
+                          [self%list%tolerance])
+    call put_modes(file, self%list%rows)
+    call put_costs(file, self%list%rows)
   end subroutine put_effects
 
-  subroutine put_modes(file, rows, error)
+  subroutine put_modes(file, rows)
     !! Put the frequencies with and without each effect, and what it changes.
-    type(study_file), intent(in) :: file
+    type(study_file), intent(inout) :: file
     type(effect_row), intent(in) :: rows(:)
-    type(error_type), allocatable, intent(inout) :: error
     integer :: i
     call file%put_numbers('angular_frequency_with', by_mode, 'rad s-1', 'angular frequency with the effect', &
-                          [(rows(i)%with%angular_frequency, i=1, size(rows))], error)
+                          [(rows(i)%with%angular_frequency, i=1, size(rows))])
     call file%put_numbers('angular_frequency_without', by_mode, 'rad s-1', 'angular frequency without the effect', &
-                          [(rows(i)%without%angular_frequency, i=1, size(rows))], error)
+                          [(rows(i)%without%angular_frequency, i=1, size(rows))])
     call file%put_numbers('frequency_change', by_mode, '1', 'relative change of the angular frequency by the effect', &
-                          [(rows(i)%frequency_change, i=1, size(rows))], error)
+                          [(rows(i)%frequency_change, i=1, size(rows))])
     call file%put_numbers('phase_velocity_change', by_mode, '1', 'relative change of the phase velocity by the effect', &
-                          [(rows(i)%phase_velocity_change, i=1, size(rows))], error)
+                          [(rows(i)%phase_velocity_change, i=1, size(rows))])
     call file%put_numbers('group_velocity_change', by_mode, '1', 'relative change of the group velocity by the effect', &
-                          [(rows(i)%group_velocity_change, i=1, size(rows))], error)
+                          [(rows(i)%group_velocity_change, i=1, size(rows))])
   end subroutine put_modes
 
-  subroutine put_costs(file, rows, error)
+  subroutine put_costs(file, rows)
     !! Put what each effect changes in the response, and what it costs.
-    type(study_file), intent(in) :: file
+    type(study_file), intent(inout) :: file
     type(effect_row), intent(in) :: rows(:)
-    type(error_type), allocatable, intent(inout) :: error
     call file%put_numbers('response_change', 'effect', '1', &
                           'largest change of the displacement by the effect over the peak of the scene''s own', &
-                          rows%response_change, error)
+                          rows%response_change)
     call file%put_numbers('seconds_with', 'effect', 's', 'wall time of a case with the effect, median of the repeats', &
-                          rows%seconds_with, error)
+                          rows%seconds_with)
     call file%put_numbers('seconds_without', 'effect', 's', 'wall time of a case without the effect, median of the repeats', &
-                          rows%seconds_without, error)
+                          rows%seconds_without)
     call file%put_numbers('cost', 'effect', '1', 'wall time with the effect over that without it', &
-                          ratio(rows%seconds_with, rows%seconds_without), error)
+                          ratio(rows%seconds_with, rows%seconds_without))
   end subroutine put_costs
 
   elemental real(dp) function ratio(above, below)

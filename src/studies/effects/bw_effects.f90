@@ -1,7 +1,7 @@
 module bw_effects
   !! What each effect changes on a scene, and what it costs: the scene run with it and without it.
   use bw_kinds, only: dp, i8
-  use bw_case_fields, only: named_value
+  use bw_case_rows, only: values_of
   use bw_case_notes, only: why_untrusted
   use bw_case_result, only: case_done, case_result
   use bw_effect_list, only: compare_frequencies, compared_case, effect_list
@@ -167,13 +167,13 @@ contains
     state%runs(place)%is_timed = .false.
   end subroutine run_scene_once
 
-  pure type(compared_case) function compared(result) result(numbers)
+  type(compared_case) function compared(result) result(numbers)
     !! What is compared of a case: the modes in force after the last event at t = 0.
     type(case_result), intent(in) :: result
     integer :: n
     n = min(compared_modes, result%modes%count)
-    associate (frequency => named_value(result, 'angular_frequency'), phase => named_value(result, 'phase_velocity'), &
-               group => named_value(result, 'group_velocity'))
+    associate (frequency => values_of(result, 'angular_frequency'), phase => values_of(result, 'phase_velocity'), &
+               group => values_of(result, 'group_velocity'))
       numbers%angular_frequency(:n) = frequency(:n)
       numbers%phase_velocity(:n) = phase(:n)
       numbers%group_velocity(:n) = group(:n)

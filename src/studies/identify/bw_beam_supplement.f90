@@ -4,21 +4,24 @@ module bw_beam_supplement
   use bw_absent_mends, only: find_mends, mend_type
   use bw_beam_state, only: beam_state, state_of
   use bw_child_process, only: child_process
+  use bw_classic_head, only: classic_head
   use bw_error, only: error_type
+  use bw_files, only: cannot_be_written
   use bw_fit_problem, only: is_at_end
   use bw_fit_search, only: misfit_type, unlikely
   use bw_identification, only: identification, identify
-  use bw_identified_scene, only: identified_path, identified_text
+  use bw_identified_scene, only: identified_attribute, identified_path, identified_room, identified_text
   use bw_identify_par, only: identify_par
   use bw_kinds, only: dp, i8
   use bw_model_comparison, only: compare_case, match_lines
-  use bw_model_file, only: model_findings, put_model
+  use bw_model_file, only: model_findings, model_rows, put_misfit
   use bw_model_report, only: explained_text, loose_text, report_comparison, report_identified, report_mends
   use bw_monitor, only: monitor_type
   use bw_quantile, only: normal_quantile
   use bw_record_lines, only: status_words
   use bw_result_lines, only: read_result_lines, result_lines
   use bw_result_supplement, only: result_supplement
+  use bw_result_table, only: of_supplement, result_table
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
   use bw_scene_states, only: all_unknowns, measured_scene, states_of, unknowns_in
@@ -35,8 +38,9 @@ module bw_beam_supplement
     type(scene_type) :: scene
     character(:), allocatable :: directory               !! of the results
     type(scene_type), allocatable :: further(:)          !! scenes of other states of the beam, whose results are there
-    character(:), allocatable :: identity                !! of what it rests on beside the scene and its record
   contains
+    procedure :: attributes
+    procedure :: rows
     procedure :: add
   end type beam_supplement
 
@@ -49,11 +53,32 @@ module bw_beam_supplement
 
 contains
 
+  subroutine attributes(self, head)
+    !! What the findings rest on, and room for the identified scenes.
+    class(beam_supplement), intent(in) :: self
+    class(classic_head), intent(inout) :: head
+    integer :: unknowns, i
+    call head%add_text('model', self%identity, of_file=.true.)
+    if (size(self%scene%unknowns) == 0) return
+    unknowns = size(self%scene%unknowns) + sum([(size(self%further(i)%unknowns), i=1, size(self%further))])
+    call head%add_room(identified_attribute(1), identified_room(self%scene%name, self%scene, unknowns))
+    do i = 1, size(self%further)
+      call head%add_room(identified_attribute(i + 1), identified_room(self%scene%name, self%further(i), unknowns))
+    end do
+  end subroutine attributes
+
+  subroutine rows(self, table)
+    !! Walk through the rows of what a beam says.
+    class(beam_supplement), intent(in) :: self
+    class(result_table), intent(inout) :: table
+    call model_rows(table, size(self%scene%unknowns) > 0)
+  end subroutine rows
+
   subroutine add(self, draft, monitor, notes, report, whole, error)
     !! Put the modes beside the lines, and what was identified, into the result.
     !! **Errors**: a result cannot be read or written.
     class(beam_supplement), intent(inout) :: self
-    character(*), intent(in) :: draft
+    class(result_table), intent(inout) :: draft
     class(monitor_type), intent(inout) :: monitor
     character(:), allocatable, intent(inout) :: notes, report
     logical, intent(out) :: whole
@@ -75,7 +100,7 @@ contains
   subroutine hold_against(self, draft, notes, report, texts, error)
     !! The beam beside the lines that were found.
     class(beam_supplement), intent(in) :: self
-    character(*), intent(in) :: draft
+    class(result_table), intent(inout) :: draft
     character(*), intent(in) :: notes, report            !! of the result so far, lines
     type(string), allocatable, intent(out) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -84,9 +109,10 @@ contains
     type(text_builder) :: lines
     character(:), allocatable :: more
     real(dp) :: quantile
+    integer :: i
     allocate (texts(0), findings%scenes(0))
     quantile = normal_quantile(0.5_dp + 0.5_dp*self%scene%spectrum%confidence)
-    call read_all(self, draft, quantile, set, error)
+    call read_all(self, draft%file%path, quantile, set, error)
     if (allocated(error)) return
     more = ''
     if (size(self%scene%unknowns) > 0) then
@@ -95,13 +121,17 @@ contains
     else
       call compare(set, findings, lines, more)
     end if
-    findings%identity = self%identity
-    findings%notes = notes//more
-    findings%report = report//lines%text()
-    call append(texts, findings%notes)
-    call append(texts, findings%report)
+    call append(texts, notes//more)
+    call append(texts, report//lines%text())
     call append(texts, trim(merge(trusted, '       ', findings%trusted())))
-    call put_model(draft, findings, error)
+    call draft%begin_section(of_supplement)
+    call model_rows(draft, size(self%scene%unknowns) > 0, findings)
+    do i = 1, size(findings%scenes)
+      call draft%set_text(identified_attribute(i), findings%scenes(i)%text)
+    end do
+    if (.not. findings%trusted()) call put_misfit(draft)
+    call draft%file%write()
+    if (draft%file%problem /= 0) call cannot_be_written(error, draft%file%path, draft%file%problem)
   end subroutine hold_against
 
   subroutine read_all(self, draft, quantile, set, error)

@@ -3,7 +3,7 @@ module bw_identified_scene
   !! out (`&record`, `&spectrum`, `&identify`), so that it simulates. The result holds the text, and a file beside it has it too.
   use bw_descriptors, only: close_file, flush_file, is_file, new_file, open_file, read_bytes, to_read, write_text
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_files, only: cannot_be_read, cannot_be_written, directory_of, flush_directory, look_at, path_state
+  use bw_files, only: cannot_be_read, cannot_be_written, directory_of, flush_directory, look_at, path_state, remove_file
   use bw_fit_problem, only: value_at
   use bw_identification, only: identification
   use bw_identify_par, only: identify_par
@@ -17,7 +17,7 @@ module bw_identified_scene
   use bw_work_directory, only: give_name, work_directory
   implicit none (type, external)
   private
-  public :: identified_attribute, identified_path, identified_text, keep_identified
+  public :: identified_attribute, identified_path, identified_room, identified_text, keep_identified
 
 contains
 
@@ -28,6 +28,16 @@ contains
     name = 'identified_scene'
     if (i > 1) name = name//'_'//text_of(i)
   end function identified_attribute
+
+  pure integer function identified_room(result, scene, unknowns) result(letters)
+    !! Letters of the text, at most.
+    character(*), intent(in) :: result                   !! as that of `identified_text`
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: unknowns                      !! how many there are
+    integer, parameter :: of_letter = 4, of_name = 100, of_numbers = 100, around = 100
+      !! letters that one letter of a name may take; of an unknown's name; of its numbers; of the head's own words
+    letters = len(resolved_text(scene)) + of_letter*(len(scene%name) + len(result)) + (of_name + of_numbers)*unknowns + around
+  end function identified_room
 
   pure function identified_path(result, further) result(path)
     !! The file of that text: named after the result that it belongs to, since several may name the same further scene.
@@ -82,16 +92,18 @@ contains
     type(work_directory) :: work
     character(:), allocatable :: draft
     logical :: taken
-    integer :: problem
+    integer :: problem, ignored
     if (holds(path, text, error) .or. allocated(error)) return
     call work%plan(result, overwrite)
+    work%parts = 2                                       ! the lock is taken for moments, beside parts that may be at work
     call work%begin(error)
     if (allocated(error)) return
-    draft = work%new_draft()
+    draft = work%scratch()
     call write_whole(draft, text, problem)
     taken = .false.
     if (problem == 0) call give_name(draft, path, overwrite, taken, problem)
     if (problem == 0) problem = flush_directory(directory_of(path))
+    if (problem /= 0) ignored = remove_file(draft)
     call work%leave()
     if (taken) then
       call fail(error, status_bad_file, path//': is there already, and is not what '//result//' identified; --overwrite '// &

@@ -2,12 +2,11 @@ module bw_result_lines
   !! The lines of a record from its finished result.
   use bw_beam_state, only: measured_lines
   use bw_error, only: error_type, fail, status_bad_file
-  use bw_kinds, only: dp
+  use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
-  use bw_netcdf_path, only: plain_path
-  use bw_result_header, only: quantities
-  use netcdf, only: nf90_close, nf90_get_var, nf90_inq_varid, nf90_inquire_dimension, nf90_inquire_variable, nf90_noerr, &
-    nf90_nowrite, nf90_open, nf90_strerror
+  use bw_netcdf_reading, only: all_is_well, close_netcdf, find_variable, netcdf_dimension, netcdf_variable, open_netcdf, &
+    read_dimensions, read_numbers, read_variable, status_text
+  use bw_file_rows, only: quantities
   implicit none (type, external)
   private
   public :: read_result_lines
@@ -36,14 +35,14 @@ contains
     logical :: placed
     integer, allocatable :: told(:)
     integer :: file, problem, c, k, n, s
-    problem = nf90_open(plain_path(path), nf90_nowrite, file)
+    call open_netcdf(path, file, problem)
     call read_block(file, 'measured_angular_frequency', frequency, problem)
     call read_block(file, 'measured_angular_frequency_error', frequency_error, problem)
     call read_block(file, 'measured_decay_rate', decay, problem)
     call read_block(file, 'measured_decay_rate_error', decay_error, problem)
     call read_block(file, 'peak_status', status, problem)
-    if (problem /= nf90_noerr) then
-      call fail(error, status_bad_file, path//': its lines cannot be read: '//trim(nf90_strerror(problem)))
+    if (problem /= all_is_well) then
+      call fail(error, status_bad_file, path//': its lines cannot be read: '//status_text(problem))
       return
     end if
     call read_block(file, 'measured_amplitude', amplitude, problem)
@@ -51,9 +50,9 @@ contains
     call read_block(file, 'measured_phase', phase, problem)
     call read_block(file, 'point_position', place, problem)
     call read_block(file, 'sensor_quantity', quantity, problem)
-    placed = problem == nf90_noerr
+    placed = problem == all_is_well
     if (placed) placed = size(place) > 1 .and. all(quantity == quantity(1, 1, 1))    ! else they say nothing of shapes
-    problem = nf90_close(file)
+    call close_netcdf(file)
     allocate (cases(size(frequency, 2)))
     do c = 1, size(cases)
       n = count(.not. is_missing(frequency(:, c, 1)))
@@ -84,17 +83,22 @@ contains
     character(*), intent(in) :: name
     real(dp), allocatable, intent(out) :: values(:, :, :)
     integer, intent(inout) :: problem            !! of NetCDF; nothing is done after one
-    integer :: variable, rank, ids(3), lengths(3), i
-    if (problem == nf90_noerr) problem = nf90_inq_varid(file, name, variable)
-    if (problem == nf90_noerr) problem = nf90_inquire_variable(file, variable, ndims=rank)
-    if (problem == nf90_noerr) problem = nf90_inquire_variable(file, variable, dimids=ids(:rank))
-    lengths = 1
-    do i = 1, merge(rank, 0, problem == nf90_noerr)
-      if (problem == nf90_noerr) problem = nf90_inquire_dimension(file, ids(i), len=lengths(i))
-    end do
-    if (problem /= nf90_noerr) return
-    allocate (values(lengths(1), lengths(2), lengths(3)))
-    problem = nf90_get_var(file, variable, values, count=lengths(:rank))
+    integer, parameter :: no_such_variable = -49
+    type(netcdf_dimension), allocatable :: dimensions(:)
+    type(netcdf_variable) :: variable
+    integer(i8), allocatable :: lengths(:), all(:)
+    integer :: number, ignored
+    number = -1
+    if (problem == all_is_well) number = find_variable(file, name)
+    if (problem == all_is_well .and. number < 0) problem = no_such_variable
+    call read_dimensions(file, dimensions, ignored, problem)
+    call read_variable(file, number, variable, problem)
+    if (problem /= all_is_well) return
+    lengths = dimensions(variable%dimensions + 1)%length
+    all = [1_i8, 1_i8, 1_i8, lengths]
+    all = all(size(all):size(all) - 2:-1)
+    allocate (values(all(1), all(2), all(3)))
+    call read_numbers(file, number, spread(1_i8, 1, size(lengths)), lengths, values, problem)
   end subroutine read_block
 
 end module bw_result_lines

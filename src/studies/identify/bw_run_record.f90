@@ -3,7 +3,7 @@ module bw_run_record
   !!
   !! Records of other states of the beam come first, each a scene like any other with its own result.
   use bw_beam_supplement, only: beam_supplement
-  use bw_error, only: error_type, fail, status_bad_file, status_stopped
+  use bw_error, only: error_type, fail, status_bad_file, status_bad_input, status_stopped
   use bw_files, only: remove_file
   use bw_further_scenes, only: further_scenes
   use bw_identified_scene, only: identified_attribute, identified_path, keep_identified
@@ -13,8 +13,10 @@ module bw_run_record
   use bw_monitor, only: progress_type
   use bw_outcome, only: outcome_type
   use bw_process_group, only: process_group
+  use bw_record_checksum, only: record_checksums
   use bw_run_scene, only: run_scene
   use bw_scene, only: scene_type
+  use bw_scene_resolved, only: resolved_text
   implicit none (type, external)
   private
   public :: run_record
@@ -23,11 +25,12 @@ module bw_run_record
 
 contains
 
-  subroutine run_record(scene, directory, overwrite, group, progress, outcome, error)
+  subroutine run_record(scene, directory, overwrite, part, group, progress, outcome, error)
     !! Run a scene with a record; like `run_scene`, which is all of it where there is no beam.
     type(scene_type), intent(in) :: scene
     character(*), intent(in) :: directory
     logical, intent(in) :: overwrite
+    integer, intent(in) :: part(2)               !! as that of `run_scene`
     class(process_group), intent(inout) :: group
     class(progress_type), intent(inout) :: progress
     type(outcome_type), intent(out) :: outcome
@@ -38,7 +41,7 @@ contains
     integer :: status, i
     logical :: again
     if (position_of(scene%groups, 'beam') == 0) then
-      call run_scene(scene, directory, overwrite, group, progress, outcome, error)
+      call run_scene(scene, directory, overwrite, part, group, progress, outcome, error)
       return
     end if
     outcome%notes = ''
@@ -46,21 +49,25 @@ contains
     supplement%scene = scene
     supplement%directory = directory
     call further_scenes(scene, supplement%further, error)
+    if (.not. allocated(error) .and. part(2) > 1) then
+      if (size(supplement%further) > 0) call fail(error, status_bad_input, scene%file// &
+        ': &identify: further scenes are run first, which parts cannot share; accepted: the scene without --part')
+    end if
+    if (.not. allocated(error)) call find_identity(supplement, error)
     whole = scene
     if (.not. allocated(error)) whole%further_unknowns = &
       sum([(size(supplement%further(i)%unknowns), i=1, size(supplement%further))])
     call group%collect(nothing, error)
     if (.not. allocated(error)) call run_further(supplement%further, directory, overwrite, group, progress, outcome, error)
     if (allocated(error) .or. outcome%status == status_stopped) return
-    if (group%leads()) call find_identity(supplement)
     if (group%leads()) call clear_outdated(supplement, overwrite, error)
     call group%collect(nothing, error)
     if (allocated(error)) return
     status = outcome%status
-    call run_scene(whole, directory, overwrite, group, progress, outcome, error, supplement)
+    call run_scene(whole, directory, overwrite, part, group, progress, outcome, error, supplement)
     call clear_bare(supplement, group, outcome, again, error)
     if (allocated(error)) return
-    if (again) call run_scene(whole, directory, overwrite, group, progress, outcome, error, supplement)
+    if (again) call run_scene(whole, directory, overwrite, part, group, progress, outcome, error, supplement)
     if (group%leads() .and. outcome%status /= status_stopped) call keep_scenes(supplement, overwrite, error)
     call group%collect(nothing, error)
     outcome%status = max(outcome%status, status)
@@ -80,7 +87,7 @@ contains
     integer(i4), allocatable :: stop(:)
     integer :: i
     do i = 1, size(further)
-      call run_scene(further(i), directory, overwrite, group, progress, one, error)
+      call run_scene(further(i), directory, overwrite, [1, 1], group, progress, one, error)
       call group%collect(nothing, error)
       stop = [merge(1_i4, 0_i4, one%status == status_stopped)]
       call group%share(stop)
@@ -90,18 +97,18 @@ contains
     end do
   end subroutine run_further
 
-  subroutine find_identity(supplement)
-    !! What the beam's findings rest on beside the scene and its record: the scenes of further results, and their records.
+  subroutine find_identity(supplement, error)
+    !! What the beam's findings rest on beside the scene and its record: further scenes and their records.
+    !! **Errors**: a record cannot be read.
     type(beam_supplement), intent(inout) :: supplement
-    character(:), allocatable :: scene, checksums
+    type(error_type), allocatable, intent(inout) :: error
+    character(:), allocatable :: checksums
     integer :: i
     supplement%identity = 'modes beside lines'
     do i = 1, size(supplement%further)
-      associate (path => supplement%directory//'/'//supplement%further(i)%name//'.nc')
-        call read_attribute(path, 'scene', scene)
-        call read_attribute(path, 'record_checksum', checksums)
-      end associate
-      supplement%identity = supplement%identity//nl//scene//checksums
+      call record_checksums(supplement%further(i), checksums, error)
+      if (allocated(error)) return
+      supplement%identity = supplement%identity//nl//resolved_text(supplement%further(i))//checksums
     end do
   end subroutine find_identity
 

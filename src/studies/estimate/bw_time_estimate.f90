@@ -1,6 +1,5 @@
 module bw_time_estimate
   !! How long a scene will take, and what it will warn of: samples of its cases are run for a bounded time.
-  use bw_case_fields, only: case_length, fields_of
   use bw_case_result, only: case_result
   use bw_case_shares, only: case_seconds, case_shares, histories_share
   use bw_error, only: error_type
@@ -12,7 +11,7 @@ module bw_time_estimate
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
   use bw_scene_cases, only: case_count, case_scene
-  use bw_scene_summary, only: working_bytes
+  use bw_scene_summary, only: case_numbers, working_bytes
   use bw_stopwatch, only: stopwatch, wall_seconds
   implicit none (type, external)
   private
@@ -24,8 +23,8 @@ module bw_time_estimate
   real(dp), parameter :: least_look = 0.1_dp               !! s for histories, however long their modes took
   real(dp), parameter :: golden = 0.6180339887498949_dp    !! its multiples fill 0 … 1 evenly, however many are taken
   real(dp), parameter :: start_seconds = 2.5e-2_dp         !! of the program itself, most of them its libraries'; measured
-  real(dp), parameter :: file_seconds = 9.0e-3_dp          !! of a result's names and attributes; measured
-  real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into its journal and the result; measured
+  real(dp), parameter :: file_seconds = 2.0e-3_dp          !! of a result's names and attributes; measured
+  real(dp), parameter :: put_seconds = 2.5e-6_dp           !! of a case into the result; measured
   real(dp), parameter :: number_seconds = 3.0e-8_dp        !! of each of its numbers; 2e-8 measured of 0.1 GB, 4e-8 of 0.5 GB
 
   type, extends(monitor_type) :: time_limit
@@ -67,7 +66,7 @@ contains
     type(forecast_type), intent(out) :: forecast
     type(case_timer) :: timer
     real(dp) :: spent, began, part
-    integer(i8) :: bytes, free
+    integer(i8) :: bytes, free, numbers           ! the last of a case
     logical :: whole
     allocate (timer%forecast%cases(0))
     timer%scene = scene
@@ -75,6 +74,7 @@ contains
     timer%limit%user => monitor
     began = wall_seconds()
     bytes = working_bytes(scene, layout)
+    numbers = case_numbers(scene, layout)
     free = free_memory()
     if (bytes <= most_trial_bytes .and. fits(bytes, free)) then
       call timer%sample(1_i8, began + budget, part, spent)   ! a first case finds caches and plans empty
@@ -86,7 +86,7 @@ contains
     if (whole .and. case_count(scene) > 1) call sample_sweep(timer, budget, began, spent < quick*budget, seconds)
     if (.not. any(timer%forecast%cases == timer%index)) call timer%foretell(monitor)
     forecast = timer%forecast
-    seconds = start_seconds + file_seconds + case_count(scene)*(seconds + writing_seconds(layout))
+    seconds = start_seconds + file_seconds + case_count(scene)*(seconds + put_seconds + number_seconds*numbers)
   end function estimated_seconds
 
   subroutine sample_sweep(timer, budget, began, is_quick, seconds)
@@ -144,12 +144,6 @@ contains
     call case_scene(self%scene, self%index, self%one, error)
     if (.not. allocated(error)) call self%forecast%foretell(self%index, self%one, self%layout, monitor)
   end subroutine foretell
-
-  pure real(dp) function writing_seconds(layout) result(seconds)
-    !! How long it takes to write a case onto the disk, s.
-    type(result_layout), intent(in) :: layout
-    seconds = put_seconds + number_seconds*case_length(fields_of(layout))
-  end function writing_seconds
 
   pure integer(i8) function place(sample, cases)
     !! The number of the case that is the n-th sample.

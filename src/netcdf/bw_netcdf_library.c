@@ -1,0 +1,51 @@
+/* The calls of NetCDF's library that bw_netcdf_reading.f90 makes. Few scenes need it, and it takes longer to load, with all that it
+   stands on, than most scenes take: so the first call loads it. NETCDF_PATH and NETCDF_NAME are its file, with its directory
+   and without, as it was found when the program was built. */
+#include <dlfcn.h>
+#include <stddef.h>
+
+enum { NOT_LOADED = -2000 };                                 /* a status that is none of NetCDF's */
+
+static void *entry(const char *name)
+{
+  static void *library;
+  if (!library) library = dlopen(NETCDF_PATH, RTLD_LAZY);
+  if (!library) library = dlopen(NETCDF_NAME, RTLD_LAZY);
+  return library ? dlsym(library, name) : NULL;
+}
+
+#define CALL(name, parameters, arguments) \
+  int bw_##name parameters \
+  { \
+    int (*real) parameters; \
+    *(void **)&real = entry(#name); \
+    return real ? real arguments : NOT_LOADED; \
+  }
+
+CALL(nc_open, (const char *path, int mode, int *file), (path, mode, file))
+CALL(nc_close, (int file), (file))
+CALL(nc_inq_format, (int file, int *format), (file, format))
+CALL(nc_inq, (int file, int *dimensions, int *variables, int *attributes, int *unlimited),
+     (file, dimensions, variables, attributes, unlimited))
+CALL(nc_inq_dim, (int file, int dimension, char *name, size_t *length), (file, dimension, name, length))
+CALL(nc_inq_varid, (int file, const char *name, int *variable), (file, name, variable))
+CALL(nc_inq_varndims, (int file, int variable, int *rank), (file, variable, rank))
+CALL(nc_inq_var, (int file, int variable, char *name, int *type, int *rank, int *dimensions, int *attributes),
+     (file, variable, name, type, rank, dimensions, attributes))
+CALL(nc_get_vara_double, (int file, int variable, const size_t *first, const size_t *count, double *values),
+     (file, variable, first, count, values))
+CALL(nc_inq_att, (int file, int variable, const char *name, int *type, size_t *length), (file, variable, name, type, length))
+CALL(nc_get_att_double, (int file, int variable, const char *name, double *value), (file, variable, name, value))
+CALL(nc_get_att_text, (int file, int variable, const char *name, char *text), (file, variable, name, text))
+CALL(nc_get_att_string, (int file, int variable, const char *name, char **texts), (file, variable, name, texts))
+CALL(nc_free_string, (size_t count, char **texts), (count, texts))
+
+const char *bw_nc_strerror(int status)
+{
+  const char *(*real)(int);
+  *(void **)&real = entry("nc_strerror");
+  return real ? real(status) : "NetCDF's library cannot be loaded: " NETCDF_PATH;
+}
+
+/* Load it now: a process that is given little memory may not be able to. */
+void bw_nc_load(void) { (void)entry("nc_open"); }

@@ -1,0 +1,158 @@
+module bw_number_file
+  !! A file whose numbers have their places: reals of eight bytes and integers of four, the most significant byte first, and
+  !! texts. What is written lies with the system and survives the process; `flush` brings it onto the disk. After a refusal
+  !! of the system nothing more is written, and `problem` is that of `bw_files`.
+  use, intrinsic :: iso_c_binding, only: c_associated, c_int, c_null_ptr, c_ptr
+  use bw_descriptors, only: close_file, flush_file, look_at_open, new_file, open_file, read_bytes, to_change
+  use bw_error, only: error_type, fail, status_bad_file
+  use bw_files, only: cannot_be_written, look_at, path_state, remove_file, same_file
+  use bw_kinds, only: dp, i1, i8
+  use bw_system_calls, only: bw_close_numbers, bw_get_numbers, bw_open_numbers, bw_put_bytes, bw_put_numbers, bw_reserve, &
+    bw_write_gathered
+  implicit none (type, external)
+  private
+
+  integer, parameter, public :: real_width = 8, whole_width = 4      !! bytes of a number
+
+  type, public :: number_file
+    character(:), allocatable :: path
+    integer :: problem = 0
+    integer, private :: descriptor = -1
+    type(c_ptr), private :: buffer = c_null_ptr
+  contains
+    procedure :: make
+    procedure :: open => open_numbers
+    procedure :: put_numbers
+    procedure :: put_text
+    procedure :: get_numbers
+    procedure :: get_text
+    procedure :: write => write_gathered
+    procedure :: flush => flush_numbers
+    procedure :: close => close_numbers
+    procedure, private :: note
+  end type number_file
+
+contains
+
+  subroutine make(self, path, bytes, reserved, error)
+    !! Make a file of that length, of which the disk keeps room for the first bytes.
+    !! **Errors**: something of that name is there, the disk has not the room, or the system refuses it; then nothing is left.
+    class(number_file), intent(inout) :: self
+    character(*), intent(in) :: path
+    integer(i8), intent(in) :: bytes, reserved
+    type(error_type), allocatable, intent(inout) :: error
+    integer :: ignored
+    self%path = path
+    call self%note(open_file(path, new_file, self%descriptor))
+    if (self%problem == 0) call self%note(bw_reserve(int(self%descriptor, c_int), reserved, bytes))
+    if (self%problem == 0) call self%note(bw_open_numbers(int(self%descriptor, c_int), bytes, 0_c_int, self%buffer))
+    if (self%problem == 0) return
+    call cannot_be_written(error, path, self%problem)
+    if (self%descriptor >= 0) ignored = remove_file(path)
+    call self%close()
+  end subroutine make
+
+  subroutine open_numbers(self, path, scattered, bytes, error)
+    !! Open a file that is there, to read and to write.
+    !! **Errors**: the system refuses it.
+    class(number_file), intent(inout) :: self
+    character(*), intent(in) :: path
+    logical, intent(in) :: scattered         !! numbers will not come one behind the other
+    integer(i8), intent(out) :: bytes        !! its length
+    type(error_type), allocatable, intent(inout) :: error
+    type(path_state) :: state
+    self%path = path
+    call self%note(open_file(path, to_change, self%descriptor))
+    if (self%problem == 0) call self%note(look_at_open(self%descriptor, state))
+    bytes = state%bytes
+    if (self%problem == 0) call self%note(bw_open_numbers(int(self%descriptor, c_int), bytes, &
+                                                          merge(1_c_int, 0_c_int, scattered .and. bytes > 0), self%buffer))
+    if (self%problem /= 0) call cannot_be_written(error, path, self%problem)
+  end subroutine open_numbers
+
+  subroutine note(self, problem)
+    !! Keep the first problem.
+    class(number_file), intent(inout) :: self
+    integer, intent(in) :: problem
+    if (self%problem == 0) self%problem = problem
+  end subroutine note
+
+  subroutine put_numbers(self, place, width, values)
+    !! Put numbers from a place on.
+    class(number_file), intent(inout) :: self
+    integer(i8), intent(in) :: place                 !! bytes, from 0
+    integer, intent(in) :: width                     !! `real_width`, or `whole_width`: then they are put as integers
+    real(dp), intent(in), contiguous :: values(:)
+    if (self%problem == 0) self%problem = bw_put_numbers(self%buffer, place, int(width, c_int), values, size(values, kind=i8))
+  end subroutine put_numbers
+
+  subroutine put_text(self, place, text)
+    !! Put letters from a place on.
+    class(number_file), intent(inout) :: self
+    integer(i8), intent(in) :: place
+    character(*), intent(in) :: text
+    if (self%problem == 0) self%problem = bw_put_bytes(self%buffer, place, text, len(text, i8))
+  end subroutine put_text
+
+  subroutine get_numbers(self, place, width, values)
+    !! Get the numbers that lie from a place on.
+    class(number_file), intent(inout) :: self
+    integer(i8), intent(in) :: place
+    integer, intent(in) :: width
+    real(dp), intent(out), contiguous :: values(:)
+    if (self%problem == 0) self%problem = bw_get_numbers(self%buffer, place, int(width, c_int), values, size(values, kind=i8))
+  end subroutine get_numbers
+
+  subroutine get_text(self, place, text)
+    !! Get the letters that lie from a place on; blanks where the file ends before.
+    class(number_file), intent(inout) :: self
+    integer(i8), intent(in) :: place
+    character(*), intent(out) :: text
+    integer(i1), allocatable :: bytes(:)
+    integer(i8) :: have
+    text = ''
+    call self%write()
+    if (self%problem /= 0) return
+    allocate (bytes(len(text)))
+    self%problem = read_bytes(self%descriptor, place, bytes, have)
+    if (self%problem == 0) text(:have) = transfer(bytes(:have), text(:have))
+  end subroutine get_text
+
+  subroutine write_gathered(self)
+    !! Hand to the system what was put so far.
+    class(number_file), intent(inout) :: self
+    if (self%problem == 0) self%problem = bw_write_gathered(self%buffer)
+  end subroutine write_gathered
+
+  subroutine flush_numbers(self, error)
+    !! Bring all that was put onto the disk.
+    !! **Errors**: that is refused, or was before; or the file is no longer there under its name.
+    class(number_file), intent(inout) :: self
+    type(error_type), allocatable, intent(inout) :: error
+    type(path_state) :: mine, named
+    call self%write()
+    if (self%problem == 0) self%problem = flush_file(self%descriptor)
+    if (self%problem == 0) self%problem = look_at_open(self%descriptor, mine)
+    if (self%problem == 0) self%problem = look_at(self%path, named)
+    if (self%problem /= 0) then
+      call cannot_be_written(error, self%path, self%problem)
+    else if (.not. same_file(mine, named) .and. .not. allocated(error)) then
+      call fail(error, status_bad_file, self%path// &
+                ': is gone: somebody has removed it while it was written, or its file system is no longer there')
+    end if
+  end subroutine flush_numbers
+
+  subroutine close_numbers(self)
+    !! Close the file; what was not flushed is kept as far as the system keeps it.
+    class(number_file), intent(inout) :: self
+    integer :: ignored
+    if (c_associated(self%buffer)) then
+      call self%write()
+      call bw_close_numbers(self%buffer)
+    end if
+    self%buffer = c_null_ptr
+    ignored = close_file(self%descriptor)
+    self%problem = 0
+  end subroutine close_numbers
+
+end module bw_number_file

@@ -1,0 +1,240 @@
+module bw_case_rows
+  !! What a result holds of a case: a row for each variable, with its values in SI. A case itself has its masses in m_i and its
+  !! velocities in the approach velocity V.
+  use bw_beam_units, only: beam_units, in_joules, in_newton_seconds
+  use bw_case_result, only: case_result
+  use bw_event, only: event_type, event_words
+  use bw_kinds, only: dp
+  use bw_magnitude, only: largest_magnitude
+  use bw_measured, only: measured_type
+  use bw_missing, only: is_missing, missing, scaled
+  use bw_modal_flow, only: find_angular_frequencies, find_growth_rates
+  use bw_mode_set, only: mode_set
+  use bw_record_rows, only: record_rows
+  use bw_response, only: response_type
+  use bw_result_table, only: result_table, unit_of_sensors
+  implicit none (type, external)
+  private
+  public :: case_rows, values_of
+
+  character(*), parameter :: of_blow = 'Eq. 12, reference [8]', estimate_of = 'estimate of the largest error of the ', &
+    limit_of = '; with a capture against infinitely many modes', &
+    momentum = 'generalised momentum of the first mode that the mass strikes, per unit of displacement there'
+
+contains
+
+  subroutine case_rows(table, result)
+    !! All rows that depend on the case.
+    class(result_table), intent(inout) :: table
+    type(case_result), intent(in), target :: result    !! empty where the rows are defined
+    class(mode_set), pointer :: modes, before
+    modes => null()
+    before => null()
+    if (allocated(result%modes)) modes => result%modes
+    if (allocated(result%before)) before => result%before
+    call modal_rows(table, result, modes, 'mode', [character(12) :: 'Eq. 19', 'Eq. 30', 'Eq. 27', 'Eq. 21'])
+    call table%begin_names('_before', ', before the capture')
+    call modal_rows(table, result, before, 'mode_before', [character(12) :: 'Eq. 8', 'Eqs 2 and 10', 'Eqs 2 and 10', 'Eq. 10'])
+    call table%begin_names('', '')
+    if (table%real_row('modal_velocity', 'mode', 'm s-1', 'modal velocity just after the last event at t = 0', 'Eq. 26', &
+                       needs='event')) &
+      call table%put(result%modal_velocity(:modes%count)*result%approach_velocity)
+    if (table%real_row('modal_velocity_before', 'mode_before', 'm s-1', 'jump of the modal velocity at the impact', 'Eq. 12')) &
+      call table%put(result%impact%modal_velocity(:before%count)*result%approach_velocity)
+    if (table%real_row('mode_shape', 'mode profile', '1', 'mode shape', 'Eq. 18', needs='mode_shapes')) &
+      call table%put_columns(shapes_of(modes, result%profile_points))
+    call impact_rows(table, result, modes, before)
+    call event_rows(table, result%events, result%units, result%approach_velocity)
+    call history_rows(table, result%response)
+    if (table%real_row('amplitude', 'point frequency', unit_of_sensors, 'one-sided amplitude spectrum of the histories')) &
+      call table%put_columns(result%amplitude)
+    call measured_rows(table, result%measured)
+    call record_rows(table, result%record)
+    if (table%whole_row('mode_count', '', 'number of modes', needs='mode')) call table%put([result%mode_count])
+    if (table%whole_row('note_count', '', 'number of notes', needs='case')) call table%put([size(result%notes)])
+  end subroutine case_rows
+
+  subroutine modal_rows(table, result, modes, dimension, equations)
+    !! What any set of modes has.
+    class(result_table), intent(inout) :: table
+    type(case_result), intent(in) :: result
+    class(mode_set), pointer, intent(in) :: modes
+    character(*), intent(in) :: dimension
+    character(*), intent(in) :: equations(:)           !! the paper's, of wave number, frequency, growth, mass
+    integer :: n
+    n = 0
+    if (associated(modes)) n = modes%count
+    associate (units => result%units)
+      if (table%real_row('alpha', dimension, '1', 'wave number times length', equations(1))) call table%put(modes%alpha(:n))
+      if (table%real_row('wavenumber', dimension, 'm-1', 'wave number P', equations(1))) &
+        call table%put(modes%alpha(:n)/units%length)
+      if (table%real_row('angular_frequency', dimension, 'rad s-1', 'angular frequency', equations(2))) &
+        call table%put(frequencies_of(modes, units))
+      if (table%real_row('growth_rate', dimension, 's-1', 'growth rate, the real part of the eigenvalue', equations(3))) &
+        call table%put(growth_of(modes, units))
+      if (table%real_row('modal_mass', dimension, 'kg', 'modal mass', equations(4))) &
+        call table%put(modes%modal_mass(:n)*units%mass)
+      if (table%real_row('phase_velocity', dimension, 'm s-1', 'phase velocity', 'Eq. 32')) &
+        call table%put(scaled(modes%phase_velocity(:n), units%velocity))
+      if (table%real_row('group_velocity', dimension, 'm s-1', 'group velocity', 'Eq. 33')) &
+        call table%put(scaled(modes%group_velocity(:n), units%velocity))
+    end associate
+  end subroutine modal_rows
+
+  pure function frequencies_of(modes, units) result(values)
+    !! Angular frequencies; missing of modes that have none.
+    class(mode_set), intent(in) :: modes
+    type(beam_units), intent(in) :: units
+    real(dp) :: values(modes%count)
+    call find_angular_frequencies(modes, values)
+    values = scaled(values, units%frequency)
+  end function frequencies_of
+
+  pure function growth_of(modes, units) result(values)
+    !! Growth rates.
+    class(mode_set), intent(in) :: modes
+    type(beam_units), intent(in) :: units
+    real(dp) :: values(modes%count)
+    call find_growth_rates(modes, values)
+    values = values*units%frequency
+  end function growth_of
+
+  function shapes_of(modes, points) result(shapes)
+    !! Mode shapes at evenly spaced places, (places, modes).
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: points
+    real(dp), allocatable :: shapes(:, :)
+    integer :: j
+    shapes = transpose(modes%some_shapes(1, modes%count, [(real(j, dp)/(points - 1), j=0, points - 1)]))
+  end function shapes_of
+
+  subroutine impact_rows(table, result, modes, before)
+    !! The state just after the impact, and the angular velocities above which beam and mass are unstable.
+    class(result_table), intent(inout) :: table
+    type(case_result), intent(in) :: result
+    class(mode_set), pointer, intent(in) :: modes, before
+    associate (velocity => result%approach_velocity)
+      if (table%real_row('velocity_jump', 'profile', 'm s-1', 'jump of the velocity along the beam at the impact', 'Fig. 3', &
+                         needs='event')) call table%put(result%velocity_jump*velocity)
+      if (table%real_row('impulse', '', 'N s', 'impulse of the impact on the beam', of_blow, needs='event')) &
+        call table%put([in_newton_seconds(result%impact%impulse, result%units, velocity)])
+      if (table%real_row('mass_velocity', '', 'm s-1', 'velocity of the mass just after the impact', of_blow, needs='event')) &
+        call table%put([result%impact%mass_velocity*velocity])
+      if (table%real_row('tip_velocity', '', 'm s-1', 'velocity of the beam where the mass strikes, just after the impact', &
+                         of_blow, needs='event')) call table%put([result%impact%tip_velocity*velocity])
+    end associate
+    if (table%real_row('critical_angular_velocity', '', 'rad s-1', 'lowest angular velocity at which a mode is unstable', &
+                       'Eq. 31', needs='mode')) call table%put([critical_speed(result, modes)])
+    if (table%real_row('critical_angular_velocity_before', '', 'rad s-1', &
+                       'lowest angular velocity at which a mode is unstable, before the capture', 'Eq. 31', &
+                       needs='mode_before')) call table%put([critical_speed(result, before)])
+  end subroutine impact_rows
+
+  pure real(dp) function critical_speed(result, modes) result(speed)
+    !! rad/s; missing where no angular velocity makes a mode grow.
+    type(case_result), intent(in) :: result
+    class(mode_set), intent(in) :: modes
+    speed = missing
+    if (result%can_grow .and. modes%critical_speed%hi > 0.0_dp) speed = modes%critical_speed%hi*result%units%frequency
+    if (result%can_grow .and. modes%grows_at_any_speed) speed = 0.0_dp
+  end function critical_speed
+
+  subroutine event_rows(table, events, units, velocity)
+    !! Every event, in the order of time; its kind is 0 behind the last.
+    class(result_table), intent(inout) :: table
+    type(event_type), intent(in), optional :: events(:)
+    type(beam_units), intent(in) :: units
+    real(dp), intent(in) :: velocity                   !! of approach
+    if (table%real_row('event_time', 'event', 's', 'time of the event')) call table%put(events%time)
+    if (table%real_row('event_end', 'event', 's', 'end of the event')) call table%put(events%end_time)
+    if (table%real_row('event_time_error', 'event', 's', 'estimate of the error of the time of the event', &
+                       needs='contacts')) call table%put(events%time_error)
+    if (table%real_row('event_end_error', 'event', 's', 'estimate of the error of the end of the event', &
+                       needs='contacts')) call table%put(events%end_error)
+    if (table%real_row('event_impulse', 'event', 'N s', 'impulse of the event on the beam')) &
+      call table%put(in_newton_seconds(events%impulse, units, velocity))
+    if (table%real_row('energy_before', 'event', 'J', 'energy of beam and mass before the event')) &
+      call table%put(in_joules(events%energy_before, units, velocity))
+    if (table%real_row('energy_after', 'event', 'J', 'energy of beam and mass after the event')) &
+      call table%put(in_joules(events%energy_after, units, velocity))
+    if (table%real_row('momentum_before', 'event', 'kg m s-1', momentum//', before the event')) &
+      call table%put(in_newton_seconds(events%momentum_before, units, velocity))
+    if (table%real_row('momentum_after', 'event', 'kg m s-1', momentum//', after the event')) &
+      call table%put(in_newton_seconds(events%momentum_after, units, velocity))
+    if (table%whole_row('event_kind', 'event', 'kind of the event', event_words)) call table%put(events%kind)
+  end subroutine event_rows
+
+  subroutine history_rows(table, response)
+    !! Histories, their largest values and their errors.
+    class(result_table), intent(inout) :: table
+    type(response_type), intent(in), optional :: response
+    if (table%real_row('largest_displacement', 'point', 'm', 'largest magnitude of the displacement', needs='simulated')) &
+      call table%put(largest_of(response%displacement))
+    if (table%real_row('displacement_error', 'point', 'm', estimate_of//'displacement'//limit_of, needs='estimates')) &
+      call table%put(response%displacement_error)
+    if (table%real_row('velocity_error', 'point', 'm s-1', estimate_of//'velocity'//limit_of, needs='estimates velocity')) &
+      call table%put(response%velocity_error)
+    if (table%real_row('bending_moment_error', 'point', 'N m', estimate_of//'bending moment'//limit_of, &
+                       needs='estimates bending_moment')) call table%put(response%bending_moment_error)
+    if (table%real_row('displacement', 'point time', 'm', 'transverse displacement in the rotating frame', &
+                       'Eqs 4, 13 and 29', needs='simulated')) call table%put_columns(response%displacement)
+    if (table%real_row('velocity', 'point time', 'm s-1', 'transverse velocity in the rotating frame', needs='velocity')) &
+      call table%put_columns(response%velocity)
+    if (table%real_row('bending_moment', 'point time', 'N m', 'bending moment EI v'''', with shear EI psi''', &
+                       needs='bending_moment')) call table%put_columns(response%bending_moment)
+  end subroutine history_rows
+
+  pure function largest_of(histories) result(largest)
+    !! The largest magnitude that is known at each point; missing where none is.
+    real(dp), intent(in) :: histories(:, :)            !! (samples, points)
+    real(dp) :: largest(size(histories, 2))
+    integer :: p
+    do p = 1, size(largest)
+      largest(p) = largest_magnitude(histories(:, p))
+      if (largest(p) < missing) cycle
+      largest(p) = missing
+      if (any(.not. is_missing(histories(:, p)))) largest(p) = maxval(abs(histories(:, p)), mask=.not. is_missing(histories(:, p)))
+    end do
+  end function largest_of
+
+  subroutine measured_rows(table, measured)
+    !! Waves measured in the histories without any knowledge of the modes, and the bounds of their errors.
+    class(result_table), intent(inout) :: table
+    type(measured_type), intent(in), optional :: measured
+    if (row('angular_frequency', 'rad s-1', 'angular frequency', '')) call table%put(measured%angular_frequency)
+    if (row('wavenumber', 'm-1', 'wave number', 'Eqs 18 and 20', 'waves')) call table%put(measured%wavenumber)
+    if (row('phase_velocity', 'm s-1', 'phase velocity', '', 'waves')) call table%put(measured%phase_velocity)
+    if (row('group_velocity', 'm s-1', 'group velocity', '', 'waves')) call table%put(measured%group_velocity)
+    if (bound('angular_frequency', 'rad s-1', 'angular frequency')) call table%put(measured%angular_frequency_error)
+    if (bound('wavenumber', 'm-1', 'wave number', 'waves')) call table%put(measured%wavenumber_error)
+    if (bound('phase_velocity', 'm s-1', 'phase velocity', 'waves')) call table%put(measured%phase_velocity_error)
+    if (bound('group_velocity', 'm s-1', 'group velocity', 'waves')) call table%put(measured%group_velocity_error)
+    if (table%whole_row('peak_count', '', 'number of measured peaks', needs='peak')) call table%put([measured%peak_count])
+  contains
+    logical function row(name, units, words, references, needs)
+      character(*), intent(in) :: name, units, words, references
+      character(*), intent(in), optional :: needs
+      row = table%real_row('measured_'//name, 'peak', units, words//' measured in the histories', references, needs)
+    end function row
+    logical function bound(name, units, words, needs)
+      character(*), intent(in) :: name, units, words
+      character(*), intent(in), optional :: needs
+      bound = table%real_row('measured_'//name//'_error', 'peak', units, 'bound of the error of the measured '//words// &
+                             ', of a record half its interval', needs=needs)
+    end function bound
+  end subroutine measured_rows
+
+  function values_of(result, name) result(values)
+    !! The values of a variable of reals by its name, in SI; all of them missing where no modes were found.
+    !! **Limits**: one that the case has, a scalar or over modes, events or peaks.
+    type(case_result), intent(in) :: result
+    character(*), intent(in) :: name
+    real(dp), allocatable :: values(:)
+    type(result_table) :: table
+    call table%look_for(name)
+    call case_rows(table, result)
+    call move_alloc(table%found, values)
+    if (result%mode_count == 0 .and. .not. allocated(result%record)) values = missing
+  end function values_of
+
+end module bw_case_rows

@@ -1,0 +1,125 @@
+module bw_record_rows
+  !! What a result holds of a record beside frequencies and waves: a row for each variable, with its values in SI.
+  use bw_case_result, only: record_result
+  use bw_kinds, only: dp
+  use bw_record_lines, only: reason_words, status_words
+  use bw_result_table, only: result_table, unit_of_sensors
+  implicit none (type, external)
+  private
+  public :: record_rows
+
+  character(*), parameter :: deviation_of = 'Cramer-Rao standard deviation of ', half_of = 'half the interval of the '
+
+contains
+
+  subroutine record_rows(table, record)
+    !! All of them.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record      !! absent where the rows are defined
+    call line_rows(table, record)
+    call dispersion_rows(table, record)
+    call candidate_rows(table, record)
+    call sensor_rows(table, record)
+  end subroutine record_rows
+
+  subroutine line_rows(table, record)
+    !! Each line: its decay, how it drifts, at each sensor, in parts of the record.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record
+    if (row('angular_frequency_bound', 'peak', 'rad s-1', deviation_of//'the angular frequency')) &
+      call table%put(record%lines%angular_frequency_bound)
+    if (row('decay_rate', 'peak', 's-1', 'rate of decay; negative grows')) call table%put(record%lines%decay_rate)
+    if (row('decay_rate_error', 'peak', 's-1', half_of//'rate of decay')) call table%put(record%lines%decay_rate_error)
+    if (row('decay_rate_bound', 'peak', 's-1', deviation_of//'the rate of decay')) call table%put(record%lines%decay_rate_bound)
+    if (row('drift', 'peak', 'rad s-1', 'change of the angular frequency over the record or three decay times')) &
+      call table%put(record%lines%drift)
+    if (row('drift_bound', 'peak', 'rad s-1', deviation_of//'that change')) call table%put(record%lines%drift_bound)
+    if (row('amplitude', 'point peak', unit_of_sensors, 'amplitude at the first sample')) &
+      call table%put_columns(along_lines(abs(record%lines%amplitude)))
+    if (row('amplitude_error', 'point peak', unit_of_sensors, half_of//'amplitude')) &
+      call table%put_columns(along_lines(record%lines%amplitude_error))
+    if (row('amplitude_bound', 'point peak', unit_of_sensors, deviation_of//'the amplitude')) &
+      call table%put_columns(along_lines(record%lines%amplitude_bound))
+    if (row('phase', 'point peak', 'rad', 'phase of the cosine at the first sample')) &
+      call table%put_columns(along_lines(atan2(record%lines%amplitude%im, record%lines%amplitude%re)))
+    if (row('phase_error', 'point peak', 'rad', half_of//'phase')) call table%put_columns(along_lines(record%lines%phase_error))
+    if (row('phase_bound', 'point peak', 'rad', deviation_of//'the phase')) &
+      call table%put_columns(along_lines(record%lines%phase_bound))
+    if (table%whole_row('peak_status', 'peak', 'what the line is', status_words, has_masks=.true., needs='record')) &
+      call table%put(record%lines%status)
+    if (part('angular_frequency', 'rad s-1', 'angular frequency in a part of the record')) &
+      call table%put_columns(record%lines%windows(1, :, :))
+    if (part('angular_frequency_bound', 'rad s-1', 'its Cramer-Rao standard deviation')) &
+      call table%put_columns(record%lines%windows(3, :, :))
+    if (part('decay_rate', 's-1', 'rate of decay in a part of the record')) call table%put_columns(record%lines%windows(2, :, :))
+    if (part('decay_rate_bound', 's-1', 'its Cramer-Rao standard deviation')) call table%put_columns(record%lines%windows(4, :, :))
+  contains
+    logical function row(name, dimensions, units, long_name)
+      character(*), intent(in) :: name, dimensions, units, long_name
+      row = table%real_row('measured_'//name, dimensions, units, long_name, needs='record')
+    end function row
+    logical function part(name, units, long_name)
+      character(*), intent(in) :: name, units, long_name
+      part = table%real_row('window_'//name, 'peak window', units, long_name, needs='record')
+    end function part
+  end subroutine line_rows
+
+  pure function along_lines(numbers) result(columns)
+    !! Numbers of sensors and lines, as columns that run along the lines. (gfortran 12 puts the elements of `transpose(abs(z))` in
+    !! a wrong order.)
+    real(dp), intent(in) :: numbers(:, :)            !! (sensors, lines)
+    real(dp) :: columns(size(numbers, 2), size(numbers, 1))
+    columns = transpose(numbers)
+  end function along_lines
+
+  subroutine dispersion_rows(table, record)
+    !! What all lines together tell of the beam.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record
+    if (row('stiffness_root', 'm2 s-1', 'sqrt(EI/(rho A)) from the dispersion of the lines')) &
+      call table%put([record%stiffness_root(1)])
+    if (row('stiffness_root_error', 'm2 s-1', 'half its interval')) call table%put([record%stiffness_root(2)])
+    if (row('angular_velocity', 'rad s-1', 'angular velocity from the dispersion of the lines')) &
+      call table%put([record%angular_velocity(1)])
+    if (row('angular_velocity_error', 'rad s-1', 'half its interval')) call table%put([record%angular_velocity(2)])
+  contains
+    logical function row(name, units, long_name)
+      character(*), intent(in) :: name, units, long_name
+      row = table%real_row('measured_'//name, '', units, long_name, needs='record waves')
+    end function row
+  end subroutine dispersion_rows
+
+  subroutine candidate_rows(table, record)
+    !! What was looked at, and is no line.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record
+    if (table%real_row('candidate_angular_frequency', 'candidate', 'rad s-1', &
+                       'where something was looked at that is no line', needs='record')) &
+      call table%put(record%lines%rejected%angular_frequency)
+    if (table%real_row('candidate_ordinate', 'candidate', '1', 'power over that of the noise there', needs='record')) &
+      call table%put(record%lines%rejected%ordinate)
+    if (table%whole_row('candidate_reason', 'candidate', 'why it is no line; 0: there is none', reason_words, 1, &
+                        needs='record')) call table%put(record%lines%rejected%reason)
+    if (table%whole_row('candidate_count', '', 'number of candidates that are no lines', needs='record')) &
+      call table%put([size(record%lines%rejected)])
+  end subroutine candidate_rows
+
+  subroutine sensor_rows(table, record)
+    !! Each sensor: noise, and what is drawn.
+    class(result_table), intent(inout) :: table
+    type(record_result), intent(in), optional :: record
+    if (row('noise_deviation', 'point', 'standard deviation of what the lines leave')) &
+      call table%put(record%lines%noise_deviation)
+    if (row('noise_level', 'point frequency', 'root mean square of what noise adds to the amplitude spectrum')) &
+      call table%put_columns(record%noise)
+    if (row('recorded', 'point time', 'samples, or in turn the least and the largest of a stretch of time')) &
+      call table%put_columns(record%recorded)
+    if (row('fitted', 'point time', 'the same of the lines, with an offset and a slope')) call table%put_columns(record%fitted)
+  contains
+    logical function row(name, dimensions, long_name)
+      character(*), intent(in) :: name, dimensions, long_name
+      row = table%real_row(name, dimensions, unit_of_sensors, long_name, needs='record')
+    end function row
+  end subroutine sensor_rows
+
+end module bw_record_rows

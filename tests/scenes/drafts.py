@@ -1,0 +1,27 @@
+"""The finished cases that unfinished work holds, read by the NetCDF library."""
+
+import netCDF4
+import numpy as np
+
+NOT_DONE = -1
+
+
+def drafts_in(directory):
+    """The drafts of unfinished work; one that is being laid out has no head yet."""
+    return [path for path in sorted(directory.glob("draft*.nc")) if begins_with(path, b"CDF")]
+
+
+def begins_with(path, letters):
+    with path.open("rb") as file:
+        return file.read(len(letters)) == letters
+
+
+def cases_in(directory):
+    """Numbers of all cases that are done in some draft of the directory."""
+    found = set()
+    for path in drafts_in(directory):
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            statuses = np.atleast_1d(file["case_status"][...])
+        found |= set((1 + np.flatnonzero(statuses != NOT_DONE)).tolist())
+    return found
