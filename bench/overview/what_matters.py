@@ -105,12 +105,11 @@ def sweeps(data: dict[str, Any]) -> str:
     said = [f"{grouped(round(1 / row['beamwave']))} with {kind} ({row['numpy loop'] / row['beamwave']:.0f})"
             for row, kind in zip(data["rows"]["rows"], ("frequencies", "histories", "spectra"))]  # fmt: skip
     ranks = data["ranks"]["rows"]
-    parts = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
+    shares = [f"{two['wall'] / one['wall']:.2f}" for one, two in zip(ranks[::2], ranks[1::2])]
     return (
         "- **Sweeps.** Cases per second [of one core](#throughput-of-sweeps), and so many times those of a loop in numpy: "
         + ", ".join(said)
-        + f". Two processes take {parts[-1]} of the time of one where a case takes milliseconds, "
-        f"{' and '.join(parts[:-1])} where it takes no longer than putting it into the result does."
+        + f". Two processes of MPI take {', '.join(shares[::2])} of the time of one, two parts without MPI {', '.join(shares[1::2])}."
     )
 
 

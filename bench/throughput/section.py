@@ -12,8 +12,8 @@ WAYS = ["beamwave", "numpy loop", "by products", "pool of 2"]
 HEAD = """## Throughput of sweeps
 
 Made by `bench/throughput.sh` ([bench/](../bench/README.md#throughput) says how). Rates are cases per CPU second of a core. Start-up
-and writing the result are included; numpy writes by netCDF4. The rate of the pool is that of each of its processes. beamwave writes
-every case twice: as soon as it is done, so that no kill loses it, and into the result."""
+and writing the result are included; numpy writes by netCDF4. The rate of the pool is that of each of its processes. beamwave has
+every case on the disk within two seconds, so that no kill loses it."""
 
 
 def section(measured: dict[str, Any]) -> str:
@@ -41,14 +41,13 @@ def rates(rows: list[dict[str, Any]]) -> str:
 
 
 def ranks(rows: list[dict[str, Any]]) -> str:
-    lines = [["sweep in `beamwave-mpi`", "processes", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
+    lines = [["sweep", "shared by", "cases", "start-up, s", "wall, s", "CPU, s", "wall of one process's"]]
     for i, row in enumerate(rows):
-        numbers = [row[name] for name in ("what", "ranks", "cases", "start_wall", "wall", "cpu")]
+        numbers = [row[name] for name in ("what", "by", "cases", "start_wall", "wall", "cpu")]
         lines.append([*map(str, numbers), f"{row['wall'] / rows[i - i % 2]['wall']:.2f}"])
     return (
-        "Start-up, of `mpirun` above all, is what 20 cases take, and is taken off. The cases are shared; in the end one process "
-        "copies all their numbers into the result, which takes the same time however many processes there are. So a sweep with "
-        "little work for each number gains little from a second process.\n\n" + table(lines)
+        "Start-up, of `mpirun` above all, is what 20 cases take, and is taken off. All processes put their cases into one "
+        "file. Parts are commands with `--part`, which need no MPI.\n\n" + table(lines)
     )
 
 
@@ -72,7 +71,7 @@ def predictions(rows: list[dict[str, Any]]) -> str:
 
 def small_scenes(rows: list[dict[str, Any]]) -> str:
     lines = [["a small scene (20 modes, no history)", "CPU, ms"], *([row["what"], f"{row['ms']:g}"] for row in rows)]
-    return "What one of 200 small scenes costs. In one call of all, nearly all of the time is HDF5 making the files.\n\n" + table(lines)
+    return "What one of 200 small scenes costs, and what it costs to start the program alone.\n\n" + table(lines)
 
 
 DRAWN = {"rows": rates, "ranks": ranks, "memory": memory, "predictions": predictions, "scenes": small_scenes}

@@ -70,25 +70,34 @@ def run_words(directory: Path, job: Job, cases: int) -> list[Any]:
 
 
 def ranks(program: Path, directory: Path, small: bool) -> list[Row]:
-    """One and two processes of the twin, in turns; start-up is what 20 cases take."""
+    """One and two processes of the twin, and two parts without MPI, in turns; start-up is what 20 cases take."""
     twin = program.with_name("beamwave-mpi")
     if not twin.exists() or shutil.which("mpirun") is None:
         return []
-    return [row for job in RANKS for row in ranks_of(job, twin, directory, small)]
+    shares = {
+        "1 process of `beamwave-mpi`": ["mpirun", "-n", 1, twin],
+        "2 processes of `beamwave-mpi`": ["mpirun", "-n", 2, twin],
+        "1 process": [program],
+        "2 parts": ["sh", "-c", PARTS, program],
+    }
+    return [row for job in RANKS for row in ranks_of(job, shares, directory, small)]
 
 
-def ranks_of(job: Job, twin: Path, directory: Path, small: bool) -> list[Row]:
+PARTS = '"$0" "$@" --part 1/2 & one=$!; "$0" "$@" --part 2/2 && wait $one'
+
+
+def ranks_of(job: Job, shares: dict[str, list[Any]], directory: Path, small: bool) -> list[Row]:
     cases = 100 if small else job.cases
-    seconds: dict[tuple[int, int], list[tuple[float, float]]] = {}
+    seconds: dict[tuple[str, int], list[tuple[float, float]]] = {}
     for _ in range(1 if small else ROUNDS):
         for count in (20, cases):
-            for number in (1, 2):
-                cpu, wall, _ = launched("mpirun", "-n", number, twin, *run_words(directory, job, count))
-                seconds.setdefault((number, count), []).append((wall, cpu))
+            for by, words in shares.items():
+                cpu, wall, _ = launched(*words, *run_words(directory, job, count))
+                seconds.setdefault((by, count), []).append((wall, cpu))
     rows = []
-    for number in (1, 2):
-        wall, cpu = ([statistics.median(times[i] for times in seconds[number, count]) for count in (20, cases)] for i in (0, 1))
-        row = {"what": job.what, "ranks": number, "cases": cases, "start_wall": wall[0], "wall": wall[1] - wall[0]}
+    for by in shares:
+        wall, cpu = ([statistics.median(times[i] for times in seconds[by, count]) for count in (20, cases)] for i in (0, 1))
+        row = {"what": job.what, "by": by, "cases": cases, "start_wall": wall[0], "wall": wall[1] - wall[0]}
         rows.append({**row, "cpu": cpu[1] - cpu[0]})
     return [rounded(row) for row in rows]
 
@@ -139,6 +148,7 @@ def scenes(program: Path, directory: Path, small: bool) -> list[Row]:
         times.setdefault("in one call of all", []).append(in_one)
         in_its_own = launched(program, "run", work / "s0000.nml", "--output", alone, "--quiet")[0]
         times.setdefault("in a call of its own", []).append(in_its_own)
+        times.setdefault("`beamwave --version`", []).append(launched(program, "--version")[0])
         written = rewritten(output / "s0000.nc", directory / "copy.nc", count)
         times.setdefault("to write its file alone, in Python with netCDF4", []).append(written)
     return [{"what": what, "ms": float(f"{1e3 * statistics.median(values):.3g}")} for what, values in times.items()]
