@@ -242,9 +242,9 @@ RECORDS = {
 }
 
 
-def result(path, spoil):
+def result(path, spoil, version=2):
     """A result, of which `spoil` makes what it is."""
-    synthetic.write(path, synthetic.scene(response={"duration": 0.1, "samples": 64}))
+    synthetic.write(path, synthetic.scene(response={"duration": 0.1, "samples": 64}), version=version)
     with netCDF4.Dataset(path, "a") as file:
         spoil(file)
 
@@ -271,7 +271,7 @@ def modes_never_written(path):
         file.renameVariable("wavenumber", "old")
         file.createVariable("wavenumber", "f8", ("many",), chunksizes=(10**6,))
 
-    result(path, spoil)
+    result(path, spoil, version=1)
 
 
 def result_cut(path):
