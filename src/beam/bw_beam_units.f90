@@ -10,7 +10,7 @@ module bw_beam_units
   use bw_shear_par, only: shear_par
   implicit none (type, external)
   private
-  public :: body_inertia, in_joules, in_newton_seconds, shear_of, slenderness, units_of
+  public :: in_joules, in_newton_seconds, shear_of, slenderness, units_of
 
   type, public :: beam_units
     real(dp) :: length = 1.0_dp     !! l, m
@@ -76,13 +76,6 @@ contains
       r = sqrt(beam%second_moment/beam%area)/beam%length
     end if
   end function slenderness
-
-  pure real(dp) function body_inertia(rotary_inertia, units) result(inertia)
-    !! J in m_i l² of a body at the tip, from kg m².
-    real(dp), intent(in) :: rotary_inertia
-    type(beam_units), intent(in) :: units
-    inertia = rotary_inertia/units%mass/units%length/units%length
-  end function body_inertia
 
   pure type(shear_numbers) function shear_of(shear, beam) result(numbers)
     !! s² = EI/(κGAl²) = 2(1 + ν)r²/κ, the shear modulus being E/(2(1 + ν)).
