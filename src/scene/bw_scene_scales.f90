@@ -130,7 +130,8 @@ contains
   elemental logical function is_within(value, limit)
     !! Zero, or neither too large nor too small.
     real(qp), intent(in) :: value, limit
-    is_within = value == 0.0_qp .or. (abs(value) <= limit .and. abs(value) >= 1.0_qp/limit)
+    real(qp), parameter :: told = 1.06_qp         ! limits are told in two digits, and what is told is accepted
+    is_within = value == 0.0_qp .or. (abs(value) <= told*limit .and. abs(value) >= 1.0_qp/(told*limit))
   end function is_within
 
   pure function two_digits(value) result(text)

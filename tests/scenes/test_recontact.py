@@ -210,7 +210,7 @@ def test_the_smallest_restitution_is_none(here):
     """As e goes to 0 contacts go to those of e = 0, but for rebounds that are shorter and shorter."""
     here.scene("a", struck_beam(0.0, recontact={}))
     start, end = contacts(here.run("a"))
-    for e in [1e-3, 1e-6, 1e-8, 1e-10, 1e-13, 1e-59]:
+    for e in [1e-3, 1e-6, 1e-8, 1e-10, 1e-13, 1e-60]:
         here.scene("b", struck_beam(e, recontact={}))
         result = here.beamwave("run", "--overwrite", "b.nml")
         assert result.returncode == 0, result.stderr
