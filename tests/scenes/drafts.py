@@ -12,15 +12,22 @@ def drafts_in(directory):
 
 
 def begins_with(path, letters):
-    with path.open("rb") as file:
-        return file.read(len(letters)) == letters
+    try:
+        with path.open("rb") as file:
+            return file.read(len(letters)) == letters
+    except FileNotFoundError:
+        return False
 
 
 def cases_in(directory):
     """Numbers of all cases that are done in some draft of the directory."""
     found = set()
     for path in drafts_in(directory):
-        with netCDF4.Dataset(path) as file:
+        try:
+            file = netCDF4.Dataset(path)
+        except FileNotFoundError:  # the run has just given it its name
+            continue
+        with file:
             file.set_auto_mask(False)
             statuses = np.atleast_1d(file["case_status"][...])
         found |= set((1 + np.flatnonzero(statuses != NOT_DONE)).tolist())

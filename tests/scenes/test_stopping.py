@@ -9,8 +9,8 @@ import results
 from drafts import cases_in, drafts_in
 from workplace import SECONDS, captured_beam
 
-SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 300}
-LONG = captured_beam(modes={"before": 40, "after": 40}, response={"duration": 8.0, "samples": 2048})
+SPEEDS = {"parameter": "rotation%angular_velocity", "first": 300.0, "last": 0.0, "count": 900}
+LONG = captured_beam(modes={"before": 1000, "after": 1000}, response={"duration": 8.0, "samples": 1024})
 # small cases with much to sum, and so many that any build is under way when they vanish
 ENDLESS = {**captured_beam(response={"duration": 1.0, "samples": 64}), "modes": {"tolerance": 1e-10}}
 RATIOS = {"parameter": "impact%mass_ratio", "first": 0.1, "last": 1.0, "count": 20_000}
@@ -70,7 +70,7 @@ def test_a_signal_stops_in_order_and_the_same_command_goes_on(here, uninterrupte
     here.scene("a", LONG, SPEEDS)
     status, _, err = send(here, number, seconds / 4)
     assert status == 5, err
-    assert "of 300 cases saved; the same command goes on from there" in err
+    assert "of 900 cases saved; the same command goes on from there" in err
     assert has_draft(here) and "a.nc" not in here.left()
     resumed = here.beamwave("run", "a.nml")
     assert resumed.returncode == STATUS
