@@ -274,6 +274,7 @@ contains
     real(dp) :: values(lengths(1))
     integer :: i, status
     if (random%chance(5) .and. .not. sound) return
+    if (size(values) == 0) return                          ! such a dimension is unlimited, and may be long by now
     do i = 1, size(values)
       values(i) = random%between(-1.0_dp, 1.0_dp)
       if (id == 1) values(i) = real(i, dp)/1024
