@@ -20,7 +20,7 @@ module bw_mode_probe
   implicit none (type, external)
   private
   public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve
-  public :: improve_drive, keep_in_range, eliminate_drive, weigh, left_vector
+  public :: improve_drive, keep_in_range, weigh, left_vector
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.

@@ -14,7 +14,7 @@ module bw_piece_waves
   use bw_piece_beam, only: piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, is_uncounted, largest_square, parts_at_rest, circular
+  public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, is_uncounted, parts_at_rest, circular
 
   real(dp), parameter :: short_square = 0.5_dp
     !! |z|h² up to which a piece is short: half of it turns no wave by more than 0.7 rad
