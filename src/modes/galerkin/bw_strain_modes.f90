@@ -407,45 +407,68 @@ contains
   end subroutine leave_empty
 
   type(dd) function critical_speed_of(given) result(omega)
-    !! The lowest Ω at which a mode is unstable, 0 where there is none: there Kx = Ω²Gx, G being what Ω² takes from the
-    !! stiffness; both are linear in Ω². A beam that floats or turns freely has none here.
+    !! The lowest Ω at which a mode is unstable, 0 where there is none: there Ω²R balances K + Ω²T, the elastic stiffness and that by
+    !! tension. A beam that floats or turns freely has none here.
     type(varying_beam), intent(in) :: given
     real(dp), parameter :: agreement = 1.0e-11_dp
-    type(dd) :: before
-    real(dp) :: rounding
+    real(dp) :: square, before, rounding
     integer :: functions(size(given%beam%piece))
     functions = first_guess(given, 1, mode_demand())
-    call find_critical_speed(given, functions, omega, rounding)
+    call find_critical_square(given, functions, square, rounding)
     do
-      before = omega
+      before = square
       functions = functions + functions/2
-      call find_critical_speed(given, functions, omega, rounding)
-      if (abs(omega%hi - before%hi) <= max(agreement, rounding)*omega%hi .or. sum(functions) > most_functions) exit
+      call find_critical_square(given, functions, square, rounding)
+      if (abs(square - before) <= max(agreement*square, 2.0_dp*rounding) .or. sum(functions) > most_functions) exit
     end do
+    omega = to_dd(sqrt(square))
   end function critical_speed_of
 
-  subroutine find_critical_speed(given, functions, omega, rounding)
-    !! That speed in given numbers of functions.
+  subroutine find_critical_square(given, functions, s, rounding)
+    !! Ω² of that speed in given numbers of functions. 1/Ω² is the largest ratio of x·(R − T)x to x·Kx, which has the rounding of a
+    !! strong tension. With h(s), the smallest ratio of x·(K + sT)x to x·Rx, it is the root of h(s) = s, in which nothing cancels;
+    !! h being concave, Newton's steps, s = x·Kx/x·(R − T)x, fall to it until they are of rounding alone.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: functions(:)
-    type(dd), intent(out) :: omega
-    real(dp), intent(out) :: rounding              !! of Ω, relative: eigenvalues have that of the largest
-    real(dp), parameter :: of_the_largest = 1.0e-13_dp
-    real(dp), allocatable :: stiffness(:, :), push(:, :), value(:), work(:)
+    real(dp), intent(out) :: s, rounding           !! 0 where there is none
+    real(dp), parameter :: of_the_largest = 1.0e-13_dp     ! rounding of eigenvalues
+    real(dp), allocatable, dimension(:, :) :: elastic, tension, push
+    real(dp), allocatable :: value(:), x(:)
+    real(dp) :: before, gain
     integer :: info
+    s = 0.0_dp
     rounding = 0.0_dp
-    call forms_of_spin(given, functions, stiffness, push)
-    associate (n => size(push, 1))
-      allocate (value(n), work(64*n))
-      call dsygv(1, 'N', 'L', n, push, n, stiffness, n, value, work, size(work), info)
-      omega = dd()
-      if (info /= 0) return
-      associate (lost => of_the_largest*maxval(abs(value)))   ! where tension holds everything, nothing is left but it
-        if (value(n) <= lost) return
-        omega = to_dd(1.0_dp/sqrt(value(n)))
-        rounding = 0.5_dp*lost/value(n)
-      end associate
-    end associate
-  end subroutine find_critical_speed
+    call forms_of_spin(given, functions, elastic, tension, push)
+    call ratios(push - tension, elastic, value, x, info)
+    if (info /= 0) return
+    if (value(size(value)) <= of_the_largest*maxval(abs(value))) return   ! tension holds everything
+    s = 1.0_dp/value(size(value))
+    if (.not. given%is_pulled) return
+    rounding = s
+    do
+      call ratios(push, elastic + s*tension, value, x, info)
+      gain = dot_product(x, matmul(push, x)) - dot_product(x, matmul(tension, x))
+      if (info /= 0 .or. gain <= 0.0_dp) return
+      before = s
+      s = dot_product(x, matmul(elastic, x))/gain
+      if (abs(s - before) >= 0.5_dp*rounding) return
+      rounding = abs(s - before)
+    end do
+  end subroutine find_critical_square
+
+  subroutine ratios(a, b, value, x, info)
+    !! Eigenvalues of a x = λ b x, ascending, and the vector of the last.
+    real(dp), intent(in) :: a(:, :), b(:, :)
+    real(dp), allocatable, intent(out) :: value(:), x(:)
+    integer, intent(out) :: info                   !! 0 where b is positive definite
+    real(dp), allocatable :: vectors(:, :), factor(:, :), work(:)
+    integer :: n
+    n = size(a, 1)
+    vectors = a
+    factor = b
+    allocate (value(n), work(64*n))
+    call dsygv(1, 'V', 'L', n, vectors, n, factor, n, value, work, size(work), info)
+    x = vectors(:, n)
+  end subroutine ratios
 
 end module bw_strain_modes

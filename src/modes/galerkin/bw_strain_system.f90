@@ -47,22 +47,21 @@ contains
     call build_mass_root(given, system%layout, system%mass_root)
   end subroutine build_system
 
-  subroutine forms_of_spin(given, functions, stiffness, push)
-    !! The elastic stiffness K, and G, what Ω² takes from it: A = K − Ω²G.
+  subroutine forms_of_spin(given, functions, elastic, tension, push)
+    !! What a mode's equation is made of at any speed: A = K + Ω²(T − R), the elastic stiffness, that by tension, and what the
+    !! centrifugal force acts on.
     type(varying_beam), intent(in) :: given
     integer, intent(in) :: functions(:)
-    real(dp), allocatable, intent(out) :: stiffness(:, :), push(:, :)      !! (unknowns, unknowns)
+    real(dp), allocatable, dimension(:, :), intent(out) :: elastic, tension, push      !! K, T, R, (unknowns, unknowns)
     type(strain_layout) :: layout
-    type(part_weights) :: weights
     layout = layout_of(given%beam, functions)
-    call build_form(given, layout, part_weights(elastic=1.0_dp), stiffness)
-    weights = part_weights(tension=-1.0_dp)
+    call build_form(given, layout, part_weights(elastic=1.0_dp), elastic)
+    call build_form(given, layout, part_weights(tension=1.0_dp), tension)
     if (given%beam%in_plane) then
-      weights%deflection = 1.0_dp
+      call build_form(given, layout, part_weights(deflection=1.0_dp), push)
     else
-      weights%turning = 1.0_dp
+      call build_form(given, layout, part_weights(turning=1.0_dp), push)
     end if
-    call build_form(given, layout, weights, push)
   end subroutine forms_of_spin
 
   ! Forms
