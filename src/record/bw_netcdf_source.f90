@@ -238,7 +238,7 @@ contains
   end subroutine read_block
 
   subroutine refuse_number(self, column, first, values, error)
-    !! Say where a number is missing, or is none. **Errors**: `status_bad_input`.
+    !! Say where a number is missing, or is none. **Errors**: `status_bad_file`.
     class(netcdf_source), intent(in) :: self
     integer, intent(in) :: column
     integer(i8), intent(in) :: first
@@ -247,7 +247,7 @@ contains
     integer(i8) :: j
     do j = 1, size(values, kind=i8)
       if (ieee_is_finite(values(j)) .and. .not. is_missing(values(j))) cycle
-      call fail(error, status_bad_input, self%columns(column)%name//': sample '//text_of(first + j - 1)// &
+      call fail(error, status_bad_file, self%columns(column)%name//': sample '//text_of(first + j - 1)// &
                 ' is missing or no finite number; accepted: a record without gaps; cut such samples off by start and end')
       return
     end do

@@ -2,7 +2,7 @@ module bw_netcdf_survey
   !! What is in a NetCDF file: the dimension of the samples, and the variables that have it. One process looks at the file and
   !! puts what it finds into texts, another makes columns of these.
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
-  use bw_error, only: error_type, fail, status_bad_file, status_bad_input
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: look_at, path_state
   use bw_kinds, only: dp, i8
   use bw_missing, only: missing
@@ -38,7 +38,7 @@ contains
 
   subroutine survey(path, texts, error)
     !! Look at a file. The first text is how many samples there are. The file is not closed: the process ends.
-    !! **Errors**: `status_bad_file`, `status_bad_input`, without the file's name.
+    !! **Errors**: `status_bad_file`, without the file's name.
     character(*), intent(in) :: path
     type(string), allocatable, intent(out) :: texts(:)
     type(error_type), allocatable, intent(inout) :: error
@@ -125,7 +125,7 @@ contains
     !! Say what is wrong with the file. Keeps an error that is there.
     character(*), intent(in) :: problem
     type(error_type), allocatable, intent(inout) :: error
-    if (.not. allocated(error)) call fail(error, status_bad_input, problem)
+    if (.not. allocated(error)) call fail(error, status_bad_file, problem)
   end subroutine refuse
 
   pure integer function dimension_of_samples(dimensions) result(samples)

@@ -40,8 +40,8 @@ contains
 
   subroutine read_record(scene, number, record, error)
     !! Read one file of a scene's record.
-    !! **Errors**: `status_bad_file` where it cannot be read, or memory is refused; `status_bad_input`, with the place, where it
-    !! does not hold what the scene asks for, or something that is no history.
+    !! **Errors**: `status_bad_file` where it cannot be read, holds something that is no history, or memory is refused;
+    !! `status_bad_input`, with the place, where the scene asks for what it does not hold, or leaves too little of it.
     type(scene_type), intent(in) :: scene              !! with a record
     integer, intent(in) :: number                      !! of the file, from 1
     type(record_type), intent(out) :: record
@@ -149,40 +149,44 @@ contains
   end subroutine settle_times
 
   subroutine check_times(source, times, error)
-    !! Times rise, and are those of a clock. **Errors**: `status_bad_input`, with the place.
+    !! Times rise, and are those of a clock. **Errors**: `status_bad_file`, with the place.
     class(record_source), intent(inout) :: source
     real(dp), intent(in) :: times(:)
     type(error_type), allocatable, intent(inout) :: error
     integer(i8) :: row
     row = first_fall(times)
     if (row > 0) then
-      call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
+      call fail(error, status_bad_file, source%place_of_row(row)//': the time '//text_of(times(row))// &
                 ' does not rise from '//text_of(times(row - 1))//' before it; accepted: rising times, or sample_rate')
     else if (any(abs(times) > latest)) then
       row = findloc(abs(times) > latest, .true., dim=1, kind=i8)
-      call fail(error, status_bad_input, source%place_of_row(row)//': the time '//text_of(times(row))// &
+      call fail(error, status_bad_file, source%place_of_row(row)//': the time '//text_of(times(row))// &
                 ' is far from that of any clock; accepted: up to '//text_of(latest)//' s; or time_scale, where they are in '// &
                 'ms or the like')
     end if
   end subroutine check_times
 
   subroutine refuse_short(scene, record, times, samples, error)
-    !! Say that too few samples are left. **Errors**: `status_bad_input`.
+    !! Say that too few samples are left. **Errors**: `status_bad_input` where the scene cuts others off, else `status_bad_file`.
     type(scene_type), intent(in) :: scene
     type(record_type), intent(in) :: record
     real(dp), intent(in) :: times(:)
     integer(i8), intent(in) :: samples
     type(error_type), allocatable, intent(inout) :: error
     character(:), allocatable :: place
-    integer :: line
+    integer :: line, status
+    status = status_bad_file
     place = record%path//': has '//text_of(samples)//' samples'
     associate (group => scene%groups(position_of(scene%groups, 'record')))
       line = max(group%line_of('start'), group%line_of('end'))
-      if (line > 0) place = scene%file//':'//text_of(line)//': record%'//cut_by(group, line)//': leaves '//text_of(samples)// &
-        ' of '//text_of(size(times))//' samples of '//record%path
+      if (line > 0) then
+        status = status_bad_input
+        place = scene%file//':'//text_of(line)//': record%'//cut_by(group, line)//': leaves '//text_of(samples)//' of '// &
+          text_of(size(times))//' samples of '//record%path
+      end if
     end associate
     if (size(times) > 0) place = place//', whose times are '//shortest(times(1), 6)//' to '//shortest(times(size(times)), 6)//' s'
-    call fail(error, status_bad_input, place//'; accepted: '//text_of(least_samples)//' or more')
+    call fail(error, status, place//'; accepted: '//text_of(least_samples)//' or more')
   end subroutine refuse_short
 
   pure function cut_by(group, line) result(name)
@@ -217,7 +221,7 @@ contains
         if (abs(factor - 1.0_dp) > 0) record%values(:, s) = factor*record%values(:, s)
         cycle
       end if
-      call fail(error, status_bad_input, record%path//': '//record%sensors(s)%name//' has numbers that are too large; '// &
+      call fail(error, status_bad_file, record%path//': '//record%sensors(s)%name//' has numbers that are too large; '// &
                 'accepted: up to '//text_of(largest)//' in SI')
       return
     end do

@@ -1,7 +1,7 @@
 module bw_line_reader
   !! The lines of a text file one by one, however large it is: a piece of it is in memory at a time.
   use bw_descriptors, only: close_file, open_regular, read_bytes
-  use bw_error, only: error_type, fail, status_bad_input
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_files, only: cannot_be_read
   use bw_kinds, only: i1, i8
   use bw_text, only: text_of
@@ -64,7 +64,7 @@ contains
 
   subroutine next_line(self, there, error)
     !! Go on to the next line; an end of its own is not needed for the last one.
-    !! **Errors**: `status_bad_file` where the file cannot be read, `status_bad_input` where a line is longer than any row.
+    !! **Errors**: `status_bad_file` where the file cannot be read, or a line is longer than any row.
     class(line_reader), intent(inout) :: self
     logical, intent(out) :: there
     type(error_type), allocatable, intent(inout) :: error
@@ -113,7 +113,7 @@ contains
     self%next = 1
     self%have = kept
     if (kept > longest_line) then
-      call fail(error, status_bad_input, self%path//':'//text_of(self%line + 1)//': the line is longer than '// &
+      call fail(error, status_bad_file, self%path//':'//text_of(self%line + 1)//': the line is longer than '// &
                 text_of(longest_line)//' bytes; accepted: a text of lines, or NetCDF')
       return
     end if

@@ -4,7 +4,7 @@ module bw_text_layout
   !!
   !! Each separator is tried; the one by which most fields are numbers is taken. Rows have as many fields as most lines with
   !! numbers have, and begin with the first such line that has numbers wherever most of them have. What stands before is header.
-  use bw_error, only: error_type, fail, status_bad_input
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_probed_lines, only: any_number, is_row, number_columns, numbers_in, probe, probed_line, usual_count
   use bw_record, only: column_type
   use bw_text, only: string, text_of
@@ -28,7 +28,7 @@ module bw_text_layout
 contains
 
   subroutine find_layout(path, lines, layout, error)
-    !! **Errors**: `status_bad_input` where no rows of numbers are found, or the decimal mark is in doubt.
+    !! **Errors**: `status_bad_file` where no rows of numbers are found, or the decimal mark is in doubt.
     character(*), intent(in) :: path
     type(string), intent(in) :: lines(:)                       !! the first lines of the file
     type(text_layout), intent(out) :: layout
@@ -53,7 +53,7 @@ contains
     if (most == 0) then
       where_text = ''
       if (size(lines) > 0) where_text = ' in its first '//text_of(size(lines))//' lines'
-      call fail(error, status_bad_input, path//': has no rows of numbers'//where_text// &
+      call fail(error, status_bad_file, path//': has no rows of numbers'//where_text// &
                 '; accepted: columns of numbers separated by commas, semicolons, tabs or blanks, or NetCDF '// &
                 '(beamwave-record makes it of UFF 58, .mat, .npy and .wav files)')
       return
@@ -147,7 +147,7 @@ contains
   end function counts_columns
 
   subroutine find_mark(path, rows, layout, error)
-    !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_input` where both stand, or where all commas
+    !! Whether the decimal mark is a point or a comma. **Errors**: `status_bad_file` where both stand, or where all commas
     !! could as well part thousands, or where `0,025` was cut into two columns.
     character(*), intent(in) :: path
     type(probed_line), intent(in) :: rows(:)
@@ -170,16 +170,16 @@ contains
         certain = certain .or. .not. parts_thousands(rows(n)%fields(i)%text)
       end do
     end do
-    if (layout%separator == ',' .and. decimals .and. .not. (points .or. commas)) call fail(error, status_bad_input, path// &
+    if (layout%separator == ',' .and. decimals .and. .not. (points .or. commas)) call fail(error, status_bad_file, path// &
       ': its commas are decimal marks, or part columns of whole numbers that begin with 0; accepted: decimal points, or '// &
       'semicolons between columns')
     if (.not. commas) return
     layout%mark = ','
     if (points) then
-      call fail(error, status_bad_input, path//': has numbers with decimal points and others with commas; '// &
+      call fail(error, status_bad_file, path//': has numbers with decimal points and others with commas; '// &
                 'accepted: one decimal mark')
     else if (.not. certain) then
-      call fail(error, status_bad_input, path//': its commas may be decimal marks or part thousands; '// &
+      call fail(error, status_bad_file, path//': its commas may be decimal marks or part thousands; '// &
                 'accepted: decimal points')
     end if
   end subroutine find_mark

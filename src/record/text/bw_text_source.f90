@@ -1,7 +1,7 @@
 module bw_text_source
   !! A file of text as a source of histories. It is read twice, each time from front to back: once for the times, once for what
   !! is used of the rest, so that nothing but the numbers themselves is kept.
-  use bw_error, only: error_type, fail, status_bad_input
+  use bw_error, only: error_type, fail, status_bad_file
   use bw_kinds, only: dp, i1, i8
   use bw_line_reader, only: line_reader, text_between
   use bw_record_source, only: record_source
@@ -54,7 +54,7 @@ contains
       call append(lines, line)
       if (.not. is_comment(line)) rows = rows + 1
       bytes = bytes + len(line)
-      if (index(line, achar(13)) > 0) call fail(error, status_bad_input, path//':'//text_of(size(lines))// &
+      if (index(line, achar(13)) > 0) call fail(error, status_bad_file, path//':'//text_of(size(lines))// &
         ': a carriage return stands inside the line; accepted: lines that end with LF or CR LF')
       if (allocated(error)) return
     end do
@@ -63,7 +63,7 @@ contains
   end subroutine open_text
 
   pure subroutine refuse_binary(bytes, path, error)
-    !! Say of a file that is no table of text what it may be. **Errors**: `status_bad_input`.
+    !! Say of a file that is no table of text what it may be. **Errors**: `status_bad_file`.
     integer(i1), intent(in) :: bytes(:)                    !! from its beginning
     character(*), intent(in) :: path
     type(error_type), allocatable, intent(inout) :: error
@@ -84,7 +84,7 @@ contains
       if (line > 7 .and. verify(head(line:min(len(head), line + 5)), ' 0123456789') == 0) problem = &
         'is a universal file (UFF)'//makes
     end if
-    if (problem /= '') call fail(error, status_bad_input, path//': '//problem)
+    if (problem /= '') call fail(error, status_bad_file, path//': '//problem)
   end subroutine refuse_binary
 
   subroutine rewind_text(self, error)
@@ -170,7 +170,7 @@ contains
     do row = 1, first + size(values, 1) - 1
       if (allocated(error)) return
       call self%next_row(there, error)
-      if (.not. there) call fail(error, status_bad_input, self%path//': became shorter while it was read')
+      if (.not. there) call fail(error, status_bad_file, self%path//': became shorter while it was read')
       if (row < first .or. .not. there) cycle
       call scan_row(form, self%reader%bytes, self%reader%first, self%reader%last, numbers, decades, good)
       if (.not. good) call self%refuse_row(columns, error)
@@ -180,11 +180,11 @@ contains
   end subroutine read_values
 
   subroutine refuse_row(self, columns, error)
-    !! Say what is wrong with the row at hand. **Errors**: `status_bad_input`.
+    !! Say what is wrong with the row at hand. **Errors**: `status_bad_file`.
     class(text_source), intent(in) :: self
     integer, intent(in) :: columns(:)                      !! that are read
     type(error_type), allocatable, intent(inout) :: error
-    call fail(error, status_bad_input, self%path//':'//text_of(self%reader%line)//': '// &
+    call fail(error, status_bad_file, self%path//':'//text_of(self%reader%line)//': '// &
               row_problem(self%layout, columns, text_between(self%reader%bytes, self%reader%first, self%reader%last)))
   end subroutine refuse_row
 
