@@ -16,7 +16,7 @@ from .parts.curves import Curve
 from .parts.labels import axis_label, in_units
 from .parts.moving import folding_note
 from .parts.pairs import Pair, common_points, head_of_both, names_of, pairs_of
-from .parts.points import FEW, common_prefixes, point_label, rests
+from .parts.points import FEW, common_prefixes, error_warning, point_label, rests
 from .parts.select import chosen, left_out, spread
 from .parts.sheet import sheet_for
 from .parts.units import si_prefix, units_of
@@ -118,7 +118,8 @@ def histories(first: xr.Dataset, second: xr.Dataset, name: str = "displacement")
         left_out(len(shown), len(points), "points"),
         "" if alike else "the times differ",
     ]
-    return sheet.finish_with(head_of_both(first, second, notes))
+    doubts = [error_warning(side, name) for side in zip(*(pair.both for pair in pairs))]
+    return sheet.finish_with(head_of_both(first, second, notes, doubts))
 
 
 def _end(time: np.ndarray) -> float:

@@ -57,6 +57,14 @@ def test_histories_stand_above_their_difference_at_the_points_of_both(two):
     np.testing.assert_allclose(difference.get_ydata(), scale * (second["displacement"][2] - first["displacement"][1]))
 
 
+def test_what_may_be_nothing_but_error_carries_a_warning_by_its_letter(two):
+    first, second = two
+    doubtful = second.assign(displacement_error=("point", [0.0, 2e9, 0.0]))
+    head = " ".join(text.get_text() for text in compare(first, doubtful)["displacement"].texts).replace("\n", " ")
+    assert "B: Warning: the displacement may be nothing but error" in head and "A: Warning" not in head
+    assert not any("Warning" in text.get_text() for text in compare(first, second)["displacement"].texts)
+
+
 def test_the_axis_of_time_ends_with_the_record_at_a_tick(two):
     first, second = two
     axes = compare(first, second)["displacement"].axes[-1]

@@ -71,7 +71,7 @@ def _history(ds: xr.Dataset, name: str, ax: Given, limit: int | None) -> Figure:
         _mark_time(list(column), ds, panel, name)
     ends = (growth_note(cases, name), end_note(cases, name))
     told = (*drawn.notes, left, *ends, error_note(ds, cases, name, points), *notes)
-    return sheet.finish(ds, dict.fromkeys(told), warning=error_warning(ds, cases, name, points))
+    return sheet.finish(ds, dict.fromkeys(told), warning=error_warning(cases, name, points))
 
 
 def _least(panels: list[Panel], name: str, point: int) -> float:

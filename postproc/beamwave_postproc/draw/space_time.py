@@ -43,8 +43,7 @@ def space_time(ds: xr.Dataset, name: str = "displacement", *, cases: Chosen = No
         shown = case["time"].values[:held] <= end
         _draw(axes, case, name, (xi, case["time"].values[:held][shown], history[:held][shown]))
     sheet.axes[0].set_ylabel(r"Place $\xi$ (0 root, 1 tip)")
-    warning = error_warning(case, [case], name, list(range(case.sizes["point"])))
-    return sheet.finish(ds, [note, end_note([case], name)], warning=warning)
+    return sheet.finish(ds, [note, end_note([case], name)], warning=error_warning([case], name))
 
 
 def _draw(axes: Axes, case: xr.Dataset, name: str, line: tuple[np.ndarray, np.ndarray, np.ndarray]) -> None:

@@ -17,6 +17,7 @@ from ..parts.labels import axis_label
 from ..parts.level import decibels, draw_level, highest_in_rows
 from ..parts.moving import folded_frequencies, folding_note
 from ..parts.passage import MOST, arrivals, highest_frequency, way_times
+from ..parts.points import error_warning
 from ..parts.select import Chosen, chosen, one_case
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix, units_of, with_unit
@@ -65,7 +66,8 @@ def spectrogram(
     for axes, (until, arriving) in zip(sheet.axes, parts):
         _draw(axes, case, until, window or until / WINDOWS, arriving)
     folding = folding_note([case], "a triangle at the right" if (duration, False) in parts else "")
-    return sheet.finish(ds, [note, rf"acceleration at $\xi$ = {point:.4g}", folding])
+    said = [note, rf"acceleration at $\xi$ = {point:.4g}", folding]
+    return sheet.finish(ds, said, warning=error_warning([case], "displacement"))
 
 
 def _require_motion(case: xr.Dataset) -> None:

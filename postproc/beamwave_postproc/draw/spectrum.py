@@ -11,7 +11,7 @@ from ..parts.curves import Curve, Panel, panels_of
 from ..parts.growth import grows
 from ..parts.labels import axis_label
 from ..parts.moving import folded_frequencies, folding_note
-from ..parts.points import FEW, MAX_POINTS, point_label, sheet_of_points, shown_points
+from ..parts.points import FEW, MAX_POINTS, error_warning, point_label, sheet_of_points, shown_points
 from ..parts.select import Chosen, chosen
 from ..parts.sheet import Given
 from ..result import NothingToDraw, require
@@ -51,7 +51,8 @@ def spectrum(ds: xr.Dataset, points: Chosen = None, *, cases: Chosen = None, ax:
     measured = "measured_angular_frequency" in ds and ds["measured_angular_frequency"].notnull().any()
     peaks = "markers: measured peaks" if measured else ""
     folding = folding_note([case.assign_attrs(ds.attrs) for case in cases], "×")
-    return sheet.finish(ds, (*drawn.notes, left, growing, peaks, folding))
+    warning = error_warning(cases, "displacement", shown)
+    return sheet.finish(ds, (*drawn.notes, left, growing, peaks, folding), warning=warning)
 
 
 def _bounded(panels: list[Panel]) -> tuple[list[Panel], str]:

@@ -16,6 +16,7 @@ from ..parts.line import beam_line, places_of_line, whole_line
 from ..parts.moving import folding_note, is_released, last_modes
 from ..parts.passage import length_of
 from ..parts.relation import relation_of
+from ..parts.points import error_warning
 from ..parts.select import Chosen, chosen, one_case
 from ..parts.sheet import Given, sheet_for
 from ..parts.units import si_prefix
@@ -56,7 +57,7 @@ def wavenumber_spectrum(ds: xr.Dataset, *, cases: Chosen = None, ax: Given = Non
     _draw_relation(axes, case, frequency, factor)
     axes.set(xlim=(-limits[0], limits[0]), ylim=(0.0, factor * limits[1]), ylabel=f"Frequency ({prefix}Hz)")
     axes.set_xlabel(f"{axis_label(ds['wavenumber'])}: to the root | to the tip")
-    return sheet.finish(ds, [note, folding_note([case])])
+    return sheet.finish(ds, [note, folding_note([case])], warning=error_warning([case], "displacement"))
 
 
 def transform(case: xr.Dataset) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -13,6 +13,7 @@ from ..parts.growth import grows, samples_held
 from ..parts.line import FEW_POINTS, SAME_PLACE, beam_line, is_clamped, moving_points, places_of_line
 from ..parts.passage import blow_at, length_of
 from ..parts.places import body_places
+from ..parts.points import error_warning
 from ..parts.select import one_case
 from ..result import require, require_numbers
 from .mass_path import Tip, mass_path
@@ -43,6 +44,7 @@ class Motion:
     bodies: np.ndarray  # x of what is attached to the beam, m
     title: str  # of the scene
     label: str  # effects and inputs, of a sweep those of the case
+    warning: str  # of a motion that may be nothing but error
     remarks: list[str]  # what the film cannot show
 
 
@@ -82,6 +84,7 @@ def motion(ds: xr.Dataset, frames: int = MOST_FRAMES) -> Motion:
         bodies=body_places(case) * length,
         title=title_of(ds),
         label=description_of(case),
+        warning=error_warning([case], "displacement"),
         remarks=_remarks(ds, xi),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -70,8 +71,8 @@ def _same_sweep(first: xr.Dataset, second: xr.Dataset) -> bool:
     return set(names) == set(swept_inputs(second)) and all(np.array_equal(first[name], second[name]) for name in names)
 
 
-def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str]) -> Head:
-    """Head of a picture of two results: both titles, what A is, what B has else, and what differs."""
+def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str], warnings: Sequence[str] = ()) -> Head:
+    """Head of a picture of two results: both titles, the warning of each, what A is, what B has else, and what differs."""
     titles = [title_of(first), title_of(second)]
     title = titles[0] if titles[0] == titles[1] else f"A: {titles[0]}; B: {titles[1]}"
     mine, others = (description_of(ds).split("; ") for ds in (first, second))
@@ -80,7 +81,8 @@ def head_of_both(first: xr.Dataset, second: xr.Dataset, notes: list[str]) -> Hea
     rest = [f"without {' and '.join(gone)}"] if gone else []
     rest += ["else as A"] if len(own) < len(others) else []
     lines = [f"A: {'; '.join(mine)}", f"B: {'; '.join([*own, *rest])}"]
-    return Head(title, [*lines, "; ".join(filter(None, [differences(first, second), *notes]))])
+    lines.append("; ".join(filter(None, [differences(first, second), *notes])))
+    return Head(title, lines, warning="; ".join(f"{letter}: {words}" for letter, words in zip("AB", warnings) if words))
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> str:

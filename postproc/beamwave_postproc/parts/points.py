@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -72,17 +74,20 @@ def error_note(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[
     return f"estimated error {percent(worst)} of the peak {place}" + ("" if single else ", the largest here")
 
 
-def error_warning(ds: xr.Dataset, cases: list[xr.Dataset], name: str, points: list[int]) -> str:
-    """Warning of a history that may be nothing but error, since its estimated error exceeds its peak; empty elsewhere."""
-    worst, where = _worst_error(cases, name, points)
+def error_warning(cases: Sequence[xr.Dataset], name: str, points: Sequence[int] | None = None) -> str:
+    """Warning of a history that may be nothing but error, its estimated error exceeding its peak; empty elsewhere.
+
+    Without `points` all of them count.
+    """
+    worst, where = _worst_error(cases, name, range(cases[0].sizes.get("point", 0)) if points is None else points)
     if worst <= 1.0:
         return ""
-    place = rf"at $\xi$ = {float(ds['point_position'][where]):.4g}"
+    place = rf"at $\xi$ = {float(cases[0]['point_position'][where]):.4g}"
     words = name.replace("_", " ")
     return f"Warning: the {words} may be nothing but error, which is estimated at {percent(worst)} of its peak {place}"
 
 
-def _worst_error(cases: list[xr.Dataset], name: str, points: list[int]) -> tuple[float, int]:
+def _worst_error(cases: Sequence[xr.Dataset], name: str, points: Sequence[int]) -> tuple[float, int]:
     """The largest estimated error over the peak at its point, and which point that is; 0 without estimates."""
     worst, where = 0.0, 0
     for case in cases:

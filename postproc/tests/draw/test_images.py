@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import synthetic
 
-from beamwave_postproc import NothingToDraw, open_result, space_time, spectrogram, wavenumber_spectrum
+from beamwave_postproc import NothingToDraw, open_result, space_time, spectrogram, spectrum, wavenumber_spectrum
 from beamwave_postproc.draw.spectrogram import WINDOWS, levels
 from beamwave_postproc.draw.wavenumber import transform
 from beamwave_postproc.parts.level import ROWS, decibels, highest_in_rows
@@ -19,7 +19,9 @@ POINTS = [round(0.05 * i, 2) for i in range(1, 21)]
 def whole(tmp_path_factory):
     """A struck beam at 20 points, sampled finely, with 40 modes."""
     settings = synthetic.scene(
-        modes={"before": 40, "after": 40}, response={"duration": 0.05, "samples": 4096, "points": POINTS}
+        modes={"before": 40, "after": 40},
+        response={"duration": 0.05, "samples": 4096, "points": POINTS},
+        spectrum={"max_peaks": 1},
     )
     with open_result(synthetic.write(tmp_path_factory.mktemp("whole") / "whole.nc", settings)) as ds:
         return ds.load()
@@ -43,6 +45,14 @@ def test_the_image_of_place_and_time_goes_through_the_points(whole):
     # The place is within half a row of 0.5, where the slope takes the deflection at most a hundredth further.
     np.testing.assert_allclose(held[row], expected, atol=0.03 * np.abs(held[row]).max())
     assert (bottom, top) == (0.0, 1.0) and not np.any(held[0])
+
+
+@pytest.mark.parametrize("draw", [space_time, spectrum, spectrogram, wavenumber_spectrum])
+def test_what_may_be_nothing_but_error_carries_a_warning(whole, draw):
+    peak = np.abs(whole["displacement"]).max("time").values
+    doubtful, near = (draw(whole.assign(displacement_error=("point", share * peak))) for share in (1.3, 0.99))
+    assert "Warning: the displacement may be nothing but error" in doubtful.texts[1].get_text().replace("\n", " ")
+    assert not any("Warning" in text.get_text() for text in near.texts)
 
 
 def test_the_first_part_stands_beside_a_long_record_alone_and_not_on_a_given_axes(whole):

@@ -69,6 +69,15 @@ def test_beam_and_mass_before_at_and_after_a_capture(film_result):
     np.testing.assert_allclose(shown.angle, 50.0 * shown.time)
 
 
+def test_a_motion_that_may_be_nothing_but_error_says_so_in_the_film(film_result):
+    with open_result(film_result) as ds:
+        doubtful = motion(ds.assign(displacement_error=("point", np.full(21, 1e9))))
+        assert motion(ds).warning == ""
+    assert doubtful.warning.startswith("Warning: the displacement may be nothing but error")
+    (told,) = (text for text in Film(doubtful).canvas.figure.texts if "Warning" in text.get_text())
+    assert told.get_color() == "firebrick"
+
+
 def test_a_rebounding_mass_keeps_its_jacobi_energy_in_the_guide(film_result):
     with open_result(film_result) as ds:
         case = with_events(ds, (0.0, 0.0, IMPACT, 0.1), mass_velocity=-0.3)
