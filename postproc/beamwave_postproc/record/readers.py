@@ -13,9 +13,10 @@ import scipy.io.wavfile
 
 from ..terminal import reason
 from .channels import Channel, NotARecord, Wanted, channels_of, even_times, needed
+from .tables import text_channels
 from .universal import universal_channels
 
-ACCEPTED = "UFF 58 or 58b, MATLAB, NumPy or WAV"
+ACCEPTED = "UFF 58 or 58b, MATLAB, NumPy, WAV, or text of a logger"
 
 
 def read_channels(path: Path, wanted: Wanted | None = None) -> list[Channel]:
@@ -49,7 +50,9 @@ def _reader(start: bytes, suffix: str) -> tuple[str, Reader]:
         return "MATLAB file", matlab_channels
     if any(line.strip() == b"-1" for line in start.splitlines()[:3]):
         return "universal file", universal_channels
-    raise NotARecord(f"neither {ACCEPTED}; text and NetCDF are read by &record as they are")
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")) or b"\0" not in start:
+        return "table of text", text_channels
+    raise NotARecord(f"neither {ACCEPTED}; NetCDF is read by &record as it is")
 
 
 def numpy_channels(path: Path, wanted: Wanted) -> list[Channel]:

@@ -55,7 +55,7 @@ contains
       if (size(lines) > 0) where_text = ' in its first '//text_of(size(lines))//' lines'
       call fail(error, status_bad_file, path//': has no rows of numbers'//where_text// &
                 '; accepted: columns of numbers separated by commas, semicolons, tabs or blanks, or NetCDF '// &
-                '(beamwave-record makes it of UFF 58, .mat, .npy and .wav files)')
+                '(beamwave-record makes it of texts of loggers, UFF 58, .mat, .npy and .wav files)')
       return
     end if
     call probe_all(lines, layout%separator, probed)

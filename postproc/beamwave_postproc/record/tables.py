@@ -1,0 +1,327 @@
+"""Tables of text as loggers write them: headers of any length, clocks and dates, decimal commas, several tables in one file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from .channels import Channel, NotARecord, Wanted, even_times
+
+SEPARATORS = ("\t", ";", ",", None)  # None: any number of blanks
+PROBED = 2000  # lines that tell the form
+NEAR = 4  # lines above the rows, among which names and units stand
+LEAST_ROWS = 8  # of a table; fewer lines of numbers are part of a header
+NAMES_OF_TIME = ("time", "t", "x_value", "zeit", "temps", "tiempo", "tempo", "elapsed time", "timestamp", "datetime")
+SECONDS = {
+    "s": 1.0,
+    "sec": 1.0,
+    "seconds": 1.0,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "µs": 1e-6,
+    "μs": 1e-6,
+    "ns": 1e-9,
+    "min": 60.0,
+    "h": 3600.0,
+}
+UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\((?P<round>[^()]*)\)|\[(?P<square>[^\[\]]*)\]|/(?P<slash>[^/\s]+))$")
+CLOCK = re.compile(r"\d[\d.,:/ TZ+-]*([:/-]|\.\d+\.)\d[\d.,:/ TZ+-]*")  # 12:00:00.25, 1.2.2024, 2024-02-01T12:00Z
+FORTRAN = re.compile(r"[-+.\d]+[dD][-+]?\d+")  # 1.5D+03
+END_OF_HEADER = "***End_of_Header***"
+
+
+@dataclass
+class Table:
+    """One block of rows, cell by cell, and what stands above it."""
+
+    rows: list[list[str]]  # (rows, columns)
+    names: list[str]  # (columns), empty where nothing stands above a column
+    units: list[str]  # (columns)
+    comma: bool  # the decimal mark
+
+
+def text_channels(path: Path, wanted: Wanted) -> list[Channel]:
+    """The histories of each table in a text, as a record of its own where there are several.
+
+    The times are the column that `wanted` names, by name or number; else the one called time or the like, or the first
+    where it holds dates and clocks; else the sampling rate tells them. Raises `NotARecord` where there is no table.
+    """
+    lines = _decoded(path.read_bytes()).splitlines()
+    if lines and lines[0].startswith("LabVIEW Measurement"):
+        return _labview(lines, wanted)
+    tables = tables_of(lines)
+    if not tables:
+        raise NotARecord(f"no table of numbers: {LEAST_ROWS} rows or more of one length")
+    found = []
+    for number, table in enumerate(tables, 1):
+        found += _channels(table, wanted, "" if len(tables) == 1 else str(number))
+    return found
+
+
+def _decoded(content: bytes) -> str:
+    """A text by its byte-order mark, else as UTF-8, else as Latin-1, in which every byte is a letter."""
+    for mark, name in ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig")):
+        if content.startswith(mark):
+            return content.decode(name)
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+# Tables
+
+
+def tables_of(lines: Sequence[str]) -> list[Table]:
+    """The tables of a text, parted by what makes the most cells in rows of its first lines."""
+
+    def cells(separator: str | None) -> int:
+        return sum(len(table.rows) * len(table.names) for table in _tables(lines[:PROBED], separator))
+
+    return _tables(lines, max(SEPARATORS, key=cells))
+
+
+def _tables(lines: Sequence[str], separator: str | None) -> list[Table]:
+    """Runs of lines with as many cells, of which the first and at least one more line are numbers or clocks."""
+    comma = separator != "," and _has_decimal_commas(lines, separator)
+    cells = [_cells(line, separator) for line in lines]
+    is_row = [any(row) and all(_tells(cell, comma) for cell in row) for row in cells]
+    found = []
+    first = end = 0  # of the table before
+    while first < len(cells):
+        last = first
+        while last < len(cells) and is_row[last] and len(cells[last]) == len(cells[first]):
+            last += 1
+        if last - first >= LEAST_ROWS:
+            found.append(_table(cells[first:last], cells[max(end, first - NEAR) : first], comma))
+            end = last
+        first = max(last, first + 1)
+    return found
+
+
+def _cells(line: str, separator: str | None) -> list[str]:
+    """The cells of a line, without quotes and blanks."""
+    if line.lstrip().startswith(("#", "%")):
+        line = line.lstrip(" #%")
+    return [cell.strip().strip("\"'").strip() for cell in line.split(separator)]
+
+
+def _has_decimal_commas(lines: Sequence[str], separator: str | None) -> bool:
+    """Whether more cells are numbers with a comma than with a point."""
+    cells = [cell for line in lines[:PROBED] for cell in _cells(line, separator)]
+    return sum(map(_with_comma, cells)) > sum("." in cell and _number(cell, False) is not None for cell in cells)
+
+
+def _with_comma(cell: str) -> bool:
+    """Whether a cell is a number with a decimal comma."""
+    return cell.count(",") == 1 and _number(cell, True) is not None
+
+
+def _number(cell: str, comma: bool) -> float | None:
+    """The number in a cell; none where it is a word."""
+    text = cell.replace(",", ".") if comma else cell
+    if FORTRAN.fullmatch(text):
+        text = text.lower().replace("d", "e")
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _tells(cell: str, comma: bool) -> bool:
+    """Whether a cell may stand in a row: a number, a clock or date, or nothing."""
+    return not cell or _number(cell, comma) is not None or _is_clock(cell)
+
+
+def _is_clock(cell: str) -> bool:
+    """Whether a cell is a date, a time of day or both, as in 2024-05-01T12:00:00.25 or 12:00:00,25."""
+    return bool(CLOCK.fullmatch(cell))
+
+
+def _table(rows: list[list[str]], header: list[list[str]], comma: bool) -> Table:
+    """Rows with the names and units that stand above them."""
+    count = max(column + 1 for row in rows for column, cell in enumerate(row) if cell)  # rows may end in separators
+    above = [(row + [""] * count)[:count] for row in header if len(row) <= len(rows[0])]
+    above = [row for row in above if sum(map(bool, row)) > count // 2][-2:]
+    names, units = [""] * count, [""] * count
+    if len(above) == 2 and all(_is_unit(cell) for cell in above[1]):
+        names, units = above[0], [cell.strip("()[]") for cell in above[1]]
+    elif above:
+        names = above[-1]
+    for column, name in enumerate(names):
+        said = UNIT.match(name)
+        if said and not units[column]:
+            names[column] = said["name"]
+            units[column] = next(part for part in (said["round"], said["square"], said["slash"]) if part is not None)
+    return Table([row[:count] for row in rows], names, units, comma)
+
+
+def _is_unit(cell: str) -> bool:
+    """Whether a cell in a second line of header is a unit, as in (V), m/s^2 or nothing."""
+    return (
+        not cell
+        or cell[0] in "(["
+        or cell in SECONDS
+        or bool(re.fullmatch(r"[A-Za-zµμ°%]{1,4}([/^*·][\w²^-]+)*", cell))
+    )
+
+
+# Channels
+
+
+def _channels(table: Table, wanted: Wanted, record: str) -> list[Channel]:
+    """The histories of a table: all columns of numbers but that of the times."""
+    numbers = [_column(table, column) for column in range(len(table.names))]
+    clock = _clock_of(table, wanted)
+    if clock is None:
+        if wanted.sample_rate is None:
+            raise NotARecord(
+                f"no column of times among {_listed(table)}; accepted: --time NAME or number, or --sample-rate"
+            )
+        times = even_times(len(table.rows), 1.0 / wanted.sample_rate)
+    else:
+        times = _times(table, clock, numbers[clock], wanted)
+    found = []
+    for column, values in enumerate(numbers):
+        name = table.names[column] or f"column_{column + 1}"
+        asked = not wanted.variables or name in wanted.variables or str(column + 1) in wanted.variables
+        if column == clock or not asked or values is None or not np.isfinite(values).any():
+            continue
+        found.append(Channel(name, values, times, unit=table.units[column], record=record))
+    if not found:
+        raise NotARecord(f"no column of numbers beside the times among {_listed(table)}")
+    return found
+
+
+def _listed(table: Table) -> str:
+    """The columns, for a message."""
+    return ", ".join(name or f"column {number}" for number, name in enumerate(table.names, 1))
+
+
+def _column(table: Table, column: int) -> np.ndarray | None:
+    """The numbers of a column, NaN where a cell is empty; none where it holds clocks."""
+    values = [_number(row[column], table.comma) if row[column] else np.nan for row in table.rows]
+    return None if None in values else np.array(values, dtype=float)
+
+
+def _clock_of(table: Table, wanted: Wanted) -> int | None:
+    """The column of the times; none where the sampling rate tells them."""
+    if wanted.time is not None:
+        if wanted.time in table.names:
+            return table.names.index(wanted.time)
+        if wanted.time.isdecimal() and 1 <= int(wanted.time) <= len(table.names):
+            return int(wanted.time) - 1
+        raise NotARecord(f"no column called {wanted.time} among {_listed(table)}")
+    if wanted.sample_rate is not None:
+        return None
+    for column, name in enumerate(table.names):
+        if name.lower() in NAMES_OF_TIME:
+            return column
+    if _is_clock(table.rows[0][0]) or table.units[0] in SECONDS:
+        return 0
+    return None
+
+
+def _times(table: Table, clock: int, numbers: np.ndarray | None, wanted: Wanted) -> np.ndarray:
+    """Times in s: of dates and clocks since the first one, across midnight too."""
+    if numbers is not None:
+        scale = wanted.time_scale if wanted.time_scale != 1.0 else SECONDS.get(table.units[clock].lower(), 1.0)
+        return numbers * scale
+    cells = [row[clock].replace(",", ".") for row in table.rows]
+    try:
+        stamps = pd.to_datetime(pd.Series(cells), format=None if "-" in cells[0] or "/" in cells[0] else "mixed")
+    except (ValueError, OverflowError) as failure:
+        raise NotARecord(f"column {clock + 1} holds dates or clocks that cannot be told: {cells[0]!r}") from failure
+    seconds = (stamps - stamps.iloc[0]).dt.total_seconds().to_numpy(dtype=float, copy=True)
+    if ":" in cells[0] and not re.search(r"\d[-/]\d", cells[0]):
+        seconds += 86400.0 * np.cumsum(np.diff(seconds, prepend=seconds[0]) < -43200.0)
+    return seconds
+
+
+# LabVIEW
+
+
+def _labview(lines: Sequence[str], wanted: Wanted) -> list[Channel]:
+    """A LabVIEW measurement file: each part below a header of its own is a record."""
+    separator = {"Tab": "\t", "Comma": ","}.get(_said(lines, "Separator", None), "\t")
+    split = [line.split(separator) for line in lines]
+    comma = _said(lines, "Decimal_Separator", separator) == ","
+    x_columns = (_said(lines, "X_Columns", separator) or "One").lower()
+    ends = [number for number, row in enumerate(split) if row[0].strip() == END_OF_HEADER][1:]
+    found = []
+    for part, end in enumerate(ends):
+        begin = next(
+            (n for n in range(end - 1, -1, -1) if split[n][0].strip() == END_OF_HEADER or not lines[n].strip()), 0
+        )
+        head = {row[0].strip(): row[1:] for row in split[begin + 1 : end]}
+        count = int(head["Channels"][0])
+        found += _part(
+            split[end + 1 :], head, count, (comma, x_columns), wanted, "" if len(ends) == 1 else str(part + 1)
+        )
+    if not found:
+        raise NotARecord("a LabVIEW measurement without samples")
+    return found
+
+
+def _said(lines: Sequence[str], key: str, separator: str | None) -> str | None:
+    """What the head of the file says of a key."""
+    for line in lines[:100]:
+        row = re.split(r"[\t,]", line, maxsplit=1) if separator is None else line.split(separator, 1)
+        if row[0].strip() == key:
+            return "," if row[1][:1] == "," else row[1].split(separator)[0].strip()
+    return None
+
+
+def _part(
+    rows: list[list[str]],
+    head: dict[str, list[str]],
+    count: int,
+    form: tuple[bool, str],
+    wanted: Wanted,
+    record: str,
+) -> list[Channel]:
+    """The channels of one part: times of a column, of a column for each, or of `X0` and `Delta_X`."""
+    comma, x_columns = form
+    names = [cell.strip() for cell in rows[0]]
+    width = 2 * count if x_columns == "multi" else count + 1
+    block = []
+    for row in rows[1:]:
+        values = [_number(cell.strip(), comma) for cell in (row + [""] * width)[:width]]
+        if all(value is None for value in values):
+            break
+        block.append([np.nan if value is None else value for value in values])
+    table = np.array(block, dtype=float).reshape(-1, width)
+    said = int(_cell(head, "Samples", 0, comma))
+    if len(table) < said:
+        raise NotARecord(f"is cut off: it has {len(table)} of {said} samples")
+    found = []
+    for channel in range(count):
+        column = 2 * channel + 1 if x_columns == "multi" else channel + 1
+        values = table[:, column]
+        values = values[: np.flatnonzero(np.isfinite(values))[-1] + 1] if np.isfinite(values).any() else values[:0]
+        if values.size == 0:
+            continue
+        times = table[: values.size, column - 1 if x_columns == "multi" else 0]
+        if wanted.sample_rate is not None:
+            times = even_times(values.size, 1.0 / wanted.sample_rate)
+        elif x_columns == "no" or not np.isfinite(times).all():
+            times = even_times(values.size, _cell(head, "Delta_X", channel, comma), _cell(head, "X0", channel, comma))
+        name = names[column] if column < len(names) and names[column] else f"channel_{channel + 1}"
+        if not wanted.variables or name in wanted.variables:
+            unit = (head.get("Y_Unit_Label", []) + [""] * count)[channel].strip()
+            found.append(Channel(name, values, wanted.time_scale * times, unit=unit, record=record))
+    return found
+
+
+def _cell(head: dict[str, list[str]], key: str, channel: int, comma: bool) -> float:
+    """A number of a channel in the head of a part; raises `NotARecord` where it is missing."""
+    cells = head.get(key, [])
+    value = _number(cells[min(channel, len(cells) - 1)].strip(), comma) if cells else None
+    if value is None:
+        raise NotARecord(f"the head of a part has no {key}")
+    return value

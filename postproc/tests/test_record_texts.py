@@ -1,0 +1,132 @@
+"""`beamwave-record` and the texts of loggers: headers, clocks, commas, several tables; all numbers come through."""
+
+import numpy as np
+import pytest
+
+from beamwave_postproc.record import NotARecord, Wanted, cli, read_channels
+
+COUNT = 20
+SAMPLES = np.round(np.cos(0.7 * np.arange(COUNT)), 3)
+
+
+def rows(form, count=COUNT):
+    return "".join(form(number, sample) + "\n" for number, sample in enumerate(SAMPLES[:count]))
+
+
+def read(path, text, wanted=None, encoding="utf-8"):
+    path.write_bytes(text.encode(encoding))
+    return read_channels(path, wanted)
+
+
+def comma(value):
+    return str(value).replace(".", ",")
+
+
+def midnight(number):
+    return (
+        f"23:59:{59.0 + number / 4:06.3f}"
+        if number < 4
+        else f"00:{(number - 4) // 240:02d}:{(number - 4) % 240 / 4:06.3f}"
+    )
+
+
+TEXTS = {  # text, names and units, interval of the times
+    "phyphox": (
+        '"Time (s)","Acceleration x (m/s^2)"\n' + rows(lambda n, y: f"{n / 4:.9E},{y:.9E}"),
+        [("Acceleration x", "m/s^2")],
+    ),
+    "Picoscope": ("Time  A\n(ms) (mV)\n\n" + rows(lambda n, y: f"{250 * n} {y}"), [("A", "mV")]),
+    "rows that end in a separator": ("t;a;\n" + rows(lambda n, y: f"{n / 4};{y};"), [("a", "")]),
+    "decimal commas": ("Zeit [s]\ta [g]\n" + rows(lambda n, y: f"{comma(n / 4)}\t{comma(y)}"), [("a", "g")]),
+    "dates and clocks": (
+        "Logger 7\nSerial;12\n\nDatum;Zeit;a [g]\n"
+        + rows(lambda n, y: f"1.2.2024;12:00:{comma(f'{n / 4:05.2f}')};{comma(y)}"),
+        [("a", "g")],
+    ),
+    "ISO times": ("timestamp,acc\n" + rows(lambda n, y: f"2024-02-01T23:59:{40 + n / 4:05.2f}Z,{y}"), [("acc", "")]),
+    "across midnight": ("clock\tacc\n" + rows(lambda n, y: f"{midnight(n)}\t{y}"), [("acc", "")]),
+    "names in a comment": ("# t a\n# s mm\n" + rows(lambda n, y: f"{n / 4} {y}"), [("a", "mm")]),
+    "Fortran": ("time a\n" + rows(lambda n, y: f"{n / 4:.3f}D+00 {y}D0"), [("a", "")]),
+}
+
+
+@pytest.mark.parametrize("case", TEXTS.values(), ids=TEXTS.keys())
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "latin-1"])
+def test_numbers_times_names_and_units_come_through(tmp_path, case, encoding):
+    text, names = case
+    found = read(tmp_path / "a.csv", text, encoding=encoding)
+    assert [(channel.name, channel.unit) for channel in found] == names
+    np.testing.assert_array_equal(found[0].values, SAMPLES)
+    np.testing.assert_allclose(found[0].times, np.arange(COUNT) / 4, atol=1e-12)
+
+
+def test_a_cell_that_is_empty_is_a_sample_that_is_missing(tmp_path):
+    (channel,) = read(tmp_path / "a.csv", "t;a\n" + rows(lambda n, y: f"{n};{'' if n == 7 else y}"))
+    assert np.flatnonzero(np.isnan(channel.values)).tolist() == [7]
+
+
+def test_several_tables_are_records_of_their_own(tmp_path, capsys):
+    table = "t,a\n" + rows(lambda n, y: f"{n},{y}")
+    (tmp_path / "a.csv").write_text(f"Run 1\n{table}\nRun 2\n{table}")
+    assert cli.main([str(tmp_path / "a.csv")]) == 0
+    assert capsys.readouterr().out.count(f"{COUNT} samples") == 2
+    assert sorted(path.name for path in tmp_path.glob("*.nc")) == ["a_1.nc", "a_2.nc"]
+
+
+def test_the_column_of_the_times_may_be_told(tmp_path):
+    text = rows(lambda n, y: f"{y},{250 * n}")
+    with pytest.raises(NotARecord, match="no column of times among column 1, column 2"):
+        read(tmp_path / "a.csv", text)
+    (channel,) = read(tmp_path / "a.csv", text, Wanted(time="2", time_scale=1e-3))
+    np.testing.assert_allclose(channel.times, np.arange(COUNT) / 4)
+    rate = read(tmp_path / "a.csv", text, Wanted(sample_rate=4.0))
+    assert [one.name for one in rate] == ["column_1", "column_2"]
+    with pytest.raises(NotARecord, match="no column called when"):
+        read(tmp_path / "a.csv", text, Wanted(time="when"))
+
+
+@pytest.mark.parametrize(
+    "content", [b"", b"words\n", b"1,2\n" * 3, b"a\0b" * 300], ids=["nothing", "words", "short", "binary"]
+)
+def test_what_holds_no_table_is_refused(tmp_path, content):
+    (tmp_path / "a.csv").write_bytes(content)
+    with pytest.raises(NotARecord):
+        read_channels(tmp_path / "a.csv")
+
+
+def labview(x_columns, parts=1, separator="\t", decimal="."):
+    """Two channels as LabVIEW writes them."""
+    head = ["LabVIEW Measurement", "Writer_Version\t2", f"Separator\t{'Tab' if separator == chr(9) else 'Comma'}"]
+    head += [f"Decimal_Separator\t{decimal}", f"X_Columns\t{x_columns}", "***End_of_Header***", ""]
+    lines = [line.replace("\t", separator) for line in head]
+    for part in range(parts):
+        lines += [separator.join(words) for words in (
+            ("Channels", "2"), ("Samples", str(COUNT), str(COUNT)), ("Y_Unit_Label", "g", "N"), ("X0", str(part), str(part)),
+            ("Delta_X", "0.25", "0.25"), ("***End_of_Header***",),
+        )]  # fmt: skip
+        names = ["X_Value", "acc", "X_Value", "force"] if x_columns == "Multi" else ["X_Value", "acc", "force"]
+        lines.append(separator.join([*names, "Comment"]))
+        for number, sample in enumerate(SAMPLES):
+            x = "" if x_columns == "No" else f"{part + number / 4}"
+            cells = [x, f"{sample}", x, f"{2 * sample}"] if x_columns == "Multi" else [x, f"{sample}", f"{2 * sample}"]
+            lines.append(separator.join(cells))
+        lines.append("")
+    return "\r\n".join(line.replace(".", decimal) if line[:1] in "-0123456789" + separator else line for line in lines)
+
+
+@pytest.mark.parametrize("x_columns", ["No", "One", "Multi"])
+@pytest.mark.parametrize("parts", [1, 2])
+@pytest.mark.parametrize(("separator", "decimal"), [("\t", "."), ("\t", ","), (",", ".")])
+def test_a_labview_measurement(tmp_path, x_columns, parts, separator, decimal):
+    text = labview(x_columns, parts, separator, decimal).replace("0.25", f"0{decimal}25")
+    found = read(tmp_path / "a.lvm", text)
+    assert [(one.name, one.unit) for one in found] == [("acc", "g"), ("force", "N")] * parts
+    for number, channel in enumerate(found):
+        np.testing.assert_array_equal(channel.values, SAMPLES * (1 + number % 2))
+        np.testing.assert_allclose(channel.times, number // 2 + np.arange(COUNT) / 4)
+
+
+def test_a_labview_measurement_that_is_cut_off_is_refused(tmp_path):
+    for cut in (40, 150, 260):
+        with pytest.raises(NotARecord):
+            read(tmp_path / "a.lvm", labview("No")[:cut])
