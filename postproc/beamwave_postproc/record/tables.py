@@ -1,4 +1,4 @@
-"""Tables of text as loggers write them: headers of any length, clocks and dates, decimal commas, several tables in one file."""
+"""Tables of text as loggers write them: long headers, clocks and dates, decimal commas, several tables in one file."""
 
 from __future__ import annotations
 
@@ -258,7 +258,8 @@ def _labview(lines: Sequence[str], wanted: Wanted) -> list[Channel]:
         begin = next(
             (n for n in range(end - 1, -1, -1) if split[n][0].strip() == END_OF_HEADER or not lines[n].strip()), 0
         )
-        head = {row[0].strip(): row[1:] for row in split[begin + 1 : end]}
+        stride = 2 if x_columns == "multi" else 1
+        head = {row[0].strip(): row[1::stride] for row in split[begin + 1 : end]}
         count = int(head["Channels"][0])
         found += _part(
             split[end + 1 :], head, count, (comma, x_columns), wanted, "" if len(ends) == 1 else str(part + 1)
@@ -285,7 +286,10 @@ def _part(
     wanted: Wanted,
     record: str,
 ) -> list[Channel]:
-    """The channels of one part: times of a column, of a column for each, or of `X0` and `Delta_X`."""
+    """The channels of one part: times of a column, of a column for each, or of `X0` and `Delta_X`.
+
+    `Samples` is that of the first portion that was written, and tells nothing.
+    """
     comma, x_columns = form
     names = [cell.strip() for cell in rows[0]]
     width = 2 * count if x_columns == "multi" else count + 1
@@ -296,9 +300,6 @@ def _part(
             break
         block.append([np.nan if value is None else value for value in values])
     table = np.array(block, dtype=float).reshape(-1, width)
-    said = int(_cell(head, "Samples", 0, comma))
-    if len(table) < said:
-        raise NotARecord(f"is cut off: it has {len(table)} of {said} samples")
     found = []
     for channel in range(count):
         column = 2 * channel + 1 if x_columns == "multi" else channel + 1
