@@ -5,7 +5,7 @@ module bw_lapack
   implicit none (type, external)
   private
   public :: ddot, dgemm, dtrsm
-  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgeev, zgesvd
+  public :: dpotrf, dpbtrf, dpotri, dgejsv, dgesdd, dgeqp3, dgeqrf, dormqr, dgelsy, dsyev, dsygv, dsterf, zgeev, zgesv, zgesvd
 
   interface
 
@@ -176,6 +176,15 @@ module bw_lapack
       real(dp), intent(inout) :: rwork(*)
       integer, intent(out) :: info
     end subroutine zgeev
+
+    pure subroutine zgesv(n, nrhs, a, lda, ipiv, b, ldb, info)
+      !! The solution of A X = B by elimination; info > 0: A is singular.
+      import :: dp
+      implicit none (type, external)
+      integer, intent(in) :: n, nrhs, lda, ldb
+      complex(dp), intent(inout) :: a(lda, *), b(ldb, *)
+      integer, intent(out) :: ipiv(*), info
+    end subroutine zgesv
 
     subroutine zgesvd(jobu, jobvt, m, n, a, lda, s, u, ldu, vt, ldvt, work, lwork, rwork, info)
       !! All singular values of a complex matrix with their vectors.

@@ -1,65 +1,133 @@
 module bw_case_drift
-  !! What rounding of frequencies comes to by the end of a record: phases drift as time goes on. Roots of beams without tension get
-  !! as many digits as a record asks for; those of beams with tension have the digits of binary64.
-  use bw_case_plan, only: captured_samples, seen_after_release, shows_release
+  !! What rounding comes to by the end of a record: that of the sums, of the first mode's phase, and of frequencies, whose phases drift
+  !! as time goes on. Roots of beams without tension get as many digits as a record asks for; those of beams with tension have the
+  !! digits of binary64.
+  use bw_case_counts, only: samples_of_segment, stretch_of
+  use bw_case_modes, only: largest_phase_error
   use bw_case_result, only: case_motion
-  use bw_coherence, only: observation_type, stretch_type
   use bw_kinds, only: dp
-  use bw_mode_set, only: first_numbers, mode_set
-  use bw_reach, only: amplitude_of
+  use bw_magnitude, only: largest_magnitude
+  use bw_mode_set, only: mode_set, values_at
+  use bw_reach, only: amplitude_of, stretch_type
+  use bw_response, only: response_type
   use bw_scene, only: scene_type
   use bw_time_grid, only: time_grid, time_grid_of
   implicit none (type, external)
   private
-  public :: drift_errors, phase_drift
+  public :: drift_errors, rounding_errors
+
+  type :: moving_type
+    !! Modes that are in memory, the state that they start from, and when they are seen.
+    class(mode_set), allocatable :: modes
+    real(dp), allocatable :: q(:), rate(:)
+    type(stretch_type) :: stretch
+  end type moving_type
 
 contains
 
-  function drift_errors(scene, motion, velocity) result(errors)
-    !! What the rounding of β² moves the points by at the end of the record, m or m/s, (points): a sum over all modes whose roots
-    !! have no more digits than those of binary64, and 0 of others.
+  function moving_in(scene, motion, i, grid) result(moving)
+    !! In a segment; none where no sample shows it. Of very many modes the first.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
+    integer, intent(in) :: i
+    type(time_grid), intent(in) :: grid
+    type(moving_type) :: moving
+    integer :: samples(2)
+    samples = samples_of_segment(motion, i, grid)
+    if (i == 1) samples(1) = 2
+    if (samples(1) > samples(2) .and. .not. (i == 1 .and. scene%response%samples == 1)) return
+    associate (segment => motion%timeline%segments(i))
+      allocate (moving%modes, source=motion%modes%configuration(segment%configuration)%set)
+      moving%stretch = stretch_of(grid, samples(1), samples(2), segment%start)
+      if (allocated(segment%rate)) then
+        moving%rate = segment%rate(:segment%count)
+      else
+        moving%rate = segment%force*moving%modes%struck/moving%modes%modal_mass
+      end if
+      moving%q = 0.0_dp*moving%rate
+      if (allocated(segment%q)) moving%q = segment%q(:segment%count)
+    end associate
+  end function moving_in
+
+  function drift_errors(scene, motion, quantity, velocity) result(errors)
+    !! What the rounding of β² moves the points by at the end of the record, m or m/s, (points): a sum over all modes whose roots
+    !! have no more digits than those of binary64, and 0 of others. A phase that is lost altogether moves a point by twice the
+    !! amplitude.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: quantity             !! deflections or curvatures
     logical, intent(in) :: velocity             !! of the velocity, else of the displacement
     real(dp) :: errors(size(scene%response%points))
-    class(mode_set), allocatable :: free
+    type(moving_type) :: moving
     type(time_grid) :: grid
-    integer :: captured
+    real(dp), allocatable :: swing(:)
+    real(dp) :: c
+    integer :: i, k
     errors = 0.0_dp
-    if (.not. allocated(motion%modes%loaded%square_rounding)) return
     grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-    captured = captured_samples(motion%plan, grid)
-    associate (loaded => motion%modes%loaded, step => grid%step%hi, rate => motion%initial%modal_velocity)
-      errors = drift_of(loaded, 0.0_dp*rate, rate, grid, &
-                        observation_type(scene%response%points, stretch_type(step, captured*step, step), velocity))
-    end associate
-    if (shows_release(motion%plan, grid)) then
-      associate (after => motion%later%segments(2))
-        call motion%sources%free%find(first_numbers(size(after%q)), free)
-        errors = max(errors, drift_of(free, after%q, after%rate, grid, &
-                                      seen_after_release(scene, motion%plan%release%time, grid, velocity)))
-      end associate
-    end if
+    do i = 1, size(motion%timeline%segments)
+      moving = moving_in(scene, motion, i, grid)
+      if (.not. allocated(moving%modes)) cycle
+      if (.not. allocated(moving%modes%square_rounding)) cycle
+      swing = 0.0_dp*moving%q
+      c = 0.0_dp
+      do k = 1, size(swing)
+        if (allocated(moving%modes%damping)) c = moving%modes%damping(k)
+        swing(k) = min(2.0_dp, phase_drift(moving%modes, k, moving%modes%square_rounding(k), grid)) &
+          *amplitude_of(moving%modes%beta_squared(k), c, moving%q(k), moving%rate(k), moving%stretch, velocity)
+      end do
+      errors = max(errors, matmul(swing, abs(values_at(moving%modes, quantity, 1, size(swing), scene%response%points))))
+    end do
     errors = errors*abs(scene%impact%approach_velocity)
     if (.not. velocity) errors = errors*motion%units%time%hi
   end function drift_errors
 
-  function drift_of(modes, q, rate, grid, seen) result(drift)
-    !! The same of one motion in V l²/h or V. A phase that is lost altogether moves a point by twice the amplitude.
-    class(mode_set), intent(in) :: modes            !! with `square_rounding`
-    real(dp), intent(in) :: q(:), rate(:)           !! their state at the start of the motion
-    type(time_grid), intent(in) :: grid
-    type(observation_type), intent(in) :: seen
-    real(dp) :: drift(size(seen%points)), swing(size(q)), c
-    integer :: k
-    c = 0.0_dp
-    do k = 1, size(q)
-      if (allocated(modes%damping)) c = modes%damping(k)
-      swing(k) = min(2.0_dp, phase_drift(modes, k, modes%square_rounding(k), grid)) &
-        *amplitude_of(modes%beta_squared(k), c, q(k), rate(k), seen%stretch, seen%velocity)
+  function rounding_errors(scene, motion, response, velocity) result(errors)
+    !! What the sum of the modes is off by, and the phase of the first mode, whose motion is most of the whole, m or m/s,
+    !! (points). The samples may all be near the zeros of that motion: it counts as far as it swings between them.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(response_type), intent(in) :: response
+    logical, intent(in) :: velocity             !! of the velocity, else of the displacement
+    real(dp) :: errors(size(scene%response%points))
+    type(moving_type) :: moving
+    type(time_grid) :: grid
+    real(dp) :: c, peak, phase, unit
+    integer :: i
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    unit = abs(scene%impact%approach_velocity)
+    if (velocity) then
+      peak = largest_magnitude(response%velocity)
+    else
+      peak = largest_magnitude(response%displacement)
+      unit = unit*motion%units%time%hi
+    end if
+    errors = 0.0_dp
+    phase = 0.0_dp
+    do i = 1, size(motion%timeline%segments)
+      moving = moving_in(scene, motion, i, grid)
+      if (.not. allocated(moving%modes)) cycle
+      phase = max(phase, phase_error(scene, moving%modes, grid))
+      c = 0.0_dp
+      if (allocated(moving%modes%damping)) c = moving%modes%damping(1)
+      errors = max(errors, amplitude_of(moving%modes%beta_squared(1), c, moving%q(1), moving%rate(1), moving%stretch, velocity) &
+        *abs(reshape(values_at(moving%modes, response%sampling%quantity, 1, 1, scene%response%points), [size(errors)])))
     end do
-    drift = matmul(swing, abs(modes%some_shapes(1, size(q), seen%points)))
-  end function drift_of
+    errors = (response%sum_error + phase)*max(peak, errors*unit)
+  end function rounding_errors
+
+  pure real(dp) function phase_error(scene, modes, grid) result(error)
+    !! Of the first mode: what the rounding of its root comes to at the end of the record, in its phase or as a part of its growth. A
+    !! root that binary64 does not carry so far has more digits; of those that never have more, `drift_errors` tells.
+    type(scene_type), intent(in) :: scene
+    class(mode_set), intent(in) :: modes
+    type(time_grid), intent(in) :: grid
+    real(dp), parameter :: least_turning = 0.1_dp   ! β/α²; where it is less roots have more digits too (bw_refined_root)
+    error = 0.0_dp
+    if (allocated(modes%square_rounding)) return
+    error = phase_drift(modes, 1, 4.0_dp*epsilon(error)*modes%alpha(1)**4, grid)
+    error = min(error, largest_phase_error(scene)/least_turning)
+  end function phase_error
 
   pure real(dp) function phase_drift(modes, k, square_error, grid) result(drift)
     !! What an error of β² comes to at the end of the record, in the phase of mode k or as a part of its growth.

@@ -1,100 +1,69 @@
 module bw_case_histories
-  !! The histories of a case, from the state after each event to the next: of the modes that a scene counts, or of as many
-  !! as its tolerance takes. A sample at exactly the time of an event belongs to what comes after it.
-  use bw_beam_units, only: beam_units
+  !! The histories of a case, segment by segment: of the modes that a scene counts, or of as many as its tolerance takes. The last two
+  !! octaves of a segment's modes are summed apart, since they tell what those that are left out may add.
+  use bw_case_counts, only: samples_of_segment
   use bw_case_notes, only: note_failure, out_of_reach
-  use bw_case_plan, only: captured_samples, force_of
-  use bw_case_result, only: case_diverged, case_histories, case_motion, case_not_converged
+  use bw_case_result, only: block_type, case_diverged, case_histories, case_motion, case_not_converged
   use bw_double_double, only: operator(*), operator(-)
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set
-  use bw_modes_par, only: by_tolerance
+  use bw_mode_set, only: configuration_type, deflections, first_failure
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_response, only: fill_unknown, finish_histories, response_type, sampling_type, start_histories, sum_tolerance
   use bw_scene, only: scene_type
-  use bw_segment, only: beam_in_contact, leaves_range, loaded_beam, move, segment_type
-  use bw_set_sum, only: add_motion, free_motion
+  use bw_segment, only: leaves_range, move, segment_type
+  use bw_set_sum, only: add_motion
   use bw_streamed_modes, only: add_modes_of_source
   use bw_text, only: append, shortest, text_of
-  use bw_time_grid, only: first_sample, time_grid, time_grid_of
+  use bw_time_grid, only: time_grid, time_grid_of
+  use bw_truncation_error, only: block_ends, fewest
   implicit none (type, external)
   private
-  public :: last_sample, sum_histories
+  public :: sum_histories
 
 contains
 
-  subroutine sum_histories(scene, motion, monitor, workspace, histories, first)
+  subroutine sum_histories(scene, motion, quantity, monitor, workspace, histories)
     !! Fill where the modes mean nothing, or one was not found, or the tolerance is out of reach, and from the first overflow on.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    class(monitor_type), intent(inout) :: monitor        !! the histories mean nothing where it asks to stop
+    integer, intent(in) :: quantity                      !! deflections or curvatures (bw_mode_set)
+    class(monitor_type), intent(inout), target :: monitor   !! the histories mean nothing where it asks to stop
     type(nonuniform_sum), intent(inout) :: workspace     !! any, also one that another case has used
     type(case_histories), intent(out) :: histories
-    integer, intent(in), optional :: first               !! mode, from which on they are summed, else from 1
-    type(time_grid) :: grid
-    integer :: from
-    from = 1
-    if (present(first)) from = first
+    type(sampling_type) :: sampling
+    logical :: known
     if (.not. motion%modes%resolved) histories%status = case_not_converged
     if (.not. allocated(scene%response)) return
-    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    sampling%points = scene%response%points
+    sampling%grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    sampling%unit_time = motion%units%time%hi
+    sampling%velocity = scene%response%velocity .and. quantity == deflections
+    sampling%quantity = quantity
     allocate (histories%response)
-    if (.not. motion%modes%resolved) then
-      call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
-    else if (by_tolerance(scene%modes) .and. motion%plan%reached > scene%modes%tolerance) then
+    known = motion%modes%resolved
+    if (known .and. motion%reached > scene%modes%tolerance) then
       histories%status = case_not_converged
-      call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion%sources, motion%plan)//'; no histories are given')
-      call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
-    else if (by_tolerance(scene%modes)) then
-      call sum_to_tolerance(scene, motion, grid, from, monitor, workspace, histories%response)
-    else if (allocated(motion%later%segments)) then
-      call sum_segments(scene, motion, grid, from, monitor, histories%response)
-    else if (allocated(motion%modes%loaded)) then
-      call sum_whole(motion%modes%loaded)
-    else
-      call sum_whole(motion%modes%free)
+      call append(histories%notes, 'tolerance: '//out_of_reach(scene, motion)//'; no histories are given')
+      known = .false.
     end if
-    if (histories%response%failing_mode > 0) call note_overflow(scene, histories)
-    associate (failure => motion%sources%failure())
-      if (failure%first == 0 .or. histories%status == case_not_converged) return
-      histories%status = case_not_converged
-      call note_failure(failure, 'no histories are given', histories%notes)
-      call fill_histories(sampling_of(scene, motion%units, grid), histories%response)
-    end associate
-  contains
-    subroutine sum_whole(modes)
-      class(mode_set), intent(in) :: modes
-      call free_motion(modes, without_first(from - 1, motion%initial%modal_velocity)*scene%impact%approach_velocity, &
-                       sampling_of(scene, motion%units, grid), monitor, histories%response, workspace)
-    end subroutine sum_whole
+    if (known) then
+      call sum_segments(scene, motion, sampling, monitor, workspace, histories)
+      if (monitor%stop_requested()) return
+      if (histories%response%failing_mode > 0) call note_overflow(scene, histories)
+      associate (failure => first_failure(motion%modes%configuration))
+        known = failure%first == 0
+        if (.not. known .and. histories%status /= case_not_converged) then
+          histories%status = case_not_converged
+          call note_failure(failure, 'no histories are given', histories%notes)
+        end if
+      end associate
+    end if
+    if (known) return
+    call start_histories(sampling, histories%response)
+    histories%response%finite_samples = 0
+    call fill_unknown(histories%response)
   end subroutine sum_histories
-
-  pure function without_first(count, values) result(others)
-    !! Of values of modes, in their order, zeros in the place of the first.
-    integer, intent(in) :: count
-    real(dp), intent(in) :: values(:)
-    real(dp) :: others(size(values))
-    others = values
-    others(:min(count, size(values))) = 0.0_dp
-  end function without_first
-
-  pure type(sampling_type) function sampling_of(scene, units, grid) result(sampling)
-    !! What the scene asks for, of all samples or of some.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(time_grid), intent(in) :: grid
-    sampling = sampling_type(scene%response%points, grid, units%time%hi, scene%response%velocity)
-  end function sampling_of
-
-  subroutine fill_histories(sampling, response)
-    !! No sample is known.
-    type(sampling_type), intent(in) :: sampling
-    type(response_type), intent(out) :: response
-    call start_histories(sampling, response)
-    response%finite_samples = 0
-    call fill_unknown(response)
-  end subroutine fill_histories
 
   subroutine note_overflow(scene, histories)
     type(scene_type), intent(in) :: scene
@@ -105,78 +74,34 @@ contains
       ' s; the histories hold fill from there on')
   end subroutine note_overflow
 
-  subroutine sum_to_tolerance(scene, motion, grid, from, monitor, workspace, response)
-    !! As many modes as the plan says; where the mass leaves, the captured motion up to the last sample before that, then the
-    !! motion of the beam alone.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    type(time_grid), intent(in) :: grid
-    integer, intent(in) :: from                  !! the first mode that is summed
-    class(monitor_type), intent(inout), target :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace
-    type(response_type), intent(out) :: response
-    type(response_type) :: captured
-    type(part_monitor) :: part
-    type(time_grid) :: early
-    if (.not. allocated(motion%plan%release)) then
-      call sum_captured(scene, motion, grid, from, monitor, workspace, response)
-      return
-    end if
-    early = time_grid(captured_samples(motion%plan, grid), grid%step)
-    call start_histories(sampling_of(scene, motion%units, grid), response)
-    part = part_monitor(monitor, 0.0_dp, real(early%samples, dp)/grid%samples)
-    call sum_captured(scene, motion, early, from, part, workspace, captured)
-    if (monitor%stop_requested()) return
-    call copy_samples(captured, 1, early%samples, response)
-    response%sum_error = max(sum_tolerance, captured%sum_error)
-    response%mode_seconds = captured%mode_seconds
-    response%transformed = captured%transformed
-    call add_segment(scene, motion%units, motion%later%segments(2), motion%later%released, grid%samples, from, monitor, response)
-    call fill_unknown(response)
-  end subroutine sum_to_tolerance
-
-  subroutine sum_captured(scene, motion, grid, from, monitor, workspace, response)
-    !! Modes of beam and mass that start from rest position.
-    type(scene_type), intent(in) :: scene
-    type(case_motion), intent(in) :: motion
-    type(time_grid), intent(in) :: grid
-    integer, intent(in) :: from                  !! the first mode that is summed
-    class(monitor_type), intent(inout) :: monitor
-    type(nonuniform_sum), intent(inout) :: workspace
-    type(response_type), intent(out) :: response
-    call start_histories(sampling_of(scene, motion%units, grid), response)
-    call add_modes_of_source(motion%sources%loaded, force_of(scene)*(scene%impact%approach_velocity*motion%units%time%hi), &
-                             from, motion%plan%count, sum_tolerance, monitor, response, workspace)
-    call finish_histories(response)
-  end subroutine sum_captured
-
-  subroutine sum_segments(scene, motion, grid, from, monitor, response)
+  subroutine sum_segments(scene, motion, sampling, monitor, workspace, histories)
     !! All segments in order, up to where contacts leave nothing that is known; leaves early if the monitor asks for it.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(time_grid), intent(in) :: grid
-    integer, intent(in) :: from                  !! the first mode that is summed
-    class(monitor_type), intent(inout) :: monitor
-    type(response_type), intent(out) :: response
-    integer :: i, last
-    call start_histories(sampling_of(scene, motion%units, grid), response)
-    response%finite_samples = samples_before(motion%later%known_until, grid)
-    do i = 1, size(motion%later%segments)
-      last = min(last_sample(motion%later%segments, i, grid), response%finite_samples)
-      associate (segment => motion%later%segments(i))
-        select case (segment%modes)
-        case (loaded_beam)
-          call add_segment(scene, motion%units, segment, motion%modes%loaded, last, from, monitor, response)
-        case (beam_in_contact)
-          call add_segment(scene, motion%units, segment, motion%later%in_contact, last, from, monitor, response)
-        case default
-          call add_segment(scene, motion%units, segment, motion%modes%free, last, from, monitor, response)
-        end select
-      end associate
-      if (monitor%stop_requested()) return
-    end do
-    call fill_unknown(response)
-    if (allocated(scene%release)) response%sum_error = sum_tolerance
+    type(sampling_type), intent(in) :: sampling          !! of the whole record
+    class(monitor_type), intent(inout), target :: monitor
+    type(nonuniform_sum), intent(inout) :: workspace
+    type(case_histories), intent(inout) :: histories
+    type(part_monitor) :: share
+    type(response_type) :: part
+    integer :: i, samples(2)
+    call start_histories(sampling, histories%response)
+    associate (response => histories%response, segments => motion%timeline%segments, grid => sampling%grid)
+      allocate (histories%blocks(size(segments)))
+      response%finite_samples = samples_before(motion%timeline%known_until, grid)
+      do i = 1, size(segments)
+        samples = samples_of_segment(motion, i, grid)
+        samples(2) = min(samples(2), response%finite_samples)
+        if (samples(1) > samples(2) .or. response%failing_mode > 0) cycle
+        share = part_monitor(monitor, (samples(1) - 1.0_dp)/grid%samples, (samples(2) - samples(1) + 1.0_dp)/grid%samples)
+        call sum_segment(scene, motion, segments(i), motion%modes%configuration(segments(i)%configuration), sampling, samples, &
+                         share, workspace, part, histories%blocks(i))
+        if (monitor%stop_requested()) return
+        call take_samples(part, samples, response)
+      end do
+      call fill_unknown(response)
+      if (any(segments%handed > 0)) response%sum_error = max(response%sum_error, sum_tolerance)
+    end associate
   end subroutine sum_segments
 
   pure integer function samples_before(time, grid) result(samples)
@@ -189,61 +114,126 @@ contains
     if ((samples - 1)*grid%step%hi >= time) samples = samples - 1
   end function samples_before
 
-  pure integer function last_sample(segments, i, grid) result(last)
-    !! Of a segment, from 1: before the first of the next.
-    type(segment_type), intent(in) :: segments(:)
-    integer, intent(in) :: i
-    type(time_grid), intent(in) :: grid
-    last = grid%samples
-    if (i < size(segments)) last = first_sample(segments(i + 1)%start, grid) - 1
-  end function last_sample
-
-  subroutine add_segment(scene, units, segment, modes, last, from, monitor, response)
-    !! From the first sample of a segment to its last: summed from its own state at the first.
+  subroutine sum_segment(scene, motion, segment, configuration, sampling, samples, monitor, workspace, part, block)
+    !! The histories of a segment, from its state at its first sample, and what its last modes come to.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
+    type(case_motion), intent(in) :: motion
     type(segment_type), intent(in) :: segment
-    class(mode_set), intent(in) :: modes          !! that move in it
-    integer, intent(in) :: last                   !! sample, from 1
-    integer, intent(in) :: from                   !! the first mode that is summed
+    type(configuration_type), intent(in) :: configuration    !! whose modes move in it
+    type(sampling_type), intent(in) :: sampling          !! of the whole record
+    integer, intent(in) :: samples(2)                    !! the first and the last of the segment
     class(monitor_type), intent(inout), target :: monitor
-    type(response_type), intent(inout) :: response    !! of the whole record, started
-    type(time_grid) :: grid, own
-    type(response_type) :: part
-    type(part_monitor) :: share
-    real(dp) :: q(modes%count), rate(modes%count), unit
-    integer :: first
-    grid = time_grid_of(scene%response%duration, scene%response%samples, units%time)
-    first = first_sample(segment%start, grid)
-    if (first > last .or. response%failing_mode > 0) return
-    q = without_first(from - 1, segment%q)
-    rate = without_first(from - 1, segment%rate)
-    if (leaves_range(modes, grid%step*real(first - 1, dp) - segment%start)) then
-      response%failing_mode = 1
-      response%finite_samples = first - 1
-      return
-    end if
-    call move(modes, grid%step*real(first - 1, dp) - segment%start, q, rate)
-    share = part_monitor(monitor, real(first - 1, dp)/grid%samples, real(last - first + 1, dp)/grid%samples)
-    own = time_grid(last - first + 1, grid%step)
-    call start_histories(sampling_of(scene, units, own), part)
-    unit = scene%impact%approach_velocity*units%time%hi
-    call add_motion(modes, rate*unit, share, part, displaced=q*unit)
-    response%sum_error = max(response%sum_error, part%sum_error)
+    type(nonuniform_sum), intent(inout) :: workspace
+    type(response_type), intent(out) :: part             !! of these samples
+    type(block_type), intent(out) :: block
+    type(sampling_type) :: own
+    type(response_type) :: octave
+    type(segment_type) :: moved
+    integer :: b, ends(3)
+    own = sampling
+    own%grid = time_grid(samples(2) - samples(1) + 1, sampling%grid%step)
+    call start_histories(own, part)
+    call move_to_sample(segment, configuration, sampling%grid, samples(1), moved, part)
+    if (part%failing_mode > 0) return
+    ends = block_ends(segment%count)
+    if (segment%count < fewest .or. (allocated(segment%rate) .and. .not. allocated(segment%lack))) ends = segment%count
+    call add_modes(1, ends(1), part)
+    allocate (block%value(size(own%points), 2), block%rate(size(own%points), 2), source=0.0_dp)
+    do b = 1, 2
+      if (ends(b) == ends(b + 1)) exit
+      if (monitor%stop_requested()) exit
+      call start_histories(own, octave)
+      call add_modes(ends(b) + 1, ends(b + 1), octave)
+      call take_octave(octave, merge(2, 1, samples(1) == 1), block%value(:, b), block%rate(:, b), part)
+    end do
     call finish_histories(part)
-    call copy_samples(part, first, last, response)
-  end subroutine add_segment
+    block%rate = block%rate/own%unit_time
+  contains
+    subroutine add_modes(first, last, response)
+      !! Some of the modes.
+      integer, intent(in) :: first, last
+      type(response_type), intent(inout) :: response
+      type(part_monitor) :: share
+      real(dp) :: unit                                   ! m of displacements in V l²/h
+      if (first > last) return
+      share = part_monitor(monitor, (first - 1.0_dp)/segment%count, (last - first + 1.0_dp)/segment%count)
+      unit = scene%impact%approach_velocity*motion%units%time%hi
+      if (allocated(moved%rate)) then
+        call add_motion(configuration%set, moved%rate*unit, share, response, displaced=moved%q*unit, workspace=workspace, &
+                        range=[first, last])
+      else
+        call add_modes_of_source(configuration%source, moved%force*unit, first, last, sum_tolerance, share, response, workspace)
+      end if
+    end subroutine add_modes
+  end subroutine sum_segment
 
-  pure subroutine copy_samples(part, first, last, whole)
-    !! Histories of some of the samples into those of all.
-    type(response_type), intent(in) :: part
-    integer, intent(in) :: first, last
+  pure subroutine move_to_sample(segment, configuration, grid, sample, moved, part)
+    !! The state at a sample; a motion that has left the range of numbers by then fails.
+    type(segment_type), intent(in) :: segment
+    type(configuration_type), intent(in) :: configuration
+    type(time_grid), intent(in) :: grid                  !! of the whole record
+    integer, intent(in) :: sample                        !! from 1
+    type(segment_type), intent(out) :: moved
+    type(response_type), intent(inout) :: part
+    real(dp), allocatable :: none(:)
+    moved%force = segment%force
+    if (.not. allocated(segment%rate)) return
+    associate (elapsed => grid%step*real(sample - 1, dp) - segment%start)
+      if (leaves_range(configuration%set, elapsed)) then
+        part%failing_mode = 1
+        part%finite_samples = 0
+        return
+      end if
+      moved%rate = segment%rate
+      none = 0.0_dp*moved%rate
+      moved%q = none
+      if (allocated(segment%q)) moved%q = segment%q
+      call move(configuration%set, elapsed, moved%q, moved%rate)
+    end associate
+  end subroutine move_to_sample
+
+  pure subroutine take_octave(octave, first, value, rate, part)
+    !! The largest values of an octave of modes at each point, and its sum with the others.
+    type(response_type), intent(in) :: octave
+    integer, intent(in) :: first                         !! sample that is looked at: not that of the blow
+    real(dp), intent(out) :: value(:), rate(:)           !! (points)
+    type(response_type), intent(inout) :: part
+    integer :: n
+    n = octave%finite_samples
+    value = max(0.0_dp, maxval(abs(octave%displacement(first:n, :)), 1))
+    rate = 0.0_dp
+    part%displacement = part%displacement + octave%displacement
+    if (allocated(part%velocity)) then
+      rate = max(0.0_dp, maxval(abs(octave%velocity(first:n, :)), 1))
+      part%velocity = part%velocity + octave%velocity
+    end if
+    part%sum_error = max(part%sum_error, octave%sum_error)
+    part%transformed = part%transformed + octave%transformed
+    part%mode_seconds = part%mode_seconds + octave%mode_seconds
+    if (n < part%finite_samples) then
+      part%finite_samples = n
+      part%failing_mode = octave%failing_mode
+    end if
+  end subroutine take_octave
+
+  subroutine take_samples(part, samples, whole)
+    !! Histories of some of the samples into those of all; where they are all, they are not copied.
+    type(response_type), intent(inout) :: part
+    integer, intent(in) :: samples(2)
     type(response_type), intent(inout) :: whole
-    whole%displacement(first:last, :) = part%displacement
-    if (allocated(whole%velocity)) whole%velocity(first:last, :) = part%velocity
+    if (samples(2) - samples(1) + 1 == whole%sampling%grid%samples) then
+      call move_alloc(part%displacement, whole%displacement)
+      call move_alloc(part%velocity, whole%velocity)
+    else
+      whole%displacement(samples(1):samples(2), :) = part%displacement
+      if (allocated(whole%velocity)) whole%velocity(samples(1):samples(2), :) = part%velocity
+    end if
+    whole%sum_error = max(whole%sum_error, part%sum_error)
+    whole%transformed = whole%transformed + part%transformed
+    whole%mode_seconds = whole%mode_seconds + part%mode_seconds
     if (part%failing_mode == 0) return
     whole%failing_mode = part%failing_mode
-    whole%finite_samples = first - 1 + part%finite_samples
-  end subroutine copy_samples
+    whole%finite_samples = samples(1) - 1 + part%finite_samples
+  end subroutine take_samples
 
 end module bw_case_histories

@@ -8,20 +8,21 @@ module bw_case_modes
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_mode_cache, only: mode_cache
-  use bw_mode_choice, only: first_modes
-  use bw_mode_set, only: first_numbers, mode_set, mode_source, mode_sources
+  use bw_mode_set, only: configuration_type, first_numbers, mode_source
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_piece_source, only: source_of_pieces
   use bw_rotation, only: acts_in_plane, dimensionless_speed
   use bw_scene, only: by_pieces, changes_shapes, is_built_up, scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_segment, only: alone, together
   use bw_strain_cache, only: strain_cache
   use bw_strain_source, only: strain_problem, strain_source, strain_source_of
+  use bw_timeline, only: comes_back
   use bw_varying_beam, only: under_tension
   implicit none (type, external)
   private
-  public :: enough_for_errors, extend_sources, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
+  public :: extend_source, find_modes, find_sources, largest_phase_error, most_to_tolerance, record_stretch
 
   type, public :: case_mode_cache
     !! Modes that cases of a sweep share.
@@ -29,6 +30,7 @@ module bw_case_modes
     type(strain_cache) :: strains        !! modes under tension by the beam and what acts on it
   end type case_mode_cache
 
+  integer, parameter, public :: first_modes = 64   !! enough to know the peak of a motion, and to judge what others add
   integer, parameter :: most_to_tolerance(2) = [400, 256]
     !! modes under tension that a tolerance may take, without and with shear: about two seconds' work
   character(*), parameter :: lost_mode = &
@@ -39,151 +41,140 @@ module bw_case_modes
 
 contains
 
-  subroutine find_modes(scene, units, monitor, modes, sources, cache)
-    !! Sources of all modes, and those sets of them that are held in memory. Where a tolerance says how many are summed,
+  subroutine find_modes(scene, units, monitor, modes, cache)
+    !! Where modes of each configuration come from, and those that are held in memory. Where a tolerance says how many are summed,
     !! there are none of the beam alone, and the first few stand for those of beam and mass.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout), target :: monitor    !! the modes mean nothing where it asks to stop
     type(case_modes), intent(out) :: modes
-    type(mode_sources), intent(out) :: sources
     type(case_mode_cache), intent(inout), target, optional :: cache
       !! must live as long as the sources do; absent: no modes are shared
-    real(dp), allocatable :: longest               ! absent: no history is asked for
-    type(part_monitor) :: first, second
-    first = part_monitor(monitor, 0.0_dp, scene%modes%after/(scene%modes%after + real(scene%modes%before, dp)))
-    second = part_monitor(monitor, first%share, 1.0_dp - first%share)
-    call find_sources(scene, units, monitor, modes, sources, cache)
+    type(part_monitor) :: part
+    integer, allocatable :: counts(:)
+    real(dp) :: done
+    integer :: i
+    call find_sources(scene, units, monitor, modes, cache)
     if (monitor%stop_requested()) return
-    if (allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/units%time%hi)
-    if (allocated(scene%capture)) then
-      call sources%loaded%find(first_numbers(scene%modes%after), modes%loaded, longest, first)
+    counts = counts_of(scene, size(modes%configuration))
+    done = 0.0_dp
+    do i = size(counts), 1, -1
+      if (counts(i) == 0) cycle
+      part = part_monitor(monitor, done, real(counts(i), dp)/sum(counts))
+      done = done + part%share
+      call find_set(scene, units, i == modes%moving, counts(i), part, modes%configuration(i), modes)
       if (monitor%stop_requested()) return
-      call modes%loaded%forget_rigid_waves()
-      call look_at(modes%loaded)
-      call note_coupling(scene, units, modes%loaded, modes%notes)
-      call note_growth(units, modes%loaded, modes%notes)
-      if (by_tolerance(scene%modes)) return
-      call sources%free%find(first_numbers(scene%modes%before), modes%free, monitor=second)
-      call modes%free%forget_rigid_waves()
-      call look_at(modes%free)
-    else
-      call sources%free%find(first_numbers(scene%modes%before), modes%free, longest, second)
-      call modes%free%forget_rigid_waves()
-      call look_at(modes%free)
-      call note_coupling(scene, units, modes%free, modes%notes)
-      call note_growth(units, modes%free, modes%notes)
-    end if
-  contains
-    subroutine look_at(set)
-      !! Was every mode found?
-      class(mode_set), intent(in) :: set
-      if (modes%resolved .and. .not. set%resolved) call note_unresolved(lost_mode, modes%notes)
-      modes%resolved = modes%resolved .and. set%resolved
-    end subroutine look_at
+    end do
   end subroutine find_modes
 
-  subroutine find_sources(scene, units, monitor, modes, sources, cache)
+  pure function counts_of(scene, configurations) result(counts)
+    !! Modes in memory of each configuration.
+    type(scene_type), intent(in) :: scene
+    integer, intent(in) :: configurations
+    integer :: counts(configurations)
+    counts(1) = scene%modes%before
+    if (configurations > 1) counts(2) = scene%modes%after
+  end function counts_of
+
+  subroutine find_set(scene, units, moves, count, monitor, configuration, modes)
+    !! The first modes of a configuration, and what there is to say of those that move after t = 0.
+    type(scene_type), intent(in) :: scene
+    type(beam_units), intent(in) :: units
+    logical, intent(in) :: moves
+    integer, intent(in) :: count
+    class(monitor_type), intent(inout) :: monitor
+    type(configuration_type), intent(inout) :: configuration
+    type(case_modes), intent(inout) :: modes
+    real(dp), allocatable :: longest               ! absent: no history is asked for
+    if (moves .and. allocated(scene%response)) longest = record_stretch(scene)*(scene%response%duration/units%time%hi)
+    call configuration%source%find(first_numbers(count), configuration%set, longest, monitor)
+    if (monitor%stop_requested()) return
+    call configuration%set%forget_rigid_waves()
+    if (modes%resolved .and. .not. configuration%set%resolved) call note_unresolved(lost_mode, modes%notes)
+    modes%resolved = modes%resolved .and. configuration%set%resolved
+    if (.not. moves) return
+    call note_coupling(scene, units, configuration%set, modes%notes)
+    call note_growth(units, configuration%set, modes%notes)
+  end subroutine find_set
+
+  subroutine find_sources(scene, units, monitor, modes, cache)
     !! By the closed form where shapes are those of the paper's beam, by Galerkin's method where there is tension, else exactly by
-    !! pieces.
+    !! pieces: of the beam alone, and with the mass if that is captured.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
     class(monitor_type), intent(inout) :: monitor
-    type(case_modes), intent(inout) :: modes       !! no sets, but what is known of them before they are found
-    type(mode_sources), intent(out) :: sources
+    type(case_modes), intent(out) :: modes         !! no sets, but what is known of them before they are found
     type(case_mode_cache), intent(inout), target, optional :: cache
-    if (by_pieces(scene)) then
-      call find_pieces(scene, units, modes, sources)
-    else if (changes_shapes(scene)) then
-      call find_galerkin(scene, units, monitor, modes, sources, cache)
-      if (monitor%stop_requested()) return
-    else
-      call find_closed_form(scene, units, modes, sources, cache)
-    end if
+    integer :: i
+    modes%moving = merge(together, alone, allocated(scene%capture))
+    allocate (modes%configuration(modes%moving))
+    call note_rotation(scene, modes)
+    do i = 1, size(modes%configuration)
+      associate (source => modes%configuration(i)%source)
+        if (by_pieces(scene)) then
+          allocate (source, source=source_of_pieces(pieces_of(scene, units, i == together)))
+        else if (changes_shapes(scene)) then
+          call find_galerkin(scene, units, i == together, monitor, modes, source, cache)
+          if (monitor%stop_requested()) return
+        else
+          call find_closed_form(scene, units, i == together, source, cache)
+        end if
+        if (allocated(scene%damping)) source%damping = law_of(scene%damping, units)
+        if (i == together) source%stretch = record_stretch(scene)
+      end associate
+    end do
     call note_empty_bodies(scene, modes%notes)
-    call prepare(scene, units, sources%free)
-    if (.not. allocated(scene%capture)) return
-    call prepare(scene, units, sources%loaded)
-    sources%loaded%stretch = record_stretch(scene)
   end subroutine find_sources
 
-  subroutine prepare(scene, units, source)
-    !! Say what damps the modes.
+  subroutine note_rotation(scene, modes)
+    !! Without tension rotation acts in its own plane, and out of it by the turning of the sections alone.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    class(mode_source), intent(inout) :: source
-    if (allocated(scene%damping)) source%damping = law_of(scene%damping, units)
-  end subroutine prepare
+    type(case_modes), intent(inout) :: modes
+    if (.not. allocated(scene%rotation) .or. (changes_shapes(scene) .and. .not. by_pieces(scene))) return
+    modes%can_grow = acts_in_plane(scene%rotation) .or. allocated(scene%shear)
+    if (.not. modes%can_grow) call note_no_effect(modes%notes)
+  end subroutine note_rotation
 
-  subroutine find_closed_form(scene, units, modes, sources, cache)
+  subroutine find_closed_form(scene, units, with_mass, source, cache)
     !! Rotation acts on modes in closed form in its own plane only.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
-    type(case_modes), intent(inout) :: modes
-    type(mode_sources), intent(inout) :: sources
+    logical, intent(in) :: with_mass
+    class(mode_source), allocatable, intent(out) :: source
     type(case_mode_cache), intent(inout), target, optional :: cache
+    type(closed_form_source), allocatable :: found
     type(dd), allocatable :: omega                 ! absent: the beam does not rotate in the plane of its motion
+    type(dd) :: gamma
     if (allocated(scene%rotation)) then
-      modes%can_grow = acts_in_plane(scene%rotation)
-      if (modes%can_grow) omega = dimensionless_speed(scene%rotation, units)
-      if (.not. modes%can_grow) call note_no_effect(modes%notes)
+      if (acts_in_plane(scene%rotation)) omega = dimensionless_speed(scene%rotation, units)
     end if
-    call make_source(dd(), sources%free)
-    if (allocated(scene%capture)) call make_source(dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low), sources%loaded)
-  contains
-    subroutine make_source(gamma, source)
-      type(dd), intent(in) :: gamma
-      class(mode_source), allocatable, intent(out) :: source
-      type(closed_form_source), allocatable :: found
-      allocate (found)
-      found = source_in_closed_form(gamma, omega)
-      if (present(cache)) found%cache => cache%closed_form
-      if (allocated(scene%response)) found%points = scene%response%points
-      call move_alloc(found, source)
-    end subroutine make_source
+    if (with_mass) gamma = dd(scene%impact%mass_ratio, scene%impact%mass_ratio_low)
+    allocate (found)
+    found = source_in_closed_form(gamma, omega)
+    if (present(cache)) found%cache => cache%closed_form
+    if (allocated(scene%response)) found%points = scene%response%points
+    call move_alloc(found, source)
   end subroutine find_closed_form
 
-  subroutine find_pieces(scene, units, modes, sources)
-    !! Rotation acts out of its own plane by the turning of the sections alone.
-    type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
-    type(case_modes), intent(inout) :: modes
-    type(mode_sources), intent(inout) :: sources
-    if (allocated(scene%rotation)) then
-      modes%can_grow = acts_in_plane(scene%rotation) .or. allocated(scene%shear)
-      if (.not. modes%can_grow) call note_no_effect(modes%notes)
-    end if
-    allocate (sources%free, source=source_of_pieces(pieces_of(scene, units, .false.)))
-    if (allocated(scene%capture)) allocate (sources%loaded, source=source_of_pieces(pieces_of(scene, units, .true.)))
-  end subroutine find_pieces
-
-  subroutine find_galerkin(scene, units, monitor, modes, sources, cache)
+  subroutine find_galerkin(scene, units, with_mass, monitor, modes, source, cache)
     !! As many as are summed, and as estimates of errors take.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
+    logical, intent(in) :: with_mass
     class(monitor_type), intent(inout) :: monitor
     type(case_modes), intent(inout) :: modes
-    type(mode_sources), intent(inout) :: sources
+    class(mode_source), allocatable, intent(out) :: source
     type(case_mode_cache), intent(inout), optional :: cache
-    if (allocated(scene%capture)) call solve(.true., max(scene%modes%after, enough_for_errors(scene)), sources%loaded)
-    if (monitor%stop_requested()) return
-    if (allocated(scene%release)) then
-      call solve(.false., max(scene%modes%before, enough_for_errors(scene)), sources%free)
-    else
-      call solve(.false., max(scene%modes%before, 1), sources%free)
-    end if
-  contains
-    subroutine solve(carries_mass, count, source)
-      logical, intent(in) :: carries_mass
-      integer, intent(in) :: count
-      class(mode_source), allocatable, intent(out) :: source
-      type(strain_source), allocatable :: found
-      allocate (found)
-      call solve_strains(problem_of(scene, units, carries_mass), count, found, monitor, cache)
-      if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(no_basis, modes%notes)
-      modes%resolved = modes%resolved .and. found%solved%resolved
-      call move_alloc(found, source)
-    end subroutine solve
+    type(strain_source), allocatable :: found
+    integer :: count
+    count = max(1, scene%modes%before)
+    if (with_mass) count = scene%modes%after
+    if (allocated(scene%response) .and. (with_mass .or. comes_back(scene))) count = max(count, first_modes)
+    allocate (found)
+    call solve_strains(problem_of(scene, units, with_mass), count, found, monitor, cache)
+    if (modes%resolved .and. .not. found%solved%resolved) call note_unresolved(no_basis, modes%notes)
+    modes%resolved = modes%resolved .and. found%solved%resolved
+    call move_alloc(found, source)
   end subroutine find_galerkin
 
   type(strain_problem) function problem_of(scene, units, carries_mass) result(problem)
@@ -214,47 +205,31 @@ contains
     end if
   end subroutine solve_strains
 
-  pure integer function enough_for_errors(scene) result(count)
-    !! Modes that an estimate of what is not summed looks at; more are judged from the last of them.
-    type(scene_type), intent(in) :: scene
-    integer :: most
-    count = 0
-    if (.not. allocated(scene%response)) return
-    count = first_modes
-    if (.not. allocated(scene%release)) return
-    most = max(scene%modes%before, scene%modes%after)
-    count = max(count, most, min(most_to_tolerance(2), 2*most))
-  end function enough_for_errors
-
-  subroutine extend_sources(scene, units, monitor, sources, extended, cache)
+  subroutine extend_source(scene, units, with_mass, monitor, source, extended, cache)
     !! Twice as many modes, if there may be more: only a basis for tension has an end.
     type(scene_type), intent(in) :: scene
     type(beam_units), intent(in) :: units
+    logical, intent(in) :: with_mass
     class(monitor_type), intent(inout) :: monitor  !! nothing is extended where it asks to stop
-    type(mode_sources), intent(inout) :: sources
+    class(mode_source), intent(inout) :: source
     logical, intent(out) :: extended
     type(case_mode_cache), intent(inout), optional :: cache
-    call extend(.true., sources%loaded)
-    if (extended .and. allocated(scene%release)) call extend(.false., sources%free)
-  contains
-    subroutine extend(carries_mass, source)
-      logical, intent(in) :: carries_mass
-      class(mode_source), intent(inout) :: source
-      type(strain_source) :: more
-      integer :: most
-      extended = .false.
-      most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
-      select type (source)
-      type is (strain_source)
-        if (source%highest >= most) return
-        call solve_strains(problem_of(scene, units, carries_mass), min(2*source%highest, most), more, monitor, cache)
-        extended = more%solved%resolved
-        if (.not. extended) return
-        call prepare(scene, units, more)
-        source = more
-      end select
-    end subroutine extend
-  end subroutine extend_sources
+    type(strain_source) :: more
+    integer :: most
+    extended = .false.
+    most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
+    select type (source)
+    type is (strain_source)
+      if (source%highest >= most) return
+      call solve_strains(problem_of(scene, units, with_mass), min(2*source%highest, most), more, monitor, cache)
+      extended = more%solved%resolved
+      if (.not. extended) return
+      if (allocated(source%damping)) more%damping = source%damping
+      more%failure => source%failure
+      more%monitor => source%monitor
+      source = more
+    end select
+  end subroutine extend_source
 
   pure real(dp) function record_stretch(scene) result(stretch)
     !! For how many times the record roots keep phases to `least_phase`, which decides which of them are solved in extended

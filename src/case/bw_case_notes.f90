@@ -1,27 +1,31 @@
 module bw_case_notes
   !! What there is to say of a case beside its numbers: warnings, and remarks, which give an account of what was done.
   use bw_beam_units, only: beam_units, in_joules
-  use bw_case_result, only: case_done, case_events, case_ill_conditioned, case_plan
+  use bw_case_result, only: case_done, case_ill_conditioned, case_motion
   use bw_damping, only: law_of
   use bw_damping_par, only: by_ratio
   use bw_kinds, only: dp
   use bw_missing, only: is_missing
-  use bw_mode_choice, only: most_modes, most_released
-  use bw_mode_set, only: mode_set, mode_sources, search_failure
+  use bw_mode_set, only: mode_set, search_failure
   use bw_modes_par, only: by_tolerance, default_tolerance, is_relaxed, relaxed_tolerance
   use bw_note, only: is_remark, kind_of, remark
   use bw_piece_set, only: piece_set
   use bw_recontact, only: contacts_type
   use bw_release, only: release_type
   use bw_scene, only: scene_type
+  use bw_segment, only: together
   use bw_strain_set, only: strain_set
   use bw_text, only: append, shortest, string, text_of
+  use bw_timeline, only: comes_back
   implicit none (type, external)
   private
   public :: note_coupling, note_empty_bodies, note_failure, note_growth, note_no_effect, note_unresolved
-  public :: note_added_energy, note_contacts, note_no_release, note_relaxed, note_release, note_rounding
+  public :: note_added_energy, note_contacts, note_no_change, note_relaxed, note_release, note_rounding
   public :: out_of_reach, why_untrusted
 
+  integer, parameter, public :: most_modes = 10000000      !! that a tolerance may take
+  integer, parameter, public :: most_released = 10000
+    !! after a change, where each is handed what each before it had
   real(dp), parameter :: rpm = 30.0_dp/acos(-1.0_dp)    !! turns a minute in 1 rad/s
   real(dp), parameter :: noteworthy = 1.0e12_dp    !! an amplification that leaves nothing of data with 12 digits
 
@@ -107,14 +111,15 @@ contains
                 ' was not found; '//lost)
   end subroutine note_failure
 
-  subroutine note_added_energy(scene, later)
+  subroutine note_added_energy(scene, motion)
     !! With e > 0 the interface conditions 22–26 give the mass the tip's velocity.
     type(scene_type), intent(in) :: scene
-    type(case_events), intent(inout) :: later    !! impact and capture
+    type(case_motion), intent(inout) :: motion   !! impact and capture are in its timeline
     if (scene%impact%restitution == 0.0_dp) return
-    associate (impact => later%events(1), capture => later%events(2), approach => later%events(1)%energy_before)
+    associate (impact => motion%timeline%events(1), capture => motion%timeline%events(2), &
+               approach => motion%timeline%events(1)%energy_before)
       if (approach == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
-      call append(later%notes, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
+      call append(motion%notes, 'added energy: restitution '//shortest(scene%impact%restitution, 6)// &
         ' with capture: the interface conditions give the mass the tip''s velocity, which adds the momentum '// &
         shortest((capture%momentum_after - capture%momentum_before)/impact%momentum_before, 4)// &
         ' and the energy '//shortest((capture%energy_after - capture%energy_before)/approach, 4)// &
@@ -123,32 +128,31 @@ contains
     end associate
   end subroutine note_added_energy
 
-  subroutine note_no_release(scene, later)
+  subroutine note_no_change(scene, motion)
     !! Why no release comes within the record.
     type(scene_type), intent(in) :: scene
-    type(case_events), intent(inout) :: later
+    type(case_motion), intent(inout) :: motion
     logical :: late
     late = .false.
     if (allocated(scene%response)) late = scene%release%time >= scene%response%duration
     if (late) then
-      call append(later%notes, 'release: it comes after the end of the record, which shows nothing of it')
+      call append(motion%notes, 'release: it comes after the end of the record, which shows nothing of it')
     else
-      call append(later%notes, 'release: by then the motion has grown out of the range of numbers')
+      call append(motion%notes, 'release: by then the motion has grown out of the range of numbers')
     end if
-  end subroutine note_no_release
+  end subroutine note_no_change
 
-  subroutine note_release(scene, units, release, later)
+  subroutine note_release(scene, release, motion)
     !! Where the energy went.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
     type(release_type), intent(in) :: release
-    type(case_events), intent(inout) :: later
+    type(case_motion), intent(inout) :: motion
     character(:), allocatable :: text
     real(dp) :: joules(4)
     joules = in_joules([release%kinetic_leaving, release%energy_leaving, release%event%energy_before, release%energy_lost], &
-                       units, scene%impact%approach_velocity)
+                       motion%units, scene%impact%approach_velocity)
     if (is_missing(joules(1))) then
-      call append(later%notes, 'energy of the release: too large for double precision')
+      call append(motion%notes, 'energy of the release: too large for double precision')
       return
     end if
     text = 'energy of the release: the mass leaves with '//shortest(joules(1), 4)//' J of motion'
@@ -157,39 +161,38 @@ contains
     if (.not. (is_missing(joules(4)) .or. by_tolerance(scene%modes))) then
       text = text//'; the modes of the beam alone miss '//shortest(joules(4), 2)//' J'
     end if
-    call remark(later%notes, text)
+    call remark(motion%notes, text)
   end subroutine note_release
 
-  subroutine note_rounding(later)
+  subroutine note_rounding(motion)
     !! Energies that are the difference of far larger ones.
-    type(case_events), intent(inout) :: later
-    if (.not. any(is_missing([later%events%energy_before, later%events%energy_after]))) return
-    call append(later%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
+    type(case_motion), intent(inout) :: motion
+    if (.not. any(is_missing([motion%timeline%events%energy_before, motion%timeline%events%energy_after]))) return
+    call append(motion%notes, 'energy lost in rounding: that of a motion which has grown is the difference of far larger '// &
                 'numbers; it is left out where fewer than three digits are left')
   end subroutine note_rounding
 
-  subroutine note_contacts(scene, units, contacts, later)
+  subroutine note_contacts(scene, contacts, motion)
     !! How the search for contacts ended.
     type(scene_type), intent(in) :: scene
-    type(beam_units), intent(in) :: units
     type(contacts_type), intent(in) :: contacts
-    type(case_events), intent(inout) :: later
-    if (contacts%cut) call append(later%notes, 'contacts used up: max_contacts is '//text_of(scene%recontact%max_contacts)// &
+    type(case_motion), intent(inout) :: motion
+    if (contacts%cut) call append(motion%notes, 'contacts used up: max_contacts is '//text_of(scene%recontact%max_contacts)// &
       ', and the mass strikes once more at t = '//known_until()//' s: the histories hold fill from there on. '// &
       'Give a larger max_contacts, or a duration that ends there')
-    if (contacts%lasting) call remark(later%notes, &
+    if (contacts%lasting) call remark(motion%notes, &
       'recontact: the last contact has not ended at the end of the record')
-    if (contacts%out_of_range) call append(later%notes, &
+    if (contacts%out_of_range) call append(motion%notes, &
       'recontact: the motion grows out of the range of numbers'//from_then_on())
-    if (later%ending == case_ill_conditioned) call append(later%notes, &
+    if (motion%ending == case_ill_conditioned) call append(motion%notes, &
       'ill-conditioned: after '//text_of(size(contacts%events))//' contacts, which amplify every error, nothing is known '// &
       'of the motion'//from_then_on())
-    if (contacts%amplification > noteworthy) call append(later%notes, &
+    if (contacts%amplification > noteworthy) call append(motion%notes, &
       'amplification: the contacts amplify every change of the data, '//shortest(contacts%amplification, 1)//' times in '// &
       'the end: what holds for these data to the last digit need not hold for a beam that can be measured')
-    if (any(is_missing(contacts%events%energy_after))) call append(later%notes, &
+    if (any(is_missing(contacts%events%energy_after))) call append(motion%notes, &
       'energy: a motion that grows leaves fewer than three digits of the energies of the last events, which are left out')
-    if (size(contacts%events) == 0 .and. later%ending == case_done) call remark(later%notes, &
+    if (size(contacts%events) == 0 .and. motion%ending == case_done) call remark(motion%notes, &
       'recontact: the mass does not come back within the record')
   contains
     pure function from_then_on() result(text)
@@ -200,7 +203,7 @@ contains
     pure function known_until() result(seconds)
       !! That time.
       character(:), allocatable :: seconds
-      seconds = shortest(max(0.0_dp, later%known_until)*units%time%hi, 6)
+      seconds = shortest(max(0.0_dp, motion%timeline%known_until)*motion%units%time%hi, 6)
     end function known_until
   end subroutine note_contacts
 
@@ -221,19 +224,18 @@ contains
     reason = 'some of its numbers are left out'
   end function why_untrusted
 
-  pure function out_of_reach(scene, sources, plan) result(text)
+  pure function out_of_reach(scene, motion) result(text)
     !! What to tell of a tolerance that the plan does not keep.
     type(scene_type), intent(in) :: scene
-    type(mode_sources), intent(in) :: sources
-    type(case_plan), intent(in) :: plan
+    type(case_motion), intent(in) :: motion
     character(:), allocatable :: text
-    associate (highest => sources%loaded%highest)
+    associate (highest => motion%modes%configuration(together)%source%highest)
       text = repeat('the default ', merge(0, 1, scene%modes%asked))//shortest(scene%modes%tolerance, 6)// &
         ' cannot be reached with '//text_of(min(most_modes, highest))//' modes'
-      if (allocated(scene%release)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
+      if (comes_back(scene)) text = text//' before the release and '//text_of(min(most_released, highest))//' after it'
     end associate
-    if (.not. is_missing(relaxed_tolerance(plan%reached))) then
-      text = text//'; accepted: '//shortest(1.05_dp*plan%reached, 2)//' or more, or before and after, which count modes'
+    if (.not. is_missing(relaxed_tolerance(motion%reached))) then
+      text = text//'; accepted: '//shortest(1.05_dp*motion%reached, 2)//' or more, or before and after, which count modes'
     else
       text = text//', nor can any other: the points move too little; accepted: other points or a longer duration'
     end if

@@ -2,7 +2,6 @@ module bw_case_result
   !! Everything that one case yields, and what its stages hand to each other: each stage takes the values of those before it
   !! and returns its own.
   use bw_beam_units, only: beam_units
-  use bw_double_double, only: dd
   use bw_error, only: error_type
   use bw_event, only: event_type
   use bw_impact, only: impact_type
@@ -10,16 +9,17 @@ module bw_case_result
   use bw_kinds, only: dp
   use bw_measured, only: measured_type
   use bw_missing, only: missing
-  use bw_mode_set, only: mode_set, mode_sources
+  use bw_mode_set, only: configuration_type, mode_set
+  use bw_mode_survey, only: mode_survey
   use bw_record, only: record_extent
   use bw_record_lines, only: record_lines
-  use bw_release, only: tip_remainder
   use bw_response, only: response_type
-  use bw_segment, only: segment_type
+  use bw_segment, only: alone, segment_type
   use bw_text, only: append, string
+  use bw_timeline, only: timeline_type
   implicit none (type, external)
   private
-  public :: add_notes
+  public :: add_notes, octave_of
 
   integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3, &
     case_misfit = 4
@@ -27,50 +27,40 @@ module bw_case_result
     [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned', 'misfit']   !! by number
 
   type, public :: case_modes
-    !! The sets of modes that are in memory: those that move, or the first of them where a tolerance says how many.
-    class(mode_set), allocatable :: free            !! of the beam alone; unallocated with a tolerance
-    class(mode_set), allocatable :: loaded          !! of beam and mass; unallocated: the mass is not captured
+    !! Where modes come from, and those in memory: those that move, or the first of them where a tolerance says how many.
+    type(configuration_type), allocatable :: configuration(:)   !! of the beam alone, and with the mass if that is captured
+    integer :: moving = alone                       !! the one that moves from t = 0 on
     logical :: can_grow = .true.                    !! there may be an angular velocity at which a mode does
     logical :: resolved = .true.                    !! false: their numbers mean nothing, and nothing follows from them
     type(string), allocatable :: notes(:)
   end type case_modes
 
-  type, public :: release_plan
-    type(dd) :: time                                !! when the mass leaves, l²/h
-    integer :: count = 0                            !! modes of the beam alone that move after it
-    type(tip_remainder) :: tip                           !! what modes that are not summed add then, with a tolerance
-  end type release_plan
-
-  type, public :: case_plan
-    !! How many modes are summed, settled before any history is.
-    integer :: count = 0                            !! modes that move after t = 0, before a release
-    type(release_plan), allocatable :: release      !! unallocated where none comes within the record
-    real(dp) :: reached = 0.0_dp                    !! with a tolerance: the estimated error of the displacement over its peak
-  end type case_plan
-
-  type, public :: case_events
-    !! What happens in the record, and the motion in between.
-    type(event_type), allocatable :: events(:)      !! in the order of time
-    type(segment_type), allocatable :: segments(:)  !! between events; unallocated where there is none at t > 0
-    class(mode_set), allocatable :: in_contact      !! modes of beam and mass while the mass is pressed against the tip
-    class(mode_set), allocatable :: released        !! modes that move after a release, where a tolerance says how many
-    real(dp) :: known_until = huge(1.0_dp)          !! l²/h; from then on contacts leave nothing of the motion that is known
-    integer :: ending = case_done                   !! why so, as a status
-    type(string), allocatable :: notes(:)
-  end type case_events
-
   type, public :: case_motion
-    !! All that is settled of a case before its histories are summed.
+    !! All that is known of a case before its histories are summed.
     type(beam_units) :: units
     type(case_modes) :: modes
-    type(mode_sources) :: sources
-    type(case_plan) :: plan
     type(initial_state) :: initial
-    type(case_events) :: later
+    type(timeline_type) :: timeline
+    type(mode_survey), allocatable :: survey(:)     !! of the modes of each segment, where a tolerance says how many are summed
+    real(dp) :: peak = 0.0_dp                       !! with a tolerance: the largest displacement, as few modes show it, V l²/h
+    real(dp) :: severity = 1.0_dp                   !! part of a tolerance that counts are chosen by
+    real(dp) :: seen_peak = 0.0_dp                  !! the largest displacement of a sum of fewer modes; 0: there was none
+    real(dp), allocatable :: seen_part(:, :)        !! of the sum of its amplitudes that a block of its came to, (points, segments)
+    real(dp) :: reached = 0.0_dp                    !! the error of the displacement over its peak that is expected of them
+    integer :: ending = case_done                   !! why the motion is not known to its end, as a status
+    type(string), allocatable :: notes(:)
   end type case_motion
+
+  type, public :: block_type
+    !! The largest values that the last two octaves of a segment's modes come to at a sample, SI, (points, 2).
+    real(dp), allocatable :: value(:, :)            !! displacements, or curvatures
+    real(dp), allocatable :: rate(:, :)             !! velocities
+  end type block_type
 
   type, public :: case_histories
     type(response_type), allocatable :: response    !! SI; unallocated where no history is asked for
+    type(block_type), allocatable :: blocks(:)      !! (segments)
+    real(dp), allocatable :: octave_moment(:)       !! the largest moment of the last octave, N m, (points)
     integer :: status = case_done
     type(string), allocatable :: notes(:)
   end type case_histories
@@ -78,10 +68,13 @@ module bw_case_result
   type, public :: history_errors
     !! Estimates of the largest error of the histories; unallocated where there is none.
     real(dp), allocatable :: displacement(:)        !! m, (points)
+    real(dp), allocatable :: displacement_bound(:)  !! m, proved, (points)
     real(dp), allocatable :: velocity(:)            !! m/s, (points)
     real(dp), allocatable :: bending_moment(:)      !! N m, (points)
+    real(dp), allocatable :: part(:, :)             !! of the sum of its amplitudes that a block comes to, (points, segments)
     integer :: status = case_done                   !! of the case, these errors considered
     type(string), allocatable :: notes(:)
+    logical :: missed = .false.                       !! a tolerance, by the estimate or by the bound
   end type history_errors
 
   type, public :: case_spectrum
@@ -114,7 +107,7 @@ module bw_case_result
     real(dp), allocatable :: modal_velocity(:)        !! state after the last event at t = 0, in V, (modes)
     real(dp), allocatable :: velocity_jump(:)         !! Σφ_iΔq̇_i along the beam, in V, (profile)
     type(event_type), allocatable :: events(:)        !! in the order of time
-    type(release_plan), allocatable :: release        !! within the record
+    type(segment_type), allocatable :: segments(:)    !! of the motion, in the order of time
     type(response_type), allocatable :: response      !! SI
     real(dp), allocatable :: amplitude(:, :)          !! m, (frequencies, points)
     type(measured_type), allocatable :: measured      !! SI
@@ -125,6 +118,29 @@ module bw_case_result
   end type case_result
 
 contains
+
+  pure function octave_of(histories, points, rates) result(largest)
+    !! The largest value that the last octave of modes comes to in any segment, or the largest velocity, (points).
+    type(case_histories), intent(in) :: histories      !! summed
+    integer, intent(in) :: points
+    logical, intent(in), optional :: rates
+    real(dp) :: largest(points)
+    logical :: of_rates
+    integer :: i
+    of_rates = .false.
+    if (present(rates)) of_rates = rates
+    largest = 0.0_dp
+    do i = 1, size(histories%blocks)
+      associate (block => histories%blocks(i))
+        if (.not. allocated(block%value)) cycle
+        if (of_rates) then
+          largest = max(largest, block%rate(:, 2))
+        else
+          largest = max(largest, block%value(:, 2))
+        end if
+      end associate
+    end do
+  end function octave_of
 
   pure subroutine add_notes(notes, more)
     !! The notes of a stage, after those of the stages before it.

@@ -1,11 +1,12 @@
 module bw_case_shares
   !! How long a case takes, how its stages share that time and what memory its modes take, by a rough model: what a progress bar
   !! shows, and what `check` goes on from where it has not the time to run a case to its end.
-  use bw_case_modes, only: enough_for_errors, most_to_tolerance
+  use bw_case_modes, only: first_modes, most_to_tolerance
   use bw_kinds, only: dp, i8
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_scene, only: changes_shapes, scene_type, by_pieces
+  use bw_timeline, only: comes_back
   implicit none (type, external)
   private
   public :: case_bytes, case_seconds, case_shares, stage_part
@@ -48,7 +49,7 @@ contains
     seconds(modes_share) = seconds_of_modes(scene, before) + seconds_of_modes(scene, after)
     if (allocated(scene%impact)) seconds(events_share) = shape_seconds*before*scene%impact%profile_points
     if (allocated(scene%capture)) seconds(events_share) = seconds(events_share) + handed_seconds*(before + after)
-    if (allocated(scene%release)) seconds(later_share) = 2.0_dp*handed_seconds*(before + after)
+    if (comes_back(scene)) seconds(later_share) = 2.0_dp*handed_seconds*(before + after)
     if (.not. allocated(scene%response)) return
     seconds(histories_share) = sum_seconds*(max(before, after) + 2.0_dp*scene%response%samples)
     if (allocated(scene%spectrum)) seconds(spectrum_share) = seconds_of_spectrum(scene, max(before, after))
@@ -90,7 +91,7 @@ contains
   pure real(dp) function most_modes(scene) result(most)
     !! Modes under tension that are found at a time: those that are summed, or that estimates or a tolerance may take.
     type(scene_type), intent(in) :: scene
-    most = max(scene%modes%before, scene%modes%after, enough_for_errors(scene))
+    most = max(scene%modes%before, scene%modes%after, merge(first_modes, 0, allocated(scene%response)))
     if (by_tolerance(scene%modes)) most = most_to_tolerance(merge(2, 1, allocated(scene%shear)))
   end function most_modes
 

@@ -2,22 +2,20 @@ module bw_case_spectrum
   !! What the histories of a case are searched for: amplitude spectra, and waves measured at tip and midpoint, checked with
   !! the modes that move in the samples after the last event.
   use bw_amplitude_spectrum, only: amplitude_spectrum, spectrum_plan
-  use bw_case_histories, only: last_sample
+  use bw_case_counts, only: samples_of_segment
   use bw_case_result, only: case_done, case_motion, case_spectrum
   use bw_double_double, only: dd
   use bw_kinds, only: dp
   use bw_measured, only: measure_waves
   use bw_mode_check, only: known_modes, record_facts
-  use bw_mode_set, only: first_numbers, mode_set, mode_source
-  use bw_modes_par, only: by_tolerance
+  use bw_mode_set, only: first_numbers, mode_set
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_response, only: response_type
   use bw_result_layout, only: result_layout
   use bw_scene, only: changes_shapes, scene_type
-  use bw_segment, only: beam_in_contact, free_beam, loaded_beam
   use bw_text, only: append, text_of
-  use bw_time_grid, only: time_grid, time_grid_of
+  use bw_time_grid, only: time_grid_of
   implicit none (type, external)
   private
   public :: find_spectrum
@@ -77,10 +75,10 @@ contains
     facts%duration = scene%response%duration*(real(samples - first + 1, dp)/samples)
     facts%length = scene%beam%length
     facts%max_peaks = scene%spectrum%max_peaks
-    facts%uniform = .not. changes_shapes(scene) .and. beam_at_end(motion) /= beam_in_contact
+    facts%uniform = .not. changes_shapes(scene) .and. .not. is_pressed(motion)
     facts%rotates = .false.
     if (allocated(scene%rotation)) facts%rotates = scene%rotation%plane == 'in'
-    if (status == case_done .and. first <= samples) call know_modes(scene, motion, facts%known)
+    if (status == case_done .and. first <= samples) call know_modes(motion, facts%known)
     call measure_waves(response%displacement(first:, layout%tip), response%displacement(first:, layout%middle), facts, &
                        spectrum%measured, monitor)
     if (monitor%stop_requested()) return
@@ -93,69 +91,49 @@ contains
     !! The sample, from 1, with which the last segment of a motion begins that is known to its end.
     type(scene_type), intent(in) :: scene
     type(case_motion), intent(in) :: motion
-    type(time_grid) :: grid
+    integer :: samples(2)
     first = 1
-    if (.not. allocated(motion%later%segments) .or. motion%later%ending /= case_done) return
-    associate (segments => motion%later%segments)
-      grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
-      if (size(segments) > 1) first = last_sample(segments, size(segments) - 1, grid) + 1
-    end associate
+    if (motion%ending /= case_done) return
+    samples = samples_of_segment(motion, size(motion%timeline%segments), &
+                                 time_grid_of(scene%response%duration, scene%response%samples, motion%units%time))
+    first = samples(1)
   end function first_of_last
 
-  pure integer function beam_at_end(motion) result(beam)
-    !! Whose modes move after the last event, a number of bw_segment.
+  pure logical function is_pressed(motion)
+    !! A mass is pressed against the beam at the end: shapes are of that.
     type(case_motion), intent(in) :: motion
-    if (allocated(motion%later%segments)) then
-      beam = motion%later%segments(size(motion%later%segments))%modes
-    else
-      beam = merge(loaded_beam, free_beam, allocated(motion%sources%loaded))
-    end if
-  end function beam_at_end
+    associate (segments => motion%timeline%segments)
+      is_pressed = .not. allocated(motion%modes%configuration(segments(size(segments))%configuration)%source)
+    end associate
+  end function is_pressed
 
-  subroutine know_modes(scene, motion, known)
-    !! The frequencies of these modes; of very many those of the first.
-    type(scene_type), intent(in) :: scene
+  subroutine know_modes(motion, known)
+    !! The frequencies of the modes that move at the end; of very many those of the first.
     type(case_motion), intent(in) :: motion
     type(known_modes), allocatable, intent(out) :: known
+    class(mode_set), allocatable :: first
     allocate (known)
-    select case (beam_at_end(motion))
-    case (beam_in_contact)
-      call know_set(motion%later%in_contact)
-    case (loaded_beam)
-      if (by_tolerance(scene%modes)) then
-        call know_first(motion%sources%loaded, motion%plan%count)
-      else
-        call know_set(motion%modes%loaded)
-      end if
-    case default
-      if (by_tolerance(scene%modes)) then
-        call know_first(motion%sources%free, motion%plan%release%count)
-      else
-        call know_set(motion%modes%free)
-      end if
-    end select
-  contains
-    subroutine know_first(source, summed)
-      class(mode_source), intent(in) :: source
-      integer, intent(in) :: summed
-      class(mode_set), allocatable :: first
-      call source%find(first_numbers(min(most, summed)), first)
-      call know_set(first)
-      known%all = first%count == summed
-    end subroutine know_first
-    subroutine know_set(modes)
-      class(mode_set), intent(in) :: modes
-      known%angular_frequency = frequencies_of(modes)*motion%units%frequency
-    end subroutine know_set
+    associate (last => motion%timeline%segments(size(motion%timeline%segments)))
+      associate (moving => motion%modes%configuration(last%configuration))
+        if (allocated(last%rate)) then
+          known%angular_frequency = frequencies_of(moving%set, last%count)*motion%units%frequency
+        else
+          call moving%source%find(first_numbers(min(most, last%count)), first)
+          known%angular_frequency = frequencies_of(first, first%count)*motion%units%frequency
+          known%all = first%count == last%count
+        end if
+      end associate
+    end associate
   end subroutine know_modes
 
-  pure function frequencies_of(modes) result(frequency)
-    !! √(β² − c²/4), 0 where a mode does not oscillate, (modes).
+  pure function frequencies_of(modes, count) result(frequency)
+    !! √(β² − c²/4), 0 where a mode does not oscillate, of the first modes.
     class(mode_set), intent(in) :: modes
-    real(dp) :: frequency(modes%count)
-    type(dd) :: square(modes%count)
-    square = modes%beta_squared
-    if (allocated(modes%damped_squared)) square = modes%damped_squared
+    integer, intent(in) :: count
+    real(dp) :: frequency(count)
+    type(dd) :: square(count)
+    square = modes%beta_squared(:count)
+    if (allocated(modes%damped_squared)) square = modes%damped_squared(:count)
     frequency = sqrt(max(0.0_dp, square%hi))
   end function frequencies_of
 

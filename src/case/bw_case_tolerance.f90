@@ -2,14 +2,15 @@ module bw_case_tolerance
   !! What a tolerance asks of a scene, before it is run: how many modes are summed, and whether it can be had at all.
   use bw_beam_units, only: units_of
   use bw_case_modes, only: find_modes
+  use bw_case_motion, only: follow_motion, start_motion
   use bw_case_notes, only: out_of_reach
-  use bw_case_plan, only: plan_modes
   use bw_case_result, only: case_motion
   use bw_error, only: error_type, fail, status_bad_input
+  use bw_initial_state, only: initial_state_cache
   use bw_input_values, only: position_of
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
-  use bw_mode_set, only: search_failure
+  use bw_mode_set, only: attend, search_failure
   use bw_modes_par, only: by_tolerance, relaxed_tolerance
   use bw_monitor, only: monitor_type
   use bw_scene, only: scene_type
@@ -31,22 +32,25 @@ contains
     real(dp), intent(out), optional :: reached     !! the estimated error over the peak
     type(case_motion) :: motion
     type(search_failure), target :: failure
+    type(initial_state_cache) :: cache
     character(:), allocatable :: place
     integer :: line
     count = 0
     motion%units = units_of(scene%beam)
-    call find_modes(scene, motion%units, monitor, motion%modes, motion%sources)
+    call find_modes(scene, motion%units, monitor, motion%modes)
     if (monitor%stop_requested()) return
-    call motion%sources%attend(failure, monitor)
-    call plan_modes(scene, motion%units, motion%modes, monitor, motion%sources, motion%plan)
-    if (failure%first == 0) count = motion%plan%count
-    if (present(reached)) reached = motion%plan%reached
-    if (monitor%stop_requested() .or. failure%first > 0) return
-    if (motion%plan%reached <= scene%modes%tolerance) return
+    call attend(motion%modes%configuration, failure, monitor)
+    call start_motion(scene, motion, monitor, cache)
+    if (monitor%stop_requested()) return
+    call follow_motion(scene, motion, monitor)
+    if (present(reached)) reached = motion%reached
+    if (monitor%stop_requested()) return
+    if (failure%first == 0 .and. size(motion%timeline%segments) > 0) count = motion%timeline%segments(1)%count
+    if (failure%first > 0 .or. motion%reached <= scene%modes%tolerance) return
     line = scene%groups(position_of(scene%groups, 'modes'))%line_of('tolerance')
     place = scene%file
     if (line > 0) place = place//':'//text_of(line)         ! 0: it is the default of an absent group
-    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion%sources, motion%plan))
+    call fail(error, status_bad_input, place//': modes%tolerance: '//out_of_reach(scene, motion))
   end subroutine plan_case
 
   subroutine settle_tolerance(scene, monitor, count, error)

@@ -6,12 +6,11 @@ module bw_case_validity
   use bw_case_result, only: case_motion, history_errors
   use bw_case_strains, only: centrifugal_strain, largest_bending, placed_strain
   use bw_case_units, only: note_units
-  use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_magnitude, only: largest_magnitude
   use bw_missing, only: scaled
   use bw_mode_set, only: mode_set
-  use bw_reach, only: amplitude_of
+  use bw_reach, only: amplitude_of, stretch_type
   use bw_response, only: response_type
   use bw_scene, only: scene_type
   use bw_text, only: append, shortest, string, text_of
@@ -36,21 +35,19 @@ contains
     type(case_motion), intent(in) :: motion
     type(response_type), intent(in), optional :: response      !! absent: no history is asked for
     type(string), allocatable, intent(inout) :: notes(:)
-    if (allocated(motion%modes%loaded)) then
-      call note_of(motion%modes%loaded)
-    else
-      call note_of(motion%modes%free)
+    integer :: moves
+    moves = motion%modes%moving
+    if (allocated(motion%timeline%segments)) then
+      if (size(motion%timeline%segments) > 0) moves = motion%timeline%segments(1)%configuration
     end if
-  contains
-    subroutine note_of(modes)
-      class(mode_set), intent(in) :: modes           !! that the impact leaves in motion
+    associate (modes => motion%modes%configuration(moves)%set)
       call note_units(scene, motion%units, modes, notes)
       call note_thickness(scene, notes)
       call note_rotation(centrifugal_strain(scene), notes)
       if (.not. present(response)) return
       if (response%finite_samples == 0) return       ! another note says why
       call note_amplitudes(scene, motion, modes, largest_magnitude(response%displacement(:response%finite_samples, :)), notes)
-    end subroutine note_of
+    end associate
   end subroutine note_validity
 
   pure subroutine note_thickness(scene, notes)

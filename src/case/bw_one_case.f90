@@ -4,27 +4,29 @@ module bw_one_case
   !! and returns its own.
   use bw_amplitude_spectrum, only: spectrum_plan
   use bw_beam_units, only: units_of
+  use bw_case_drift, only: drift_errors
   use bw_case_errors, only: drop_errors, estimate_errors
-  use bw_case_events, only: follow_events, start_motion
   use bw_case_histories, only: sum_histories
   use bw_case_modes, only: case_mode_cache, find_modes
   use bw_case_moments, only: find_moments
+  use bw_case_motion, only: follow_motion, start_motion
   use bw_case_notes, only: note_relaxed
   use bw_case_octave, only: drop_undecided
-  use bw_case_plan, only: plan_modes
   use bw_case_result, only: add_notes, case_histories, case_motion, case_result, case_spectrum, history_errors
   use bw_case_shares, only: case_shares, events_share, histories_share, modes_share, spectrum_share, stage_part
   use bw_case_spectrum, only: find_spectrum
   use bw_case_validity, only: note_history_errors, note_validity
   use bw_initial_state, only: initial_state_cache
   use bw_kinds, only: dp
-  use bw_mode_set, only: search_failure
-  use bw_modes_par, only: by_tolerance, relaxed_tolerance
+  use bw_magnitude, only: largest_magnitude
+  use bw_mode_set, only: attend, deflections, search_failure
+  use bw_modes_par, only: by_tolerance, is_relaxed, relaxed_tolerance
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum
   use bw_record_case, only: record_cache, run_record_case
   use bw_result_layout, only: result_layout
   use bw_scene, only: scene_type
+  use bw_segment, only: alone
   use bw_stopwatch, only: stage_events, stage_modes, stage_response, stage_spectrum, stopwatch
   use bw_text, only: string
   implicit none (type, external)
@@ -40,6 +42,8 @@ module bw_one_case
     type(spectrum_plan) :: spectrum      !! window and plan of the last spectrum
     type(record_cache) :: record         !! the last record
   end type case_cache
+
+  integer, parameter :: tries = 3        !! at a tolerance
 
 contains
 
@@ -82,33 +86,34 @@ contains
     type(part_monitor) :: part                       ! for a stage
     type(search_failure), target :: failure
     real(dp), allocatable :: share(:)
+    integer :: try
     call watch%start()
     share = case_shares(scene)
     motion%units = units_of(scene%beam)
     whole = .false.
 
     part = stage_part(monitor, share, modes_share)
-    call find_modes(scene, motion%units, part, motion%modes, motion%sources, cache%modes)
+    call find_modes(scene, motion%units, part, motion%modes, cache%modes)
     if (monitor%stop_requested()) return
-    call motion%sources%attend(failure, monitor)
-    part = part_monitor(monitor, sum(share(:modes_share)), 0.0_dp)          ! how long a plan takes is not known
-    call plan_modes(scene, motion%units, motion%modes, part, motion%sources, motion%plan, cache%modes)
-    if (monitor%stop_requested()) return
+    call attend(motion%modes%configuration, failure, monitor)
     call watch%lap(stage_modes)
 
-    part = stage_part(monitor, share, events_share)
-    call start_motion(scene, motion%modes, part, cache%initial, motion%initial)
-    if (monitor%stop_requested()) return
-    part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)         ! nor how long later events do
-    call follow_events(scene, motion, part, motion%later)
-    if (monitor%stop_requested()) return
-    if (allocated(scene%impact)) call watch%lap(stage_events)
+    do try = 1, tries
+      part = stage_part(monitor, share, events_share)
+      call start_motion(scene, motion, part, cache%initial, cache%modes)
+      if (monitor%stop_requested()) return
+      part = part_monitor(monitor, sum(share(:events_share)), 0.0_dp)       ! how long later events take is not known
+      call follow_motion(scene, motion, part, cache%modes)
+      if (monitor%stop_requested()) return
+      if (allocated(scene%impact)) call watch%lap(stage_events)
 
-    part = stage_part(monitor, share, histories_share)
-    call sum_histories(scene, motion, part, cache%sum, histories)
-    if (monitor%stop_requested()) return
-    call estimate_errors(scene, motion, histories, part, errors)
-    if (monitor%stop_requested()) return
+      part = stage_part(monitor, share, histories_share)
+      call sum_histories(scene, motion, deflections, part, cache%sum, histories)
+      if (monitor%stop_requested()) return
+      call estimate_errors(scene, motion, histories, part, errors)
+      if (monitor%stop_requested()) return
+      if (.not. takes_more_modes(scene, motion, histories, errors)) exit
+    end do
     if (allocated(histories%response)) then
       if (scene%response%bending_moment) call find_moments(scene, motion, part, cache%sum, histories, errors)
       if (monitor%stop_requested()) return
@@ -118,8 +123,7 @@ contains
     if (motion%modes%resolved) call note_validity(scene, motion, histories%response, validity)
     if (allocated(histories%response)) then
       call note_history_errors(scene, histories%response, errors, foremost, validity)
-      call drop_undecided(scene, motion, part, cache%sum, histories, errors)
-      if (monitor%stop_requested()) return
+      call drop_undecided(scene, motion, histories, errors)
       call watch%lap(stage_response)
       call watch%rebook(stage_response, stage_modes, histories%response%mode_seconds)
     end if
@@ -149,38 +153,67 @@ contains
     call add_notes(result%notes, foremost)
     call note_relaxed(scene, result%notes)
     call add_notes(result%notes, motion%modes%notes)
-    call add_notes(result%notes, motion%later%notes)
+    call add_notes(result%notes, motion%notes)
     call add_notes(result%notes, histories%notes)
     call add_notes(result%notes, errors%notes)
     call add_notes(result%notes, spectrum%notes)
     result%units = motion%units
     result%can_grow = motion%modes%can_grow
-    result%mode_count = motion%plan%count
-    result%reached = motion%plan%reached
+    result%reached = motion%reached
     result%status = errors%status
-    if (allocated(motion%modes%loaded)) then
-      call move_alloc(motion%modes%loaded, result%modes)
-      call move_alloc(motion%modes%free, result%before)
-      if (.not. allocated(result%before)) call move_alloc(motion%later%released, result%before)
-    else
-      call move_alloc(motion%modes%free, result%modes)
-    end if
-    call move_alloc(motion%later%events, result%events)
+    call move_alloc(motion%timeline%events, result%events)
+    call move_alloc(motion%timeline%segments, result%segments)
+    call compose_modes(motion, result)
     if (size(result%events) > 0) then
       result%impact = motion%initial%impact
       result%approach_velocity = scene%impact%approach_velocity
       call move_alloc(motion%initial%modal_velocity, result%modal_velocity)
       call move_alloc(motion%initial%velocity_jump, result%velocity_jump)
     end if
-    call move_alloc(motion%plan%release, result%release)
     call move_alloc(histories%response, result%response)
     if (allocated(result%response)) then
       call move_alloc(errors%displacement, result%response%displacement_error)
+      call move_alloc(errors%displacement_bound, result%response%displacement_bound)
       call move_alloc(errors%velocity, result%response%velocity_error)
       call move_alloc(errors%bending_moment, result%response%bending_moment_error)
     end if
     call move_alloc(spectrum%amplitude, result%amplitude)
     call move_alloc(spectrum%measured, result%measured)
   end subroutine compose
+
+  subroutine compose_modes(motion, result)
+    !! The modes that move after all that happens at t = 0, and those of the beam alone if they are others.
+    type(case_motion), intent(inout) :: motion
+    type(case_result), intent(inout) :: result
+    associate (configuration => motion%modes%configuration, moving => motion%modes%moving)
+      if (moving /= alone) call move_alloc(configuration(alone)%set, result%before)
+      call move_alloc(configuration(moving)%set, result%modes)
+    end associate
+    result%mode_count = 0
+    if (size(result%segments) > 0) then
+      result%mode_count = result%segments(1)%count
+    else if (motion%modes%resolved) then
+      result%mode_count = result%modes%count
+    end if
+  end subroutine compose_modes
+
+  logical function takes_more_modes(scene, motion, histories, errors) result(more)
+    !! Where blocks come to more of their amplitudes than random phases would, or the peak is smaller than few modes showed it, a
+    !! tolerance takes more modes than were chosen: as many as what was seen asks for. One that was relaxed is what can be had.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(case_histories), intent(in) :: histories
+    type(history_errors), intent(inout) :: errors
+    real(dp), parameter :: aim = 0.9_dp             ! tuned: of the severity before it
+    real(dp) :: allowed
+    more = .false.
+    if (.not. errors%missed .or. is_relaxed(scene%modes)) return
+    allowed = scene%modes%tolerance*largest_magnitude(histories%response%displacement)
+    more = maxval(drift_errors(scene, motion, deflections, .false.)) < 0.5_dp*allowed .and. allowed > 0.0_dp
+    if (.not. more) return
+    motion%severity = aim*motion%severity
+    motion%seen_peak = allowed/scene%modes%tolerance/(abs(scene%impact%approach_velocity)*motion%units%time%hi)
+    call move_alloc(errors%part, motion%seen_part)
+  end function takes_more_modes
 
 end module bw_one_case

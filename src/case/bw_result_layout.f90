@@ -8,6 +8,7 @@ module bw_result_layout
   use bw_scene_cases, only: case_count
   use bw_scene_resolved, only: numeric_input, numeric_inputs
   use bw_stopwatch, only: stage_count
+  use bw_timeline, only: most_events
   implicit none (type, external)
   private
   public :: layout_of, has, dimension_length
@@ -87,12 +88,10 @@ contains
     end if
     call count_modes(scene, layout)
     call plan_profile(scene, layout)
-    if (allocated(scene%impact)) then
-      layout%events = 1
-      if (allocated(scene%capture)) layout%events = 2
-      if (allocated(scene%release)) layout%events = 3
-      if (allocated(scene%recontact)) layout%events = 1 + largest(scene, 'recontact', 'max_contacts', &
-                                                                  scene%recontact%max_contacts)
+    if (allocated(scene%recontact)) then
+      layout%events = most_events(scene, largest(scene, 'recontact', 'max_contacts', scene%recontact%max_contacts))
+    else
+      layout%events = most_events(scene, 0)
     end if
     if (.not. allocated(scene%response)) return
     layout%points = size(scene%response%points)
@@ -186,8 +185,9 @@ contains
 
   pure recursive logical function has(layout, words) result(there)
     !! The result has all that the words name: dimensions, `velocity` and `bending_moment` (histories of them), `contacts` (histories
-    !! that go through them), `estimates` (of the errors of histories), `mode_shapes` (there are not too many), `record`
-    !! or `simulated`, `model` (of the record's beam), `places` (of all points along the beam), `waves`.
+    !! that go through them), `continuum` (whose motion histories are held against), `estimates` (of their errors), `mode_shapes`
+    !! (there are not too many), `record` or `simulated`, `model` (of the record's beam), `places` (of all points along the beam),
+    !! `waves`.
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: words         !! by spaces; none: nothing is asked for
     integer :: gap
@@ -210,6 +210,7 @@ contains
       if (allocated(layout%record)) there = layout%record%placed
     case ('waves'); there = has(layout, 'places') .and. (layout%of_uniform_beam .or. .not. layout%of_record)
     case ('contacts'); there = layout%contacts
+    case ('continuum'); there = layout%continuum
     case ('estimates'); there = layout%continuum .or. layout%contacts
     case default; there = dimension_length(layout, words) > 0
     end select

@@ -6,10 +6,11 @@ module bw_some_modes
   use bw_case_result, only: case_modes
   use bw_damping, only: law_of
   use bw_mode_demand, only: mode_demand
-  use bw_mode_set, only: mode_set, mode_sources
+  use bw_mode_set, only: mode_set
   use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
   use bw_scene_pieces, only: pieces_of, struck_beam
+  use bw_segment, only: alone
   use bw_strain_modes, only: strain_modes
   use bw_strain_set, only: strain_set
   use bw_varying_beam, only: under_tension
@@ -30,7 +31,6 @@ contains
     integer, intent(out) :: place(:)             !! of these modes in the set, which may hold others, (number)
     logical, intent(in) :: roughly               !! under tension frequencies may err by 1e-8, else by 1e-12
     type(case_modes) :: known
-    type(mode_sources) :: sources
     type(silent_monitor) :: monitor
     integer :: i
     place = number
@@ -39,8 +39,8 @@ contains
       return
     end if
     place = [(i, i=1, size(number))]
-    call find_sources(scene, units, monitor, known, sources)
-    if (known%resolved) call sources%free%find(number, set)
+    call find_sources(scene, units, monitor, known)
+    if (known%resolved) call known%configuration(alone)%source%find(number, set)
   end subroutine find_some_modes
 
   subroutine find_under_tension(scene, units, count, demand, set)

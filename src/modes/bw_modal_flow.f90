@@ -12,7 +12,7 @@ module bw_modal_flow
   use bw_mode_set, only: mode_set
   implicit none (type, external)
   private
-  public :: flow, turning_square, exponent_of, slow_exponent, fast_exponent, energy_gain, find_angular_frequencies
+  public :: flow, turning_square, exponent_of, slow_exponent, fast_exponent, left_beyond, energy_gain, find_angular_frequencies
   public :: find_growth_rates
 
   real(dp), parameter :: joined_below = 1.0_dp   !! rt below which the two exponentials would cancel
@@ -54,6 +54,22 @@ contains
     root = sqrt(-turning_square(beta_squared, c))
     exponent = -(root%hi + 0.5_dp*c)
   end function fast_exponent
+
+  pure real(dp) function left_beyond(beta_squared, c, stiffness, time) result(left)
+    !! A bound of what damping leaves after a time of β|q| of any mode beyond this one that starts with velocity 1: (1 + σt)e^(−σt), σ
+    !! the slowest decay of them. Exponents of modes that stiffness damps too much to turn go to −1/b.
+    type(dd), intent(in) :: beta_squared         !! > 0
+    real(dp), intent(in) :: c
+    real(dp), intent(in) :: stiffness            !! b of Rayleigh's law
+    real(dp), intent(in) :: time
+    type(dd) :: exponent
+    real(dp) :: decayed
+    exponent = slow_exponent(beta_squared, c)
+    decayed = -exponent%hi*time
+    if (stiffness > 0.0_dp) decayed = min(decayed, time/stiffness)
+    decayed = max(0.0_dp, decayed)
+    left = (1.0_dp + decayed)*exp(-decayed)
+  end function left_beyond
 
   elemental subroutine flow(beta_squared, c, time, q, q_dot)
     !! Move a mode's state on by a time ≥ 0. **Limit**: e^(rt − ½ct) must not overflow.

@@ -8,9 +8,12 @@ module bw_mode_set
   use bw_double_double, only: dd, sqrt, to_quad, operator(-)
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
+  use bw_scene_pieces, only: struck_beam
   implicit none (type, external)
   private
-  public :: terms_of_set, take_terms, first_numbers, first_struck
+  public :: attend, first_failure, first_numbers, first_struck, take_terms, terms_of_set, values_at
+
+  integer, parameter, public :: deflections = 1, curvatures = 2   !! what histories show of modes
 
   type, abstract, public :: mode_set
     !! Modes of one beam, with what follows from them for each.
@@ -47,6 +50,7 @@ module bw_mode_set
     procedure :: rigid => rigid_modes
     procedure :: forget_rigid_waves
     procedure :: body_energy => no_body_energy
+    procedure :: turnings => no_turnings
     procedure :: in_full => full_numbers_of_set
   end type mode_set
 
@@ -86,20 +90,18 @@ module bw_mode_set
     logical :: uniform = .true.
     integer :: root_power = 2
     type(damping_law), allocatable :: damping     !! of the modes that are found; unallocated: undamped
+    type(struck_beam) :: pieces                   !! what the modes are of, without its tension
   contains
     procedure(find_interface), deferred :: find
     procedure :: terms => terms_of_set
     procedure :: note_failure
   end type mode_source
 
-  type, public :: mode_sources
-    !! Where modes of any number come from.
-    class(mode_source), allocatable :: free       !! of the beam alone
-    class(mode_source), allocatable :: loaded     !! of beam and mass; unallocated: the mass is not captured
-  contains
-    procedure :: attend
-    procedure :: failure => failure_of_sources
-  end type mode_sources
+  type, public :: configuration_type
+    !! A beam with what it carries for some time: where modes of any number come from, and those that are in memory.
+    class(mode_source), allocatable :: source     !! unallocated: there are none but those in memory
+    class(mode_set), allocatable :: set           !! the first modes; unallocated: none were asked for
+  end type configuration_type
 
   abstract interface
     pure function shapes_interface(self, first, last, xi) result(values)
@@ -157,6 +159,20 @@ contains
     values = self%some_shapes(1, self%count, xi)
   end function all_shapes
 
+  pure function values_at(modes, quantity, first, last, xi) result(values)
+    !! Φ_k(ξ), or Φ_k''(ξ), of some modes of a set.
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: quantity               !! deflections or curvatures
+    integer, intent(in) :: first, last
+    real(dp), intent(in) :: xi(:)                 !! (points)
+    real(dp) :: values(last - first + 1, size(xi))
+    if (quantity == curvatures) then
+      values = modes%some_curvatures(first, last, xi)
+    else
+      values = modes%some_shapes(first, last, xi)
+    end if
+  end function values_at
+
   function overlap_far_below(self, from, amplitude, monitor) result(sums)
     !! `overlap_of_beam` where modes of beam and mass are far below these of the beam alone, and their limit may be known.
     class(mode_set), intent(in) :: self
@@ -175,27 +191,26 @@ contains
     if (self%failure%first == 0) self%failure = search_failure(number(1), number(size(number)))
   end subroutine note_failure
 
-  subroutine attend(self, failure, monitor)
-    !! Have searches of either source that fail noted, and all left where a monitor asks to stop. Both outlive the sources.
-    class(mode_sources), intent(inout) :: self
+  subroutine attend(configurations, failure, monitor)
+    !! Have searches that fail noted, and all left where a monitor asks to stop. Both outlive the sources.
+    type(configuration_type), intent(inout) :: configurations(:)
     type(search_failure), intent(in), target :: failure
     class(monitor_type), intent(inout), target :: monitor
-    if (allocated(self%free)) call attend_one(self%free)
-    if (allocated(self%loaded)) call attend_one(self%loaded)
-  contains
-    subroutine attend_one(source)
-      class(mode_source), intent(inout) :: source
-      source%failure => failure
-      source%monitor => monitor
-    end subroutine attend_one
+    integer :: i
+    do i = 1, size(configurations)
+      if (.not. allocated(configurations(i)%source)) cycle
+      configurations(i)%source%failure => failure
+      configurations(i)%source%monitor => monitor
+    end do
   end subroutine attend
 
-  pure type(search_failure) function failure_of_sources(self) result(failure)
-    !! The first that was noted of either source.
-    class(mode_sources), intent(in) :: self
-    if (.not. allocated(self%free)) return
-    if (associated(self%free%failure)) failure = self%free%failure
-  end function failure_of_sources
+
+  pure type(search_failure) function first_failure(configurations) result(failure)
+    !! The first that was noted.
+    type(configuration_type), intent(in) :: configurations(:)
+    if (.not. allocated(configurations(1)%source)) return
+    if (associated(configurations(1)%source%failure)) failure = configurations(1)%source%failure
+  end function first_failure
 
   pure function first_numbers(count) result(number)
     !! 1 … count: the first modes of a source.
@@ -288,6 +303,13 @@ contains
     if (self%count + size(q) + size(rate) == 0) return     ! it depends on none of them
   end function no_body_energy
 
+  pure function no_turnings(self) result(turning)
+    !! How far sections turn at ξ₀ in each mode where a body with rotary inertia has been captured; 0 where nothing asks, (modes).
+    class(mode_set), intent(in) :: self
+    real(dp) :: turning(self%count)
+    turning = 0.0_dp
+  end function no_turnings
+
   subroutine terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
     !! Find what a sum over modes asks of them, and no more: a source may find it for less than a whole set.
     class(mode_source), intent(in) :: self
@@ -300,17 +322,16 @@ contains
     real(dp), intent(out), optional :: mass(:)    !! M_k, (modes)
     class(mode_set), allocatable :: modes
     call self%find(number, modes, longest, self%monitor)
-    call take_terms(modes, xi, beta, drive, shapes)
+    call take_terms(modes, beta, drive)
+    shapes = modes%shapes(xi)
     if (present(mass)) mass = modes%modal_mass
   end subroutine terms_of_set
 
-  subroutine take_terms(modes, xi, beta, drive, shapes)
-    !! What a sum over modes asks of a set.
+  subroutine take_terms(modes, beta, drive)
+    !! What a sum over modes asks of a set, beside its shapes.
     class(mode_set), intent(in) :: modes
-    real(dp), intent(in) :: xi(:)                 !! those of `terms_of_set`
-    type(dd), intent(out) :: beta(:)
+    type(dd), intent(out) :: beta(:)              !! those of `terms_of_set`
     real(dp), intent(out) :: drive(:)
-    real(dp), intent(out) :: shapes(:, :)
     integer :: k
     do k = 1, modes%count
       if (modes%beta_squared(k)%hi >= 0.0_dp) then
@@ -320,7 +341,6 @@ contains
       end if
     end do
     drive = modes%struck/modes%modal_mass
-    shapes = modes%shapes(xi)
   end subroutine take_terms
 
 end module bw_mode_set

@@ -22,12 +22,16 @@ contains
     type(scene_type), intent(in) :: scene
     type(case_result), intent(in) :: result
     type(text_builder), intent(inout) :: lines
+    character(:), allocatable :: head
     associate (response => result%response, points => scene%response%points)
       if (response%finite_samples == 0) return     ! a note says why
       call lines%append_line('')
       call lines%append_line('  Histories of '//text_of(result%mode_count)//' modes')
-      call lines%append_line(repeat(' ', first_column)//'      xi         largest   error, about           of it')
-      call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, lines)
+      head = repeat(' ', first_column)//'      xi         largest   error, about           of it'
+      if (allocated(response%displacement_bound)) head = head//'   surely below'
+      call lines%append_line(head)
+      call report_quantity('displacement', 'm', points, response, response%displacement, response%displacement_error, lines, &
+                           response%displacement_bound)
       if (allocated(response%velocity)) call report_quantity('velocity', 'm/s', points, response, response%velocity, &
                                                              response%velocity_error, lines)
       if (allocated(response%bending_moment)) call report_quantity('bending moment', 'N m', points, response, &
@@ -45,7 +49,7 @@ contains
     end associate
   end subroutine report_histories
 
-  subroutine report_quantity(name, unit, points, response, histories, error, lines)
+  subroutine report_quantity(name, unit, points, response, histories, error, lines, bound)
     !! The rows of one quantity.
     character(*), intent(in) :: name, unit
     real(dp), intent(in) :: points(:)
@@ -53,6 +57,7 @@ contains
     real(dp), intent(in) :: histories(:, :)           !! (samples, points)
     real(dp), intent(in), optional :: error(:)        !! (points); absent: there is no estimate
     type(text_builder), intent(inout) :: lines
+    real(dp), intent(in), optional :: bound(:)        !! of the error, (points); absent: none is proved
     real(dp) :: peak(size(points)), part(size(points))
     character(:), allocatable :: head, row
     logical :: shown(size(points))
@@ -78,11 +83,19 @@ contains
         row = row//right('-', 15)//right('-', 16)
       else if (peak(p) > 0.0_dp) then
         row = row//right(shortest(error(p), 2), 15)//right(shortest(100.0_dp*part(p), 2)//' %', 16)
+        if (present(bound)) row = row//right(bound_words(bound(p)), 15)
       end if
       call lines%append_line(row)
       head = ''
     end do
   end subroutine report_quantity
+
+  pure function bound_words(bound) result(words)
+    real(dp), intent(in) :: bound
+    character(:), allocatable :: words
+    words = '-'
+    if (.not. is_missing(bound)) words = shortest(bound, 2)
+  end function bound_words
 
   subroutine report_measured(result, lines)
     !! Waves found in the histories, with the bounds of their errors.

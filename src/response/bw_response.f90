@@ -7,6 +7,7 @@ module bw_response
   use bw_double_double, only: dd_pi
   use bw_kinds, only: dp
   use bw_missing, only: missing
+  use bw_mode_set, only: deflections
   use bw_time_grid, only: time_grid
   implicit none (type, external)
   private
@@ -21,6 +22,7 @@ module bw_response
     type(time_grid) :: grid
     real(dp) :: unit_time = 1.0_dp                !! of the grid, l²/h, s
     logical :: velocity = .false.                 !! velocities too
+    integer :: quantity = deflections             !! or curvatures (bw_mode_set), of which histories then are
   end type sampling_type
 
   type, public :: response_type
@@ -29,6 +31,7 @@ module bw_response
     real(dp), allocatable :: displacement(:, :)   !! m, (samples, points); missing from the first overflow on
     real(dp), allocatable :: velocity(:, :)       !! m/s, (samples, points); allocated only if asked for
     real(dp), allocatable :: displacement_error(:)  !! m, estimate of the largest error, (points); not of a rebound
+    real(dp), allocatable :: displacement_bound(:)  !! m, proved, (points)
     real(dp), allocatable :: velocity_error(:)      !! m/s, (points)
     real(dp), allocatable :: bending_moment(:, :)   !! N m, (samples, points); allocated only if asked for
     real(dp), allocatable :: bending_moment_error(:)  !! N m, (points)

@@ -172,6 +172,9 @@ contains
       call table%put(largest_of(response%displacement))
     if (table%real_row('displacement_error', 'point', 'm', estimate_of//'displacement'//limit_of, needs='estimates')) &
       call table%put(response%displacement_error)
+    if (table%real_row('displacement_bound', 'point', 'm', 'bound of the error of the displacement against infinitely many '// &
+                       'modes, proved by energy and flexibility', needs='continuum')) &
+      call table%put(response%displacement_bound)
     if (table%real_row('velocity_error', 'point', 'm s-1', estimate_of//'velocity'//limit_of, needs='estimates velocity')) &
       call table%put(response%velocity_error)
     if (table%real_row('bending_moment_error', 'point', 'N m', estimate_of//'bending moment'//limit_of, &

@@ -14,7 +14,7 @@ SOURCE = Path(__file__).parents[2] / "src"
 ABSENT = {
     "stiffening": ["bw_varying_beam", "bw_tension_layers"],
     "damping": ["bw_damping", "bw_damped_modes"],
-    "release": ["bw_release", "bw_release_error", "bw_tip_remainder"],
+    "release": ["bw_release", "bw_projection"],
     "recontact": [
         *("bw_recontact", "bw_contact_motion", "bw_contact_segments", "bw_contact_modes"),
         *("bw_next_zero", "bw_signal", "bw_safe_step"),
@@ -62,7 +62,7 @@ def callers_outside(profile, module):
 def test_the_modules_of_effects_are_all_known_here():
     known = {name for names in ABSENT.values() for name in names}
     assert modules_of("beam") <= known | set(COMMON)
-    assert known <= modules_of("beam") | modules_of("modes") | modules_of("events") | modules_of("response")
+    assert known <= modules_of("beam") | modules_of("modes") | modules_of("motion") | modules_of("response")
 
 
 def test_a_run_is_seen_procedure_by_procedure(profile):

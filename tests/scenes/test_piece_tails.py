@@ -37,7 +37,7 @@ def test_a_point_behind_a_body_that_turns_with_difficulty_is_not_taken_for_still
         few = here.run("few", "--quiet", "--overwrite")
         for name in ("displacement", "velocity"):
             assert few[f"{name}_error"][1] >= np.abs(few[name] - finer[name])[1].max()
-        assert few["displacement_error"][1] < 0.1 * few["displacement_error"][0]
+        assert few["displacement_error"][1] < 0.5 * few["displacement_error"][0]
 
 
 @pytest.mark.parametrize("place, point, steps, gamma", [(0.25, 0.75, 108, 0.5), (0.5, 0.25, 220, 2.0), (0.8, 1.0, 300, 1.0)])

@@ -100,7 +100,7 @@ def test_a_scene_without_its_ending_is_pointed_out(here):
 def test_a_default_spectrum_is_no_reason_for_warnings(here, more):
     here.scene("a", {**STRUCK, **more, "response": WATCHED, "spectrum": {}})
     ended = here.beamwave("run", "a.nml")
-    assert (ended.returncode, ended.stderr) == (0, "")
+    assert ended.returncode == 0 and "warning" not in ended.stderr  # the search may take so long that there is progress
     assert "grow or decay" not in ended.stdout
     notes = here.result("a").attributes["notes"].splitlines()
     assert all(note.startswith("remark: ") for note in notes)

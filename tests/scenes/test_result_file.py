@@ -34,7 +34,7 @@ DIMENSIONS = {
     **dict.fromkeys(["mode_count", "peak_count", "case_status"], ()),
     "velocity_jump": ("profile",),
     "mode_shape": ("mode", "profile"),
-    **dict.fromkeys(["largest_displacement", "displacement_error", "velocity_error"], ("point",)),
+    **dict.fromkeys(["largest_displacement", "displacement_error", "displacement_bound", "velocity_error"], ("point",)),
     "displacement": ("point", "time"),
     "velocity": ("point", "time"),
     "amplitude": ("point", "frequency"),

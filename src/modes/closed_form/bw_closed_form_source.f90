@@ -3,12 +3,13 @@ module bw_closed_form_source
   !! of them ask.
   use bw_kinds, only: dp
   use bw_closed_form, only: closed_form_set, find_cached_modes, find_modes
-  use bw_double_double, only: dd, to_dd
+  use bw_double_double, only: dd, to_dd, operator(*)
   use bw_far_modes, only: far_beam, far_terms, light_modes
   use bw_frequency_equation, only: highest_mode
   use bw_mode_cache, only: mode_cache
   use bw_mode_set, only: mode_set, mode_source, terms_of_set
   use bw_monitor, only: monitor_type
+  use bw_piece_beam, only: uniform_piece
   use bw_root_list, only: batch, near_modes
   implicit none (type, external)
   private
@@ -45,7 +46,13 @@ contains
     source%mass_ratio = gamma
     source%highest = highest_mode
     source%quadratic = .true.
-    if (present(omega)) source%omega = omega
+    source%pieces%captured%mass = gamma
+    source%pieces%beam%piece = [uniform_piece()]
+    source%pieces%beam%joint = [source%pieces%captured]
+    if (.not. present(omega)) return
+    source%omega = omega
+    source%pieces%beam%spin_squared = omega*omega
+    source%pieces%beam%in_plane = .true.
   end function source_of_ratio
 
   subroutine find_in_closed_form(self, number, modes, longest, monitor)
@@ -72,7 +79,7 @@ contains
   end subroutine find_in_closed_form
 
   subroutine terms_in_closed_form(self, number, xi, longest, beta, drive, shapes, mass)
-    !! Find terms of far modes in their short form, of the others, and all where modal masses are asked for, through a set.
+    !! Find terms of far modes in their short form, of the others through a set.
     class(closed_form_source), intent(in) :: self
     integer, intent(in) :: number(:)
     real(dp), intent(in) :: xi(:)
@@ -82,16 +89,16 @@ contains
     real(dp), intent(out), optional :: mass(:)
     type(far_beam) :: beam
     integer :: light, near
-    if (present(mass)) then
-      call terms_of_set(self, number, xi, longest, beta, drive, shapes, mass)
-      return
-    end if
     beam%gamma = self%mass_ratio
     if (allocated(self%omega)) beam%omega = self%omega
     if (present(longest)) beam%longest = longest
     near = max(near_modes(number, self%gamma), count(number <= modes_of_series(xi)))
     light = max(near, light_modes(number, self%gamma))
-    if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
+    if (present(mass)) then
+      if (near > 0) call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :), mass(:near))
+    else if (near > 0) then
+      call terms_of_set(self, number(:near), xi, longest, beta(:near), drive(:near), shapes(:near, :))
+    end if
     call add_far(near + 1, light)
     call add_far(light + 1, size(number))
   contains
@@ -101,7 +108,12 @@ contains
       integer :: first, last
       do first = from, to, batch
         last = min(first + batch - 1, to)
-        call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
+        if (present(mass)) then
+          call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :), &
+                         mass(first:last))
+        else
+          call far_terms(number(first:last), beam, xi, beta(first:last), drive(first:last), shapes(first:last, :))
+        end if
       end do
     end subroutine add_far
   end subroutine terms_in_closed_form

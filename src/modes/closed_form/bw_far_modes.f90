@@ -28,7 +28,7 @@ module bw_far_modes
 
 contains
 
-  pure subroutine far_terms(k, beam, xi, beta, drive, shapes)
+  pure subroutine far_terms(k, beam, xi, beta, drive, shapes, mass)
     !! Find what a sum asks of far modes, all of them light or all heavy; a few hundred at a time.
     integer, intent(in) :: k(:)                  !! mode numbers, at least one
     type(far_beam), intent(in) :: beam
@@ -36,6 +36,7 @@ contains
     type(dd), intent(out) :: beta(:)             !! √|β²| with the sign of β², (modes)
     real(dp), intent(out) :: drive(:)            !! Φ_k(1)/M_k, (modes)
     real(dp), intent(out) :: shapes(:, :)        !! Φ_k(ξ), (modes, points)
+    real(dp), intent(out), optional :: mass(:)   !! M_k, (modes)
     real(dp), dimension(size(k)) :: eighths, remainder, tangent, spread, turned, tip
     type(dd) :: alpha(size(k))
     logical :: light
@@ -44,6 +45,7 @@ contains
     eighths = 4*k - merge(2, 3, light)
     call far_roots(k, beam%gamma%hi, light, remainder, tangent, spread, turned)
     call far_tip_and_drive(k, tangent, spread, turned, tip, drive)
+    if (present(mass)) mass = tip/drive
     alpha = dd_pi*(0.25_dp*eighths) + remainder
     do p = 1, size(xi)
       call far_shapes(eighths, remainder, alpha%hi, tip, xi(p), shapes(:, p))

@@ -33,6 +33,7 @@ module bw_strain_set
     procedure :: work
     procedure :: coupling
     procedure :: body_energy => energy_of_body
+    procedure :: turnings
   end type strain_set
 
 contains
@@ -214,6 +215,12 @@ contains
     end do
     ratio = ratio*real(law%stiffness, dp)
   end function coupling
+
+  pure function turnings(self) result(turning)
+    class(strain_set), intent(in) :: self
+    real(dp) :: turning(self%count)
+    turning = self%turning(self%struck_joint, :)
+  end function turnings
 
   pure function energy_of_body(self, q, rate) result(energy)
     !! ½Jψ̇² of the captured body, and ½T_b∫v'² over the beam inside of it: how far its centrifugal force has been drawn inwards.

@@ -6,6 +6,7 @@ module bw_strain_source
   use bw_mode_set, only: mode_set, mode_source
   use bw_monitor, only: monitor_type
   use bw_piece_beam, only: beam_joint, root_power, operator(==)
+  use bw_scene_pieces, only: struck_beam
   use bw_strain_modes, only: strain_modes
   use bw_strain_set, only: strain_set
   use bw_varying_beam, only: varying_beam
@@ -51,6 +52,7 @@ contains
       source%highest = count
       source%gamma = problem%captured%mass%hi
       source%struck_at = problem%position
+      source%pieces = struck_beam(given%beam, problem%struck, problem%position, problem%captured)
       source%uniform = problem%uniform
       source%root_power = root_power(given%beam%root)
       source%decay = decay_of(source, any(given%beam%piece%compliance%hi > 0.0_dp), &

@@ -29,6 +29,7 @@ module bw_piece_set
     procedure :: elastic => piece_elastic
     procedure :: coupling
     procedure :: body_energy => energy_of_body
+    procedure :: turnings
     procedure :: in_full => full_numbers_of_pieces
   end type piece_set
 
@@ -160,6 +161,12 @@ contains
     if (self%body_inertia == 0.0_dp .or. size(q) == 0) return
     energy(1) = 0.5_dp*self%body_inertia*dot_product(self%modes%turning(self%struck_joint, :size(rate)), rate)**2
   end function energy_of_body
+
+  pure function turnings(self) result(turning)
+    class(piece_set), intent(in) :: self
+    real(dp) :: turning(self%count)
+    turning = self%modes%turning(self%struck_joint, :)
+  end function turnings
 
   real(dp) function coupling(self, law) result(ratio)
     !! The largest ratio of what damping couples two of the first modes to what damps each, |C_ij|/√(C_iiC_jj). Modes are

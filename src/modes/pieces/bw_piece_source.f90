@@ -24,7 +24,6 @@ module bw_piece_source
   real(dp), parameter :: near_critical = 1.0e-2_dp   !! |β²| over λ below which binary64 frequencies cost digits
 
   type, extends(mode_source), public :: piece_source
-    type(struck_beam) :: pieces
     type(dd) :: critical_speed                       !! as those of a set
     logical :: grows_at_any_speed = .false.
   contains
@@ -117,7 +116,8 @@ contains
                          monitor=self%monitor, roughly=.true.)
       if (.not. modes%resolved) call self%note_failure(number)
       modes%struck_at = self%struck_at
-      call take_terms(modes, xi, beta, drive, shapes)
+      call take_terms(modes, beta, drive)
+      shapes = modes%shapes(xi)
       if (present(mass)) mass = modes%modal_mass
     end if
   end subroutine terms_of_pieces

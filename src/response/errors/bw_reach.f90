@@ -1,44 +1,23 @@
 module bw_reach
   !! How far modes go over a stretch of time, from velocity 1 or from any state: bounds of their displacement or velocity.
   use bw_double_double, only: dd, sqrt, operator(-)
-  use bw_coherence, only: stretch_type
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent, turning_square
   implicit none (type, external)
   private
-  public :: amplitude_of, damped_reach, turns, undamped_reaches
+  public :: amplitude_of, turns
+
+  type, public :: stretch_type
+    !! Samples of a part of a history, times in l²/h from the start of the motion.
+    real(dp) :: start = 0.0_dp                   !! the first sample after that
+    real(dp) :: end = 0.0_dp                     !! a step after the last
+    real(dp) :: step = 0.0_dp                    !! from sample to sample
+  end type stretch_type
 
   real(dp), parameter :: furthest = 600.0_dp
     !! beyond it a history is near overflow; the estimate must not overflow itself
 
 contains
-
-  elemental real(dp) function undamped_reach(beta, longest, velocity) result(reach)
-    !! The largest |S|, or |C|, of a mode up to that time: 1/β and 1 where it is stable.
-    real(dp), intent(in) :: beta             !! below zero for a growing mode: −|β|
-    real(dp), intent(in) :: longest
-    logical, intent(in) :: velocity
-    if (beta > 0.0_dp) then
-      reach = min(longest, 1.0_dp/beta)
-      if (velocity) reach = 1.0_dp
-      return
-    end if
-    reach = longest
-    if (beta < 0.0_dp) reach = sinh(min(furthest, -beta*longest))/(-beta)
-    if (velocity) reach = cosh(min(furthest, -beta*longest))
-  end function undamped_reach
-
-  pure function undamped_reaches(beta, longest, velocity) result(reach)
-    !! `undamped_reach` of a list.
-    real(dp), intent(in) :: beta(:), longest
-    logical, intent(in) :: velocity
-    real(dp) :: reach(size(beta))
-    if (velocity .or. any(beta <= 0.0_dp)) then
-      reach = undamped_reach(beta, longest, velocity)
-    else
-      reach = min(longest, 1.0_dp/beta)        ! the same in vector registers
-    end if
-  end function undamped_reaches
 
   elemental logical function turns(beta_squared, c)
     !! The mode swings: its sign is as good as random.
@@ -80,7 +59,11 @@ contains
     logical, intent(in) :: velocity
     type(dd) :: root, slow
     real(dp) :: swing
-    if (turns(beta_squared, c)) then
+    if (c == 0.0_dp .and. beta_squared%hi > 0.0_dp) then      ! most modes
+      swing = min(stretch%end, 1.0_dp/sqrt(beta_squared%hi))
+      amplitude = hypot(q, rate*swing)
+      if (velocity) amplitude = hypot(rate, beta_squared%hi*q*swing)
+    else if (turns(beta_squared, c)) then
       root = sqrt(turning_square(beta_squared, c))
       slow = slow_exponent(beta_squared, c)
       swing = min(stretch%end, 1.0_dp/root%hi)                ! a slow mode does not come that far

@@ -7,7 +7,7 @@ module bw_set_sum
   use bw_kinds, only: dp
   use bw_modal_flow, only: fast_exponent, slow_exponent
   use bw_modal_sum, only: add_stable_modes
-  use bw_mode_set, only: mode_set
+  use bw_mode_set, only: mode_set, values_at
   use bw_monitor, only: monitor_type, part_monitor
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: finish_histories, histories_of, response_type, sampling_type, start_histories, sum_tolerance, &
@@ -37,7 +37,7 @@ contains
     call finish_histories(response)
   end subroutine free_motion
 
-  subroutine add_motion(modes, rate, monitor, response, displaced, workspace)
+  subroutine add_motion(modes, rate, monitor, response, displaced, workspace, range)
     !! Add modes that start from any state; velocities are in m per unit of the grid's time until the histories are finished.
     class(mode_set), intent(in) :: modes
     real(dp), intent(in) :: rate(:)              !! modal velocities at t = 0, m per l²/h, (modes)
@@ -45,52 +45,61 @@ contains
     type(response_type), intent(inout) :: response   !! started
     real(dp), intent(in), optional :: displaced(:)   !! modal displacements at t = 0, m, (modes); absent: none
     type(nonuniform_sum), intent(inout), optional :: workspace    !! as that of `free_motion`
+    integer, intent(in), optional :: range(2)    !! the first and the last of the modes that are added; absent: all
     type(nonuniform_sum) :: own
     real(dp), allocatable :: q(:)
+    integer :: ends(2)
+    ends = [1, modes%count]
+    if (present(range)) ends = range
+    if (ends(1) > ends(2)) return
     allocate (q(modes%count), source=0.0_dp)
     if (present(displaced)) q = displaced
     if (allocated(modes%damping)) then
-      call add_damped(modes, q, rate, monitor, response)
+      call add_damped(modes, ends, q, rate, monitor, response)
       response%sum_error = response%sum_error + error_of_sum(sum_choice(), response%sampling%grid%samples)
     else
       if (present(workspace)) then
-        call add_stable(modes, q, rate, monitor, workspace, response)
+        call add_stable(modes, ends, q, rate, monitor, workspace, response)
       else
-        call add_stable(modes, q, rate, monitor, own, response)
+        call add_stable(modes, ends, q, rate, monitor, own, response)
       end if
-      call add_growing(modes, q, rate, monitor, response)
+      call add_growing(modes, ends, q, rate, monitor, response)
     end if
   end subroutine add_motion
 
-  subroutine add_stable(modes, q, rate, monitor, workspace, response)
+  subroutine add_stable(modes, ends, q, rate, monitor, workspace, response)
     !! Modes below their critical speed, all together; one that turns less than once in the record is left to the
     !! products, whose error follows its motion and not its amplitude.
     class(mode_set), intent(in) :: modes
+    integer, intent(in) :: ends(2)               !! the first and the last that are added
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(nonuniform_sum), intent(inout) :: workspace
     type(response_type), intent(inout) :: response
     type(sum_choice) :: choice
     type(part_monitor) :: part
-    logical :: turns(modes%count), others(modes%count)
+    logical, dimension(modes%count) :: others, stable, turns
+    integer :: k
     part = part_monitor(monitor)
-    turns = turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), response%sampling%grid)
+    stable = modes%beta_squared%hi > 0.0_dp .and. [(k >= ends(1) .and. k <= ends(2), k=1, modes%count)]
+    turns = stable .and. turns_in_record(sqrt(max(0.0_dp, modes%beta_squared%hi)), response%sampling%grid)
     choice = chosen_sum(count(turns), response%sampling%grid%samples, histories_of(response), sum_tolerance)
     response%sum_error = response%sum_error + error_of_sum(choice, response%sampling%grid%samples)
     if (choice%transform) then
       response%transformed = response%transformed + count(turns)
       call add_transformed(modes, turns, choice, q, rate, monitor, workspace, response)
       if (monitor%stop_requested()) return
-      others = modes%beta_squared%hi > 0.0_dp .and. .not. turns
+      others = stable .and. .not. turns
       part = part_monitor(monitor, 1.0_dp, 0.0_dp)        ! of few modes
     else
-      others = modes%beta_squared%hi > 0.0_dp
+      others = stable
     end if
     if (any(others)) call add_products(modes, others, q, rate, part, response)
   end subroutine add_stable
 
   subroutine add_products(modes, chosen, q, rate, monitor, response)
-    !! Some of the modes, by products of matrices.
+    !! Some of the modes, by products of matrices; shapes are found for the same modes whichever are chosen, since a set may have
+    !! those of all of them.
     class(mode_set), intent(in) :: modes
     logical, intent(in) :: chosen(:)             !! (modes)
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
@@ -105,8 +114,8 @@ contains
       k = numbers_of(chosen(first:last)) + (first - 1)
       if (size(k) == 0) cycle
       part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
-      associate (shapes => modes%some_shapes(k(1), k(size(k)), response%sampling%points))
-        call add_stable_modes(modes%beta_squared(k), q(k), rate(k), shapes(k - k(1) + 1, :), &
+      associate (shapes => values_at(modes, response%sampling%quantity, first, last, response%sampling%points))
+        call add_stable_modes(modes%beta_squared(k), q(k), rate(k), shapes(k - first + 1, :), &
                               response%sampling%grid, part, response%displacement, response%velocity)
       end associate
       if (monitor%stop_requested()) return
@@ -137,7 +146,8 @@ contains
           last = min(first + batch - 1, modes%count)
           k = numbers_of(chosen(first:last)) + (first - 1)
           if (size(k) == 0) cycle
-          shapes(:k(size(k)) - k(1) + 1, :e - p + 1) = modes%some_shapes(k(1), k(size(k)), points(p:e))
+          shapes(:k(size(k)) - k(1) + 1, :e - p + 1) = &
+            values_at(modes, response%sampling%quantity, k(1), k(size(k)), points(p:e))
           if (moved) then
             call workspace%add(sqrt(modes%beta_squared(k)), rate(k), shapes(k - k(1) + 1, :e - p + 1), q(k))
           else
@@ -156,9 +166,10 @@ contains
     call workspace%shrink()
   end subroutine add_transformed
 
-  subroutine add_damped(modes, q, rate, monitor, response)
+  subroutine add_damped(modes, ends, q, rate, monitor, response)
     !! Damped modes.
     class(mode_set), intent(in) :: modes
+    integer, intent(in) :: ends(2)               !! as those of `add_stable`
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout), target :: monitor
     type(response_type), intent(inout) :: response
@@ -166,12 +177,15 @@ contains
     integer, allocatable :: k(:)
     integer :: first, last, n
     n = modes_at_once(size(response%sampling%points))
-    do first = 1, modes%count, n
+    do first = 1, ends(2), n
       last = min(first + n - 1, modes%count)
-      k = numbers_between(first, last)
+      k = numbers_between(max(first, ends(1)), min(last, ends(2)))
+      if (size(k) == 0) cycle
       part = part_monitor(monitor, (first - 1.0_dp)/modes%count, (last - first + 1.0_dp)/modes%count)
-      call add_damped_batch(first, damped_motion(modes%beta_squared(k), modes%damping(k), q(k), rate(k), &
-                                                 modes%some_shapes(first, last, response%sampling%points)), part, response)
+      associate (shapes => values_at(modes, response%sampling%quantity, first, last, response%sampling%points))
+        call add_damped_batch(k(1), damped_motion(modes%beta_squared(k), modes%damping(k), q(k), rate(k), &
+                                                  shapes(k - first + 1, :)), part, response)
+      end associate
       if (monitor%stop_requested()) return
     end do
   end subroutine add_damped
@@ -202,17 +216,18 @@ contains
     if (allocated(response%velocity)) response%velocity(1, :) = start_rate
   end subroutine add_damped_batch
 
-  subroutine add_growing(modes, q, rate, monitor, response)
+  subroutine add_growing(modes, ends, q, rate, monitor, response)
     !! Modes at or beyond their critical speed.
     class(mode_set), intent(in) :: modes
+    integer, intent(in) :: ends(2)               !! as those of `add_stable`
     real(dp), intent(in) :: q(:), rate(:)        !! displacements and velocities at t = 0, (modes)
     class(monitor_type), intent(inout) :: monitor
     type(response_type), intent(inout) :: response
     real(dp), allocatable :: shapes(:, :)
     integer, allocatable :: k(:)
-    if (.not. any(modes%beta_squared%hi <= 0.0_dp)) return
-    k = numbers_of(modes%beta_squared%hi <= 0.0_dp)
-    shapes = modes%some_shapes(k(1), k(size(k)), response%sampling%points)
+    k = ends(1) - 1 + numbers_of(modes%beta_squared(ends(1):ends(2))%hi <= 0.0_dp)
+    if (size(k) == 0) return
+    shapes = values_at(modes, response%sampling%quantity, k(1), k(size(k)), response%sampling%points)
     call add_growing_batch(k, modes%beta_squared(k), q(k), rate(k), shapes(k - k(1) + 1, :), monitor, response)
   end subroutine add_growing
 
@@ -251,7 +266,7 @@ contains
   pure function numbers_between(first, last) result(k)
     !! first, first + 1, … last.
     integer, intent(in) :: first, last
-    integer :: k(last - first + 1)
+    integer :: k(max(0, last - first + 1))
     integer :: i
     k = [(i, i=first, last)]
   end function numbers_between

@@ -3,7 +3,7 @@ module bw_streamed_modes
   !! transform and forgotten, and the grids are turned into samples once.
   use bw_double_double, only: dd
   use bw_kinds, only: dp
-  use bw_mode_set, only: mode_set, mode_source
+  use bw_mode_set, only: deflections, mode_set, mode_source, take_terms
   use bw_monitor, only: monitor_type
   use bw_nonuniform_sum, only: nonuniform_sum, points_at_once
   use bw_response, only: histories_of, response_type, turns_in_record
@@ -113,8 +113,8 @@ contains
         do k = first, last, batch
           n = min(batch, last - k + 1)
           started = wall_seconds()
-          call source%terms([(i, i=k, k + n - 1)], points(p:e), record_of(source, grid), beta(:n), drive(:n), &
-                            shapes(:n, :e - p + 1))
+          call find_terms(source, response%sampling%quantity, [(i, i=k, k + n - 1)], points(p:e), record_of(source, grid), &
+                          beta(:n), drive(:n), shapes(:n, :e - p + 1))
           response%mode_seconds = response%mode_seconds + (wall_seconds() - started)
           call workspace%add(beta(:n), force*drive(:n), shapes(:n, :e - p + 1))
           call monitor%advance((p - 1 + (e - p + 1)*real(k - first + n, dp)/(last - first + 1))/size(points))
@@ -129,6 +129,23 @@ contains
     end associate
     call workspace%shrink()
   end subroutine transform_source
+
+  subroutine find_terms(source, quantity, number, xi, longest, beta, drive, shapes)
+    !! What the transform asks of modes; of curvatures through a set.
+    class(mode_source), intent(in) :: source
+    integer, intent(in) :: quantity, number(:)
+    real(dp), intent(in) :: xi(:), longest
+    type(dd), intent(out) :: beta(:)
+    real(dp), intent(out) :: drive(:), shapes(:, :)
+    class(mode_set), allocatable :: modes
+    if (quantity == deflections) then
+      call source%terms(number, xi, longest, beta, drive, shapes)
+    else
+      call source%find(number, modes, longest)
+      call take_terms(modes, beta, drive)
+      shapes = modes%some_curvatures(1, modes%count, xi)
+    end if
+  end subroutine find_terms
 
   pure real(dp) function record_of(source, grid) result(longest)
     !! For how long the phases of modes are to be right, in l²/h.

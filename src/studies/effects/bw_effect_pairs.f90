@@ -10,7 +10,6 @@ module bw_effect_pairs
   use bw_damping_par, only: usual_ratio
   use bw_effect_list, only: effect_off, effect_on, effect_row
   use bw_missing, only: rounded
-  use bw_mode_set, only: mode_sources
   use bw_modes_par, only: by_tolerance
   use bw_monitor, only: silent_monitor
   use bw_scene, only: scene_type
@@ -230,16 +229,11 @@ contains
     logical, intent(out) :: holds                  !! there is a speed at which mode 1 would be unstable, of which it is a part
     type(beam_units) :: units
     type(case_modes) :: modes
-    type(mode_sources) :: sources
     type(silent_monitor) :: monitor
     character(:), allocatable :: digits
     units = units_of(scene%beam)
-    call find_modes(scene, units, monitor, modes, sources)
-    if (allocated(modes%loaded)) then
-      speed = modes%loaded%critical_speed%hi
-    else
-      speed = modes%free%critical_speed%hi
-    end if
+    call find_modes(scene, units, monitor, modes)
+    speed = modes%configuration(size(modes%configuration))%set%critical_speed%hi
     holds = speed > 0.0_dp
     if (.not. holds) speed = 1.0_dp
     digits = shortest(tried_speed*speed*units%frequency, 3)

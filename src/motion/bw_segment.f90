@@ -17,14 +17,29 @@ module bw_segment
   public :: beam_energy, growth_ends, growth_error, known_energy, leaves_range, mass_energy, move, move_with_energy
   public :: state_energy, operator(+)
 
-  integer, parameter, public :: free_beam = 1, loaded_beam = 2, beam_in_contact = 3
-    !! of the beam alone, of the beam with the captured mass, of the beam with a mass that is pressed against it
+  integer, parameter, public :: alone = 1, together = 2
+    !! configurations: the beam alone, and with a mass that it has captured or that is pressed against it
+
+  type, public :: lack_type
+    !! What the modes of a segment, at its start, lack of the motion of all modes that there are.
+    real(dp), allocatable :: q(:), rate(:)             !! that is known, (modes)
+    real(dp), allocatable :: q_doubt(:), rate_doubt(:) !! bounds of the magnitude of what is not, (modes)
+    real(dp) :: likely = 1.0_dp                        !! part of these bounds that is likely
+    real(dp) :: energy = 0.0_dp                        !! that was in modes which were not handed on
+    integer :: settled = huge(1)                       !! modes that the bounds are of; those after them may have this energy
+  end type lack_type
 
   type, public :: segment_type
-    integer :: modes = free_beam            !! which set moves, a number above
+    integer :: configuration = alone         !! which modes move
     type(dd) :: start                        !! when
-    real(dp), allocatable :: q(:)            !! modal displacements then, (modes)
+    integer :: count = 0                     !! modes that are summed
+    integer :: handed = 0                    !! modes of the segment before, whose motion went over to them
+    real(dp) :: force = 0.0_dp
+      !! of all modes there are, that start from rest position with the velocities force·Φ_k(ξ₀)/M_k, where no state is given
+    real(dp), allocatable :: q(:)            !! modal displacements at the start, (modes)
     real(dp), allocatable :: rate(:)         !! modal velocities then, (modes)
+    real(dp) :: energy = 0.0_dp              !! of all modes there are, then
+    type(lack_type), allocatable :: lack     !! unallocated: the modes lack nothing, or nobody asks
     real(dp) :: start_error = 0.0_dp         !! estimate of the error of `start`, where contacts amplify errors
     real(dp), allocatable :: error(:, :)
       !! the same of modal displacements and velocities until the next segment; else unallocated, (modes, 2)

@@ -9,7 +9,7 @@ module bw_contact_segments
   use bw_next_zero, only: certain, find_zero
   use bw_oscillators, only: moving_state, oscillators
   use bw_perturbations, only: error_from, perturbations
-  use bw_segment, only: beam_in_contact, free_beam, segment_type
+  use bw_segment, only: alone, segment_type, together
   implicit none (type, external)
   private
   public :: follow_flight, follow_contact, judge_rebound
@@ -48,8 +48,8 @@ contains
     call motion%near%move(motion%parts, from, motion%state, error)
     associate (n => motion%modes)
       sway = motion%parts%sway(motion%gap%a(:n), from, motion%state)
-      segment = segment_type(free_beam, to_dd(from%time), real(from%u(:n), dp), real(from%v(:n), dp), &
-                           start_error, error(:n, :))
+      segment = segment_type(alone, to_dd(from%time), count=n, q=real(from%u(:n), dp), rate=real(from%v(:n), dp), &
+                             start_error=start_error, error=error(:n, :))
     end associate
   end subroutine finish
 
@@ -112,7 +112,8 @@ contains
     impulse = (impulse + sum(modes%force%a*integral(modes%parts, from, z) + modes%force%b*(z%u - from%u)))/motion%mobility
     call expand(modes, z, near, motion)
     sway = modes%parts%sway(modes%tip_in_full, from, z)
-    segment = segment_type(beam_in_contact, to_dd(from%time), real(from%u, dp), real(from%v, dp), start_error, error)
+    segment = segment_type(together, to_dd(from%time), count=modes%count, q=real(from%u, dp), rate=real(from%v, dp), &
+                           start_error=start_error, error=error)
   end subroutine follow_contact
 
   pure subroutine omit_rebounds(motion)

@@ -158,7 +158,8 @@ contains
     integer :: i
     allocate (more(size(segments) + 1))
     do i = 1, size(segments)
-      more(i)%modes = segments(i)%modes
+      more(i)%configuration = segments(i)%configuration
+      more(i)%count = segments(i)%count
       more(i)%start = segments(i)%start
       more(i)%start_error = segments(i)%start_error
       call move_alloc(segments(i)%q, more(i)%q)

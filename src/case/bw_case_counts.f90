@@ -1,0 +1,379 @@
+module bw_case_counts
+  !! How many modes a tolerance takes, before any history is summed: of the first segment, and of later ones. A survey of the modes
+  !! tells what those beyond any number may add; a preview of a few shows the peak that the tolerance is a part of.
+  use bw_case_modes, only: case_mode_cache, extend_source, first_modes
+  use bw_case_notes, only: most_modes, most_released
+  use bw_case_result, only: case_motion
+  use bw_double_double, only: dd, operator(*), operator(-)
+  use bw_kinds, only: dp
+  use bw_lack_error, only: find_lack, lack_error
+  use bw_mode_set, only: configuration_type, deflections, first_numbers
+  use bw_mode_survey, only: mode_survey
+  use bw_monitor, only: monitor_type, part_monitor
+  use bw_projection, only: project, projection_type
+  use bw_reach, only: stretch_type
+  use bw_release, only: energy_after
+  use bw_response, only: response_type, sampling_type, start_histories, sum_tolerance
+  use bw_rotation, only: speed_in_plane
+  use bw_scene, only: scene_type
+  use bw_segment, only: segment_type, together
+  use bw_set_sum, only: add_motion
+  use bw_streamed_modes, only: add_modes_of_source
+  use bw_time_grid, only: first_sample, time_grid, time_grid_of
+  use bw_timeline, only: change_type, changes_of, happens
+  use bw_truncation_error, only: displacement_error, find_tail, part_shown, tail_type
+  implicit none (type, external)
+  private
+  public :: choose_first, choose_later, samples_of_segment, stretch_of
+
+  integer, parameter :: previewed = 1000         !! samples that show the peak well enough to plan with it
+  integer, parameter, public :: looked_ahead = 4096   !! modes up to whose number twice as many are surveyed as are summed
+  integer, parameter :: most_previewed = 2**16   !! modes that are summed to see it
+  real(dp), parameter :: aim = 0.8_dp            !! of a tolerance: blocks may come to more of their amplitudes than random phases
+  real(dp), parameter :: usual_power = 2.2_dp    !! of the number of modes, by which an error falls
+  real(dp), parameter :: hopeless = 4.0_dp       !! times as many modes as a tolerance may take: the power is known about
+  real(dp), parameter :: seen_part_of_most = 0.1_dp   !! of them, or of those that are found quickly, which show the power
+  real(dp), parameter :: doubt_share = 0.25_dp   !! of a tolerance, that the modes after a change may be in doubt by
+  real(dp), parameter, public :: bound_times = 100.0_dp    !! a tolerance, that is proved
+
+contains
+
+  subroutine choose_first(scene, motion, segment, monitor, cache)
+    !! Of the segment that begins at t = 0; it ends with the first change.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(segment_type), intent(inout) :: segment
+    class(monitor_type), intent(inout), target :: monitor    !! the count means nothing where it asks to stop
+    type(case_mode_cache), intent(inout), optional :: cache
+    type(time_grid) :: grid
+    integer :: samples
+    segment%count = first_modes
+    allocate (motion%survey(1 + size(changes_of(scene, motion%units))))
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    if (grid%samples == 1 .or. segment%force == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
+    associate (moving => motion%modes%configuration(segment%configuration))
+      samples = samples_of_first(scene, motion, moving, grid)
+      call motion%survey(1)%start(deflections, scene%response%points, stretch_of(grid, 2, samples, segment%start))
+      call motion%survey(1)%add_source(moving%source, segment%force, 2*first_modes, monitor)
+      if (monitor%stop_requested()) return
+      call find_peak(scene, motion, segment, samples, monitor)
+      if (monitor%stop_requested()) return
+      if (samples == 1 .or. motion%peak == 0.0_dp) return
+      call settle_first(scene, motion, segment, samples, monitor, cache)
+    end associate
+  end subroutine choose_first
+
+  pure integer function samples_of_first(scene, motion, moving, grid) result(samples)
+    !! Before the first change; all where none comes.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(configuration_type), intent(in) :: moving
+    type(time_grid), intent(in) :: grid
+    type(change_type), allocatable :: changes(:)
+    integer :: i
+    samples = grid%samples
+    changes = changes_of(scene, motion%units)
+    do i = 1, size(changes)
+      if (happens(changes(i), scene, changes(i)%time, moving%set)) samples = min(samples, first_sample(changes(i)%time, grid) - 1)
+    end do
+  end function samples_of_first
+
+  pure type(stretch_type) function stretch_of(grid, first, last, start) result(stretch)
+    !! Samples, numbered from 1, of a motion that starts at a time.
+    type(time_grid), intent(in) :: grid
+    integer, intent(in) :: first, last
+    type(dd), intent(in) :: start                !! l²/h
+    stretch = stretch_type(max(0.0_dp, (first - 1)*grid%step%hi - start%hi), last*grid%step%hi - start%hi, grid%step%hi)
+  end function stretch_of
+
+  pure function samples_of_segment(motion, i, grid) result(samples)
+    !! The first and the last of a segment, numbered from 1: a sample at exactly the time of a change belongs to what comes after it.
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: i
+    type(time_grid), intent(in) :: grid
+    integer :: samples(2)
+    associate (segments => motion%timeline%segments)
+      samples = [first_sample(segments(i)%start, grid), grid%samples]
+      if (i < size(segments)) samples(2) = first_sample(segments(i + 1)%start, grid) - 1
+    end associate
+  end function samples_of_segment
+
+  subroutine find_peak(scene, motion, segment, samples, monitor)
+    !! The largest displacement as a few modes show it, V l²/h, less what others may take off it.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(segment_type), intent(in) :: segment
+    integer, intent(in) :: samples               !! of the segment
+    class(monitor_type), intent(inout), target :: monitor
+    type(time_grid) :: grid
+    type(projection_type) :: projection
+    type(segment_type) :: next
+    type(configuration_type) :: few
+    type(change_type), allocatable :: changes(:)
+    real(dp) :: missing, peak
+    integer :: count, i
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    associate (survey => motion%survey(1), moving => motion%modes%configuration(segment%configuration))
+      motion%peak = motion%seen_peak
+      if (motion%peak > 0.0_dp) return
+      count = first_modes
+      do while (samples > 1)
+        peak = previewed_peak(scene, moving, segment, count, time_grid(samples, grid%step), motion%units%time%hi, monitor)
+        if (monitor%stop_requested()) return
+        missing = predicted(motion, segment, count, samples - 1)
+        motion%peak = max(0.5_dp*peak, peak - missing)
+        if (missing <= 0.5_dp*peak .or. 8*count > moving%source%highest .or. 4*count > most_previewed) exit
+        count = 4*count                          ! what is missing is all that is seen: nothing has moved far yet
+        call survey%add_source(moving%source, segment%force, 2*count, monitor)
+      end do
+      changes = changes_of(scene, motion%units)
+      do i = 1, size(changes)
+        if (samples == grid%samples) exit
+        associate (after => motion%modes%configuration(changes(i)%configuration)%source)
+          call after%find(first_numbers(min(first_modes, after%highest)), few%set, grid%samples*grid%step%hi)
+        end associate
+        call project(segment, moving, changes(i)%time, grid%samples*grid%step%hi, 0, few%set, projection, monitor)
+        if (monitor%stop_requested()) return
+        next = segment_type(changes(i)%configuration, changes(i)%time, q=projection%q_after, rate=projection%rate_after)
+        peak = previewed_peak(scene, few, next, few%set%count, time_grid(grid%samples - samples, grid%step), &
+                              motion%units%time%hi, monitor)
+        motion%peak = max(motion%peak, 0.5_dp*peak)
+      end do
+    end associate
+  end subroutine find_peak
+
+  real(dp) function previewed_peak(scene, configuration, segment, count, grid, unit_time, monitor) result(peak)
+    !! The largest displacement of the first modes at some of the samples, V l²/h; at all of them where a mode grows, whose peak is at
+    !! the end.
+    type(scene_type), intent(in) :: scene
+    type(configuration_type), intent(in) :: configuration
+    type(segment_type), intent(in) :: segment
+    integer, intent(in) :: count                 !! of the modes
+    type(time_grid), intent(in) :: grid          !! of the segment
+    real(dp), intent(in) :: unit_time            !! s
+    class(monitor_type), intent(inout), target :: monitor
+    type(response_type) :: response
+    type(part_monitor) :: part
+    integer :: stride
+    stride = (grid%samples - 1)/previewed + 1
+    if (any(configuration%set%beta_squared%hi <= 0.0_dp)) stride = 1
+    part = part_monitor(monitor, share=0.0_dp)
+    call start_histories(sampling_type(scene%response%points, time_grid((grid%samples - 1)/stride + 1, &
+                                       grid%step*real(stride, dp)), unit_time), response)
+    if (allocated(segment%rate)) then
+      call add_motion(configuration%set, segment%rate, part, response, displaced=segment%q)
+    else
+      call add_modes_of_source(configuration%source, segment%force, 1, count, sum_tolerance, part, response)
+    end if
+    peak = maxval(abs(response%displacement(:response%finite_samples, :)))
+  end function previewed_peak
+
+  real(dp) function predicted(motion, segment, count, samples, bound) result(error)
+    !! The largest error that is expected of the first modes of the first segment, were phases random.
+    type(case_motion), intent(in) :: motion
+    type(segment_type), intent(in) :: segment
+    integer, intent(in) :: count                 !! of the modes, the last of a bin
+    integer, intent(in) :: samples               !! at which the motion is seen
+    real(dp), intent(out), optional :: bound     !! that is proved
+    type(tail_type) :: tail
+    associate (survey => motion%survey(1), source => motion%modes%configuration(segment%configuration)%source)
+      call find_tail(survey, source%pieces%beam, source%damping, segment%energy, count, tail, segment%force, &
+                     source%struck_at)
+      error = maxval(displacement_error(tail, part_planned(motion, 1, count, samples)))
+      if (present(bound)) bound = maxval(tail%bound)
+    end associate
+  end function predicted
+
+  pure function part_planned(motion, i, count, samples) result(part)
+    !! Of the sum of its amplitudes, that a block of a segment's modes comes to: what it would with random phases, or what a sum of
+    !! fewer showed.
+    type(case_motion), intent(in) :: motion
+    integer, intent(in) :: i, count, samples
+    real(dp) :: part(size(motion%survey(i)%points))
+    part = part_shown(motion%survey(i), count, samples)
+    if (allocated(motion%seen_part)) part = max(part, motion%seen_part(:, i))
+  end function part_planned
+
+  subroutine settle_first(scene, motion, segment, samples, monitor, cache)
+    !! The least count within the tolerance, of as many modes as it takes.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(segment_type), intent(inout) :: segment
+    integer, intent(in) :: samples
+    class(monitor_type), intent(inout) :: monitor
+    type(case_mode_cache), intent(inout), optional :: cache
+    real(dp) :: allowed
+    real(dp), dimension(2) :: errors, before, power       ! the estimate, and the bound's part: each falls in its own way
+    integer :: count, last, last_before
+    logical :: extended
+    allowed = aim*motion%severity*scene%modes%tolerance*motion%peak
+    power = usual_power
+    last_before = 0
+    before = 0.0_dp
+    associate (survey => motion%survey(1), source => motion%modes%configuration(segment%configuration)%source)
+      do
+        last = survey%bin(survey%bins)%last
+        errors = errors_with(last)
+        if (all(errors <= allowed)) exit
+        if (last_before > 0 .and. last > last_before) power = max(0.1_dp, log(before/errors)/log(real(last, dp)/last_before))
+        if (survey%count() >= min(most_modes, source%highest)) then
+          call extend_source(scene, motion%units, segment%configuration == together, monitor, source, extended, cache)
+          if (.not. extended) exit
+        else if (last >= seen_part_of_most*min(most_modes, source%quickly) .and. &
+                 last*times() > hopeless*most_modes) then
+          segment%count = last                     ! no need to find millions of modes that are not enough
+          motion%reached = maxval(errors*(real(last, dp)/most_modes)**power)/(aim*motion%severity*motion%peak)
+          return
+        end if
+        last_before = last
+        before = errors
+        call survey%add_source(source, segment%force, next_count(last, times(), min(most_modes, source%highest)), monitor)
+        if (monitor%stop_requested()) return
+      end do
+      count = least_count()
+      if (count <= looked_ahead) call survey%add_source(source, segment%force, 2*count, monitor)
+      if (monitor%stop_requested()) return
+      segment%count = least_count()
+      motion%reached = maxval(errors_with(segment%count))/(aim*motion%severity*motion%peak)
+    end associate
+  contains
+    function errors_with(count) result(errors)
+      !! What must be within the tolerance.
+      integer, intent(in) :: count
+      real(dp) :: errors(2), bound
+      errors(1) = predicted(motion, segment, count, samples - 1, bound)
+      errors(2) = bound/bound_times
+      errors = max(errors, 1.0e-100_dp)          ! powers are taken of them
+    end function errors_with
+    real(dp) function times()
+      !! As many modes as there are, that are enough.
+      times = maxval((errors/allowed)**(1.0_dp/power))
+    end function times
+    integer function least_count() result(count)
+      !! By bisection; the most that there are where none is enough.
+      integer :: few, enough, try
+      associate (survey => motion%survey(1))
+        few = survey%bin_of(first_modes)
+        enough = survey%bins
+        if (all(errors_with(first_modes) <= allowed)) enough = few
+        do while (enough - few > 1)
+          try = (few + enough)/2
+          if (all(errors_with(survey%bin(try)%last) <= allowed)) then
+            enough = try
+          else
+            few = try
+          end if
+        end do
+        count = survey%bin(enough)%last
+      end associate
+    end function least_count
+  end subroutine settle_first
+
+  pure integer function next_count(last, times, most) result(count)
+    !! So many modes as an error takes that falls as a power of their number, in steps that learn the power.
+    integer, intent(in) :: last
+    real(dp), intent(in) :: times                !! as many as are surveyed
+    integer, intent(in) :: most
+    real(dp), parameter :: least = 1.1_dp, largest = 16.0_dp
+    count = int(min(real(most, dp), last*max(least, min(largest, times)) + 1.0_dp))
+  end function next_count
+
+  subroutine choose_later(scene, motion, last, next, projection, monitor, cache)
+    !! Of a segment after a change: as many modes before it are handed on, and so many move after it, as keep the tolerance.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    type(segment_type), intent(in) :: last       !! a copy of the segment before it
+    type(segment_type), intent(inout) :: next    !! whose start and configuration are known
+    type(projection_type), intent(out) :: projection
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), optional :: cache
+    type(time_grid) :: grid
+    type(stretch_type) :: stretch
+    real(dp) :: allowed, doubt, error
+    integer :: first, handed, most, most_handed, n, samples
+    logical :: extended
+    grid = time_grid_of(scene%response%duration, scene%response%samples, motion%units%time)
+    first = first_sample(next%start, grid)
+    samples = grid%samples - first + 1
+    stretch = stretch_of(grid, first, grid%samples, next%start)
+    next%count = first_modes
+    allowed = motion%severity*scene%modes%tolerance*motion%peak
+    associate (before => motion%modes%configuration(last%configuration), after => motion%modes%configuration(next%configuration))
+      most_handed = min(most_modes, before%source%highest, max(before%source%quickly, last%count))
+      most = min(most_released, after%source%highest)
+      handed = 0
+      n = min(most, max(first_modes, last%count))
+      if (first > grid%samples .or. allowed == 0.0_dp) n = min(most, first_modes)
+      do
+        call after%source%find(first_numbers(n), after%set, grid%samples*grid%step%hi, monitor)
+        call project(last, before, next%start - last%start, grid%samples*grid%step%hi, handed, after%set, projection, monitor)
+        if (monitor%stop_requested()) return
+        call survey_next()
+        if (doubt > 1.0_dp .and. projection%place%count == before%source%highest) then
+          call extend_source(scene, motion%units, last%configuration == together, monitor, before%source, extended, cache)
+          if (extended) most_handed = min(most_modes, before%source%highest)
+        end if
+        if (doubt > 1.0_dp .and. projection%place%count < most_handed) then
+          handed = int(min(real(most_handed, dp), max(2.0_dp, min(64.0_dp, 1.2_dp*doubt))*projection%place%count))
+          cycle
+        end if
+        if (first > grid%samples .or. allowed == 0.0_dp .or. error <= 1.0_dp) exit
+        if (n == most) then
+          call extend_source(scene, motion%units, next%configuration == together, monitor, after%source, extended, cache)
+          if (.not. extended) exit
+          most = min(most_released, after%source%highest)
+        end if
+        n = min(most, 2*n)
+      end do
+      if (first <= grid%samples .and. allowed > 0.0_dp) call cut_to_least()
+    end associate
+  contains
+    subroutine survey_next()
+      !! What the modes there are may be off by, and what they are handed, over what is allowed of either.
+      type(lack_error) :: lacking
+      real(dp) :: part(size(scene%response%points)), times(size(scene%response%points))
+      associate (survey => motion%survey(2), after => motion%modes%configuration(next%configuration))
+        next%energy = energy_after(projection, after%set, speed_in_plane(scene%rotation, motion%units))
+        call survey%start(deflections, scene%response%points, stretch, [n])
+        call survey%add_set(after%set, 1, n, projection%q_after, projection%rate_after)
+        error = 0.0_dp
+        doubt = projection%place%part*sqrt(2.0_dp*projection%place%missing_energy*projection%place%mobility)/scene%modes%tolerance
+        if (first > grid%samples .or. allowed == 0.0_dp) return
+        part = part_planned(motion, 2, n, samples)
+        times = 0.0_dp
+        call find_lack(projection%lack, after%set, n, survey, samples, part, times, lacking)
+        doubt = max(maxval(lacking%displacement)/(doubt_share*allowed), maxval(lacking%bound)/(0.5_dp*bound_times*allowed))
+        error = error_with(n)
+      end associate
+    end subroutine survey_next
+    real(dp) function error_with(count)
+      !! Of the first of them, over what is left of the tolerance.
+      integer, intent(in) :: count
+      type(tail_type) :: tail
+      associate (survey => motion%survey(2), source => motion%modes%configuration(next%configuration)%source)
+        call find_tail(survey, source%pieces%beam, source%damping, next%energy, count, tail)
+        error_with = max(maxval(displacement_error(tail, part_planned(motion, 2, count, samples)))/(aim - doubt_share), &
+                         maxval(tail%bound)/(0.5_dp*bound_times))/allowed
+      end associate
+    end function error_with
+    subroutine cut_to_least()
+      !! Drop the modes that the tolerance does not take.
+      integer :: few, enough, try
+      few = min(first_modes, n)
+      enough = n
+      if (error_with(few) <= 1.0_dp) enough = few
+      do while (enough - few > max(1, few/32))
+        try = (few + enough)/2
+        if (motion%survey(2)%bin_of(try) == 0) exit
+        if (error_with(try) <= 1.0_dp) then
+          enough = try
+        else
+          few = try
+        end if
+      end do
+      next%count = enough
+      motion%reached = max(motion%reached, scene%modes%tolerance*max(error_with(enough), doubt))
+    end subroutine cut_to_least
+  end subroutine choose_later
+
+end module bw_case_counts

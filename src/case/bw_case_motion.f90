@@ -1,0 +1,215 @@
+module bw_case_motion
+  !! The motion of a case before any history is summed: the impact and what follows it, and how many modes are summed. Those are
+  !! what the scene counts, or as many as its tolerance takes; which of the two is asked here alone.
+  use bw_beam_par, only: beam_mass
+  use bw_case_counts, only: choose_first, choose_later
+  use bw_case_modes, only: case_mode_cache
+  use bw_case_notes, only: note_added_energy, note_contacts, note_no_change, note_release, note_rounding
+  use bw_case_result, only: case_diverged, case_ill_conditioned, case_motion, case_not_converged
+  use bw_double_double, only: dd, operator(-)
+  use bw_impact, only: continuum_velocity
+  use bw_initial_state, only: continuum_initial_state, find_initial_state, initial_state, initial_state_cache
+  use bw_kinds, only: dp, qp
+  use bw_mode_set, only: configuration_type
+  use bw_modes_par, only: by_tolerance
+  use bw_monitor, only: monitor_type
+  use bw_projection, only: project, projection_type
+  use bw_recontact, only: contacts_type, follow_contacts
+  use bw_release, only: energy_after, release_mass, release_type
+  use bw_rotation, only: full_speed_in_plane, speed_in_plane
+  use bw_scene, only: scene_type
+  use bw_scene_pieces, only: mass_struck
+  use bw_segment, only: alone, energy_type, lack_type, move_with_energy, segment_type, state_energy, together
+  use bw_timeline, only: change_type, changes_of, happens, timeline_type
+  implicit none (type, external)
+  private
+  public :: follow_motion, start_motion
+
+contains
+
+  subroutine start_motion(scene, motion, monitor, cache, modes_cache)
+    !! The impact, and the capture if the mass stays: what the first segment starts from, and how many modes move in it. Nothing strikes
+    !! modes that are not resolved.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion     !! its modes are known
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(initial_state_cache), intent(inout) :: cache
+    type(case_mode_cache), intent(inout), optional :: modes_cache   !! absent: no modes are shared
+    type(segment_type) :: segment
+    if (allocated(motion%notes)) deallocate (motion%notes)      ! of a try with fewer modes
+    if (allocated(motion%survey)) deallocate (motion%survey)
+    motion%reached = 0.0_dp
+    motion%initial = initial_state()
+    motion%timeline = timeline_type()
+    allocate (motion%initial%events(0), motion%timeline%events(0), motion%timeline%segments(0))
+    if (.not. allocated(scene%impact) .or. .not. motion%modes%resolved) return
+    segment%configuration = motion%modes%moving
+    associate (moving => motion%modes%configuration(segment%configuration), before => motion%modes%configuration(alone)%set, &
+               given => scene%impact)
+      segment%force = (1.0_dp + given%restitution)*given%mass_ratio
+      segment%energy = energy_of_blow(moving, segment%force)
+      if (by_tolerance(scene%modes)) then
+        call continuum_initial_state(moving%set, given, mass_struck(scene, motion%units), motion%initial)
+        call choose_first(scene, motion, segment, monitor, modes_cache)
+      else if (segment%configuration == together) then
+        call find_initial_state(before, moving%set, given, monitor, cache, motion%initial)
+        segment%count = moving%set%count
+        segment%rate = motion%initial%modal_velocity
+        segment%lack = lack_type(rate=continuum_velocity(moving%set, given%mass_ratio, given%restitution) - segment%rate)
+      else
+        call find_initial_state(before, given=given, monitor=monitor, cache=cache, state=motion%initial)
+        segment%count = moving%set%count
+        segment%rate = motion%initial%modal_velocity
+      end if
+    end associate
+    if (monitor%stop_requested()) return
+    motion%timeline%segments = [segment]
+    motion%timeline%events = motion%initial%events
+    if (segment%configuration == together) call note_added_energy(scene, motion)
+  end subroutine start_motion
+
+  pure real(dp) function energy_of_blow(configuration, force) result(energy)
+    !! Of all modes that start with the velocities force·Φ_k(ξ₀)/M_k: ½force² over all mass at the place.
+    type(configuration_type), intent(in) :: configuration
+    real(dp), intent(in) :: force
+    real(dp) :: mass
+    associate (pieces => configuration%source%pieces)
+      mass = pieces%beam%joint(pieces%struck)%mass%hi
+    end associate
+    energy = 0.0_dp
+    if (mass > 0.0_dp) energy = 0.5_dp*force**2/mass
+  end function energy_of_blow
+
+  subroutine follow_motion(scene, motion, monitor, modes_cache)
+    !! All that happens after t = 0. A tolerance that is out of reach leaves it unknown.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion     !! started
+    class(monitor_type), intent(inout), target :: monitor   !! what is found means nothing where it asks to stop
+    type(case_mode_cache), intent(inout), optional :: modes_cache
+    type(change_type), allocatable :: changes(:)
+    integer :: i
+    if (size(motion%timeline%segments) == 0) return
+    changes = changes_of(scene, motion%units)
+    do i = 1, size(changes)
+      associate (last => motion%timeline%segments(size(motion%timeline%segments)))
+        if (.not. happens(changes(i), scene, changes(i)%time - last%start, motion%modes%configuration(last%configuration)%set)) then
+          call note_no_change(scene, motion)
+          cycle
+        end if
+      end associate
+      call take_change(scene, changes(i), motion, monitor, modes_cache)
+      if (monitor%stop_requested()) return
+    end do
+    if (allocated(scene%recontact)) call meet_again(scene, motion, monitor)
+  end subroutine follow_motion
+
+  subroutine take_change(scene, change, motion, monitor, modes_cache)
+    !! A segment more: that of the modes which move after a change.
+    type(scene_type), intent(in) :: scene
+    type(change_type), intent(in) :: change
+    type(case_motion), intent(inout) :: motion
+    class(monitor_type), intent(inout), target :: monitor
+    type(case_mode_cache), intent(inout), optional :: modes_cache
+    type(projection_type) :: projection
+    type(segment_type) :: last, next
+    type(release_type) :: release
+    type(energy_type) :: energy
+    real(dp) :: speed
+    next%configuration = change%configuration
+    next%start = change%time
+    speed = speed_in_plane(scene%rotation, motion%units)
+    last = motion%timeline%segments(size(motion%timeline%segments))
+    associate (before => motion%modes%configuration(last%configuration), after => motion%modes%configuration(next%configuration))
+      if (allocated(last%rate)) then
+        call project(last, before, next%start - last%start, 0.0_dp, 0, after%set, projection, monitor)
+        if (monitor%stop_requested()) return
+        next%count = after%set%count
+        next%energy = energy_after(projection, after%set, speed)
+        energy = energy_at(before, last, next%start - last%start)
+      else
+        if (motion%reached > scene%modes%tolerance) return
+        call choose_later(scene, motion, last, next, projection, monitor, modes_cache)
+        if (monitor%stop_requested()) return
+        if (motion%reached > scene%modes%tolerance) return
+        energy = energy_type(projection%place%energy, epsilon(speed)*projection%place%energy)
+      end if
+      next%q = projection%q_after
+      next%rate = projection%rate_after
+      next%lack = projection%lack
+      next%handed = projection%place%count
+      release = release_mass(projection, after%set, speed, energy, .not. allocated(last%rate))
+    end associate
+    release%event%time = change%seconds
+    release%event%end_time = change%seconds
+    motion%timeline%segments = [motion%timeline%segments, next]
+    motion%timeline%events = [motion%timeline%events, release%event]
+    call note_release(scene, release, motion)
+    call note_rounding(motion)
+  end subroutine take_change
+
+  type(energy_type) function energy_at(configuration, segment, elapsed) result(energy)
+    !! Of the modes that are summed, a time after a segment's start.
+    type(configuration_type), intent(in) :: configuration
+    type(segment_type), intent(in) :: segment
+    type(dd), intent(in) :: elapsed
+    real(dp), dimension(segment%count) :: q, rate
+    q = 0.0_dp
+    if (allocated(segment%q)) q = segment%q
+    rate = segment%rate
+    energy = state_energy(configuration%set, q, rate)
+    call move_with_energy(configuration%set, elapsed, q, rate, energy)
+  end function energy_at
+
+  subroutine meet_again(scene, motion, monitor)
+    !! Contacts of a mass that rebounded.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(inout) :: motion
+    class(monitor_type), intent(inout) :: monitor
+    type(contacts_type) :: contacts
+    type(configuration_type) :: pressed
+    if (scene%impact%mass_ratio == 0.0_dp .or. scene%impact%approach_velocity == 0.0_dp) return
+    call follow_contacts(motion%modes%configuration(alone)%set, mass_ratio_in_full(scene), scene%impact%restitution, &
+                         full_speed_in_plane(scene%rotation, motion%units), &
+                         scene%response%duration/motion%units%time%hi, scene%recontact%max_contacts, contacts, monitor)
+    if (monitor%stop_requested()) return
+    call in_seconds(scene, motion, contacts)
+    motion%timeline%events = [motion%timeline%events, contacts%events]
+    motion%timeline%known_until = contacts%known_until
+    if (contacts%out_of_range) then
+      motion%ending = case_diverged
+    else if (contacts%cut) then
+      motion%ending = case_not_converged
+    else if (contacts%known_until < huge(1.0_dp)) then
+      motion%ending = case_ill_conditioned
+    end if
+    call note_contacts(scene, contacts, motion)
+    call move_alloc(contacts%segments, motion%timeline%segments)
+    if (.not. allocated(contacts%modes)) return
+    call move_alloc(contacts%modes, pressed%set)
+    motion%modes%configuration = [motion%modes%configuration, pressed]
+  end subroutine meet_again
+
+  pure real(qp) function mass_ratio_in_full(scene) result(gamma)
+    !! m_j/m_i of the numbers as they were given.
+    type(scene_type), intent(in) :: scene
+    gamma = scene%impact%mass_ratio
+    if (scene%impact%mass_given) gamma = scene%impact%mass/beam_mass(scene%beam)
+  end function mass_ratio_in_full
+
+  pure subroutine in_seconds(scene, motion, contacts)
+    !! The times of contacts and their errors; one that lasts to the end of the record ends there exactly.
+    type(scene_type), intent(in) :: scene
+    type(case_motion), intent(in) :: motion
+    type(contacts_type), intent(inout) :: contacts
+    associate (events => contacts%events, unit => motion%units%time%hi, duration => scene%response%duration)
+      events%time = min(events%time*unit, duration)
+      events%end_time = min(events%end_time*unit, duration)
+      events%time_error = events%time_error*unit + 2*epsilon(duration)*events%time
+      events%end_error = events%end_error*unit + 2*epsilon(duration)*events%end_time
+      if (.not. contacts%lasting) return
+      events(size(events))%end_time = duration
+      events(size(events))%end_error = 0.0_dp
+    end associate
+  end subroutine in_seconds
+
+end module bw_case_motion

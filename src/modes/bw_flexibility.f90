@@ -1,0 +1,247 @@
+module bw_flexibility
+  !! How far a point of a beam of pieces gives to a force there that grows as e^(st): its flexibility at the imaginary frequency
+  !! is, β² = −s², where no mode is in the way. As a sum over all modes it is ΣΦ_k(ξ)²/(M_k(β_k² + s²)), so that it tells what
+  !! modes that are not summed add to it. Without tension.
+  !!
+  !! Waves at such a frequency decay from where they start, outwards or inwards. What comes back of outward ones from all that lies
+  !! beyond a point, and of inward ones from all that lies between it and the root, are two matrices, which are carried from piece
+  !! to piece: only decaying exponentials appear, whatever the pieces' lengths. Without dimensions, as the beam.
+  !!
+  !! **Limit**: pieces are uniform. Of a beam that tapers the flexibility is at most that of uniform pieces which are nowhere stiffer
+  !! or heavier, so that a bound follows from these; it is not made here.
+  use bw_kinds, only: dp
+  use bw_lapack, only: zgesv
+  use bw_piece_beam, only: beam_joint, beam_root, piece_beam, uniform_piece
+  implicit none (type, external)
+  private
+  public :: mean_square_curvature, mean_square_shape, moment_stiffness, point_flexibility
+
+  type :: piece_waves
+    !! Two waves that decay outwards, and two that decay inwards.
+    complex(dp) :: decay(2)                      !! κ, Re κ > 0
+    complex(dp) :: state(4, 4)                   !! v, ψ, M and shear force of each wave where it is 1
+    complex(dp) :: from_tip(2, 2)                !! inward waves at the outer end, of outward ones there
+    complex(dp) :: from_root(2, 2)               !! outward waves at the inner end, of inward ones there
+    real(dp) :: length
+  end type piece_waves
+
+contains
+
+  pure function point_flexibility(beam, shift, xi) result(flexibility)
+    !! ΣΦ_k(ξ)²/(M_k(β_k² + s²)): the deflection of each point under a force of 1 there, (points).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: shift                !! s² > Ω²
+    real(dp), intent(in) :: xi(:)                !! 0 ≤ ξ ≤ 1, (points)
+    real(dp) :: flexibility(size(xi))
+    flexibility = point_response(beam, shift, xi, [0.0_dp, 0.0_dp, 0.0_dp, -1.0_dp], 1)
+  end function point_flexibility
+
+  pure function moment_stiffness(beam, shift, xi) result(stiffness)
+    !! s²ΣB²Φ_k''(ξ)²/(M_kβ_k²(β_k² + s²)): the moment at each point that a kink of 1 there takes beyond the static one, (points).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: shift, xi(:)         !! as those of `point_flexibility`
+    real(dp) :: stiffness(size(xi))
+    stiffness = -point_response(beam, shift, xi, [0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp], 3)
+  end function moment_stiffness
+
+  pure function mean_square_shape(beam, frequency, xi) result(mean)
+    !! The mean of Φ_k(ξ)²/M_k over modes about an angular frequency: the flexibility there over Σ1/(β_k² + s²), which modes that are
+    !! spaced as waves on long pieces make ¼Σ∫Re κ dx/s², (points).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: frequency            !! s > Ω
+    real(dp), intent(in) :: xi(:)                !! (points)
+    real(dp) :: mean(size(xi))
+    mean = point_flexibility(beam, frequency**2, xi)*(frequency**2/spacing_sum(beam, frequency))
+  end function mean_square_shape
+
+  pure function mean_square_curvature(beam, frequency, xi) result(mean)
+    !! The same of (BΦ_k''(ξ))²/(M_kβ_k²), (points).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: frequency, xi(:)     !! as those of `mean_square_shape`
+    real(dp) :: mean(size(xi))
+    mean = moment_stiffness(beam, frequency**2, xi)/spacing_sum(beam, frequency)
+  end function mean_square_curvature
+
+  pure real(dp) function spacing_sum(beam, frequency) result(sums)
+    !! s²Σ1/(β_k² + s²).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: frequency
+    type(piece_waves) :: waves(size(beam%piece))
+    integer :: i
+    call find_waves(beam, frequency**2, waves)
+    sums = 0.25_dp*sum([(waves(i)%length*sum(real(waves(i)%decay)), i=1, size(waves))])
+  end function spacing_sum
+
+  pure function point_response(beam, shift, xi, jump, seen) result(values)
+    !! One component of the state at each point, where the state jumps there from the inner side to the outer one, (points).
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: shift, xi(:), jump(4)
+    integer, intent(in) :: seen                  !! 1 … 4: v, ψ, M or the shear force
+    real(dp) :: values(size(xi)), inner, outer, ends(size(beam%piece))
+    type(piece_waves) :: waves(size(beam%piece))
+    complex(dp) :: sides(4, 4), amplitude(4, 1), beyond(4, 2)
+    real(dp), parameter :: rounding = 1.0e-12_dp
+    integer :: i, p
+    call find_waves(beam, shift, waves)
+    ends = [(sum(waves(:i)%length), i=1, size(ends))]
+    do p = 1, size(xi)
+      i = min(count(ends < xi(p)) + 1, size(ends))
+      outer = max(0.0_dp, ends(i) - xi(p))
+      inner = max(0.0_dp, waves(i)%length - outer)
+      beyond = with_returned(waves(i), carried(waves(i), outer, waves(i)%from_tip), .true.)
+      sides(:, :2) = beyond
+      sides(:, 3:) = -with_returned(waves(i), carried(waves(i), inner, waves(i)%from_root), .false.)
+      amplitude(:, 1) = cmplx(jump, 0.0_dp, dp)
+      call solve(sides, amplitude)
+      values(p) = real(sum(beyond(seen, :)*amplitude(:2, 1)))
+      if (abs(values(p)) <= rounding*sum(abs(waves(i)%state(seen, :2)*amplitude(:2, 1)))) values(p) = 0.0_dp   ! as M at a free end
+    end do
+  end function point_response
+
+  pure subroutine find_waves(beam, shift, waves)
+    !! The waves of every piece, and what comes back to its ends.
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: shift
+    type(piece_waves), intent(out) :: waves(:)
+    real(dp) :: lambda, rho
+    integer :: i, n
+    n = size(waves)
+    lambda = -shift
+    rho = -shift
+    if (beam%in_plane) then
+      lambda = lambda + beam%spin_squared%hi
+    else
+      rho = rho + beam%spin_squared%hi
+    end if
+    do i = 1, n
+      call find_pairs(beam%piece(i), lambda, rho, waves(i))
+    end do
+    waves(n)%from_tip = returned(joined(beam%joint(n), lambda, -shift, waves(n)%state), 3, 4, .true.)
+    do i = n - 1, 1, -1
+      waves(i)%from_tip = passed(waves(i)%state, joined(beam%joint(i), lambda, -shift, &
+        with_returned(waves(i + 1), carried(waves(i + 1), waves(i + 1)%length, waves(i + 1)%from_tip), .true.), -1.0_dp), .true.)
+    end do
+    waves(1)%from_root = returned(held(beam%root, waves(1)%state), 1, 2, .false.)
+    do i = 2, n
+      waves(i)%from_root = passed(waves(i)%state, joined(beam%joint(i - 1), lambda, -shift, &
+        with_returned(waves(i - 1), carried(waves(i - 1), waves(i - 1)%length, waves(i - 1)%from_root), .false.)), .false.)
+    end do
+  end subroutine find_waves
+
+  pure subroutine find_pairs(piece, lambda, rho, waves)
+    !! e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, M = Bψ', N' = −mλv.
+    type(uniform_piece), intent(in) :: piece
+    real(dp), intent(in) :: lambda, rho
+    type(piece_waves), intent(inout) :: waves
+    real(dp), parameter :: apart = 1.0e-7_dp     ! of the two squares, so that waves are independent
+    complex(dp) :: root, kappa(4), force(4), turn(4)
+    real(dp) :: b, c
+    associate (stiffness => piece%stiffness%hi, mass => piece%mass%hi, compliance => piece%compliance%hi)
+      b = (piece%rotary%hi*rho + compliance*mass*lambda*stiffness)/stiffness
+      c = -mass*lambda*(1.0_dp - compliance*piece%rotary%hi*rho)/stiffness
+      root = sqrt(cmplx(0.25_dp*b**2 - c, 0.0_dp, dp))
+      if (abs(root) < apart*abs(b)) root = apart*abs(b)
+      waves%decay = sqrt([-0.5_dp*b + root, -0.5_dp*b - root])
+      kappa = [-waves%decay, waves%decay]
+      force = -mass*lambda/kappa
+      turn = kappa - compliance*force
+      waves%state(1, :) = 1.0_dp
+      waves%state(2, :) = turn
+      waves%state(3, :) = stiffness*kappa*turn
+      waves%state(4, :) = force
+    end associate
+    waves%length = piece%length%hi
+  end subroutine find_pairs
+
+  pure function joined(joint, lambda, square, inner, sign) result(outer)
+    !! States beyond a joint from those before it; with sign −1 the other way.
+    type(beam_joint), intent(in) :: joint
+    real(dp), intent(in) :: lambda, square       !! λ and β²
+    complex(dp), intent(in) :: inner(:, :)       !! (4, any)
+    real(dp), intent(in), optional :: sign       !! absent: 1
+    complex(dp) :: outer(4, size(inner, 2))
+    real(dp) :: way
+    way = 1.0_dp
+    if (present(sign)) way = sign
+    outer = inner
+    outer(3, :) = inner(3, :) + way*(joint%turning_stiffness%hi - joint%inertia%hi*square)*inner(2, :)
+    outer(4, :) = inner(4, :) + way*(joint%stiffness%hi - joint%mass%hi*lambda)*inner(1, :)
+  end function joined
+
+  pure function held(root, state) result(conditions)
+    !! What is 0 at the root, in the first two rows.
+    type(beam_root), intent(in) :: root
+    complex(dp), intent(in) :: state(4, 4)
+    complex(dp) :: conditions(4, 4)
+    conditions = state
+    if (.not. root%holds_deflection) conditions(1, :) = state(4, :) - root%stiffness%hi*state(1, :)
+    if (.not. root%holds_turning) conditions(2, :) = state(3, :) - root%turning_stiffness%hi*state(2, :)
+  end function held
+
+  pure function returned(conditions, first, last, outward) result(back)
+    !! What comes back where two rows of a state are 0.
+    complex(dp), intent(in) :: conditions(4, 4)
+    integer, intent(in) :: first, last           !! these rows
+    logical, intent(in) :: outward               !! of outward waves, else of inward ones
+    complex(dp) :: back(2, 2), system(2, 2)
+    system = conditions(first:last, merge(3, 1, outward):merge(4, 2, outward))
+    back = -conditions(first:last, merge(1, 3, outward):merge(2, 4, outward))
+    call solve(system, back)
+  end function returned
+
+  pure function passed(state, known, outward) result(back)
+    !! What comes back of a piece's waves from where its state is known but for two amplitudes.
+    complex(dp), intent(in) :: state(4, 4)
+    complex(dp), intent(in) :: known(4, 2)
+    logical, intent(in) :: outward               !! of outward waves, else of inward ones
+    complex(dp) :: back(2, 2), system(4, 4), amplitude(4, 2), going(2, 2), coming(2, 2)
+    system = state
+    amplitude = known
+    call solve(system, amplitude)
+    going = transpose(amplitude(merge(1, 3, outward):merge(2, 4, outward), :))
+    coming = transpose(amplitude(merge(3, 1, outward):merge(4, 2, outward), :))
+    call solve(going, coming)
+    back = transpose(coming)
+  end function passed
+
+  pure function carried(waves, length, returning) result(back)
+    !! What comes back, seen from a way inside of the piece.
+    type(piece_waves), intent(in) :: waves
+    real(dp), intent(in) :: length               !! of the way
+    complex(dp), intent(in) :: returning(2, 2)
+    complex(dp) :: back(2, 2), left(2)
+    left = exp(-waves%decay*length)
+    back = spread(left, 2, 2)*returning*spread(left, 1, 2)
+  end function carried
+
+  pure function with_returned(waves, back, outward) result(state)
+    !! The state of each of two waves with what comes back of it.
+    type(piece_waves), intent(in) :: waves
+    complex(dp), intent(in) :: back(2, 2)
+    logical, intent(in) :: outward               !! the two are outward waves, else inward ones
+    complex(dp) :: state(4, 2)
+    if (outward) then
+      state = waves%state(:, :2) + matmul(waves%state(:, 3:), back)
+    else
+      state = waves%state(:, 3:) + matmul(waves%state(:, :2), back)
+    end if
+  end function with_returned
+
+  pure subroutine solve(system, right)
+    !! Solve a few equations, each over its largest coefficient.
+    complex(dp), intent(inout), contiguous :: system(:, :)   !! overwritten
+    complex(dp), intent(inout), contiguous :: right(:, :)    !! then the solution
+    real(dp) :: largest
+    integer :: i, info, n, pivot(size(right, 1))
+    n = size(system, 1)
+    do i = 1, n
+      largest = maxval(abs(system(i, :)))
+      if (largest <= 0.0_dp) cycle
+      system(i, :) = system(i, :)/largest
+      right(i, :) = right(i, :)/largest
+    end do
+    call zgesv(n, size(right, 2), system, n, pivot, right, n, info)
+    if (info /= 0) right = 0.0_dp                ! no beam that is held by its inertia has such equations
+  end subroutine solve
+
+end module bw_flexibility

@@ -1,0 +1,261 @@
+module bw_projection
+  !! A motion goes over to the modes of another configuration, when a body leaves: displacement and velocity of the beam go on as
+  !! they were, so that the new state is their projection with the beam's own weight. A mode k of beam and body and one i of the beam
+  !! alone overlap by −(m Λ_kΦ_kφ_i + J β_k²Ψ_kψ_i)/(β_k² − β_i²), all at the body, Λ = β² (+ ω² in plane) (Green's identity).
+  !!
+  !! Modes k far above i are a blow on the beam alone, −m φ_i times what they move the body by, whatever they are: a million of
+  !! them cost little. And so is what those beyond all that are looked at may add: with their energy E_N and their mobility at
+  !! the body, μ_N = Σ_{k>N}Φ_k²/M_k, both known as differences, they move it with √(2E_Nμ_N) at most. Which part of that is likely
+  !! the last two octaves of those that are looked at tell, as in bw_truncation_error. **Limit**: the tension that leaves with a
+  !! body is in the overlaps, but not in that bound, where it is smaller by 1/β_N².
+  !!
+  !! Units of bw_segment.
+  use bw_double_double, only: accurate_sum, dd
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: left_beyond
+  use bw_mode_set, only: configuration_type, first_numbers, mode_set, mode_source
+  use bw_monitor, only: monitor_type, stops
+  use bw_segment, only: beam_energy, energy_type, lack_type, move, move_with_energy, segment_type, state_energy
+  implicit none (type, external)
+  private
+  public :: project
+
+  integer, parameter :: near(2) = [4, 1024]     !! times the modes after, and modes at least, whose overlaps are taken one by one
+  integer, parameter :: chunk = 256             !! modes held at a time beyond these
+
+  type, public :: place_type
+    !! What the modes that are looked at move the body's place by, and what others may.
+    integer :: count = 0                        !! N
+    real(dp) :: displacement = 0.0_dp, velocity = 0.0_dp
+    real(dp) :: energy = 0.0_dp                 !! of all modes there are
+    real(dp) :: missing_energy = 0.0_dp         !! E_N
+    real(dp) :: mobility = 0.0_dp               !! μ_N
+    real(dp) :: turning_mobility = 0.0_dp       !! the same of Ψ², where the body has inertia
+    real(dp) :: square = 0.0_dp                 !! β_N²
+    real(dp) :: part = 1.0_dp                   !! of the sum of its amplitudes, that one of the last octaves comes to
+    real(dp) :: left = 1.0_dp                   !! that damping leaves of amplitudes of modes beyond them
+  end type place_type
+
+  type, public :: projection_type
+    class(mode_set), allocatable :: before      !! the first modes before
+    real(dp), allocatable :: q(:), rate(:)      !! their state then, as it is summed
+    real(dp), allocatable :: q_after(:), rate_after(:)   !! of the modes after
+    type(lack_type) :: lack
+    type(place_type) :: place
+  end type projection_type
+
+  type :: far_sums
+    !! Of modes whose overlaps are not taken one by one: ΣΦq and ΣΦq̇, and the same over β².
+    real(dp) :: q(2) = 0.0_dp, rate(2) = 0.0_dp
+  end type far_sums
+
+contains
+
+  subroutine project(segment, configuration, time, longest, wanted, after, projection, monitor)
+    !! The state of the modes after, from a segment's motion a time after its start.
+    type(segment_type), intent(in) :: segment
+    type(configuration_type), intent(in) :: configuration    !! of the segment
+    type(dd), intent(in) :: time                 !! since its start, l²/h
+    real(dp), intent(in) :: longest              !! the record, for which phases are to be right, l²/h
+    integer, intent(in) :: wanted                !! N at least, where the segment has no state of its own and there are so many
+    class(mode_set), intent(in) :: after         !! modes of the beam without the body
+    type(projection_type), intent(out) :: projection
+    class(monitor_type), intent(inout), optional :: monitor   !! the projection means nothing where it asks to stop
+    real(dp), allocatable :: q(:), rate(:)       ! of the continuum's modes
+    type(far_sums) :: far
+    associate (p => projection, source => configuration%source)
+      call take_start(segment, configuration, longest, wanted, after%count, p, q, rate, monitor)
+      if (stops(monitor)) return
+      call take_place(p%before, q, rate, time, segment%energy, source, p%place)
+      call move(p%before, time, p%q, p%rate)
+      call move(p%before, time, q, rate)
+      p%q_after = after%overlap_of_beam(p%before, p%q, monitor)
+      p%rate_after = after%overlap_of_beam(p%before, p%rate, monitor)
+      if (allocated(segment%lack)) then
+        p%lack%q = after%overlap_of_beam(p%before, q - p%q, monitor)/after%modal_mass
+        p%lack%rate = after%overlap_of_beam(p%before, rate - p%rate, monitor)/after%modal_mass
+      end if
+      if (.not. allocated(segment%rate)) then
+        call add_far(source, segment%force, time, longest, min(wanted, source%highest), p%place, far, monitor)
+        if (stops(monitor)) return
+        associate (elastic => after%beta_squared%hi + spin(source), blow => source%gamma*after%struck)
+          p%q_after = p%q_after - blow*(far%q(1) + elastic*far%q(2))
+          p%rate_after = p%rate_after - blow*(far%rate(1) + elastic*far%rate(2))
+        end associate
+      end if
+      p%q_after = p%q_after/after%modal_mass
+      p%rate_after = p%rate_after/after%modal_mass
+      p%place%missing_energy = max(0.0_dp, p%place%missing_energy)*p%place%left**2
+      p%place%mobility = max(0.0_dp, p%place%mobility)
+      if (allocated(p%before%damping)) p%place%energy = p%place%energy + p%place%missing_energy
+      call find_doubt(source, after, p%place, p%lack)
+    end associate
+  end subroutine project
+
+  pure real(dp) function spin(source)
+    !! ω² where it acts on translations.
+    class(mode_source), intent(in) :: source
+    spin = 0.0_dp
+    if (source%pieces%beam%in_plane) spin = source%pieces%beam%spin_squared%hi
+  end function spin
+
+  subroutine take_start(segment, configuration, longest, wanted, modes_after, p, q, rate, monitor)
+    !! The first modes before, the state that they start from, and that of the continuum.
+    type(segment_type), intent(in) :: segment
+    type(configuration_type), intent(in) :: configuration
+    real(dp), intent(in) :: longest
+    integer, intent(in) :: wanted, modes_after
+    type(projection_type), intent(inout) :: p
+    real(dp), allocatable, intent(out) :: q(:), rate(:)
+    class(monitor_type), intent(inout), optional :: monitor
+    integer :: n
+    associate (source => configuration%source)
+      if (allocated(segment%rate)) then
+        allocate (p%before, source=configuration%set)
+        p%rate = segment%rate
+        p%q = 0.0_dp*p%rate
+        if (allocated(segment%q)) p%q = segment%q
+      else
+        n = max(near(1)*modes_after, near(2))
+        if (source%pieces%captured%inertia%hi > 0.0_dp) n = max(n, wanted)
+        n = min(n, source%highest)
+        call source%find(first_numbers(n), p%before, source%stretch*longest, monitor)
+        if (stops(monitor)) return
+        p%rate = segment%force*p%before%struck/p%before%modal_mass
+        p%q = 0.0_dp*p%rate
+      end if
+      q = p%q
+      rate = p%rate
+      if (.not. allocated(segment%lack)) return
+      if (allocated(segment%lack%q)) q = q + segment%lack%q
+      if (allocated(segment%lack%rate)) rate = rate + segment%lack%rate
+    end associate
+  end subroutine take_start
+
+  subroutine take_place(before, q, rate, time, energy, source, place)
+    !! What the first modes move the body's place by, and how much energy and mobility they leave to others.
+    class(mode_set), intent(in) :: before
+    real(dp), intent(in) :: q(:), rate(:)        !! the continuum's state at the start
+    type(dd), intent(in) :: time
+    real(dp), intent(in) :: energy               !! of all modes at the start
+    class(mode_source), intent(in) :: source
+    type(place_type), intent(out) :: place
+    real(dp), parameter :: unit = 4.0_dp*epsilon(1.0_dp)
+    real(dp), dimension(size(q)) :: moved, moved_rate
+    type(energy_type) :: held
+    real(dp) :: mass
+    place%count = size(q)
+    mass = source%pieces%beam%joint(source%pieces%struck)%mass%hi
+    if (mass > 0.0_dp) place%mobility = max(0.0_dp, 1.0_dp/mass - accurate_sum(before%struck**2/before%modal_mass)) + unit/mass
+    associate (inertia => source%pieces%captured%inertia%hi)
+      if (inertia > 0.0_dp) place%turning_mobility = &
+        max(0.0_dp, 1.0_dp/inertia - accurate_sum(before%turnings()**2/before%modal_mass)) + unit/inertia
+    end associate
+    place%missing_energy = max(0.0_dp, energy - beam_energy(before, q, rate)) + unit*energy
+    place%square = before%beta_squared(size(q))%hi
+    moved = q
+    moved_rate = rate
+    held = state_energy(before, q, rate)
+    call move_with_energy(before, time, moved, moved_rate, held)
+    place%displacement = accurate_sum(before%struck*moved)
+    place%velocity = accurate_sum(before%struck*moved_rate)
+    place%energy = energy
+    if (allocated(before%damping)) place%energy = held%value
+    place%left = left_of(before, time)
+    call take_part(before%struck*moved_rate, amplitudes(before, moved, moved_rate), place)
+  end subroutine take_place
+
+  pure function amplitudes(modes, q, rate) result(amplitude)
+    !! Of the velocities that modes which turn give the place, (modes).
+    class(mode_set), intent(in) :: modes
+    real(dp), intent(in) :: q(:), rate(:)
+    real(dp) :: amplitude(size(q))
+    amplitude = abs(modes%struck)*sqrt(rate**2 + max(0.0_dp, modes%beta_squared%hi)*q**2)
+  end function amplitudes
+
+  pure real(dp) function left_of(before, time) result(left)
+    !! What damping leaves at most of the amplitude of modes beyond these.
+    class(mode_set), intent(in) :: before
+    type(dd), intent(in) :: time
+    left = 1.0_dp
+    if (.not. allocated(before%damping)) return
+    associate (n => before%count)
+      left = left_beyond(before%beta_squared(n), before%damping(n), real(before%law%stiffness, dp), time%hi)
+    end associate
+  end function left_of
+
+  pure subroutine take_part(terms, reach, place)
+    !! The part of the sum of its amplitudes that an octave of modes comes to then.
+    real(dp), intent(in) :: terms(:), reach(:)   !! Φq̇, and its amplitude, of modes up to the last
+    type(place_type), intent(inout) :: place
+    real(dp) :: octave(2), sums(2)
+    integer :: n
+    place%part = 1.0_dp
+    n = size(terms)
+    if (n < 4) return
+    octave = abs([sum(terms(n/4 + 1:n/2)), sum(terms(n/2 + 1:))])
+    sums = [sum(reach(n/4 + 1:n/2)), sum(reach(n/2 + 1:))]
+    if (any(sums <= 0.0_dp)) return
+    place%part = min(1.0_dp, max(octave(2)/sums(2), octave(1)/sums(1)/sqrt(2.0_dp), &
+                                 sqrt(log(2.0_dp)*sum(reach(n/2 + 1:)**2))/sums(2)))
+  end subroutine take_part
+
+  subroutine add_far(source, force, time, longest, last, place, far, monitor)
+    !! Add further modes up to number `last`, all of a continuum that starts from rest position.
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    type(dd), intent(in) :: time
+    real(dp), intent(in) :: longest
+    integer, intent(in) :: last
+    type(place_type), intent(inout) :: place
+    type(far_sums), intent(inout) :: far
+    class(monitor_type), intent(inout), optional :: monitor
+    class(mode_set), allocatable :: modes
+    real(dp), allocatable :: q(:), rate(:), terms(:), reach(:)
+    integer :: first, n
+    if (place%count >= last) return
+    allocate (terms(place%count + 1:last), reach(place%count + 1:last))
+    do first = place%count + 1, last, chunk
+      if (stops(monitor)) return
+      n = min(chunk, last - first + 1)
+      call source%find(first - 1 + first_numbers(n), modes, min(1.0_dp, source%stretch)*longest)
+      rate = force*modes%struck/modes%modal_mass
+      q = 0.0_dp*rate
+      place%mobility = place%mobility - accurate_sum(modes%struck**2/modes%modal_mass)
+      place%missing_energy = place%missing_energy - beam_energy(modes, q, rate)
+      call move(modes, time, q, rate)
+      terms(first:first + n - 1) = modes%struck*rate
+      reach(first:first + n - 1) = amplitudes(modes, q, rate)
+      place%left = left_of(modes, time)
+      if (allocated(modes%damping)) place%energy = place%energy + beam_energy(modes, q, rate)
+      place%square = modes%beta_squared(n)%hi
+      place%displacement = place%displacement + accurate_sum(modes%struck*q)
+      place%velocity = place%velocity + accurate_sum(modes%struck*rate)
+      far%q = far%q + [accurate_sum(modes%struck*q), accurate_sum(modes%struck*q/modes%beta_squared%hi)]
+      far%rate = far%rate + [accurate_sum(modes%struck*rate), accurate_sum(modes%struck*rate/modes%beta_squared%hi)]
+    end do
+    place%count = last
+    if (size(terms) >= 4) call take_part(terms, reach, place)
+  end subroutine add_far
+
+  pure subroutine find_doubt(source, after, place, lack)
+    !! How far the modes after may be off by what those beyond all that are looked at would hand on.
+    class(mode_source), intent(in) :: source
+    class(mode_set), intent(in) :: after
+    type(place_type), intent(in) :: place
+    type(lack_type), intent(inout) :: lack
+    real(dp), parameter :: likely = 2.0_dp       ! tuned: as that of bw_truncation_error
+    real(dp) :: blow(after%count), near(after%count), size_of(2)
+    lack%settled = count(after%beta_squared%hi <= 0.5_dp*place%square)
+    near = (place%square + spin(source))/max(0.5_dp*place%square, place%square - after%beta_squared%hi)
+    size_of = sqrt(2.0_dp*place%missing_energy*[place%mobility, place%turning_mobility])
+    blow = near*(source%gamma*abs(after%struck)*size_of(1) &
+                 + source%pieces%captured%inertia%hi*abs(after%turnings())*size_of(2))/after%modal_mass
+    blow(lack%settled + 1:) = 0.0_dp
+    lack%rate_doubt = blow
+    lack%q_doubt = blow/sqrt(place%square)
+    lack%likely = min(1.0_dp, likely*place%part)
+    lack%energy = place%missing_energy + 0.5_dp*source%gamma*spin(source)*size_of(1)**2/place%square
+  end subroutine find_doubt
+
+end module bw_projection

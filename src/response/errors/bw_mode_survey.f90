@@ -1,0 +1,211 @@
+module bw_mode_survey
+  !! What the modes of a motion do, one after the other: the energy that each holds, how far it may carry the points of a history,
+  !! and what it takes of the flexibility there. From these sums follows what modes that are not summed may add
+  !! (bw_truncation_error).
+  !!
+  !! The first modes are kept one by one, others as bins of neighbours, 128 to an octave of mode numbers, so that millions take
+  !! little memory. Without dimensions: displacements in V l²/h, velocities in V, energies in m_iV².
+  use bw_double_double, only: dd
+  use bw_kinds, only: dp
+  use bw_mode_set, only: curvatures, first_numbers, mode_set, mode_source, values_at
+  use bw_monitor, only: monitor_type, stops
+  use bw_reach, only: amplitude_of, stretch_type
+  implicit none (type, external)
+  private
+
+  integer, parameter :: single = 256               !! modes that are kept one by one
+  integer, parameter :: bins_an_octave = 128
+  integer, parameter :: batch = 256                !! tuned: modes whose arrays stay in the cache
+  real(dp), parameter :: farthest = 1.0e150_dp     !! that a growing mode comes in these sums: its square is a number
+
+  type, public :: mode_bin
+    !! Neighbouring modes.
+    integer :: last = 0                            !! number of the last of them
+    integer :: modes = 0
+    real(dp) :: square = 0.0_dp                    !! β² of the last
+    real(dp) :: damping = 0.0_dp                   !! its c
+    real(dp) :: mean_square = 0.0_dp               !! mean of β²
+    real(dp) :: energy = 0.0_dp                    !! ½ΣM(q̇² + β²q²)
+    real(dp) :: size_of_energy = 0.0_dp            !! the same of magnitudes: β² < 0 takes energy
+  end type mode_bin
+
+  type, public :: point_sums
+    !! Of the modes of a bin at a point.
+    real(dp) :: share = 0.0_dp                     !! ΣΦ(ξ)²/M
+    real(dp) :: reach = 0.0_dp                     !! Σ|A|, A a mode's largest displacement of the point
+    real(dp) :: square = 0.0_dp                    !! ΣA²
+    real(dp) :: largest = 0.0_dp                   !! the largest |A|
+    real(dp) :: rate_square = 0.0_dp               !! ΣA² of velocities
+  end type point_sums
+
+  type, public :: mode_survey
+    integer :: quantity = 1                        !! of the histories: deflections or curvatures (bw_mode_set)
+    real(dp), allocatable :: points(:)             !! ξ, (points)
+    type(stretch_type) :: stretch                  !! samples after the start of the motion
+    integer, allocatable :: wanted(:)              !! counts that end a bin, whatever its width
+    integer :: bins = 0                            !! that are full
+    type(mode_bin), allocatable :: bin(:)          !! (bins and more)
+    type(point_sums), allocatable :: at(:, :)      !! (points, bins and more)
+  contains
+    procedure :: start
+    procedure :: add
+    procedure :: add_set
+    procedure :: add_source
+    procedure :: count => surveyed
+    procedure :: bin_of
+  end type mode_survey
+
+contains
+
+  subroutine start(self, quantity, points, stretch, wanted)
+    !! A survey of no modes yet.
+    class(mode_survey), intent(out) :: self
+    integer, intent(in) :: quantity
+    real(dp), intent(in) :: points(:)
+    type(stretch_type), intent(in) :: stretch
+    integer, intent(in), optional :: wanted(:)
+    self%quantity = quantity
+    self%points = points
+    self%stretch = stretch
+    allocate (self%wanted(0))
+    if (present(wanted)) self%wanted = wanted
+    allocate (self%bin(2*single), self%at(size(points), 2*single))
+  end subroutine start
+
+  pure integer function surveyed(self) result(count)
+    !! Modes that have been added.
+    class(mode_survey), intent(in) :: self
+    count = self%bin(self%bins + 1)%modes
+    if (self%bins > 0) count = count + self%bin(self%bins)%last
+  end function surveyed
+
+  pure integer function bin_of(self, count) result(bin)
+    !! The bin that ends with mode `count`; 0: none does.
+    class(mode_survey), intent(in) :: self
+    integer, intent(in) :: count
+    bin = findloc(self%bin(:self%bins)%last, count, dim=1)
+  end function bin_of
+
+  pure integer function end_of_bin(self, number) result(last)
+    !! The last mode of the bin that a mode is in.
+    class(mode_survey), intent(in) :: self
+    integer, intent(in) :: number
+    integer :: width
+    last = number
+    if (number > single) then
+      width = 1
+      do while (number > 2*bins_an_octave*width)
+        width = 2*width
+      end do
+      last = ((number - 1)/width + 1)*width
+    end if
+    last = min(last, minval(self%wanted, mask=self%wanted >= number))
+  end function end_of_bin
+
+  subroutine make_room(self, more)
+    !! For so many further bins.
+    class(mode_survey), intent(inout) :: self
+    integer, intent(in) :: more
+    type(mode_bin), allocatable :: bin(:)
+    type(point_sums), allocatable :: at(:, :)
+    integer :: n
+    n = size(self%bin)
+    if (self%bins + more <= n) return
+    allocate (bin(2*(n + more)), at(size(self%points), 2*(n + more)))
+    bin(:n) = self%bin
+    at(:, :n) = self%at
+    call move_alloc(bin, self%bin)
+    call move_alloc(at, self%at)
+  end subroutine make_room
+
+  subroutine add(self, square, damping, q, rate, mass, shapes)
+    !! The next modes, and the state that they start from.
+    class(mode_survey), intent(inout) :: self
+    type(dd), intent(in) :: square(:)              !! β², (modes)
+    real(dp), intent(in) :: damping(:)             !! c
+    real(dp), intent(in) :: q(:), rate(:)
+    real(dp), intent(in) :: mass(:)                !! M
+    real(dp), intent(in) :: shapes(:, :)           !! Φ(ξ), or curvatures, (modes, points)
+    real(dp), dimension(size(square)) :: moved, moved_rate
+    integer :: ended, k, number, p
+    moved = amplitude_of(square, damping, q, rate, self%stretch, .false.)
+    moved_rate = amplitude_of(square, damping, q, rate, self%stretch, .true.)
+    number = self%count()
+    call make_room(self, size(square) + 1)
+    ended = end_of_bin(self, number + 1)
+    do k = 1, size(square)
+      associate (bin => self%bin(self%bins + 1), at => self%at(:, self%bins + 1))
+        bin%modes = bin%modes + 1
+        bin%mean_square = bin%mean_square + square(k)%hi
+        bin%energy = bin%energy + 0.5_dp*mass(k)*(rate(k)**2 + square(k)%hi*q(k)**2)
+        bin%size_of_energy = bin%size_of_energy + 0.5_dp*mass(k)*(rate(k)**2 + abs(square(k)%hi)*q(k)**2)
+        do p = 1, size(at)
+          at(p)%share = at(p)%share + shapes(k, p)**2/mass(k)
+          at(p)%reach = at(p)%reach + moved(k)*abs(shapes(k, p))
+          at(p)%square = at(p)%square + min(farthest, moved(k)*abs(shapes(k, p)))**2
+          at(p)%largest = max(at(p)%largest, moved(k)*abs(shapes(k, p)))
+          at(p)%rate_square = at(p)%rate_square + min(farthest, moved_rate(k)*abs(shapes(k, p)))**2
+        end do
+        number = number + 1
+        if (number < ended) cycle
+        bin%last = number
+        bin%mean_square = bin%mean_square/bin%modes
+        bin%square = square(k)%hi
+        bin%damping = damping(k)
+      end associate
+      self%bins = self%bins + 1
+      ended = end_of_bin(self, number + 1)
+    end do
+  end subroutine add
+
+  subroutine add_set(self, modes, first, last, q, rate)
+    !! Some of the modes of a set: those that come next.
+    class(mode_survey), intent(inout) :: self
+    class(mode_set), intent(in) :: modes
+    integer, intent(in) :: first, last             !! their places in the set
+    real(dp), intent(in) :: q(:), rate(:)          !! of all modes of the set, or more
+    real(dp) :: damping(batch)
+    integer :: a, e
+    damping = 0.0_dp
+    do a = first, last, batch
+      e = min(a + batch - 1, last)
+      if (allocated(modes%damping)) damping(:e - a + 1) = modes%damping(a:e)
+      call self%add(modes%beta_squared(a:e), damping(:e - a + 1), q(a:e), rate(a:e), modes%modal_mass(a:e), &
+                    values_at(modes, self%quantity, a, e, self%points))
+    end do
+  end subroutine add_set
+
+  subroutine add_source(self, source, force, last, monitor)
+    !! All modes up to number `last`, which start from rest position with the velocities force·Φ_k(ξ₀)/M_k.
+    class(mode_survey), intent(inout) :: self
+    class(mode_source), intent(in) :: source
+    real(dp), intent(in) :: force
+    integer, intent(in) :: last
+    class(monitor_type), intent(inout), optional :: monitor   !! the survey means nothing where it asks to stop
+    class(mode_set), allocatable :: modes
+    type(dd) :: beta(batch)
+    real(dp), dimension(batch) :: drive, mass, nothing
+    real(dp) :: shapes(batch, size(self%points))
+    real(dp), parameter :: no_record = 0.0_dp      ! amplitudes do not depend on phases
+    integer :: first, n
+    nothing = 0.0_dp
+    do first = self%count() + 1, min(last, source%highest), batch
+      if (stops(monitor)) return
+      n = min(batch, min(last, source%highest) - first + 1)
+      if (allocated(source%damping) .or. self%quantity == curvatures) then
+        call source%find(first - 1 + first_numbers(n), modes, no_record, monitor)
+        call self%add_set(modes, 1, n, nothing, force*modes%struck/modes%modal_mass)
+      else
+        call source%terms(first - 1 + first_numbers(n), self%points, no_record, beta(:n), drive(:n), shapes(:n, :), mass(:n))
+        call self%add(signed_square(beta(:n)), nothing(:n), nothing(:n), force*drive(:n), mass(:n), shapes(:n, :))
+      end if
+    end do
+  end subroutine add_source
+
+  elemental type(dd) function signed_square(beta) result(square)
+    !! β² from √|β²| with its sign.
+    type(dd), intent(in) :: beta
+    square = dd(beta%hi*abs(beta%hi))
+  end function signed_square
+
+end module bw_mode_survey

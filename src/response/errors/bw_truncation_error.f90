@@ -1,0 +1,339 @@
+module bw_truncation_error
+  !! How far a sum of the first n modes is from that of all: a bound that is proved, and an estimate that is near.
+  !!
+  !! **Bound.** Modes beyond the n-th hold the energy E_n, which is known as that of the motion less that of the first, and does not
+  !! grow while they are stable. R_n(ξ) = Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²) is the flexibility that they give the point. By Cauchy and
+  !! Schwarz |Σ_{k>n}Φ_kq_k(t)| ≤ √(2E_nR_n) at all times. R_n is no difference of nearly equal numbers if it is taken at an
+  !! imaginary frequency (bw_flexibility): R_n ≤ (1 + s²/β²_{n+1})Σ_{k>n}Φ_k²/(M_k(β_k² + s²)) for any s. Modes that a survey
+  !! holds beyond the n-th add no more than their amplitudes, and the bound is that of those beyond these.
+  !!
+  !! The energy of a light mass lies in modes far beyond the n-th, which move no point far. Of a blow amplitudes are
+  !! fΦ_k(ξ)Φ_k(ξ₀)/(M_kβ_k), and by the same inequality their sum is at most f√(T(ξ)T(ξ₀)), T(ξ) = Σ_{k>n}Φ_k(ξ)²/(M_kβ_k). With
+  !! 1/β ≤ ½Σ_j 2ʲβ_n/(β² + 4ʲβ_n²), j ≥ −2, for β ≥ β_n, these are flexibilities at imaginary frequencies again.
+  !!
+  !! **Estimate.** All modes that are left out seldom add up to the bound: phases are as good as random, or agree at some samples as
+  !! far as those of the modes before do. So the last two octaves of the sum are summed apart, and the largest part of the sum of its
+  !! amplitudes that one of them comes to at a sample is taken of the bound. Of velocities and curvatures amplitudes have no sum, and
+  !! what is taken is a multiple of their mean square's root, that of the energy E_n in modes of which the flexibility tells the
+  !! shapes.
+  use bw_damping, only: damping_law
+  use bw_double_double, only: dd
+  use bw_flexibility, only: mean_square_curvature, mean_square_shape, point_flexibility
+  use bw_kinds, only: dp
+  use bw_modal_flow, only: left_beyond
+  use bw_mode_set, only: curvatures
+  use bw_mode_survey, only: mode_survey
+  use bw_piece_beam, only: piece_beam
+  use bw_reach, only: turns
+  implicit none (type, external)
+  private
+  public :: block_ends, displacement_error, find_tail, part_shown, rate_error, spread_of_samples, times_shown
+
+  real(dp), parameter, public :: likely = 2.2_dp   !! tuned: 10⁴ sums asked for up to this times the part that blocks show
+  real(dp), parameter, public :: rate_likely = 2.0_dp  !! tuned: the same of velocities, in root mean squares
+  real(dp), parameter :: steady = 1.5_dp           !! tuned: the same of octaves that fall on as the last two do
+  integer, parameter :: counted = 5                !! octaves of them: velocities may have no bound, and no sum is larger
+  real(dp), parameter :: schwarz = 1.35_dp         !! of the sum of amplitudes, where modes are alike: √(4/3)·π/√8, and a little
+  real(dp), parameter :: shifts(3) = [0.1_dp, 1.0_dp, 10.0_dp]   !! s² over β²: the last for beams with tension, which is left out
+  real(dp), parameter, public :: no_bound = 1.0e100_dp  !! where none is known
+  real(dp), parameter :: rounding = 1.0e-13_dp     !! of a flexibility, relatively
+  integer, parameter, public :: fewest = 4         !! modes that have two octaves and others before them
+  integer, parameter :: lowest = -2, highest = 16  !! j, beyond which flexibilities fall as s^(−3/2)
+  integer, parameter :: octaves = 8                !! of modes whose velocities are looked at one after the other
+
+  type, public :: tail_type
+    !! What modes beyond the first n may add, (points).
+    integer :: count = 0                           !! n
+    real(dp), allocatable :: bound(:)              !! of displacements, at all times of the stretch
+    real(dp), allocatable :: reach(:)              !! sum of their amplitudes, about
+    real(dp), allocatable :: largest(:)            !! the largest amplitude that is known of one of them
+    real(dp), allocatable :: rate_mean(:)          !! root mean square of velocities, or of curvatures
+    real(dp), allocatable :: rate_bound(:)         !! of velocities, where a body at the point makes one
+  end type tail_type
+
+contains
+
+  pure function block_ends(count) result(ends)
+    !! The first count/4 modes, and those of the two octaves after them.
+    integer, intent(in) :: count
+    integer :: ends(3)
+    ends = [count/4, count/2, count]
+  end function block_ends
+
+  pure subroutine find_tail(survey, beam, law, energy, count, tail, force, place)
+    !! The survey holds the first `count` modes, and as many beyond them as one likes.
+    type(mode_survey), intent(in) :: survey
+    type(piece_beam), intent(in) :: beam           !! whose modes they are, without its tension
+    type(damping_law), intent(in), optional :: law !! absent: nothing damps
+    real(dp), intent(in) :: energy                 !! of all modes there are, m_iV²
+    integer, intent(in) :: count                   !! n, the last of a bin
+    type(tail_type), intent(out) :: tail
+    real(dp), intent(in), optional :: force        !! f, where all modes start from rest position with fΦ_k(ξ₀)/M_k
+    real(dp), intent(in), optional :: place        !! ξ₀
+    real(dp), dimension(size(survey%points)) :: ahead, beyond, plain
+    real(dp) :: left
+    integer :: b
+    b = survey%bin_of(count)
+    tail%count = count
+    ahead = sum(survey%at(:, b + 1:survey%bins)%reach, 2)
+    plain = no_bound
+    if (survey%bin(b)%square > 0.0_dp) plain = schwarz_bound(b)
+    beyond = plain
+    if (survey%bins > b) beyond = no_bound
+    if (survey%bins > b .and. survey%bin(survey%bins)%square > 0.0_dp) beyond = ahead + schwarz_bound(survey%bins)
+    tail%bound = min(plain, beyond)
+    tail%reach = min(plain, schwarz*beyond)
+    tail%largest = 0.0_dp*plain
+    if (survey%bins > b) tail%largest = maxval(survey%at(:, b + 1:survey%bins)%largest, 2)
+    left = left_by_damping(survey, law, survey%bins)
+    tail%rate_mean = sqrt(half_squares(survey, b + 1, survey%bins) &
+                          + left**2*energy_beyond(survey, energy, survey%bins)*mean_shapes(survey, beam))
+    if (survey%quantity /= curvatures) tail%rate_bound = left_by_damping(survey, law, b) &
+      *sqrt(2.0_dp*energy_beyond(survey, energy, b)*mobility_beyond(survey, beam, b))
+  contains
+    pure function schwarz_bound(b) result(bound)
+      !! √(2ER) of the modes beyond a bin, or f√(TT) where most of the energy is theirs.
+      integer, intent(in) :: b
+      real(dp) :: bound(size(survey%points)), left
+      left = energy_beyond(survey, energy, b)
+      bound = sqrt(2.0_dp*left*residual_flexibility(survey, beam, b))
+      if (present(force) .and. left > 0.5_dp*energy) bound = min(bound, bound_of_blow(survey, beam, force, place, b))
+      bound = left_by_damping(survey, law, b)*bound
+    end function schwarz_bound
+  end subroutine find_tail
+
+  pure real(dp) function energy_beyond(survey, energy, b) result(left)
+    !! Of the modes beyond a bin, with what rounding may hide of it.
+    type(mode_survey), intent(in) :: survey
+    real(dp), intent(in) :: energy
+    integer, intent(in) :: b
+    real(dp), parameter :: unit = 4.0_dp*epsilon(1.0_dp)
+    left = max(0.0_dp, energy - sum(survey%bin(:b)%energy)) + unit*(abs(energy) + sum(survey%bin(:b)%size_of_energy))
+  end function energy_beyond
+
+  pure function residual_flexibility(survey, beam, b) result(residual)
+    !! A bound of Σ_{k>n}Φ_k(ξ)²/(M_kβ_k²), the sharpest of those that some shifts give. Tension stiffens a beam: the flexibility of
+    !! that without it is a bound, too, and the sharper the higher the frequency.
+    type(mode_survey), intent(in) :: survey
+    type(piece_beam), intent(in) :: beam
+    integer, intent(in) :: b                       !! β² of its last mode is positive
+    real(dp) :: residual(size(survey%points)), whole(size(survey%points)), shift
+    integer :: i
+    residual = huge(residual)
+    do i = 1, size(shifts)
+      shift = max(shifts(i)*survey%bin(b)%square, 1.5_dp*beam%spin_squared%hi)
+      whole = point_flexibility(beam, shift, survey%points)
+      residual = min(residual, (1.0_dp + shift/survey%bin(b)%square)*(rounding*whole + max(0.0_dp, whole - taken())))
+    end do
+  contains
+    pure function taken()
+      !! By the first modes.
+      real(dp) :: taken(size(survey%points))
+      integer :: j
+      taken = 0.0_dp
+      do j = 1, b
+        taken = taken + survey%at(:, j)%share/(survey%bin(j)%mean_square + shift)
+      end do
+    end function taken
+  end function residual_flexibility
+
+  pure function bound_of_blow(survey, beam, force, place, b) result(bound)
+    !! f√(T(ξ)T(ξ₀)) of the modes beyond a bin; none with shear, whose T grows without end.
+    type(mode_survey), intent(in) :: survey
+    type(piece_beam), intent(in) :: beam
+    real(dp), intent(in) :: force, place           !! as those of `find_tail`
+    integer, intent(in) :: b                       !! β² of its last mode is positive
+    real(dp) :: bound(size(survey%points))
+    real(dp), dimension(size(survey%points) + 1) :: beyond, left, whole
+    real(dp) :: shift
+    integer :: j
+    bound = no_bound
+    if (survey%quantity == curvatures .or. any(beam%piece%compliance%hi > 0.0_dp)) return
+    if (4.0_dp**lowest*survey%bin(b)%square < 1.5_dp*beam%spin_squared%hi) return
+    beyond = 0.0_dp
+    do j = lowest, highest
+      shift = 4.0_dp**j*survey%bin(b)%square
+      whole = point_flexibility(beam, shift, [survey%points, place])
+      left = rounding*whole + max(0.0_dp, whole - taken())
+      beyond = beyond + 2.0_dp**j*left
+    end do
+    beyond = beyond + 2.0_dp**highest*left/(sqrt(2.0_dp) - 1.0_dp)
+    bound = 0.5_dp*force*sqrt(survey%bin(b)%square*beyond(:size(bound))*beyond(size(beyond)))
+  contains
+    pure function taken()
+      !! By the first modes: energies are ½f²Φ_k(ξ₀)²/M_k.
+      real(dp) :: taken(size(survey%points) + 1)
+      integer :: i
+      taken = 0.0_dp
+      do i = 1, b
+        taken = taken + [survey%at(:, i)%share, 2.0_dp*survey%bin(i)%energy/force**2]/(survey%bin(i)%mean_square + shift)
+      end do
+    end function taken
+  end function bound_of_blow
+
+  pure real(dp) function left_by_damping(survey, law, b) result(left)
+    !! Of the amplitudes of modes beyond a bin, at the first sample: 1 where nothing damps.
+    type(mode_survey), intent(in) :: survey
+    type(damping_law), intent(in), optional :: law
+    integer, intent(in) :: b
+    left = 1.0_dp
+    if (.not. present(law)) return
+    left = left_beyond(dd(survey%bin(b)%square), survey%bin(b)%damping, real(law%stiffness, dp), survey%stretch%start)
+  end function left_by_damping
+
+  pure function mobility_beyond(survey, beam, b) result(mobility)
+    !! Σ_{k>n}Φ_k(ξ)²/M_k: of all modes it is the reciprocal of a body's mass at the point; without a body it has no bound.
+    type(mode_survey), intent(in) :: survey
+    type(piece_beam), intent(in) :: beam
+    integer, intent(in) :: b
+    real(dp), parameter :: same_place = 8.0_dp*epsilon(1.0_dp)
+    real(dp) :: mobility(size(survey%points)), place
+    integer :: i, p
+    mobility = no_bound
+    place = 0.0_dp
+    do i = 1, size(beam%joint)
+      place = place + beam%piece(i)%length%hi
+      if (beam%joint(i)%mass%hi <= 0.0_dp) cycle
+      do p = 1, size(mobility)
+        if (abs(survey%points(p) - place) > same_place) cycle
+        mobility(p) = max(0.0_dp, 1.0_dp/beam%joint(i)%mass%hi - sum(survey%at(p, :b)%share)) &
+          + 4.0_dp*epsilon(place)/beam%joint(i)%mass%hi
+      end do
+    end do
+  end function mobility_beyond
+
+  pure function mean_shapes(survey, beam) result(mean)
+    !! The mean of Φ²/M, or of that of curvatures over β², of the modes beyond the survey, weighted by the energy that they have where
+    !! it falls from octave to octave by half. A point near the struck place sees more of higher modes.
+    type(mode_survey), intent(in) :: survey
+    type(piece_beam), intent(in) :: beam
+    real(dp) :: mean(size(survey%points)), frequency, weight
+    integer :: i
+    mean = 0.0_dp
+    frequency = sqrt(max(survey%bin(survey%bins)%square, 1.5_dp*beam%spin_squared%hi))
+    do i = 1, octaves
+      weight = 0.5_dp**min(i, octaves - 1)
+      if (survey%quantity == curvatures) then
+        mean = mean + weight*mean_square_curvature(beam, frequency, survey%points)
+      else
+        mean = mean + weight*mean_square_shape(beam, frequency, survey%points)
+      end if
+      frequency = 4.0_dp*frequency
+    end do
+  end function mean_shapes
+
+  pure function displacement_error(tail, part) result(error)
+    !! An estimate of the largest displacement that the modes beyond the first n add, (points).
+    type(tail_type), intent(in) :: tail
+    real(dp), intent(in) :: part(:)                !! of `part_shown`, (points)
+    real(dp) :: error(size(part))
+    error = min(tail%bound, tail%largest + likely*part*tail%reach)
+  end function displacement_error
+
+  pure function rate_error(tail, times, largest) result(error)
+    !! The same of velocities, or of curvatures. Where the samples are instants at which waves of all lengths meet, octaves hardly
+    !! fall, and add up.
+    type(tail_type), intent(in) :: tail
+    real(dp), intent(in) :: times(:)               !! of `times_shown`, (points)
+    real(dp), intent(in) :: largest(:, :)          !! that each block comes to, (points, 2)
+    real(dp) :: error(size(times)), falling(size(times))
+    integer :: i
+    error = rate_likely*times*tail%rate_mean
+    falling = part_of(largest(:, 2), largest(:, 1))
+    error = max(error, steady*largest(:, 2)*sum(spread(falling, 2, counted)**spread([(i, i=1, counted)], 1, size(times)), 2))
+    if (allocated(tail%rate_bound)) error = min(error, tail%rate_bound)
+  end function rate_error
+
+  pure function part_shown(survey, count, samples, largest) result(part)
+    !! The largest part of the sum of its amplitudes that a block of modes comes to at a sample, or would if its phases were random,
+    !! (points). Few modes tell nothing of others.
+    type(mode_survey), intent(in) :: survey
+    integer, intent(in) :: count                   !! of the modes that are summed
+    integer, intent(in) :: samples                 !! at which the motion is seen
+    real(dp), intent(in), optional :: largest(:, :)   !! that each block comes to, (points, 2); absent: not known yet
+    real(dp) :: part(size(survey%points)), reach(size(survey%points), 2), square(size(survey%points))
+    integer :: ends(3)
+    part = 1.0_dp
+    if (count < fewest) return
+    ends = block_bins(survey, count)
+    reach(:, 1) = sum(survey%at(:, ends(1) + 1:ends(2))%reach, 2)
+    reach(:, 2) = sum(survey%at(:, ends(2) + 1:ends(3))%reach, 2)
+    square = sum(survey%at(:, ends(2) + 1:ends(3))%square, 2)
+    part = part_of(spread_of_samples(samples_alive(survey, ends(3), samples))*sqrt(0.5_dp*square), reach(:, 2))
+    if (.not. present(largest)) return
+    part = max(part, part_of(largest(:, 2), reach(:, 2)), part_of(largest(:, 1), reach(:, 1))/sqrt(2.0_dp))
+  end function part_shown
+
+  pure function times_shown(survey, count, samples, largest) result(times)
+    !! How many root mean squares the velocities of a block of modes, or its curvatures, come to at a sample, (points).
+    type(mode_survey), intent(in) :: survey
+    integer, intent(in) :: count, samples          !! as those of `part_shown`
+    real(dp), intent(in), optional :: largest(:, :)
+    real(dp) :: times(size(survey%points))
+    integer :: ends(3)
+    times = spread_of_samples(samples)
+    if (count < fewest) return
+    ends = block_bins(survey, count)
+    times = spread_of_samples(samples_alive(survey, ends(3), samples))
+    if (.not. present(largest)) return
+    times = max(times, times_of(largest(:, 1), half_squares(survey, ends(1) + 1, ends(2))), &
+                times_of(largest(:, 2), half_squares(survey, ends(2) + 1, ends(3))))
+  end function times_shown
+
+  pure function half_squares(survey, first, last) result(squares)
+    !! ½ΣA² of velocities, or of curvatures, of the modes of some bins.
+    type(mode_survey), intent(in) :: survey
+    integer, intent(in) :: first, last
+    real(dp) :: squares(size(survey%points))
+    if (survey%quantity == curvatures) then
+      squares = 0.5_dp*sum(survey%at(:, first:last)%square, 2)
+    else
+      squares = 0.5_dp*sum(survey%at(:, first:last)%rate_square, 2)
+    end if
+  end function half_squares
+
+  pure integer function samples_alive(survey, b, samples) result(alive)
+    !! Of a motion, at which modes beyond a bin have phases: damping leaves e⁻² of a mode after a time, and one that does not turn
+    !! has none.
+    type(mode_survey), intent(in) :: survey
+    integer, intent(in) :: b, samples
+    alive = samples
+    associate (bin => survey%bin(b))
+      if (.not. turns(dd(bin%square), bin%damping)) then
+        alive = 1
+      else if (bin%damping > 0.0_dp) then
+        alive = int(min(real(samples, dp), 1.0_dp + 4.0_dp/(bin%damping*survey%stretch%step)))
+      end if
+    end associate
+  end function samples_alive
+
+  pure function block_bins(survey, count) result(bins)
+    !! The last bins of the blocks.
+    type(mode_survey), intent(in) :: survey
+    integer, intent(in) :: count
+    integer :: bins(3), ends(3), i
+    ends = block_ends(count)
+    bins = [(survey%bin_of(ends(i)), i=1, 3)]
+  end function block_bins
+
+  elemental real(dp) function part_of(value, whole) result(part)
+    !! At most 1; 1 where there is nothing to be a part of.
+    real(dp), intent(in) :: value, whole
+    part = 1.0_dp
+    if (value < whole) part = value/whole
+  end function part_of
+
+  elemental real(dp) function times_of(value, square) result(times)
+    !! How many root mean squares a value is; 0 where nothing moves.
+    real(dp), intent(in) :: value, square
+    times = 0.0_dp
+    if (square > 0.0_dp) times = value/sqrt(square)
+  end function times_of
+
+  elemental real(dp) function spread_of_samples(samples) result(spread)
+    !! The largest of N numbers that are distributed as Gauss' are, over their root mean square.
+    integer, intent(in) :: samples
+    spread = sqrt(2.0_dp*log(2.0_dp*max(1, samples)))
+  end function spread_of_samples
+
+end module bw_truncation_error
