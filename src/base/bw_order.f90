@@ -3,7 +3,7 @@ module bw_order
   use bw_kinds, only: dp
   implicit none (type, external)
   private
-  public :: ascending, local_maxima, vertex
+  public :: ascending, local_maxima, quantile_of, vertex
 
 contains
 
@@ -39,5 +39,43 @@ contains
     vertex = (height(1) - height(-1))/max(2*(2*height(0) - height(1) - height(-1)), 1.0e-10_dp)
     vertex = max(-0.5_dp, min(0.5_dp, vertex))
   end function vertex
+
+  pure real(dp) function quantile_of(values, part) result(quantile)
+    !! The value that so large a part of them is below, by halving the range until only one is left in it.
+    real(dp), intent(in) :: values(:), part
+    real(dp) :: list(size(values)), pivot, swap
+    integer :: low, high, i, j, k
+    list = values
+    low = 1
+    high = size(list)
+    k = max(1, min(size(list), nint(part*(size(list) + 1))))
+    do while (low < high)
+      pivot = list((low + high)/2)
+      i = low
+      j = high
+      do while (i <= j)
+        do while (list(i) < pivot)
+          i = i + 1
+        end do
+        do while (pivot < list(j))
+          j = j - 1
+        end do
+        if (i > j) exit
+        swap = list(i)
+        list(i) = list(j)
+        list(j) = swap
+        i = i + 1
+        j = j - 1
+      end do
+      if (k <= j) then
+        high = j
+      else if (k >= i) then
+        low = i
+      else
+        exit
+      end if
+    end do
+    quantile = list(k)
+  end function quantile_of
 
 end module bw_order

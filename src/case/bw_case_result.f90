@@ -22,9 +22,9 @@ module bw_case_result
   public :: add_notes, octave_of
 
   integer, parameter, public :: case_done = 0, case_diverged = 1, case_not_converged = 2, case_ill_conditioned = 3, &
-    case_misfit = 4
-  character(*), parameter, public :: case_words(0:4) = &
-    [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned', 'misfit']   !! by number
+    case_misfit = 4, case_no_free_decay = 5
+  character(*), parameter, public :: case_words(0:5) = &
+    [character(15) :: 'done', 'diverged', 'not_converged', 'ill_conditioned', 'misfit', 'no_free_decay']   !! by number
 
   type, public :: case_modes
     !! Where modes come from, and those in memory: those that move, or the first of them where a tolerance says how many.

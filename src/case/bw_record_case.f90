@@ -2,30 +2,27 @@ module bw_record_case
   !! A case whose histories are read from a file: record ► lines ► waves ► result. The main line of records, beside that of simulated
   !! cases.
   use bw_amplitude_spectrum, only: spectrum_plan
-  use bw_belief, only: believed_line
-  use bw_believed_search, only: find_believed_lines
-  use bw_case_result, only: add_notes, case_result
+  use bw_belief, only: believed_line, find_believed_lines
+  use bw_case_result, only: add_notes, case_no_free_decay, case_result, record_result
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, i8
   use bw_monitor, only: monitor_type
   use bw_note, only: remark
   use bw_read_record, only: read_record
-  use bw_record, only: extent_of, record_type
+  use bw_record, only: clock_text, extent_of, record_type
   use bw_record_lines, only: lines_in_si
-  use bw_record_view, only: samples_of, view_fit, view_histories, view_noise, view_spectra
+  use bw_record_view, only: samples_of, take_values, view_fit, view_histories, view_noise, view_spectra
   use bw_record_waves, only: find_record_waves
   use bw_result_layout, only: result_layout
   use bw_samples, only: samples_type
   use bw_scene, only: scene_type
   use bw_stopwatch, only: stage_response, stage_spectrum, stopwatch
-  use bw_text, only: append, shortest, text_of
+  use bw_text, only: append, shortest, string, text_of
   implicit none (type, external)
   private
   public :: keep_record, run_record_case
 
   integer(i8), parameter, public :: few_numbers = 2_i8**22     !! of a record that stays in memory from case to case: 34 MB
-
-  real(dp), parameter :: most_unsteady = 0.05_dp               !! part of the squares, that goes without saying
 
   type, public :: record_cache
     !! The record of the last case, and the part of it.
@@ -67,12 +64,12 @@ contains
     if (monitor%stop_requested()) return
 
     samples = samples_of(record)
-    call move_alloc(record%values, samples%value)
+    call take_values(record, samples)
     call find_believed_lines(samples, scene%spectrum%confidence, scene%spectrum%false_alarm, found, believed, monitor)
     if (monitor%stop_requested()) return
     result%record%lines = lines_in_si(samples, found, believed, scene%spectrum%confidence, scene%spectrum%max_peaks)
-    call view_noise(record, layout, scene%spectrum%window, found, result%record%noise)
-    call view_fit(record, layout, found, result%record)
+    call view_noise(record, samples, layout, scene%spectrum%window, found, result%record%noise)
+    call view_fit(record, samples, layout, found, result%record)
     if (monitor%stop_requested()) return
     call find_record_waves(scene, layout, result, monitor)
     if (monitor%stop_requested()) return
@@ -123,6 +120,25 @@ contains
     call move_alloc(values, to%values)
   end subroutine move_record
 
+  subroutine note_blows(record, notes)
+    !! Say when the beam was struck, where that is not at the first sample alone.
+    type(record_result), intent(in) :: record
+    type(string), allocatable, intent(inout) :: notes(:)
+    character(:), allocatable :: text
+    integer :: b
+    if (size(record%lines%angular_frequency) == 0) return
+    if (size(record%lines%blow) == 1 .and. .not. record%lines%blow(1) > 0) return
+    text = ''
+    do b = 1, size(record%lines%blow)
+      text = text//', '//clock_text(record%extent%origin + record%lines%blow(b), record%extent%duration)
+    end do
+    if (size(record%lines%blow) == 1) then
+      call remark(notes, 'blow: found at '//text(3:)//' s; what lies before it tells the noise')
+    else
+      call remark(notes, 'blows: found at '//text(3:)//' s, and amplitudes are those after the first')
+    end if
+  end subroutine note_blows
+
   subroutine note_lines(scene, layout, result)
     !! What there is to say of the lines.
     type(scene_type), intent(in) :: scene
@@ -135,15 +151,18 @@ contains
         call append(result%notes, 'copy: the samples of '//result%record%extent%sensors(s)%name//' are those of a sensor '// &
                     'before it times a number; they tell nothing more, and noise and waves are judged without them')
       end do
-      if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) == 0) call append(result%notes, 'no line: nothing '// &
-        'stands out of the noise by more than it does by chance in one of '//shortest(1/scene%spectrum%false_alarm, 3)//' records')
-      if (size(lines%angular_frequency) == 0 .and. size(lines%rejected) > 0) call append(result%notes, 'no line: all that '// &
-        'stands out of the noise was refused; the report says why')
-      if (.not. lines%at_rest) call append(result%notes, 'the search for lines was given up before '// &
-        'it came to rest: some may be missing, and weak ones may be parts of stronger ones that change as they decay')
-      if (lines%unsteady > most_unsteady) call append(result%notes, 'unsteady: '//shortest(100*lines%unsteady, 2)// &
-        ' % of the squares of the samples come and go and are left by the lines, which no steady noise is; '// &
-        'where a frequency sweeps, or a second blow falls, lines tell nothing')
+      call note_blows(result%record, result%notes)
+      if (lines%driven) then
+        result%status = case_no_free_decay
+        call append(result%notes, 'no free decay: the motion comes and goes as that of a beam that is driven all the time, '// &
+          'and noise of that colour explains it better than lines do. Where a part of the record is a decay after a blow, '// &
+          'start and end choose it; modes of a driven motion are for operational modal analysis, which this program does not do')
+      else if (size(lines%angular_frequency) == 0) then
+        call append(result%notes, 'no line: nothing stands out of the noise by more than it does by chance in one of '// &
+          shortest(1/scene%spectrum%false_alarm, 3)//' records')
+      end if
+      if (.not. lines%converged) call append(result%notes, 'the search for lines was ended before it had converged: '// &
+        'some may be missing, and weak ones may be parts of stronger ones that change as they decay')
       if (lines%left_out > 0) call remark(result%notes, 'max_peaks: the '//text_of(lines%left_out)//' weakest of '// &
         text_of(lines%left_out + size(lines%angular_frequency))//' lines are not told; a larger max_peaks tells them')
     end associate

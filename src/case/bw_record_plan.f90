@@ -4,7 +4,7 @@ module bw_record_plan
   use bw_error, only: error_type, fail, status_bad_input
   use bw_kinds, only: dp, i8
   use bw_missing, only: is_missing
-  use bw_noise_level, only: quantile_of
+  use bw_order, only: quantile_of
   use bw_read_record, only: least_samples, read_record, record_path
   use bw_record, only: clock_text, extent_of, measure_the_same, quantities_of, record_extent, record_type
   use bw_record_checksum, only: record_checksums

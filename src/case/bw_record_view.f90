@@ -7,15 +7,16 @@ module bw_record_view
   use bw_fourier, only: real_fourier
   use bw_kinds, only: dp
   use bw_missing, only: is_missing, missing
-  use bw_noise_level, only: quantile_of
+  use bw_order, only: quantile_of
   use bw_record, only: record_type
+  use bw_record_flaws, only: mark_flaws
   use bw_record_lines, only: fitted_history, noise_level
   use bw_result_layout, only: record_layout, result_layout
   use bw_samples, only: samples_type, span_of
   use bw_uneven_fourier, only: uneven_transform
   implicit none (type, external)
   private
-  public :: samples_of, step_of, view_fit, view_histories, view_noise, view_spectra
+  public :: samples_of, step_of, take_values, view_fit, view_histories, view_noise, view_spectra
 
 contains
 
@@ -30,13 +31,71 @@ contains
   end function step_of
 
   pure function samples_of(record) result(samples)
-    !! The times of a record as the search for lines counts them, without values.
+    !! The times of a record as the search for lines counts them, and which samples tell the motion, without values. Where rows of an
+    !! even record are missing, there are samples that tell nothing in their place.
     type(record_type), intent(in) :: record
     type(samples_type) :: samples
+    logical :: told(size(record%times))
+    integer :: s
     samples%count = size(record%times)
     samples%step = step_of(record)
-    if (.not. record%interval > 0) samples%place = record%times/samples%step
+    if (.not. record%interval > 0) call find_rows(record%times, samples)
+    if (.not. allocated(record%values)) return
+    told = .true.
+    do s = 1, size(record%values, 2)
+      call mark_flaws(record%values(:, s), told)
+    end do
+    if (2*count(told) < size(told)) told = .true.    ! so much is no flaw of a motion
+    if (allocated(samples%row)) then
+      allocate (samples%valid(samples%count), source=.false.)
+      samples%valid(samples%row) = told
+      if (all(samples%valid)) deallocate (samples%valid, samples%row)
+    else if (.not. (all(told) .or. allocated(samples%place))) then
+      samples%valid = told
+    end if
   end function samples_of
+
+  pure subroutine find_rows(times, samples)
+    !! Find the rows of samples in an even record of which some are missing, or take their times as they are.
+    real(dp), intent(in) :: times(:)                 !! s
+    type(samples_type), intent(inout) :: samples
+    real(dp), parameter :: off = 0.002_dp            !! of a step, that rounded times are
+    integer, parameter :: most_missing = 2           !! times as many as there are
+    real(dp) :: step
+    integer :: n
+    n = size(times)
+    samples%place = times/samples%step
+    if (samples%place(n) > most_missing*real(n, dp)) return
+    step = times(n)/nint(samples%place(n))
+    if (any(abs(times/step - anint(times/step)) > off)) return
+    samples%row = 1 + nint(times/step)
+    if (any(samples%row(2:) <= samples%row(:n - 1))) then
+      deallocate (samples%row)
+      return
+    end if
+    samples%step = step
+    samples%count = samples%row(n)
+    deallocate (samples%place)
+  end subroutine find_rows
+
+  subroutine take_values(record, samples)
+    !! Move the samples of a record into those that are searched.
+    type(record_type), intent(inout) :: record
+    type(samples_type), intent(inout) :: samples
+    real(dp), allocatable :: values(:, :)
+    integer :: n, last
+    call move_alloc(record%values, values)
+    if (.not. allocated(samples%row)) then
+      call move_alloc(values, samples%value)
+      return
+    end if
+    allocate (samples%value(samples%count, size(values, 2)))
+    do n = 1, size(samples%row)                      ! what is missing is as the sample before it
+      last = samples%count
+      if (n < size(samples%row)) last = samples%row(n + 1) - 1
+      samples%value(samples%row(n):last, :) = spread(values(n, :), 1, last - samples%row(n) + 1)
+    end do
+  end subroutine take_values
 
   subroutine view_spectra(record, layout, window, plan, amplitude)
     !! The amplitude spectrum of each sensor: the largest amplitude around each frequency of the result.
@@ -50,7 +109,9 @@ contains
     real(dp) :: spacing
     integer :: s
     if (layout%frequencies == 0) return
-    samples = samples_of(record)
+    samples%count = size(record%times)
+    samples%step = step_of(record)
+    if (.not. record%interval > 0) samples%place = record%times/samples%step
     allocate (amplitude(layout%frequencies, layout%points))
     do s = 1, layout%points
       if (allocated(samples%place)) then
@@ -103,19 +164,18 @@ contains
     end do
   end function on_axis
 
-  subroutine view_noise(record, layout, window, found, noise)
+  subroutine view_noise(record, samples, layout, window, found, noise)
     !! What noise alone makes of the amplitude spectrum: the root of the mean square.
     type(record_type), intent(in) :: record          !! its values do not count
+    type(samples_type), intent(in) :: samples        !! as well
     type(result_layout), intent(in) :: layout
     character(*), intent(in) :: window
     type(found_lines), intent(in) :: found
     real(dp), allocatable, intent(out) :: noise(:, :)        !! (frequencies, sensors)
     real(dp), allocatable :: weight(:)
-    type(samples_type) :: samples
     real(dp) :: factor
     integer :: j, s
     if (layout%frequencies == 0) return
-    samples = samples_of(record)
     weight = window_at(window, record%times, span_of(samples)*samples%step)
     factor = 2*norm2(weight)/sum(weight)
     allocate (noise(layout%frequencies, layout%points), source=missing)
@@ -141,19 +201,21 @@ contains
     end do
   end subroutine view_histories
 
-  subroutine view_fit(record, layout, found, result)
+  subroutine view_fit(record, samples, layout, found, result)
     !! What the lines make of the record, at the same times.
     type(record_type), intent(in) :: record          !! its values do not count
+    type(samples_type), intent(in) :: samples        !! as well
     type(result_layout), intent(in) :: layout
     type(found_lines), intent(in) :: found
     type(record_result), intent(inout) :: result     !! gets `fitted`
-    type(samples_type) :: samples
+    real(dp), allocatable :: history(:)
     integer :: s
     if (layout%samples == 0) return
-    samples = samples_of(record)
     allocate (result%fitted(layout%samples, layout%points))
     do s = 1, layout%points
-      result%fitted(:, s) = at_times(record%times, fitted_history(samples, found, s), layout%record)
+      history = fitted_history(samples, found, s)
+      if (allocated(samples%row)) history = history(samples%row)
+      result%fitted(:, s) = at_times(record%times, history, layout%record)
     end do
   end subroutine view_fit
 

@@ -16,7 +16,7 @@ module bw_record_flaws
   use bw_kinds, only: dp, i8
   implicit none (type, external)
   private
-  public :: find_flaws, smallest_step
+  public :: find_flaws, mark_flaws, smallest_step
 
   real(dp), parameter :: chance = 1.0e-6_dp      !! expected number of runs by noise, of each sensor
   real(dp), parameter :: reach = 30.0_dp         !! steps
@@ -63,6 +63,45 @@ contains
       end if
     end do
   end function find_flaws
+
+  pure subroutine mark_flaws(values, told)
+    !! Mark samples of one sensor that say nothing of the motion: those where it stuck, and those at an end of its range where it clips,
+    !! be it in one run or at many short crests: there are more samples at the end then than in the few steps before it.
+    real(dp), intent(in) :: values(:)
+    logical, intent(inout) :: told(:)             !! false for these samples; others stay as they are
+    type(flaws_type) :: flaws
+    real(dp) :: step
+    integer(i8) :: n, first, last
+    logical :: at_end, clips(2)
+    flaws = find_flaws(values)
+    if (flaws%is_constant) return
+    step = smallest_step(values)
+    clips = [piles_up(flaws%highest - values), piles_up(values - flaws%lowest)]
+    if (flaws%stuck_runs == 0 .and. .not. any(clips)) return
+    n = size(values, kind=i8)
+    last = 0
+    do while (last < n)
+      first = last + 1
+      last = end_of_run(values, first)
+      at_end = (clips(1) .and. values(first) == flaws%highest) .or. (clips(2) .and. values(first) == flaws%lowest)
+      if (at_end) then
+        told(first:last) = .false.
+      else if (last - first + 1 >= least_run) then
+        if (is_stuck(values, first, last, step)) told(first:last) = .false.
+      end if
+    end do
+
+  contains
+
+    pure logical function piles_up(below)
+      !! Whether more samples are at an end than just below it.
+      real(dp), intent(in) :: below(:)            !! distance from the end
+      integer(i8) :: at_it
+      at_it = count(below <= 0.0_dp, kind=i8)
+      piles_up = at_it >= least_run .and. at_it > count(below > 0.0_dp .and. below < crest_fall*step, kind=i8)
+    end function piles_up
+
+  end subroutine mark_flaws
 
   pure real(dp) function smallest_step(values) result(step)
     !! The smallest step between neighbours that differ; the largest number of all where none do.

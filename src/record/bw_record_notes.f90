@@ -6,7 +6,6 @@ module bw_record_notes
   use bw_note, only: remark
   use bw_record, only: clock_text, record_type
   use bw_record_flaws, only: find_flaws, flaws_type
-  use bw_record_onset, only: onset
   use bw_record_source, only: record_source
   use bw_sample_times, only: even_interval, first_fall, nearest_even
   use bw_scene, only: scene_type
@@ -40,7 +39,6 @@ contains
       call note_counter(record, s)
     end do
     call note_quantity(scene, source, columns, record)
-    call note_quiet(record)
     call note_left_out(source, time, record%notes)
   end subroutine add_notes
 
@@ -109,19 +107,6 @@ contains
     call append(record%notes, 'counter: '//record%sensors(s)%name// &
                 ' rises by the same step all the time, as a time or a counter does; columns names those of sensors')
   end subroutine note_counter
-
-  subroutine note_quiet(record)
-    !! A recorder that was started before the blow: no decaying line fits what is quiet first.
-    type(record_type), intent(inout) :: record
-    character(:), allocatable :: time
-    integer(i8) :: latest
-    integer :: s
-    latest = maxval([(onset(record%values(:, s)), s=1, size(record%sensors))])
-    if (latest == 0) return
-    time = clock_text(record%origin + record%times(latest), 1.0e-3_dp*record%times(size(record%times)))
-    call append(record%notes, 'quiet: the motion begins at '//time//' s, and lines are fitted from the first sample on; '// &
-                'start = '//time//', or a little later, leaves out what is before the blow')
-  end subroutine note_quiet
 
   subroutine note_unit(scene, source, columns, s, record)
     !! A sensor was brought to SI from the file's unit, or that unit is not known, or the scene says another. Sensors with the same

@@ -2,7 +2,7 @@
 
 import numpy as np
 import results
-from ring_downs import FREQUENCY, RATE, as_text, ring_down, text_of
+from ring_downs import AMPLITUDE, FREQUENCY, RATE, as_text, ring_down, text_of
 from workplace import PAPER_BEAM
 
 
@@ -37,7 +37,42 @@ def test_a_frequency_that_sweeps_is_told(here):
     noise = 0.05 * np.random.default_rng(6).standard_normal((2, 2000))
     here.write("ring.csv", as_text(time, np.array([sweep, 0.5 * sweep]) + noise))
     here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
-    said = here.beamwave("run", "ring.nml").stderr
-    assert "% of the squares of the samples come and go and are left by the lines" in said
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 4
+    assert "no free decay" in ended.stderr
     here.write("ring.csv", text_of(6))
-    assert "unsteady" not in here.beamwave("run", "ring.nml").stderr
+    ended = here.beamwave("run", "ring.nml", "--overwrite")
+    assert (ended.returncode, "no free decay" in ended.stderr) == (0, False)
+
+
+def test_a_blow_is_found_behind_a_quiet_start_and_said(here):
+    """The recorder kept 40 samples before the blow: the lines are those of the decay, with the amplitudes at the blow."""
+    time, values = ring_down(9)
+    noise = values - ring_down(9, noise=0.0)[1]
+    late = np.roll(values - noise, 40, axis=1)
+    late[:, :40] = 0.0
+    here.write("ring.csv", as_text(time, late + noise))
+    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    ended = here.beamwave("run", "ring.nml")
+    assert ended.returncode == 0
+    assert f"blow: found at {40 / RATE:g} s" in ended.stdout
+    result = here.result("ring")
+    assert result["peak_count"] == FREQUENCY.size
+    away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
+    assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()
+    amplitude = result["measured_amplitude"][:, : FREQUENCY.size]
+    assert (abs(amplitude - abs(AMPLITUDE)) < 2 * result["measured_amplitude_error"][:, : FREQUENCY.size]).all()
+
+
+def test_clipped_and_missing_samples_are_left_out(here):
+    """One of a hundred samples is cut off, and one of a hundred rows is missing: the lines are where they were."""
+    time, values = ring_down(10)
+    limit = np.quantile(abs(values), 0.99, axis=1)[:, None]
+    kept = np.random.default_rng(11).random(time.size) > 0.01
+    kept[[0, -1]] = True
+    here.write("ring.csv", as_text(time[kept], np.clip(values, -limit, limit)[:, kept]))
+    here.scene("ring", {"record": {"file": "ring.csv"}, "spectrum": {}})
+    result = here.run("ring")
+    assert result["peak_count"] == FREQUENCY.size
+    away = result["measured_angular_frequency"][: FREQUENCY.size] / (2 * np.pi) - FREQUENCY
+    assert (abs(away) < 2 * result["measured_angular_frequency_error"][: FREQUENCY.size] / (2 * np.pi)).all()

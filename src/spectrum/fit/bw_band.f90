@@ -1,74 +1,113 @@
 module bw_band
-  !! A band of a record around a few lines: the samples, turned by the frequency in its middle and summed over blocks.
+  !! A band of frequencies around a few lines: white samples, turned by the frequency in its middle and summed over blocks.
   !!
-  !! A few hundred complex sums hold what the record says of a line near the middle, to a few thousandths of its
-  !! information, and the image of any exponential is known exactly. The rows are real numbers whose noise is white and has
-  !! the variance of the samples' noise near the middle. A sum of n samples, turned by e^(−iθ), has a noise x + iy of E|x + iy|² = n
-  !! and E(x + iy)² = p = Σ e^(−2iθ): turned by −½ arg p its parts are independent, with variances (n ± |p|)/2. |p| is n where a
-  !! block is one sample, and hardly 0 where uneven times let a line meet its mirror image anywhere. Near 0 and half the sampling
-  !! rate the rows are the real samples themselves or their sums.
-  !!
-  !! Where a record holds no noise but other lines, a few bins of the tapered transform serve instead: they tell less of a line,
-  !! and nothing of lines in other bins.
-  use bw_block_sums, only: block_sums, blocks_type, even_blocks, find_moments, part_of
-  use bw_damped_line, only: damped_line
+  !! A few hundred sums hold what a stretch says of lines near the middle, to a few thousandths of their information, and the image
+  !! of a line is known in closed form. The rows are real numbers whose noise is white of variance 1. A sum of n samples, turned by
+  !! e^(−iθ), has a noise x + iy of E|x + iy|² = n and E(x + iy)² = p = Σ e^(−2iθ): turned by −½ arg p its parts are independent,
+  !! with variances (n ± |p|)/2. Near 0 and half the sampling rate the rows are the samples themselves, or real sums of them.
   use bw_kinds, only: dp
   use bw_lapack, only: ddot
-  use bw_samples, only: centre_of, find_wave, phase_factor, samples_type, span_of
-  use bw_tapered_line, only: parts, tapered_columns
+  use bw_line, only: bend_of, find_wave, life_of, limited, line_type, pi, pole_at, psi, psi_bend, psi_by_rate, psi_slope
   implicit none (type, external)
   private
-  public :: band_around, cut_band, fill_bands, line_columns, still_columns, tapered_band, uneven_rows
+  public :: band_around, fill_rows, holds, line_columns, still_columns
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
-  integer, parameter :: sums_per_bin = 32    !! loses (π/32)²/3 of the information at the edge of the band
-  integer, parameter :: ample = 2048         !! sums that tell enough of a broad line, whose information is near its middle
-  integer, parameter :: fewest_per_bin = 8   !! loses 5 % at the edge of so broad a band
+  integer, parameter :: sums_per_bin = 32    !! ! tuned: loses (π/32)²/3 of the information at the edge of the band
+  integer, parameter :: ample = 1024         !! ! tuned: sums that tell enough of a broad line
+  integer, parameter :: fewest_per_bin = 8   !! ! tuned: loses 5 % at the edge of so broad a band
+  real(dp), parameter :: seen = 0.5_dp       !! of the frequencies whose sums over blocks differ
+  real(dp), parameter :: folds = 9           !! e-folds after which a line tells nothing more
+  integer, parameter :: series = 8           !! powers of time within a block, in which a drift is expanded
   real(dp), parameter :: noiseless = 1.0e-6_dp  !! of the noise of the other row of a block
-  integer, parameter :: samples_at_once = 16384  !! of one sensor, which fit a processor's cache
-  real(dp), parameter :: clear = 1           !! widths of a block's transform between a band and its mirror image
+
+  type, public :: band_part
+    !! The rows of one stretch of samples after a blow.
+    integer :: stretch = 0
+    integer :: first = 1                     !! sample
+    integer :: used = 0                      !! samples, from the first on
+    integer, allocatable :: gaps(:)          !! those that tell nothing, counted from 0
+    real(dp), allocatable :: place(:)        !! times of uneven samples since the blow, in steps, (used)
+    complex(dp), allocatable :: turn(:)      !! that makes the two rows of a block independent, (blocks)
+    real(dp), allocatable :: root(:, :)      !! what they are divided by, (blocks, 2), or (blocks, 1)
+    real(dp), allocatable :: rows(:, :)      !! the record, (rows, S)
+  end type band_part
 
   type, public :: band_type
-    real(dp) :: centre = 0                   !! periods per step
-    real(dp) :: half_width = 0               !! bins, of 1/span each
-    logical :: is_real = .false.             !! the sums of the mirror image are the same numbers
-    type(blocks_type) :: blocks
-    complex(dp), allocatable :: turn(:)      !! that makes the two rows of a block independent, (B)
-    real(dp), allocatable :: root(:, :)      !! what they are divided by, (B, 2), or (B, 1)
-    real(dp), allocatable :: rows(:, :)      !! the record, (rows, S)
-    logical :: tapered = .false.             !! the rows are bins of the tapered transform, and there are no blocks
-    integer :: bins(2) = 0                   !! the first and the last of these
+    real(dp) :: centre = 0                   !! rad per step
+    integer :: length = 1                    !! samples in a block
+    real(dp) :: longest = 1                  !! samples of the longest stretch
+    logical :: is_real = .true.              !! the rows are real sums
+    type(band_part), allocatable :: part(:)
   end type band_type
 
 contains
 
-  function band_around(samples, lowest, highest, widest) result(band)
-    !! The band that holds lines between two frequencies whose decays are up to `widest` (per step, of either sign), without rows.
-    type(samples_type), intent(in) :: samples
-    real(dp), intent(in) :: lowest, highest, widest
+  pure function band_around(lines, stretches, gaps, place) result(band)
+    !! The band that holds these lines, without rows of the record. A stretch in which none of them lives has no part.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: stretches(:, 0:)  !! first and last sample of each, (2, 0:B); the first is before any blow
+    integer, intent(in) :: gaps(:)           !! samples that tell nothing, rising
+    real(dp), intent(in), optional :: place(:)  !! times of uneven samples, in steps
     type(band_type) :: band
-    real(dp) :: span, width
-    integer :: blocks
-    span = span_of(samples)
-    width = (highest - lowest)*span/2 + widest*span/pi + 1
-    band%centre = (lowest + highest)/2
+    real(dp) :: lowest, highest, widest, longest, width, lives
+    complex(dp) :: ends
+    integer :: used(0:ubound(stretches, 2)), blocks, b, k, n
+    used = max(0, stretches(2, :) - stretches(1, :) + 1)
+    if (.not. any(lines%steady) .or. used(0) < 4*size(lines) + 16) used(0) = 0   ! too few samples for amplitudes of their own
+    longest = maxval(used)
+    if (present(place)) longest = maxval([(place(stretches(2, b)) - place(stretches(1, b)) + 1, b=1, ubound(used, 1))])
+    band%longest = longest
+    lowest = pi
+    highest = 0
+    widest = 0
+    lives = 1
+    do k = 1, size(lines)
+      associate (line => lines(k))
+        ends = pole_at(line, longest)
+        lowest = min(lowest, line%pole%im, ends%im)
+        highest = max(highest, line%pole%im, ends%im)
+        widest = max(widest, abs(line%pole%re))
+        lives = max(lives, life_of(line, folds, longest))
+      end associate
+    end do
+    if (.not. present(place)) then
+      where (used > 0) used = max(min(used, 4*size(lines) + 16), min(used, ceiling(lives)))
+    end if
+    n = maxval(used)
+    width = (highest - lowest)*n/(4*pi) + min(widest, 1.0_dp)*n/pi + 1
     blocks = sums_for(width)
-    band%is_real = min(lowest, nyquist_of(samples) - highest)*span <= clear*blocks
+    band%centre = (lowest + highest)/2
+    band%is_real = min(lowest, pi - highest)*n <= 2*pi*blocks
     if (band%is_real) then
-      band%centre = merge(0.0_dp, 0.5_dp, allocated(samples%place) .or. lowest + highest < 0.5_dp)
-      width = abs(band%centre - (lowest + highest)/2)*span + width
+      band%centre = merge(0.0_dp, pi, lowest + highest < pi)
+      width = width + abs(band%centre - (lowest + highest)/2)*n/(2*pi)
       blocks = sums_for(width)
     end if
-    if (2*blocks > samples%count) then
-      blocks = samples%count
+    band%length = n/blocks
+    if (band%length < 2 .or. present(place)) then
+      band%length = 1
       band%centre = 0
       band%is_real = .true.
     end if
-    band%half_width = width
-    band%blocks = even_blocks(samples, blocks)
-    if (allocated(samples%place)) call find_moments(samples, [0.0_dp, -2*band%centre], band%blocks)
-    call find_noise(samples, band)
+    band%part = pack([(band_part(b, stretches(1, b), used(b)), b=0, ubound(used, 1))], used > 0)
+    do b = 1, size(band%part)
+      associate (part => band%part(b))
+        part%gaps = pack(gaps, gaps >= part%first .and. gaps < part%first + part%used) - part%first
+        if (present(place)) part%place = place(part%first:part%first + part%used - 1) - place(part%first)
+      end associate
+      call find_weights(band, band%part(b))
+    end do
   end function band_around
+
+  pure logical function holds(band, line, m)
+    !! Whether the sums of a band see a line where it is m steps after a blow.
+    type(band_type), intent(in) :: band
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: m
+    complex(dp) :: pole
+    pole = pole_at(line, m)
+    holds = band%length == 1 .or. abs(pole%im - band%centre) + abs(pole%re) < seen*pi/band%length
+  end function holds
 
   pure integer function sums_for(width)
     !! How many sums a band needs of so many bins to either side of its middle.
@@ -76,239 +115,268 @@ contains
     sums_for = ceiling(min(sums_per_bin*width, max(real(ample, dp), fewest_per_bin*width)))
   end function sums_for
 
-  pure function tapered_band(image, first) result(band)
-    !! The band of these bins of a tapered transform.
-    integer, intent(in) :: first
-    complex(dp), intent(in) :: image(first:, :)  !! (bins, S)
-    type(band_type) :: band
-    integer :: s
-    band%tapered = .true.
-    band%bins = [first, ubound(image, 1)]
-    allocate (band%rows(2*size(image, 1), size(image, 2)))
-    do s = 1, size(image, 2)
-      band%rows(:, s) = parts(image(:, s))
-    end do
-  end function tapered_band
-
-  pure real(dp) function nyquist_of(samples)
-    !! Half the sampling rate, in periods per step; uneven times have none.
-    type(samples_type), intent(in) :: samples
-    nyquist_of = merge(huge(1.0_dp), 0.5_dp, allocated(samples%place))
-  end function nyquist_of
-
-  subroutine find_noise(samples, band)
-    !! Find what makes the noise of a band's rows white. A row without noise tells nothing: it is divided by what makes it 0.
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(inout) :: band
-    complex(dp) :: p(size(band%blocks%first) - 1, 0:0)
-    real(dp) :: n(size(p, 1))
-    associate (first => band%blocks%first)
-      n = first(2:) - first(:size(first) - 1)
-    end associate
-    allocate (band%turn(size(n)), source=(1.0_dp, 0.0_dp))
-    if (band%is_real) then
-      band%root = reshape(sqrt(n), [size(n), 1])
-      return
-    end if
-    p = block_sums(samples, band%blocks, 0.0_dp, -2*band%centre, 0, [complex(dp) ::])
-    band%turn = exp(cmplx(0, -atan2(p(:, 0)%im, p(:, 0)%re)/2, dp))
-    band%root = reshape([sqrt((n + abs(p(:, 0)))/2), sqrt(max(n - abs(p(:, 0)), 0.0_dp)/2)], [size(n), 2])
-    where (band%root(:, 2) < noiseless*band%root(:, 1)) band%root(:, 2) = huge(1.0_dp)
-  end subroutine find_noise
-
-  pure function rows_of(band, sums) result(rows)
-    !! Complex sums over blocks as real rows of unit weight.
+  pure subroutine find_weights(band, part)
+    !! Find what makes the noise of a part's rows white. A row without noise tells nothing: it is divided by what makes it 0.
     type(band_type), intent(in) :: band
-    complex(dp), intent(in) :: sums(:)       !! (B)
-    real(dp) :: rows(size(band%root))
+    type(band_part), intent(inout) :: part
+    complex(dp) :: p
+    real(dp) :: n
+    integer :: blocks, j, g
+    complex(dp), allocatable :: taken(:)     !! e^(−2iω_c m) of the gaps in each block
+    integer, allocatable :: gaps(:)          !! of each block
+    blocks = (part%used + band%length - 1)/band%length
+    allocate (part%turn(blocks), source=(1.0_dp, 0.0_dp))
+    allocate (part%root(blocks, merge(1, 2, band%is_real)))
+    allocate (taken(blocks), source=(0.0_dp, 0.0_dp))
+    allocate (gaps(blocks), source=0)
+    do g = 1, size(part%gaps)
+      j = part%gaps(g)/band%length + 1
+      gaps(j) = gaps(j) + 1
+      taken(j) = taken(j) + exp(cmplx(0, -2*band%centre*part%gaps(g), dp))
+    end do
+    do j = 1, blocks
+      n = min(band%length, part%used - (j - 1)*band%length)
+      p = sum_of(cmplx(0, -2*band%centre, dp), nint(n))*exp(cmplx(0, -2*band%centre*(j - 1)*band%length, dp))
+      n = n - gaps(j)
+      p = p - taken(j)
+      part%root(j, 1) = sqrt(n)
+      if (n < 1) part%root(j, :) = huge(1.0_dp)
+      if (band%is_real .or. n < 1) cycle
+      part%turn(j) = exp(cmplx(0, -atan2(p%im, p%re)/2, dp))
+      part%root(j, :) = [sqrt((n + abs(p))/2), sqrt(max(n - abs(p), 0.0_dp)/2)]
+      if (part%root(j, 2) < noiseless*part%root(j, 1)) part%root(j, 2) = huge(1.0_dp)
+    end do
+  end subroutine find_weights
+
+  pure complex(dp) function sum_of(rate, count)
+    !! Σ e^(rate·l), l = 0 … count − 1.
+    complex(dp), intent(in) :: rate
+    integer, intent(in) :: count
+    complex(dp) :: ratio
+    ratio = exp(rate)
+    sum_of = count
+    if (abs(ratio - 1) > 1.0e-6_dp) sum_of = (1 - exp(rate*count))/(1 - ratio)
+  end function sum_of
+
+  pure function rows_of(part, sums) result(rows)
+    !! Complex sums over blocks as real rows of unit weight.
+    type(band_part), intent(in) :: part
+    complex(dp), intent(in) :: sums(:)       !! (blocks)
+    real(dp) :: rows(size(part%root))
     complex(dp) :: turned(size(sums))
-    if (band%is_real) then
-      rows = sums%re/band%root(:, 1)
+    if (size(part%root, 2) == 1) then
+      rows = sums%re/part%root(:, 1)
     else
-      turned = sums*band%turn
-      rows = [turned%re/band%root(:, 1), turned%im/band%root(:, 2)]
+      turned = sums*part%turn
+      rows = [turned%re/part%root(:, 1), turned%im/part%root(:, 2)]
     end if
   end function rows_of
 
-  pure subroutine fill_bands(samples, bands)
-    !! Give bands their rows.
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(inout) :: bands(:)
-    integer :: i
-    if (.not. allocated(samples%place)) then
-      call fill_evenly(samples, bands)
-    else
-      do i = 1, size(bands)
-        bands(i)%rows = uneven_rows(samples, bands(i), samples%value)
-      end do
-    end if
-  end subroutine fill_bands
-
-  pure subroutine fill_evenly(samples, bands)
-    !! Give bands their rows of even samples. A long record is read once for all of them, stretch by stretch.
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(inout) :: bands(:)
-    type :: sums_type
-      real(dp), allocatable :: re(:), im(:)  !! the wave that turns the even samples of a block
-      complex(dp), allocatable :: turn(:)    !! and that of each block
-      complex(dp), allocatable :: sums(:)
-      integer :: next = 1                    !! block
-    end type sums_type
-    type(sums_type) :: work(size(bands))
-    integer :: i, n, s, first
-    do i = 1, size(bands)
-      associate (band => bands(i), own => work(i))
-        allocate (band%rows(size(band%root), size(samples%value, 2)), own%sums(size(band%turn)))
-        own%turn = phase_factor(-band%centre, [(n, n=0, longest_block(band%blocks) - 1)])
-        own%re = own%turn%re
-        own%im = own%turn%im
-        own%turn = phase_factor(-band%centre, band%blocks%first(:size(band%turn)) - 1)
+  pure subroutine fill_rows(white, band)
+    !! Give a band the rows of white samples, (N, S).
+    real(dp), intent(in) :: white(:, :)
+    type(band_type), intent(inout) :: band
+    complex(dp) :: turn(0:band%length - 1)
+    complex(dp), allocatable :: sums(:), start(:)
+    real(dp) :: re(band%length), im(band%length)
+    integer :: b, s, j, n, low
+    turn = [(exp(cmplx(0, -band%centre*n, dp)), n=0, band%length - 1)]
+    re = turn%re
+    im = turn%im
+    do b = 1, size(band%part)
+      associate (part => band%part(b))
+        allocate (part%rows(size(part%root), size(white, 2)))
+        allocate (sums(size(part%turn)), start(size(part%turn)))
+        start(:) = [(exp(cmplx(0, -band%centre*real(band%length, dp)*j, dp)), j=0, size(part%turn) - 1)]
+        do s = 1, size(white, 2)
+          if (band%length == 1) then
+            part%rows(:, s) = white(part%first:part%first + part%used - 1, s)
+            cycle
+          end if
+          do j = 1, size(sums)
+            low = part%first + (j - 1)*band%length
+            n = min(band%length, part%used - (j - 1)*band%length)
+            sums(j) = cmplx(ddot(n, white(low:low + n - 1, s), 1, re, 1), ddot(n, white(low:low + n - 1, s), 1, im, 1), dp)
+          end do
+          part%rows(:, s) = rows_of(part, start*sums)
+        end do
+        deallocate (sums, start)
       end associate
     end do
-    do s = 1, size(samples%value, 2)
-      work%next = 1
-      do first = 1, samples%count, samples_at_once
-        do i = 1, size(bands)
-          associate (own => work(i))
-            call add_blocks(samples, s, first + samples_at_once, bands(i), own%re, own%im, own%sums, own%next)
-          end associate
-        end do
-      end do
-      do i = 1, size(bands)
-        work(i)%sums = work(i)%turn*work(i)%sums
-        bands(i)%rows(:, s) = rows_of(bands(i), work(i)%sums)
-      end do
-    end do
-  end subroutine fill_evenly
+  end subroutine fill_rows
 
-  pure subroutine add_blocks(samples, s, last, band, re, im, sums, next)
-    !! Sum one sensor's samples, turned by the band's centre, over each block that starts before sample `last`.
-    type(samples_type), intent(in) :: samples
-    integer, intent(in) :: s, last
+  pure function line_columns(band, part, line, slopes) result(columns)
+    !! The rows of a line of amplitude 1 and of one of amplitude i, and their slopes by the pole, and by κ and κ·rate of each course,
+    !! (rows, 2, 0:slopes).
     type(band_type), intent(in) :: band
-    real(dp), contiguous, intent(in) :: re(:), im(:)
-    complex(dp), intent(inout) :: sums(:)
-    integer, intent(inout) :: next
-    integer :: low, high
-    do while (next <= size(sums))
-      low = band%blocks%first(next)
-      high = band%blocks%first(next + 1) - 1
-      if (low >= last) return
-      sums(next) = turned_sum(samples%value(low:high, s), re, im)
-      next = next + 1
-    end do
-  end subroutine add_blocks
-
-  pure function uneven_rows(samples, band, value) result(rows)
-    !! The rows of values at the samples' uneven times, (rows, S).
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(in) :: band
-    real(dp), intent(in) :: value(:, :)      !! (N or more, S)
-    real(dp) :: rows(size(band%root), size(value, 2))
-    complex(dp) :: sums(size(band%turn), size(value, 2))
-    real(dp), allocatable :: along(:), across(:)
-    integer :: b, s
-    do b = 1, size(sums, 1)
-      associate (first => band%blocks%first(b), last => band%blocks%first(b + 1) - 1)
-        allocate (along(last - first + 1), across(last - first + 1))
-        call find_wave(samples%place(first:last), centre_of(samples), 0.0_dp, -band%centre, [complex(dp) ::], along, across)
-        do s = 1, size(value, 2)
-          sums(b, s) = turned_sum(value(first:last, s), along, across)
-        end do
-        deallocate (along, across)
-      end associate
-    end do
-    do s = 1, size(value, 2)
-      rows(:, s) = rows_of(band, sums(:, s))
-    end do
-  end function uneven_rows
-
-  pure integer function longest_block(blocks)
-    !! Samples of the longest block.
-    type(blocks_type), intent(in) :: blocks
-    longest_block = maxval(blocks%first(2:) - blocks%first(:size(blocks%first) - 1))
-  end function longest_block
-
-  pure complex(dp) function turned_sum(value, re, im)
-    !! The sum of numbers times those of a wave.
-    real(dp), contiguous, intent(in) :: value(:)
-    real(dp), contiguous, intent(in) :: re(:), im(:)  !! as many or more
-    turned_sum = cmplx(ddot(size(value), value, 1, re, 1), ddot(size(value), value, 1, im, 1), dp)
-  end function turned_sum
-
-  function line_columns(samples, band, line, order) result(columns)
-    !! The rows of u^m e^(−dτ) cos 2πfτ and of −u^m e^(−dτ) sin 2πfτ, which are a line of amplitude 1 and one of amplitude
-    !! i, for m = 0 … order, (rows, 2, 0:order); bent as the line is.
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(in) :: band
-    type(damped_line), intent(in) :: line
-    integer, intent(in) :: order             !! at most 1 in a tapered band
-    real(dp) :: columns(size(band%rows, 1), 2, 0:order)
-    if (band%tapered) then
-      columns = tapered_columns(line, samples%count, band%bins(1), band%bins(2), order)
-    else
-      columns = summed_columns(samples, band, line%decay, line%frequency, order, line%bend(:line%powers))
+    type(band_part), intent(in) :: part
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: slopes
+    real(dp) :: columns(size(part%root), 2, 0:slopes)
+    complex(dp), dimension(size(part%turn), 0:slopes) :: own, mirror
+    type(line_type) :: turned
+    integer :: k
+    if (part%stretch == 0 .and. .not. line%steady) then
+      columns = 0
+      return
     end if
+    own = images(band, part, line, slopes)
+    if (band%is_real .and. band%centre <= 0) then
+      do k = 0, slopes
+        columns(:, 1, k) = own(:, k)%re/part%root(:, 1)
+        columns(:, 2, k) = -own(:, k)%im/part%root(:, 1)
+      end do
+      return
+    end if
+    turned = line
+    turned%pole = conjg(line%pole)
+    turned%courses%bend = conjg(line%courses%bend)
+    mirror = images(band, part, turned, slopes)
+    do k = 0, slopes
+      columns(:, 1, k) = rows_of(part, (own(:, k) + mirror(:, k))/2)
+      columns(:, 2, k) = rows_of(part, (0, 1)*(own(:, k) - mirror(:, k))/2)
+    end do
   end function line_columns
 
-  function summed_columns(samples, band, decay, frequency, order, bend) result(columns)
-    !! The same of a band of sums.
-    type(samples_type), intent(in) :: samples
+  pure function images(band, part, line, slopes) result(sums)
+    !! Sums over blocks of e^(zm + Σκψ − iω_c m), and of its products with m, and with ψ and its slope by the rate of each course,
+    !! (blocks, 0:slopes).
     type(band_type), intent(in) :: band
-    real(dp), intent(in) :: decay, frequency
-    integer, intent(in) :: order
-    complex(dp), intent(in) :: bend(:)
-    real(dp) :: columns(size(band%rows, 1), 2, 0:order)
-    complex(dp), dimension(size(band%turn), 0:order) :: line, mirror
-    integer :: m
-    line = block_sums(samples, band%blocks, decay, frequency - band%centre, order, bend)
-    if (band%is_real .and. .not. band%centre > 0) then
-      mirror = conjg(line)
-    else
-      mirror = block_sums(samples, band%blocks, decay, -frequency - band%centre, order, conjg(bend))
+    type(band_part), intent(in) :: part
+    type(line_type), intent(in) :: line
+    integer, intent(in) :: slopes
+    complex(dp) :: sums(size(part%turn), 0:slopes)
+    complex(dp) :: wave(size(part%turn)), moment(0:series + 2), last_moment(0:series + 2), middle
+    real(dp) :: m, by_rate(0:2)
+    real(dp), allocatable :: places(:)
+    integer :: blocks, j, c
+    type(line_type) :: turned
+    blocks = size(part%turn)
+    turned = line
+    turned%pole = line%pole - cmplx(0, band%centre, dp)
+    if (band%length == 1) then
+      places = [(real(j, dp), j=0, blocks - 1)]
+      if (allocated(part%place)) places = part%place
+      if (allocated(part%place)) then
+        call find_wave(line, 0.0_dp, places, wave)
+      else
+        call find_wave(line, 0.0_dp, wave=wave)
+      end if
+      sums(:, 0) = wave
+      if (slopes > 0) sums(:, 1) = wave*places
+      do c = 1, (slopes - 1)/2
+        do j = 1, blocks
+          by_rate = psi_by_rate(line%courses(c)%rate, places(j))
+          sums(j, 2*c) = wave(j)*psi(line%courses(c)%rate, places(j))
+          sums(j, 2*c + 1) = wave(j)*by_rate(0)
+        end do
+      end do
+      sums(part%gaps + 1, :) = 0
+      return
     end if
-    do m = 0, order
-      columns(:, 1, m) = rows_of(band, (line(:, m) + mirror(:, m))/2)
-      columns(:, 2, m) = rows_of(band, (0, 1)*(line(:, m) - mirror(:, m))/2)
+    middle = turned%pole
+    if (size(line%courses) > 0) middle = pole_at(turned, part%used/2.0_dp)
+    moment = moments(middle, band%length, merge(series + 2, 1, size(line%courses) > 0))
+    last_moment = moments(middle, part%used - (blocks - 1)*band%length, merge(series + 2, 1, size(line%courses) > 0), band%length)
+    if (size(line%courses) == 0) then
+      turned%pole = turned%pole*band%length
+      call find_wave(turned, 0.0_dp, wave=wave)
+      sums(:, 0) = wave*moment(0)
+      if (slopes > 0) sums(:, 1) = wave*band%length*(moment(0)*[(real(j, dp), j=0, blocks - 1)] + moment(1))
+      sums(blocks, 0) = wave(blocks)*last_moment(0)
+      if (slopes > 0) sums(blocks, 1) = wave(blocks)*band%length*((blocks - 1)*last_moment(0) + last_moment(1))
+      turned%pole = line%pole - cmplx(0, band%centre, dp)
+    else
+      do j = 1, blocks
+        m = real(j - 1, dp)*band%length
+        if (j == blocks) moment = last_moment
+        sums(j, :) = limited(turned%pole*m + bend_of(line, m))*drifting_sums(m)
+      end do
+    end if
+    do c = 1, size(part%gaps)
+      j = part%gaps(c)/band%length + 1
+      m = part%gaps(c)
+      sums(j, :) = sums(j, :) - limited(turned%pole*m + bend_of(line, m))*factors(m)
     end do
-  end function summed_columns
 
-  function still_columns(samples, band) result(columns)
-    !! The rows of an offset and of a slope, 1 and u, (rows, 2).
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(in) :: band
-    real(dp) :: columns(size(band%rows, 1), 2)
-    complex(dp) :: sums(size(band%turn), 0:1)
-    sums = block_sums(samples, band%blocks, 0.0_dp, -band%centre, 1, [complex(dp) ::])
-    columns(:, 1) = rows_of(band, sums(:, 0))
-    columns(:, 2) = rows_of(band, sums(:, 1))
-  end function still_columns
+  contains
 
-  pure subroutine cut_band(band, rows, first, last, part, own)
-    !! The part of a band, and of rows like its own, between two fractions of its blocks.
-    type(band_type), intent(in) :: band
-    real(dp), intent(in) :: rows(:, :)
-    real(dp), intent(in) :: first, last      !! 0 … 1
-    type(band_type), intent(out) :: part
-    real(dp), allocatable, intent(out) :: own(:, :)
-    integer :: low, high, blocks
-    blocks = size(band%turn)
-    low = 1 + nint(first*blocks)
-    high = nint(last*blocks)
-    part%centre = band%centre
-    part%half_width = band%half_width
-    part%is_real = band%is_real
-    part%blocks = part_of(band%blocks, low, high)
-    part%turn = band%turn(low:high)
-    part%root = band%root(low:high, :)
-    if (band%is_real) then
-      own = rows(low:high, :)
+    pure function factors(m) result(own)
+      !! Those of a single sample's slopes, m steps after the blow.
+      real(dp), intent(in) :: m
+      real(dp) :: own(0:slopes), by_rate(0:2)
+      integer :: q
+      own(0) = 1
+      if (slopes > 0) own(1) = m
+      do q = 1, (slopes - 1)/2
+        by_rate = psi_by_rate(line%courses(q)%rate, m)
+        own(2*q:2*q + 1) = [psi(line%courses(q)%rate, m), by_rate(0)]
+      end do
+    end function factors
+
+    pure function drifting_sums(m) result(own)
+      !! Those of a block that begins m steps after the blow, over the exponential there.
+      real(dp), intent(in) :: m
+      complex(dp) :: own(0:slopes), a(0:series), part_of(0:2), y, bent
+      real(dp) :: length, by_rate(0:2)
+      integer :: k, q
+      length = band%length
+      y = (pole_at(turned, m) - middle)*length
+      bent = sum(line%courses%bend*psi_bend(line%courses%rate, m))*length**2
+      a(0) = 1
+      a(1) = y
+      do k = 2, series
+        a(k) = (y*a(k - 1) + bent*a(k - 2))/k
+      end do
+      part_of = [(sum(a*moment(q:q + series)), q=0, 2)]
+      own(0) = part_of(0)
+      if (slopes > 0) own(1) = m*part_of(0) + length*part_of(1)
+      do q = 1, (slopes - 1)/2
+        associate (g => line%courses(q)%rate)
+          own(2*q) = psi(g, m)*part_of(0) + psi_slope(g, m)*length*part_of(1) + psi_bend(g, m)/2*length**2*part_of(2)
+          by_rate = psi_by_rate(g, m)
+          own(2*q + 1) = by_rate(0)*part_of(0) + by_rate(1)*length*part_of(1) + by_rate(2)/2*length**2*part_of(2)
+        end associate
+      end do
+    end function drifting_sums
+
+  end function images
+
+  pure function moments(rate, count, highest, length) result(moment)
+    !! The sums Σ (l/length)^q e^(rate·l), l = 0 … count − 1, q = 0 … highest.
+    complex(dp), intent(in) :: rate
+    integer, intent(in) :: count, highest
+    integer, intent(in), optional :: length  !! `count` if absent
+    complex(dp) :: moment(0:series + 2), term(0:count - 1)
+    real(dp) :: place(0:count - 1)
+    type(line_type) :: line
+    integer :: q
+    line%pole = rate
+    allocate (line%courses(0))
+    call find_wave(line, 0.0_dp, wave=term)
+    if (present(length)) then
+      place = [(real(q, dp)/length, q=0, count - 1)]
     else
-      allocate (own(2*size(part%turn), size(rows, 2)))
-      own(:size(part%turn), :) = rows(low:high, :)
-      own(size(part%turn) + 1:, :) = rows(blocks + low:blocks + high, :)
+      place = [(real(q, dp)/count, q=0, count - 1)]
     end if
-    part%rows = own
-  end subroutine cut_band
+    moment = 0
+    do q = 0, highest
+      moment(q) = sum(term)
+      term = term*place
+    end do
+  end function moments
+
+  pure function still_columns(band, part) result(columns)
+    !! The rows of an offset and of a slope over the part, (rows, 2).
+    type(band_type), intent(in) :: band
+    type(band_part), intent(in) :: part
+    real(dp) :: columns(size(part%root), 2)
+    type(line_type) :: still
+    complex(dp) :: sums(size(part%turn), 0:1)
+    allocate (still%courses(0))
+    sums = images(band, part, still, 1)
+    columns(:, 1) = rows_of(part, sums(:, 0))
+    columns(:, 2) = rows_of(part, sums(:, 1)/max(1, part%used))
+  end function still_columns
 
 end module bw_band

@@ -1,276 +1,327 @@
 module bw_band_fit
-  !! Lines that share a band, fitted to all sensors at once by least squares: variable projection (Golub and Pereyra, 1973).
+  !! Lines that share a band, fitted to all sensors and stretches at once by least squares: variable projection (Golub and Pereyra,
+  !! 1973).
   !!
-  !! Given decays and frequencies, everything else is linear. One triangle R of [columns of amplitudes, columns of slopes] and
-  !! the rotated record hold the whole fit: what is left, the Gauss–Newton step, and the covariance, since all sensors share the
-  !! columns. The triangle of its slopes is that of Re(JᴴΣ⁻¹J) with the amplitudes eliminated, from which the Cramér–Rao bounds
-  !! follow for noise of each sensor's level.
+  !! Given poles and courses, everything else is linear. One triangle R of [columns of amplitudes, columns of slopes] and the rotated
+  !! record hold the fit of a stretch: what is left, the Gauss–Newton step, and the covariance, since all sensors share the columns.
+  !! Stretches share nothing but the exponents, so that their slopes stand below each other.
+  use bw_band, only: band_type, holds, line_columns, still_columns
   use bw_kinds, only: dp
-  use bw_band, only: band_type, line_columns, still_columns
-  use bw_damped_line, only: bend_reach, damped_line, move_line
   use bw_lapack, only: dgelsy
-  use bw_samples, only: centre_of, samples_type, span_of
+  use bw_line, only: line_type, pi, pole_at, psi, psi_slope
   use bw_triangle, only: dependent, length_of, scaled, solved, triangulate
   implicit none (type, external)
   private
-  public :: excess, fit_band, image_of, reduce, slopes, still_image
+  public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
 
-  real(dp), parameter :: pi = acos(-1.0_dp)
-  integer, parameter :: most_steps = 20, most_halvings = 5
-  real(dp), parameter :: settled = 1.0e-6_dp    !! variances of what is left that a step promises to gain: it is the last
-  real(dp), parameter :: far_more = 10          !! times the noise, what is left by lines that do not describe a record
-  real(dp), parameter :: longest = 1.5_dp       !! step of a decay or a frequency over half the record; half a bin is π/2
-  real(dp), parameter :: farthest = 3           !! half widths of a band from its middle; its sums see nothing beyond 32
-  real(dp), parameter, public :: widest_drift = 25  !! of −decay and 2π·frequency over half the record; one bin is π
+  real(dp), parameter :: converged = 1.0e-3_dp   !! ! tuned: fall of the squares that a step promises, of the noise's variance
+  real(dp), parameter :: most_growth = 2         !! logarithm over a stretch: what decays freely does not grow
+  integer, parameter :: most_halvings = 4
+  real(dp), parameter :: longest = 0.7_dp        !! ! tuned: step of a pole, of its width
 
   type, public :: reduced_type
-    !! The triangle of a fit. Columns: two for each line, two of offset and slope or none, then two slopes for each power of each
-    !! line, real and imaginary part of its coefficient in the exponent: −decay and 2π·frequency over half the record, then bends.
-    !! Where they are more than the rows, the triangle has as many rows as there are.
-    integer :: lines = 0, linear = 0            !! linear: columns of amplitudes, offset and slope
-    integer, allocatable :: first(:)            !! slope of each line, counted among slopes from 1, and one after all, (lines + 1)
-    logical, allocatable :: free(:)             !! slopes that are unknowns: not those by what is held, (slopes)
-    real(dp), allocatable :: triangle(:, :)     !! R of the columns scaled to length 1
-    real(dp), allocatable :: length(:)          !! of the columns
-    real(dp), allocatable :: rotated(:, :)      !! Qᵀ of the record, (columns, S)
-    real(dp), allocatable :: linear_part(:, :)  !! amplitudes, offsets and slopes, (linear, S)
-    real(dp), allocatable :: left(:)            !! squares of what the linear part leaves, (S)
+    !! The fit of one stretch.
+    integer :: stretch = 0
+    integer :: linear = 0                        !! columns of amplitudes, offset and slope
+    real(dp), allocatable :: triangle(:, :)      !! R, of columns of length 1
+    real(dp), allocatable :: length(:)           !! of the columns
+    real(dp), allocatable :: rotated(:, :)       !! Qᵀ times the record, (rows of R, S)
+    real(dp), allocatable :: linear_part(:, :)   !! (linear, S)
+    real(dp), allocatable :: left(:)             !! squares, (S)
   end type reduced_type
-
-  type, public :: fit_type
-    !! Lines fitted to a band.
-    type(damped_line), allocatable :: lines(:)
-    real(dp), allocatable :: still(:, :)        !! offset and slope, (2, S), where they have been fitted
-    real(dp) :: left = huge(1.0_dp)             !! squares of what is left over the noise's variance, all sensors
-    real(dp) :: slowest = 1                     !! part of that: a step that leaves more of what there was is the last
-    real(dp) :: work = 0                        !! numbers of lines' images that this and earlier fits have computed
-  end type fit_type
 
 contains
 
-  subroutine fit_band(samples, band, rows, weight, with_still, fit)
-    !! Improve decays and frequencies of the lines of a fit until a step gains nothing that noise would notice.
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(in) :: band
-    real(dp), intent(in) :: rows(:, :)          !! the band's rows without all other lines, (rows, S)
-    real(dp), intent(in) :: weight(:)           !! one over the noise's variance, (S)
-    logical, intent(in) :: with_still           !! offset and slope belong to the fit
-    type(fit_type), intent(inout) :: fit
-    type(reduced_type) :: now, trial
-    type(damped_line), allocatable :: moved(:)
-    real(dp) :: step(2*sum(fit%lines%powers)), gain, factor, left, left_now
+  subroutine fit_band(band, with_still, most_steps, lines, reduced)
+    !! Refit poles and courses of the lines by Gauss and Newton; a step is shortened until it lowers the squares.
+    type(band_type), intent(in) :: band          !! with rows that hold these lines
+    logical, intent(in) :: with_still            !! an offset and a slope are fitted too
+    integer, intent(in) :: most_steps
+    type(line_type), intent(inout) :: lines(:)   !! amplitudes are not used
+    type(reduced_type), allocatable, intent(out) :: reduced(:)   !! (parts)
+    type(reduced_type), allocatable :: trial(:)
+    type(line_type) :: moved(size(lines))
+    real(dp) :: step(unknown_place(lines, size(lines) + 1) - 1), gain, factor, left
     integer :: i, j
-    logical :: slow
-    now = reduce(samples, band, rows, fit%lines, with_still)
-    fit%work = fit%work + size(rows, 1)*real(now%linear + size(now%free), dp)
-    left_now = sum(weight*now%left)
+    reduced = reduce(band, lines, with_still)
+    left = squares_left(reduced)
     do i = 1, most_steps
-      if (size(fit%lines) == 0) exit
-      call step_of(now, weight, step, gain)
-      if (.not. gain > settled*excess(left_now, rows)) exit
-      factor = min(1.0_dp, longest/maxval(abs(step)))
+      call step_of(reduced, lines, step, gain)
+      if (.not. gain > converged) exit
+      factor = min(1.0_dp, 1/farthest(band, lines, step))
       do j = 0, most_halvings
-        moved = moved_lines(samples, fit%lines, factor*step)
-        trial = reduce(samples, band, rows, moved, with_still)
-        fit%work = fit%work + size(rows, 1)*real(now%linear + size(now%free), dp)
-        left = sum(weight*trial%left)
-        if (left < left_now .and. all(is_held(samples, band, moved))) exit
+        moved = moved_lines(band, lines, factor*step)
+        if (all(is_held(band, moved))) then
+          trial = reduce(band, moved, with_still)
+          if (squares_left(trial) < left) exit
+        end if
         factor = factor/4
       end do
       if (j > most_halvings) exit
-      fit%lines = moved
-      now = trial
-      slow = left > fit%slowest*left_now
-      left_now = left
-      if (slow) exit
+      lines = moved
+      call move_alloc(trial, reduced)
+      left = squares_left(reduced)
     end do
-    fit%left = left_now
-    do i = 1, size(fit%lines)
-      fit%lines(i)%amplitude = cmplx(now%linear_part(2*i - 1, :), now%linear_part(2*i, :), dp)
-    end do
-    if (with_still) fit%still = now%linear_part(now%linear - 1:, :)
   end subroutine fit_band
 
-  pure real(dp) function excess(left, rows)
-    !! How many times the noise's variance a row's square is where lines leave far more than noise, and 1 elsewhere: what no lines
-    !! describe is not to be described to a part of the noise.
-    real(dp), intent(in) :: left                !! squares of what is left over the noise's variance, all sensors
-    real(dp), intent(in) :: rows(:, :)
-    excess = max(1.0_dp, left/(far_more*size(rows)))
-  end function excess
-
-  elemental logical function is_held(samples, band, line)
-    !! Whether a line is where a band's sums see it, and these are enough for its drift.
-    type(samples_type), intent(in) :: samples
+  elemental logical function is_held(band, line)
+    !! Whether a line stays within the band as long as it lives, and decays in the end.
     type(band_type), intent(in) :: band
-    type(damped_line), intent(in) :: line
-    is_held = band%tapered
-    if (is_held) return
-    is_held = abs(bend_reach(line, centre_of(samples))) <= widest_drift
-    if (size(band%turn) < band%blocks%first(size(band%turn) + 1) - band%blocks%first(1)) is_held = is_held .and. &
-      & (abs(line%frequency - band%centre) + abs(line%decay)/(2*pi))*span_of(samples) < farthest*band%half_width
+    type(line_type), intent(in) :: line
+    real(dp) :: span
+    span = min(band%longest, real(maxval(band%part%used), dp))
+    is_held = holds(band, line, 0.0_dp) .and. holds(band, line, span)
+    if (size(line%courses) > 0) is_held = is_held .and. real(pole_at(line, band%longest), dp)*band%longest < most_growth
   end function is_held
 
-  function reduce(samples, band, rows, lines, with_still, powers) result(reduced)
-    !! The triangle of the lines' columns, and the record turned by it. There must be more rows than amplitudes.
-    type(samples_type), intent(in) :: samples
+  pure real(dp) function squares_left(reduced)
+    !! What a fit leaves of all stretches and sensors.
+    type(reduced_type), intent(in) :: reduced(:)
+    integer :: i
+    squares_left = sum([(sum(reduced(i)%left), i=1, size(reduced))])
+  end function squares_left
+
+  pure integer function unknown_place(lines, k) result(place)
+    !! Where the unknowns of line k begin: real and imaginary part of its pole, and those of κ and the rate of each course; behind the
+    !! last where k is one more.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: k
+    integer :: i
+    place = 1
+    do i = 1, k - 1
+      place = place + 2 + 3*size(lines(i)%courses)
+    end do
+  end function unknown_place
+
+  pure integer function slope_place(lines, k) result(place)
+    !! Where the columns of the slopes of line k begin: two for its pole, two for κ and two for the rate of each course.
+    type(line_type), intent(in) :: lines(:)
+    integer, intent(in) :: k
+    integer :: i
+    place = 1
+    do i = 1, k - 1
+      place = place + 2 + 4*size(lines(i)%courses)
+    end do
+  end function slope_place
+
+  pure function free_of(lines) result(free)
+    !! Which unknowns are free: the decay of a steady line is 0, and some rates are held.
+    type(line_type), intent(in) :: lines(:)
+    logical, allocatable :: free(:)
+    integer :: k, c
+    allocate (free(unknown_place(lines, size(lines) + 1) - 1), source=.true.)
+    do k = 1, size(lines)
+      free(unknown_place(lines, k)) = .not. lines(k)%steady
+      do c = 1, size(lines(k)%courses)
+        free(unknown_place(lines, k) + 1 + 3*c) = .not. lines(k)%courses(c)%held
+      end do
+    end do
+  end function free_of
+
+  function reduce(band, lines, with_still) result(reduced)
+    !! The triangle of the lines' columns in each part of a band, and the record turned by it.
     type(band_type), intent(in) :: band
-    real(dp), intent(in) :: rows(:, :)
-    type(damped_line), intent(in) :: lines(:)
+    type(line_type), intent(in) :: lines(:)
     logical, intent(in) :: with_still
-    integer, intent(in), optional :: powers(:)  !! of time by which each line has slopes: its own if absent, 0 for none
-    type(reduced_type) :: reduced
+    type(reduced_type), allocatable :: reduced(:)
     real(dp), allocatable :: matrix(:, :), columns(:, :, :)
-    integer :: highest(size(lines)), k, m, n, c
-    highest = lines%powers
-    if (present(powers)) highest = powers
-    reduced%lines = size(lines)
-    reduced%linear = 2*size(lines) + merge(2, 0, with_still)
-    reduced%first = [(1 + 2*sum(highest(:k - 1)), k=1, size(lines) + 1)]
-    n = reduced%linear + 2*sum(highest)
-    allocate (reduced%free(2*sum(highest)), source=.true.)
-    do k = 1, size(lines)
-      if (highest(k) > 0) reduced%free(reduced%first(k):reduced%first(k) + 1) = .not. [lines(k)%steady, lines(k)%fixed]
-    end do
-    allocate (matrix(size(rows, 1), n))
-    do k = 1, size(lines)
-      allocate (columns(size(rows, 1), 2, 0:highest(k)))
-      columns(:, :, :) = line_columns(samples, band, lines(k), highest(k))
-      matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
-      do m = 1, highest(k)
-        c = reduced%linear + reduced%first(k) + 2*(m - 1)
-        matrix(:, c:c + 1) = columns(:, :, m)
-      end do
-      deallocate (columns)
-    end do
-    if (with_still) matrix(:, reduced%linear - 1:reduced%linear) = still_columns(samples, band)
-    reduced%length = [(length_of(matrix(:, k)), k=1, n)]
-    where (reduced%length <= 0) reduced%length = 1
-    do k = 1, n
-      matrix(:, k) = matrix(:, k)/reduced%length(k)
-    end do
-    call triangulate(matrix, rows, reduced%triangle, reduced%rotated, reduced%left)
-    associate (triangle => reduced%triangle(:reduced%linear, :reduced%linear))
-      reduced%linear_part = solved(triangle, reduced%rotated(:reduced%linear, :))
-      reduced%left = reduced%left + sum(reduced%rotated(reduced%linear + 1:, :)**2, dim=1)
-      do k = 1, reduced%linear                  ! where the triangle does not determine a number, something stays
-        if (abs(triangle(k, k)) > dependent) cycle
-        reduced%left = reduced%left + (reduced%rotated(k, :) - matmul(triangle(k, k:), reduced%linear_part(k:, :)))**2
-      end do
-    end associate
-    do k = 1, reduced%linear
-      reduced%linear_part(k, :) = reduced%linear_part(k, :)/reduced%length(k)
+    integer :: p, k, m, n, c, slopes
+    n = 2*size(lines) + merge(2, 0, with_still)
+    allocate (reduced(size(band%part)))
+    do p = 1, size(band%part)
+      associate (part => band%part(p), own => reduced(p))
+        own%stretch = part%stretch
+        own%linear = n
+        allocate (matrix(size(part%root), n + slope_place(lines, size(lines) + 1) - 1))
+        do k = 1, size(lines)
+          slopes = 1 + 2*size(lines(k)%courses)
+          allocate (columns(size(part%root), 2, 0:slopes))
+          columns(:, :, :) = line_columns(band, part, lines(k), slopes)
+          matrix(:, 2*k - 1:2*k) = columns(:, :, 0)
+          do m = 1, slopes
+            c = n + slope_place(lines, k) + 2*(m - 1)
+            matrix(:, c:c + 1) = columns(:, :, m)
+          end do
+          deallocate (columns)
+        end do
+        if (with_still) matrix(:, n - 1:n) = still_columns(band, part)
+        own%length = [(length_of(matrix(:, k)), k=1, size(matrix, 2))]
+        where (own%length <= 0) own%length = 1
+        do k = 1, size(matrix, 2)
+          matrix(:, k) = matrix(:, k)/own%length(k)
+        end do
+        call triangulate(matrix, part%rows, own%triangle, own%rotated, own%left)
+        call solve_linear(own)
+        deallocate (matrix)
+      end associate
     end do
   end function reduce
 
-  function slopes(reduced, weight) result(matrix)
-    !! The slopes of all sensors by the coefficients in the exponents, those by what is held left out, amplitudes, offset and
-    !! slope eliminated, (sensors × rows, unknowns).
-    type(reduced_type), intent(in) :: reduced
-    real(dp), intent(in) :: weight(:)
-    real(dp), allocatable :: matrix(:, :)
-    real(dp) :: a, b
-    integer :: s, k, n, row, i, c
-    n = size(reduced%triangle, 1) - reduced%linear
-    allocate (matrix(size(weight)*n, size(reduced%free)))
-    do s = 1, size(weight)
-      row = (s - 1)*n
-      do k = 1, reduced%lines
-        a = reduced%linear_part(2*k - 1, s)*sqrt(weight(s))
-        b = reduced%linear_part(2*k, s)*sqrt(weight(s))
-        do i = reduced%first(k), reduced%first(k + 1) - 1, 2
-          c = reduced%linear + i
-          associate (one => reduced%triangle(reduced%linear + 1:, c)*reduced%length(c), &
-              & other => reduced%triangle(reduced%linear + 1:, c + 1)*reduced%length(c + 1))
-            matrix(row + 1:row + n, i) = a*upper(one, c) + b*upper(other, c + 1)
-            matrix(row + 1:row + n, i + 1) = -b*upper(one, c) + a*upper(other, c + 1)
-          end associate
-        end do
-      end do
+  pure subroutine solve_linear(own)
+    !! Find amplitudes, offset and slope, and what they leave.
+    type(reduced_type), intent(inout) :: own
+    integer :: k, rows
+    rows = min(own%linear, size(own%triangle, 1))
+    allocate (own%linear_part(own%linear, size(own%rotated, 2)), source=0.0_dp)
+    own%linear_part(:rows, :) = solved(own%triangle(:rows, :rows), own%rotated(:rows, :))
+    own%left = own%left + sum(own%rotated(rows + 1:, :)**2, dim=1)
+    do k = 1, rows                               ! where the triangle does not determine a number, something stays
+      if (abs(own%triangle(k, k)) > dependent) cycle
+      own%left = own%left + (own%rotated(k, :) - matmul(own%triangle(k, k:rows), own%linear_part(k:rows, :)))**2
     end do
-    if (.not. all(reduced%free)) matrix = matrix(:, pack([(c, c=1, size(matrix, 2))], reduced%free))
+    do k = 1, own%linear
+      own%linear_part(k, :) = own%linear_part(k, :)/own%length(k)
+    end do
+  end subroutine solve_linear
 
-  contains
+  pure function slopes_of(reduced, lines) result(matrix)
+    !! The slopes of all rows by the unknowns that are free, amplitudes, offset and slope eliminated, (rows, unknowns).
+    type(reduced_type), intent(in) :: reduced(:)
+    type(line_type), intent(in) :: lines(:)
+    real(dp), allocatable :: matrix(:, :)
+    logical, allocatable :: free(:)
+    complex(dp) :: amplitude
+    integer :: p, s, k, i, j, c, row, n
+    free = free_of(lines)
+    n = 0
+    do p = 1, size(reduced)
+      n = n + max(0, size(reduced(p)%triangle, 1) - reduced(p)%linear)*size(reduced(p)%rotated, 2)
+    end do
+    allocate (matrix(n, size(free)), source=0.0_dp)
+    row = 0
+    do p = 1, size(reduced)
+      associate (own => reduced(p))
+        n = size(own%triangle, 1) - own%linear
+        if (n <= 0) cycle
+        do s = 1, size(own%rotated, 2)
+          do k = 1, size(lines)
+            amplitude = cmplx(own%linear_part(2*k - 1, s), own%linear_part(2*k, s), dp)
+            i = unknown_place(lines, k)
+            c = own%linear + slope_place(lines, k)
+            matrix(row + 1:row + n, i) = slope_of(own, c, amplitude, n)
+            matrix(row + 1:row + n, i + 1) = slope_of(own, c, (0, 1)*amplitude, n)
+            do j = 1, size(lines(k)%courses)
+              matrix(row + 1:row + n, i + 3*j - 1) = slope_of(own, c + 4*j - 2, amplitude, n)
+              matrix(row + 1:row + n, i + 3*j) = slope_of(own, c + 4*j - 2, (0, 1)*amplitude, n)
+              matrix(row + 1:row + n, i + 3*j + 1) = slope_of(own, c + 4*j, lines(k)%courses(j)%bend*amplitude, n)
+            end do
+          end do
+          row = row + n
+        end do
+      end associate
+    end do
+    if (.not. all(free)) matrix = matrix(:, pack([(c, c=1, size(free))], free))
+  end function slopes_of
 
-    pure function upper(column, c)
-      !! What lies below the diagonal of R is not its own.
-      real(dp), intent(in) :: column(:)
-      integer, intent(in) :: c
-      real(dp) :: upper(size(column))
-      upper = column
-      upper(c - reduced%linear + 1:) = 0
-    end function upper
+  pure function slope_of(own, c, amplitude, rows) result(slope)
+    !! The rows below those of the amplitudes of two columns of slopes, times an amplitude. What lies below the diagonal of R is not its
+    !! own.
+    type(reduced_type), intent(in) :: own
+    integer, intent(in) :: c                     !! the first column
+    complex(dp), intent(in) :: amplitude
+    integer, intent(in) :: rows
+    real(dp) :: slope(rows)
+    integer :: held
+    slope = 0
+    held = min(rows, c - own%linear)
+    slope(:held) = amplitude%re*own%length(c)*own%triangle(own%linear + 1:own%linear + held, c)
+    held = min(rows, c - own%linear + 1)
+    slope(:held) = slope(:held) + amplitude%im*own%length(c + 1)*own%triangle(own%linear + 1:own%linear + held, c + 1)
+  end function slope_of
 
-  end function slopes
-
-  subroutine step_of(reduced, weight, step, gain)
-    !! The Gauss–Newton step of the coefficients in the exponents, and what it promises to take off the weighted squares.
-    type(reduced_type), intent(in) :: reduced
-    real(dp), intent(in) :: weight(:)
+  subroutine step_of(reduced, lines, step, gain)
+    !! The Gauss–Newton step of the unknowns, and what it promises to take off the squares.
+    type(reduced_type), intent(in) :: reduced(:)
+    type(line_type), intent(in) :: lines(:)
     real(dp), intent(out) :: step(:), gain
     real(dp), allocatable :: matrix(:, :), factors(:, :), right(:, :), length(:), work(:)
     integer, allocatable :: pivot(:)
-    integer :: rank, info, s, n
-    n = size(reduced%triangle, 1) - reduced%linear
-    matrix = slopes(reduced, weight)
+    integer :: rank, info, p, s, row, n
+    step = 0
+    gain = 0
+    matrix = slopes_of(reduced, lines)
+    if (size(matrix) == 0) return
     length = scaled(matrix)
     allocate (right(max(size(matrix, 1), size(matrix, 2)), 1), work(64*(sum(shape(matrix)) + 1)))
     right = 0
-    do s = 1, size(weight)
-      right((s - 1)*n + 1:s*n, 1) = reduced%rotated(reduced%linear + 1:, s)*sqrt(weight(s))
+    row = 0
+    do p = 1, size(reduced)
+      associate (own => reduced(p))
+        n = size(own%triangle, 1) - own%linear
+        if (n <= 0) cycle
+        do s = 1, size(own%rotated, 2)
+          right(row + 1:row + n, 1) = own%rotated(own%linear + 1:, s)
+          row = row + n
+        end do
+      end associate
     end do
     allocate (pivot(size(matrix, 2)), source=0)
     factors = matrix
     call dgelsy(size(matrix, 1), size(matrix, 2), 1, factors, size(matrix, 1), right, size(right, 1), pivot, dependent, rank, &
       & work, size(work), info)
     gain = norm2(matmul(matrix, right(:size(matrix, 2), 1)))**2
-    step = unpack(right(:size(matrix, 2), 1)/length, reduced%free, 0.0_dp)
+    step = unpack(right(:size(matrix, 2), 1)/length, free_of(lines), 0.0_dp)
   end subroutine step_of
 
-  function moved_lines(samples, lines, step) result(moved)
-    !! The lines after a step; a frequency that passes 0 or half the sampling rate comes back as its mirror image.
-    type(samples_type), intent(in) :: samples
-    type(damped_line), intent(in) :: lines(:)
+  pure real(dp) function farthest(band, lines, step)
+    !! The longest step of a pole over what it may move at once: a part of its width, and a part of a period by its courses.
+    type(band_type), intent(in) :: band
+    type(line_type), intent(in) :: lines(:)
     real(dp), intent(in) :: step(:)
-    type(damped_line), allocatable :: moved(:)
-    real(dp) :: half
-    integer :: k, m, i
-    half = centre_of(samples)
-    moved = lines
-    i = 1
+    real(dp) :: span, width
+    integer :: k, c, i
+    span = maxval(band%part%used)
+    farthest = tiny(1.0_dp)
     do k = 1, size(lines)
-      do m = 2, lines(k)%powers
-        moved(k)%bend(m) = lines(k)%bend(m) + cmplx(step(i + 2*m - 2), step(i + 2*m - 1), dp)
+      i = unknown_place(lines, k)
+      width = max(abs(lines(k)%pole%re), 2/span)
+      farthest = max(farthest, hypot(step(i), step(i + 1))/(longest*width))
+      do c = 1, size(lines(k)%courses)
+        associate (g => lines(k)%courses(c)%rate)
+          farthest = max(farthest, hypot(step(i + 3*c - 1), step(i + 3*c))*psi(g, min(span, 1/width)), &
+            & abs(step(i + 3*c + 1))/(longest*max(g, 0.5_dp/span)))
+        end associate
       end do
-      call move_line(moved(k), -step(i)/half, step(i + 1)/(2*pi*half))
-      i = i + 2*lines(k)%powers
-      if (allocated(samples%place) .or. moved(k)%frequency <= 0.5_dp) cycle
-      moved(k)%frequency = 1 - moved(k)%frequency
-      moved(k)%rest = -moved(k)%rest
-      moved(k)%bend = conjg(moved(k)%bend)
+    end do
+  end function farthest
+
+  pure function moved_lines(band, lines, step) result(moved)
+    !! The lines after a step. No frequency leaves the band from 0 to half the sampling rate, and none grows beyond reason.
+    type(band_type), intent(in) :: band
+    type(line_type), intent(in) :: lines(:)
+    real(dp), intent(in) :: step(:)
+    type(line_type) :: moved(size(lines))
+    real(dp) :: span
+    integer :: k, c, i
+    span = maxval(band%part%used)
+    moved = lines
+    do k = 1, size(lines)
+      i = unknown_place(lines, k)
+      associate (z => moved(k)%pole)
+        z = z + cmplx(step(i), step(i + 1), dp)
+        z = cmplx(min(z%re, most_growth/band%longest), max(1/span, min(pi - 1/span, z%im)), dp)
+      end associate
+      do c = 1, size(lines(k)%courses)
+        associate (course => moved(k)%courses(c))
+          course%bend = course%bend + cmplx(step(i + 3*c - 1), step(i + 3*c), dp)
+          course%rate = max(0.0_dp, course%rate + step(i + 3*c + 1))
+        end associate
+      end do
     end do
   end function moved_lines
 
-  function image_of(samples, band, line) result(image)
-    !! The rows of one line at all sensors, (rows, S).
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(in) :: band
-    type(damped_line), intent(in) :: line
-    real(dp) :: image(size(band%rows, 1), size(band%rows, 2)), columns(size(band%rows, 1), 2, 0:0)
-    integer :: s
-    columns = line_columns(samples, band, line, 0)
-    do s = 1, size(image, 2)
-      image(:, s) = line%amplitude(s)%re*columns(:, 1, 0) + line%amplitude(s)%im*columns(:, 2, 0)
+  pure function amplitudes_of(reduced, k, stretches) result(amplitude)
+    !! The amplitudes of line k in each stretch, (S, stretches from the one before any blow on).
+    type(reduced_type), intent(in) :: reduced(:)
+    integer, intent(in) :: k, stretches
+    complex(dp) :: amplitude(size(reduced(1)%rotated, 2), stretches)
+    integer :: p
+    amplitude = 0
+    do p = 1, size(reduced)
+      associate (x => reduced(p)%linear_part)
+        amplitude(:, reduced(p)%stretch + 1) = cmplx(x(2*k - 1, :), x(2*k, :), dp)
+      end associate
     end do
-  end function image_of
-
-  function still_image(samples, band, still) result(image)
-    !! The rows of offset and slope at all sensors, (rows, S).
-    type(samples_type), intent(in) :: samples
-    type(band_type), intent(in) :: band
-    real(dp), intent(in) :: still(:, :)         !! (2, S)
-    real(dp) :: image(size(band%rows, 1), size(band%rows, 2))
-    image = matmul(still_columns(samples, band), still)
-  end function still_image
+  end function amplitudes_of
 
 end module bw_band_fit

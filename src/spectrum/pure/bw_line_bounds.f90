@@ -7,14 +7,12 @@ module bw_line_bounds
   !! and is taken for a part of it moves it by up to d bins and leaves about d² of it in the residual, or d where its ratio is
   !! another: a residual that is the part ρ of the line may hide one that moves it by √ρ bins, and its ratio by the part √ρ.
   !! That is told apart.
-  use bw_band, only: band_type, tapered_band
-  use bw_band_fit, only: reduce
   use bw_damped_line, only: damped_line, line_in_record, place_in_bins, position_of, strength_of
   use bw_kinds, only: dp
-  use bw_line_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
   use bw_line_group, only: band_of, correlated, group_image, group_noise, group_type, numbers_in, unknowns
   use bw_pure_record, only: rounding, safety
-  use bw_samples, only: centre_of, samples_type
+  use bw_tapered_errors, only: amplitude_deviation, frequency_deviation, line_errors, line_errors_of
+  use bw_tapered_fit, only: half_of, reduce, tapered_band
   use bw_tapered_line, only: main_lobe
   use bw_tapered_residual, only: residual_type
   implicit none (type, external)
@@ -120,20 +118,17 @@ contains
     real(dp), intent(in) :: noise(:)           !! standard deviation of a real number of the image beside each line, (line)
     type(bounded_line) :: lines(size(fitted))
     type(line_errors) :: errors
-    type(samples_type) :: samples
-    type(band_type) :: band
     real(dp) :: direction(2, 2)
     integer :: i
-    samples%count = residual%count
-    band = tapered_band(group_image(residual, fitted, bins), bins(1))
-    errors = line_errors_of(reduce(samples, band, band%rows, fitted, .false.), [1.0_dp, 1.0_dp])
+    errors = line_errors_of(reduce(tapered_band(residual%count, group_image(residual, fitted, bins), bins(1)), fitted), &
+      & [1.0_dp, 1.0_dp])
     do i = 1, size(fitted)
       associate (line => lines(i), c => fitted(i)%amplitude)
         line%position = position_of(fitted(i), residual%count)
         line%growth = -fitted(i)%decay*residual%count
         line%steady = fitted(i)%steady
         line%strength = strength_of(fitted(i))
-        line%position_error = noise_times(frequency_deviation(errors, i), noise(i)*residual%count/(2*pi*centre_of(samples)))
+        line%position_error = noise_times(frequency_deviation(errors, i), noise(i)*residual%count/(2*pi*half_of(residual%count)))
         direction = reshape([c(1)%re, c(1)%im, c(2)%re, c(2)%im], [2, 2])/line%strength
         line%strength_error = noise_times(amplitude_deviation(errors, i, direction), noise(i))
         line%ratio_error = huge(1.0_dp)

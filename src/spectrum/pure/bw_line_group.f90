@@ -1,11 +1,9 @@
 module bw_line_group
   !! One group of lines that share bins: how many there are, steady or growing, where, and which the others do without.
-  use bw_band, only: band_type, tapered_band
-  use bw_band_fit, only: fit_band, fit_type
   use bw_damped_line, only: damped_line, position_of, strength_of
   use bw_kinds, only: dp
   use bw_line_poles, only: ample_pencil, pencil_type, pole_lines
-  use bw_samples, only: samples_type
+  use bw_tapered_fit, only: band_type, fit_band, fit_type, tapered_band
   use bw_tapered_line, only: line_image, main_lobe
   use bw_tapered_residual, only: peak_lines, residual_type
   implicit none (type, external)
@@ -98,16 +96,14 @@ contains
     real(dp), intent(in) :: goal
     type(damped_line), intent(inout) :: lines(:)
     real(dp), intent(out) :: left
-    type(samples_type) :: samples
     type(band_type) :: band
     type(fit_type) :: fit
     real(dp) :: weight(size(image, 2))
-    samples%count = residual%count
     weight = 1/max(goal, tiny(1.0_dp)**0.4_dp)**2
     fit%lines = lines
     fit%slowest = slowest
-    band = tapered_band(image, bins(1))
-    call fit_band(samples, band, band%rows, weight, .false., fit)
+    band = tapered_band(residual%count, image, bins(1))
+    call fit_band(band, weight, fit)
     lines = fit%lines
     left = sqrt(fit%left/weight(1))
   end subroutine fit_group

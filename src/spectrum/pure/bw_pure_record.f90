@@ -2,7 +2,7 @@ module bw_pure_record
   !! Records that hold lines and their rounding and no noise: histories of simulations. Where nobody says so, a stretch of the
   !! record tells that it may be, and its lines, searched for to the last digit, whether they leave no more than rounding.
   !!
-  !! The search in noise (bw_damped_search) does not make this one needless. It finds lines that are two bins apart or more as
+  !! The search in noise (bw_line_search) does not make this one needless. It finds lines that are two bins apart or more as
   !! exactly, at ten to fifty times the time; where 2 to 8 lie 0.2 to 3 bins apart it ends with another number of lines in a third
   !! of the records, for it takes lines up and splits them only where noise would not have made them.
   use bw_damped_line, only: damped_line

@@ -2,8 +2,7 @@ module bw_measured
   !! This module measures waves in two histories and nothing else: what an experiment with two sensors would tell of the beam. Their
   !! lines are those of a record without noise, and what two amplitudes tell of a wave is what any sensors tell (bw_sensor_waves);
   !! errors are bounds, which stand where a record has standard deviations.
-  use bw_damped_search, only: find_damped_lines
-  use bw_found_lines, only: found_lines
+  use bw_damped_line, only: damped_line
   use bw_kinds, only: dp
   use bw_line_group, only: resolution
   use bw_line_peaks, only: peak_type, peaks_of, with_hidden
@@ -11,9 +10,11 @@ module bw_measured
   use bw_missing, only: is_missing, missing
   use bw_mode_check, only: check_peaks, is_mode, not_known, record_facts, verdict_type
   use bw_monitor, only: monitor_type, stops
+  use bw_pure_record, only: find_lines_if_pure
   use bw_samples, only: samples_type
   use bw_sensor_lines, only: measured_lines, sensor_facts, sensor_waves
   use bw_sensor_waves, only: measure_sensor_waves
+  use bw_tapered_residual, only: residual_type
   use bw_text, only: string
   use bw_tip_mass, only: mode_near
   implicit none (type, external)
@@ -22,7 +23,6 @@ module bw_measured
 
   integer, parameter :: fewest_samples = 16
   real(dp), parameter :: one_deviation = erf(sqrt(0.5_dp))  !! confidence of an interval of one standard deviation to either side
-  real(dp), parameter :: no_noise = 0          !! chance that noise is taken for a line
   real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
 
   type, public :: measured_type
@@ -79,7 +79,9 @@ contains
     type(peak_type), allocatable, intent(out) :: peaks(:)
     class(monitor_type), intent(inout), optional :: monitor
     type(samples_type) :: samples
-    type(found_lines) :: found
+    type(damped_line), allocatable :: lines(:)
+    type(residual_type) :: left
+    logical :: pure
     integer :: power
     allocate (peaks(0))
     if (.not. is_usable(tip, midpoint)) return
@@ -89,8 +91,8 @@ contains
     allocate (samples%value(size(tip), 2))
     samples%value(:, 1) = scale(tip, -power)
     samples%value(:, 2) = scale(midpoint, -power)
-    call find_damped_lines(samples, no_noise, found, monitor)
-    if (.not. stops(monitor)) peaks = peaks_of(found%lines, found%left)
+    call find_lines_if_pure(samples, lines, left, pure, monitor)
+    if (.not. stops(monitor)) peaks = peaks_of(lines, left)
   end subroutine find_peaks
 
   pure logical function is_usable(tip, midpoint)

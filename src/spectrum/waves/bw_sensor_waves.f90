@@ -1,12 +1,12 @@
 module bw_sensor_waves
   !! Waves along a beam from the complex amplitudes of lines at two or more sensors: wave number and phase velocity of each line
   !! from what the sensors say of its shape, group velocity, √(EI/ρA) and ω from the dispersion of all.
-  use bw_common_noise, only: separation_of
-  use bw_kinds, only: dp
+    use bw_kinds, only: dp
   use bw_missing, only: missing
   use bw_monitor, only: monitor_type
   use bw_quantile, only: normal, squares_deviation, student_quantile
   use bw_sensor_lines, only: hertz, measured_lines, sensor_facts, sensor_waves, square_of
+  use bw_separation, only: separation_of
   use bw_shape_fit, only: candidate_type, candidates_of, costs_of, fits_anything, freedom_of, interval_of, motion_type, &
     & reason_against, rounding, scanned, sensor_type, worse
   use bw_text, only: append, shortest, string

@@ -1,8 +1,7 @@
 module noisy_records
   !! Random records of known lines in noise, the Cramér–Rao bounds of their lines from the whole Jacobian, and how often what
   !! is found keeps to them. BEAMWAVE_DRAWS multiplies the number of draws, by hand.
-  use bw_belief, only: believed_line, drifting, harmonic
-  use bw_believed_search, only: find_believed_lines
+  use bw_belief, only: believed_line, drifting, find_believed_lines, harmonic
   use bw_found_lines, only: found_lines
   use bw_kinds, only: dp, qp
   use bw_samples, only: samples_type

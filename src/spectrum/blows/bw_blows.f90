@@ -1,0 +1,153 @@
+module bw_blows
+  !! Where a record is struck: a decay is predictable from its own past, its beginning is not.
+  !!
+  !! The record's own long linear prediction, with zeros before the first sample, errs by the noise as long as a decay goes on, and by
+  !! the motion where a blow falls. A record that was cut within a decay has its first burst at its first sample.
+  use bw_autoregression, only: autoregression, burg
+  use bw_kinds, only: dp
+  use bw_order, only: ascending, quantile_of
+  use bw_price, only: chi_squared
+  use bw_samples, only: samples_type, span_of
+  implicit none (type, external)
+  private
+  public :: find_blows
+
+  integer, parameter :: order = 64               !! ! tuned: of the prediction, more than two for each mode
+  integer, parameter :: samples_per_order = 10
+  integer, parameter :: enough = 2**22           !! numbers that tell where the blows are
+  real(dp), parameter :: clearly = 4             !! ! tuned: times what noise reaches
+  real(dp), parameter :: chi_median = 0.4549_dp  !! of χ² of one degree of freedom
+  integer, parameter :: fewest = 640             !! sums in which bursts are looked for
+  integer, parameter :: first = 4                !! samples that tell where a sensor is at rest
+  integer, parameter :: interpolations = 8       !! of missing samples
+
+contains
+
+  subroutine find_blows(samples, false_alarm, blows)
+    !! Find the sample of each burst of prediction errors, the first one 1 if there is none. The record is looked at in sums over 1, 2,
+    !! 4, … samples: a slow motion begins too softly to be seen from one sample to the next. Uneven samples are looked at between even
+    !! ones, which is rough: the first burst is the blow, and there is no other.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: false_alarm
+    integer, allocatable, intent(out) :: blows(:)
+    real(dp), allocatable :: x(:, :)
+    logical, allocatable :: valid(:)
+    integer :: s, n, scale, sensors, stride
+    n = ceiling(span_of(samples))
+    stride = max(1, ceiling(real(n, dp)*size(samples%value, 2)/enough))
+    sensors = (size(samples%value, 2) - 1)/stride + 1
+    allocate (x(n, sensors), valid(n))
+    do s = 1, sensors
+      x(:, s) = even_values(samples, n, 1 + (s - 1)*stride)
+    end do
+    valid = .true.
+    if (allocated(samples%valid)) valid = samples%valid
+    allocate (blows(0))
+    scale = 1
+    do
+      call add_bursts(x, valid, scale, false_alarm, blows)
+      n = size(x, 1)/2
+      if (n < fewest) exit
+      x = x(1:2*n:2, :) + x(2:2*n:2, :)
+      valid = valid(1:2*n:2) .and. valid(2:2*n:2)
+      scale = 2*scale
+    end do
+    blows = blows(ascending(real(blows, dp)))
+    if (size(blows) == 0) blows = [1]
+    if (.not. allocated(samples%place)) return
+    if (blows(1) <= order) blows(1) = 1          ! nothing predicts what is so near the first sample
+    blows = [1 + count(samples%place < blows(1) - 1)]
+  end subroutine find_blows
+
+  pure function even_values(samples, count, s) result(x)
+    !! The samples of a sensor, or values between uneven ones, one a step.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: count, s
+    real(dp) :: x(count)
+    integer :: n, k
+    if (.not. allocated(samples%place)) then
+      x = samples%value(:count, s)
+      return
+    end if
+    k = 1
+    do n = 1, count
+      do while (k < samples%count - 1 .and. samples%place(k + 1) < n - 1)
+        k = k + 1
+      end do
+      associate (t => samples%place(k:k + 1), y => samples%value(k:k + 1, s))
+        x(n) = y(1) + (y(2) - y(1))*min(1.0_dp, (n - 1 - t(1))/(t(2) - t(1)))
+      end associate
+    end do
+  end function even_values
+
+  subroutine add_bursts(x, valid, scale, false_alarm, blows)
+    !! Add the bursts in sums over so many samples that are no bursts yet.
+    real(dp), intent(inout) :: x(:, :)           !! invalid ones are interpolated
+    logical, intent(in) :: valid(:)
+    integer, intent(in) :: scale
+    real(dp), intent(in) :: false_alarm
+    integer, allocatable, intent(inout) :: blows(:)
+    type(autoregression) :: noise
+    real(dp) :: burst(size(x, 1)), error(size(x, 1)), least
+    integer :: n, s, p, last, i, known
+    n = size(x, 1)
+    p = min(order, n/samples_per_order)
+    burst = 0
+    do s = 1, size(x, 2)
+      call predict(valid, p, x(:, s), noise)
+      call find_errors(x(:, s), noise%predictor, error)
+      where (.not. valid) error = 0
+      error = error**2
+      burst = burst + error/(quantile_of(error, 0.5_dp)/chi_median + tiny(1.0_dp))
+    end do
+    least = clearly*chi_squared(false_alarm/n, 2*((size(x, 2) + 1)/2))
+    last = -n
+    known = size(blows)
+    do i = 1, n - 2*p
+      if (burst(i) < least) cycle
+      if (i - last > p .and. all(abs(blows(:known) - scale*i) > 2*p*scale)) blows = [blows, 1 + scale*(i - 1)]
+      last = i
+    end do
+  end subroutine add_bursts
+
+  subroutine predict(valid, p, x, noise)
+    !! Find a sensor's prediction, missing samples interpolated by it.
+    logical, intent(in) :: valid(:)
+    integer, intent(in) :: p
+    real(dp), intent(inout) :: x(:)
+    type(autoregression), intent(out) :: noise
+    real(dp) :: weight(p + 1)
+    integer :: n, i, k, last, m, q
+    n = size(x)
+    x = x - sum(x(:first))/first                 ! a record that begins before the blow begins at rest
+    last = 0
+    do i = 1, n                                  ! straight lines first
+      if (.not. valid(i)) cycle
+      if (last > 0) x(last + 1:i - 1) = [(x(last) + (x(i) - x(last))*(m - last)/(i - last), m=last + 1, i - 1)]
+      last = i
+    end do
+    do k = 1, 2
+      call burg(x, reshape([1, n], [2, 1]), p, 0.0_dp, noise)
+      if (all(valid)) return
+      q = ubound(noise%predictor, 1)
+      weight(:q + 1) = [(dot_product(noise%predictor(:q - m), noise%predictor(m:)), m=0, q)]
+      do m = 1, interpolations
+        do i = 1 + q, n - q
+          if (.not. valid(i)) x(i) = -dot_product(weight(2:q + 1), x(i + 1:i + q) + x(i - 1:i - q:-1))/weight(1)
+        end do
+      end do
+    end do
+  end subroutine predict
+
+  pure subroutine find_errors(x, h, error)
+    !! What is not foreseen of each sample by those before it.
+    real(dp), intent(in) :: x(:), h(0:)
+    real(dp), intent(out) :: error(:)
+    integer :: i
+    error = x
+    do i = 1, ubound(h, 1)
+      error(i + 1:) = error(i + 1:) + h(i)*x(:size(x) - i)
+    end do
+  end subroutine find_errors
+
+end module bw_blows

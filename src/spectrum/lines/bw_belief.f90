@@ -1,0 +1,235 @@
+module bw_belief
+  !! What can be believed of the lines of a record: bounds in the noise found, intervals that hold what the record shows of drift,
+  !! and names for lines that are no single steady mode.
+  !!
+  !! The bound is the Cramér–Rao standard deviation. The interval is a quantile of it, or reaches from the value at the blow to that
+  !! at the end of a line's life where it drifts.
+  use bw_found_lines, only: find_record_lines, found_lines
+  use bw_kinds, only: dp
+  use bw_line, only: life_of, line_type, pi, pole_at
+  use bw_line_errors, only: amplitude_deviation, amplitude_noise, drift_deviation, line_errors, line_errors_of, pole_deviation
+  use bw_line_names, only: at_edge, believed_line, close_pair, drifting, harmonic, name_lines
+  use bw_line_windows, only: windows_of
+  use bw_model, only: colour_at, model_type
+  use bw_monitor, only: monitor_type, stops
+  use bw_noise, only: gain_of
+  use bw_order, only: ascending
+  use bw_pure_record, only: rounding
+  use bw_quantile, only: student_quantile
+  use bw_refit, only: cluster_of, refit, refit_type, span_of_model
+  use bw_samples, only: samples_type
+  implicit none (type, external)
+  private
+  public :: at_edge, believed_line, close_pair, drifting, find_believed_lines, harmonic
+
+  real(dp), parameter :: life = 3                !! decay times after which a line is taken for gone
+  real(dp), parameter :: most_share = 0.9_dp     !! of noise in a line's squares
+  real(dp), parameter, public :: undetermined = 1.0e100_dp  !! a bound where the record does not tell
+
+contains
+
+  subroutine find_believed_lines(samples, confidence, false_alarm, found, believed, monitor)
+    !! Find the lines of a record with their intervals, by ascending frequency.
+    type(samples_type), intent(inout) :: samples   !! loses sensors that are constant, or copies of others
+    real(dp), intent(in) :: confidence             !! of the intervals, 0 … 1
+    real(dp), intent(in) :: false_alarm            !! that noise alone makes any line
+    type(found_lines), intent(out) :: found
+    type(believed_line), allocatable, intent(out) :: believed(:)
+    class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
+    call find_record_lines(samples, false_alarm, found, monitor)
+    allocate (believed(0))
+    if (stops(monitor)) return
+    call judge_lines(found%model, confidence, false_alarm, believed)
+    believed = believed(ascending(believed%frequency))
+    call name_lines(samples, believed)
+    call repeat_sensors(found, believed)
+  end subroutine find_believed_lines
+
+  subroutine judge_lines(model, confidence, false_alarm, believed)
+    !! Judge lines that overlap together.
+    type(model_type), intent(in) :: model
+    real(dp), intent(in) :: confidence, false_alarm
+    type(believed_line), allocatable, intent(inout) :: believed(:)
+    logical :: done(size(model%lines)), own(size(model%lines))
+    type(refit_type) :: found
+    type(line_errors) :: errors
+    type(believed_line) :: line
+    real(dp), allocatable :: windows(:, :, :)
+    integer :: j, k
+    done = .false.
+    do while (.not. all(done))
+      own = cluster_of(model, findloc(done, .false., dim=1))
+      done = done .or. own
+      call refit(model, own, pack(model%lines, own), 0, found)
+      errors = line_errors_of(pack(model%lines, own), found%reduced)
+      windows = windows_of(model, pack(model%lines, own), false_alarm)
+      j = 0
+      do k = 1, size(own)
+        if (.not. own(k)) cycle
+        j = j + 1
+        line = judged(model, errors, j, confidence)
+        line%windows = windows(:, :, j)
+        believed = [believed, line]
+      end do
+    end do
+  end subroutine judge_lines
+
+  type(believed_line) function judged(model, errors, j, confidence) result(line)
+    !! Frequency and decay at the time at which the record tells them best; the intervals of a line that drifts reach from the blow to
+    !! the end of its life.
+    type(model_type), intent(in) :: model
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp), intent(in) :: confidence
+    complex(dp) :: ends(2), pole
+    real(dp) :: at, deviation(2), reach(2), quantile, wider
+    associate (own => errors%lines(j))
+      at = life_of(own, life, span_of_model(model))
+      ends = [own%pole, pole_at(own, at)]
+      wider = sqrt(colour_at(model, own%pole%im)/(1 - noise_share(errors, j)))
+      deviation = min(wider*max(pole_deviation(errors, j, 0.0_dp), pole_deviation(errors, j, at)), undetermined)
+      quantile = student_quantile(confidence, freedom_of(model))
+      pole = pole_at(own, best_time(errors, j, at))
+      reach = max(abs([real(ends(1) - pole, dp), aimag(ends(1) - pole)]), abs([real(ends(2) - pole, dp), aimag(ends(2) - pole)]))
+      line%frequency = pole%im/(2*pi)
+      line%frequency_bound = deviation(2)/(2*pi)
+      if (.not. deviation(2) < undetermined .or. .not. own%pole%im > 0) line%frequency_bound = 1/span_of_model(model)
+      line%frequency_error = reach(2)/(2*pi) + quantile*line%frequency_bound + rounding*line%frequency
+      line%decay = -pole%re
+      line%decay_bound = deviation(1)
+      line%decay_error = reach(1) + quantile*deviation(1) + 2*pi*rounding*line%frequency
+      if (size(own%courses) > 0) then
+        line%status = drifting
+        line%drift = (ends(2)%im - ends(1)%im)/(2*pi)
+        line%drift_bound = min(wider*drift_deviation(errors, j, at)/(2*pi), undetermined)
+      end if
+      call judge_amplitude(model, errors, j, wider, line)
+    end associate
+  end function judged
+
+  pure real(dp) function best_time(errors, j, last) result(best)
+    !! The time after the blow at which the pole of line j is known best; 0 where it does not drift.
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp), intent(in) :: last                 !! steps
+    integer, parameter :: looks = 32
+    real(dp) :: deviation, least
+    integer :: i
+    best = 0
+    if (size(errors%lines(j)%courses) == 0) return
+    least = huge(1.0_dp)
+    do i = 0, looks
+      deviation = maxval(pole_deviation(errors, j, last*i/looks))
+      if (.not. deviation < least) cycle
+      least = deviation
+      best = last*i/looks
+    end do
+  end function best_time
+
+  pure integer function freedom_of(model) result(freedom)
+    !! How many independent numbers tell the noise's level at one frequency: an autoregression of order p knows it from about N/p at
+    !! each sensor (Kay, Modern Spectral Estimation, 1988).
+    type(model_type), intent(in) :: model
+    freedom = max(4, size(model%white)/(1 + maxval(model%noise%order)))
+  end function freedom_of
+
+  pure real(dp) function noise_share(errors, j) result(share)
+    !! The part of the squares of line j's amplitudes that noise is expected to have added. The slopes of a fit grow with these
+    !! amplitudes, so that the information F that they tell is F (1 − share) in truth: estimates scatter by as much more than the
+    !! bound of known amplitudes (Stoica and Nehorai, 1990).
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j
+    real(dp) :: squares, added
+    integer :: p
+    squares = tiny(1.0_dp)
+    added = 0
+    do p = 1, size(errors%reduced)
+      associate (a => errors%reduced(p)%linear_part)
+        squares = squares + sum(a(2*j - 1:2*j, :)**2)
+        added = added + 2*size(a, 2)*min(amplitude_noise(errors, p, j), sqrt(undetermined))**2
+      end associate
+    end do
+    share = min(most_share, added/squares)
+    if (.not. added < undetermined) share = 0
+  end function noise_share
+
+  subroutine judge_amplitude(model, errors, j, wider, line)
+    !! Amplitudes at the blow, and the bounds of their lengths and phases. Each is a sum over the components of the noise.
+    type(model_type), intent(in) :: model
+    type(line_errors), intent(in) :: errors
+    integer, intent(in) :: j                       !! its place among the lines of the fit
+    real(dp), intent(in) :: wider                  !! factor of the bounds
+    type(believed_line), intent(inout) :: line
+    complex(dp) :: factor(size(model%white, 2), size(model%white, 2)), noises(size(model%white, 2), size(model%white, 2)), turn
+    real(dp) :: noise, length
+    integer :: s, p
+    p = findloc(errors%reduced%stretch >= 1, .true., dim=1)
+    factor = factors_of(model, errors%lines(j))
+    noise = min(wider*amplitude_noise(errors, p, j), undetermined)
+    line%amplitude = errors%lines(j)%amplitude(:, 1 + errors%reduced(p)%stretch)
+    allocate (line%amplitude_bound(size(factor, 1)), line%phase_bound(size(factor, 1)), line%amplitude_noise(size(factor, 1)))
+    do s = 1, size(factor, 1)
+      length = abs(line%amplitude(s))
+      turn = 1
+      if (length > 0) turn = line%amplitude(s)/length
+      line%amplitude_noise(s) = noise*norm2(abs(factor(s, :)))
+      noises(:, s) = factor(s, :)*noise/max(line%amplitude_noise(s), tiny(1.0_dp))
+      line%amplitude_bound(s) = min(wider*amplitude_deviation(errors, p, j, plane(turn*conjg(factor(s, :)))), undetermined)
+      turn = cmplx(-turn%im, turn%re, dp)
+      line%phase_bound(s) = min(wider*amplitude_deviation(errors, p, j, plane(turn*conjg(factor(s, :)))), pi*length) &
+        & /max(length, tiny(1.0_dp))
+    end do
+    if (allocated(model%noise%mixing)) line%noise_correlation = matmul(transpose(noises), conjg(noises))
+
+  contains
+
+    pure function plane(direction)
+      !! Real and imaginary parts.
+      complex(dp), intent(in) :: direction(:)
+      real(dp) :: plane(2, size(direction))
+      plane(1, :) = real(direction, dp)
+      plane(2, :) = aimag(direction)
+    end function plane
+
+  end subroutine judge_amplitude
+
+  pure function factors_of(model, line) result(factor)
+    !! The amplitude at each sensor of a line of white amplitude 1 in each component, (S, components).
+    type(model_type), intent(in) :: model
+    type(line_type), intent(in) :: line
+    complex(dp) :: factor(size(model%white, 2), size(model%white, 2))
+    integer :: c
+    factor = 0
+    do c = 1, size(factor, 2)
+      factor(c, c) = 1
+      if (allocated(model%noise%mixing)) factor(:, c) = model%noise%unmixing(c, :)
+      factor(:, c) = factor(:, c)/gain_of(model%noise%filter(:model%noise%order(c), c), line%pole)
+    end do
+  end function factors_of
+
+  subroutine repeat_sensors(found, believed)
+    !! Give the lines to sensors that are multiples of others too. Constant ones tell nothing of amplitudes.
+    type(found_lines), intent(in) :: found
+    type(believed_line), intent(inout) :: believed(:)  !! correlations of their noise are those of the sensors that were kept
+    complex(dp), allocatable :: correlation(:, :)
+    integer, allocatable :: source(:)
+    integer :: k
+    associate (distinct => found%distinct)
+      if (size(distinct%kept) == size(distinct%place)) return
+      source = max(distinct%place, 1)
+      do k = 1, size(believed)
+        associate (line => believed(k), is_constant => distinct%place == 0)
+          line%amplitude = merge((0.0_dp, 0.0_dp), distinct%factor*line%amplitude(source), is_constant)
+          line%amplitude_bound = merge(undetermined, abs(distinct%factor)*line%amplitude_bound(source), is_constant)
+          line%amplitude_noise = merge(undetermined, abs(distinct%factor)*line%amplitude_noise(source), is_constant)
+          line%phase_bound = merge(pi, line%phase_bound(source), is_constant)
+          if (.not. allocated(line%noise_correlation)) cycle
+          allocate (correlation(size(source), size(source)), source=(0.0_dp, 0.0_dp))
+          correlation(distinct%kept, distinct%kept) = line%noise_correlation
+          call move_alloc(correlation, line%noise_correlation)
+        end associate
+      end do
+    end associate
+  end subroutine repeat_sensors
+
+end module bw_belief

@@ -1,0 +1,103 @@
+module bw_found_lines
+  !! The lines of a record as they were found: at sensors that tell something of their own, with the noise in which they are.
+  !!
+  !! A record without noise, as a simulation's, has its lines from its transform to the last digit; what is left is rounding, and
+  !! stands for the noise.
+  use bw_damped_line, only: damped_line
+  use bw_distinct_sensors, only: distinct_type, find_distinct, keep_distinct
+  use bw_kinds, only: dp
+  use bw_line, only: line_type, pi
+  use bw_line_search, only: find_lines, outcome_type
+  use bw_model, only: find_left, model_type, renew
+  use bw_monitor, only: monitor_type, stops
+  use bw_pure_record, only: find_lines_if_pure, safety
+  use bw_samples, only: place_of, samples_type
+  use bw_tapered_line, only: taper_costs
+  use bw_tapered_residual, only: residual_type
+  implicit none (type, external)
+  private
+  public :: find_record_lines
+
+  type, public :: found_lines
+    type(model_type) :: model
+    type(outcome_type) :: outcome
+    type(distinct_type) :: distinct              !! the model is that of the sensors that are kept
+    real(dp), allocatable :: deviation(:)        !! standard deviation of the residual of each of these
+  end type found_lines
+
+contains
+
+  subroutine find_record_lines(samples, false_alarm, found, monitor)
+    !! Find the lines of a record.
+    type(samples_type), intent(inout) :: samples   !! loses sensors that are constant, or copies of others
+    real(dp), intent(in) :: false_alarm            !! that noise alone makes any line
+    type(found_lines), intent(out) :: found
+    class(monitor_type), intent(inout), optional :: monitor  !! nothing is of use where it asks to stop
+    type(damped_line), allocatable :: lines(:)
+    type(residual_type) :: left
+    logical :: pure
+    found%distinct = find_distinct(samples)
+    call keep_distinct(found%distinct, samples)
+    pure = .false.
+    if (.not. allocated(samples%valid)) call find_lines_if_pure(samples, lines, left, pure, monitor)
+    if (stops(monitor)) return
+    if (pure) then
+      call take_lines(samples, lines, found)
+    else
+      call find_lines(samples, false_alarm, found%model, found%outcome, monitor)
+    end if
+    found%deviation = deviations_of(samples, found%model)
+  end subroutine find_record_lines
+
+  subroutine take_lines(samples, lines, found)
+    !! Take the lines of a record without noise. One that does not oscillate and is steady is an offset.
+    type(samples_type), intent(in) :: samples
+    type(damped_line), intent(in) :: lines(:)
+    type(found_lines), intent(inout) :: found
+    type(line_type) :: line
+    integer :: k, sensors
+    sensors = size(samples%value, 2)
+    associate (model => found%model)
+      allocate (model%stretches(2, 0:1), model%still(2, sensors, 0:1), model%lines(0))
+      model%stretches = reshape([1, 0, 1, samples%count], [2, 2])
+      model%still = 0
+      allocate (line%courses(0), line%amplitude(sensors, 2))
+      do k = 1, size(lines)
+        associate (own => lines(k))
+          if (own%steady .and. .not. own%frequency > 0) cycle
+          line%pole = cmplx(-own%decay, 2*pi*own%frequency, dp)
+          line%amplitude(:, 1) = 0
+          line%amplitude(:, 2) = own%amplitude*exp(min(own%decay, 0.0_dp)*(samples%count - 1))
+          model%lines = [model%lines, line]
+        end associate
+      end do
+      call renew(samples, 0.0_dp, .false., model, 0)
+      model%noise%filter = model%noise%filter/(safety*taper_costs)
+      model%white = model%white/(safety*taper_costs)
+    end associate
+    allocate (found%outcome%poles(0), found%outcome%gains(0))
+  end subroutine take_lines
+
+  pure function deviations_of(samples, model) result(deviation)
+    !! The standard deviation of each sensor's residual.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    real(dp) :: deviation(size(samples%value, 2)), left(samples%count, size(samples%value, 2))
+    logical :: valid(samples%count)
+    integer :: s, b, n
+    valid = .true.
+    if (allocated(samples%valid)) valid = samples%valid
+    call find_left(samples, model, left)
+    do s = 1, size(left, 2)
+      do b = 0, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, b), still => model%still(:, s, b))
+          do n = first, model%stretches(2, b)
+            left(n, s) = left(n, s) - still(1) - still(2)*(place_of(samples, n) - place_of(samples, first))
+          end do
+        end associate
+      end do
+      deviation(s) = sqrt(sum(left(:, s)**2, mask=valid)/max(1, count(valid)))
+    end do
+  end function deviations_of
+
+end module bw_found_lines

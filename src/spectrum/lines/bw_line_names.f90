@@ -1,0 +1,83 @@
+module bw_line_names
+  !! A line with what is known of it, and its names: drifting, one of a close pair, a harmonic, at an edge.
+  use bw_kinds, only: dp
+  use bw_samples, only: samples_type, span_of
+  implicit none (type, external)
+  private
+  public :: name_lines
+
+  real(dp), parameter :: beside = 1            !! bins within which lines are a close pair, or at an edge
+  real(dp), parameter :: by_chance = 0.1_dp    !! of the stronger line's frequency, that a harmonic's interval may be wide
+  integer, parameter :: most_times = 6         !! a harmonic is at, of a stronger line
+  integer, parameter, public :: close_pair = 1, harmonic = 2, drifting = 4, at_edge = 8
+    !! bits of a status; 0 is a line that is none of these
+
+  type, public :: believed_line
+    !! A line with what is known of its errors; frequencies in periods and decays in e-folds per step.
+    real(dp) :: frequency = 0, frequency_bound = 0, frequency_error = 0
+    real(dp) :: decay = 0, decay_bound = 0, decay_error = 0
+    complex(dp), allocatable :: amplitude(:)   !! at the record's first sample, (S)
+    real(dp), allocatable :: amplitude_bound(:), phase_bound(:)  !! (S)
+    real(dp), allocatable :: amplitude_noise(:)
+      !! standard deviation of the amplitude's real part, and of its imaginary part, at known decay and frequency, (S)
+    complex(dp), allocatable :: noise_correlation(:, :)
+      !! of these parts of the amplitudes at each pair of sensors, (S, S); allocated where the sensors share noise
+    integer :: status = 0
+    real(dp) :: drift = 0, drift_bound = 0     !! change of frequency over its life, and its bound
+    real(dp) :: windows(4, 6) = 0              !! frequency, decay and their bounds in each half and quarter
+  end type believed_line
+
+contains
+
+  pure subroutine name_lines(samples, believed)
+    !! Name close pairs, harmonics and lines at an edge.
+    type(samples_type), intent(in) :: samples
+    type(believed_line), intent(inout) :: believed(:)
+    real(dp) :: strength(size(believed)), away
+    integer :: i, j, k, m
+    do i = 1, size(believed)
+      strength(i) = norm2(abs(believed(i)%amplitude))
+    end do
+    do k = 1, size(believed)
+      associate (line => believed(k))
+        if (count(abs(believed%frequency - line%frequency)*span_of(samples) < beside) > 1) &
+          & line%status = ior(line%status, close_pair)
+        away = line%frequency
+        if (.not. allocated(samples%place)) away = min(away, 0.5_dp - line%frequency)
+        if (away*span_of(samples) < beside) line%status = ior(line%status, at_edge)
+        do i = 1, size(believed)
+          if (.not. strength(i) > strength(k)) cycle
+          do m = 2, most_times
+            if (is_at(line, believed(i), m*believed(i)%frequency, m*believed(i)%frequency_error)) &
+              & line%status = ior(line%status, harmonic)
+          end do
+          do j = 1, i - 1
+            if (.not. strength(j) > strength(k)) cycle
+            do m = -1, 1, 2
+              if (is_at(line, believed(merge(i, j, believed(i)%frequency < believed(j)%frequency)), &
+                & believed(i)%frequency + m*believed(j)%frequency, &
+                & hypot(believed(i)%frequency_error, believed(j)%frequency_error))) line%status = ior(line%status, harmonic)
+            end do
+          end do
+        end do
+      end associate
+    end do
+
+  contains
+
+    pure logical function is_at(line, stronger, frequency, error)
+      !! Whether a line is at a frequency, or where that is folded to, within both errors, which must be far below the frequency of
+      !! the line that it would be a multiple of: otherwise it would be near some multiple by chance.
+      type(believed_line), intent(in) :: line
+      type(believed_line), intent(in) :: stronger  !! the lower one of two
+      real(dp), intent(in) :: frequency, error
+      real(dp) :: folded
+      folded = abs(frequency)
+      if (.not. allocated(samples%place)) folded = abs(folded - anint(folded))
+      is_at = abs(line%frequency - folded) <= hypot(line%frequency_error, error) .and. &
+        & max(line%frequency_error, error) < by_chance*stronger%frequency
+    end function is_at
+
+  end subroutine name_lines
+
+end module bw_line_names

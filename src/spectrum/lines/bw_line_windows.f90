@@ -1,0 +1,88 @@
+module bw_line_windows
+  !! Lines in halves and quarters of the longest stretch after a blow: what each part says by itself of their frequencies and decays.
+  use bw_band, only: band_around, band_type, fill_rows
+  use bw_band_fit, only: fit_band, reduced_type
+  use bw_kinds, only: dp
+  use bw_line, only: line_type, pi, pole_at
+  use bw_line_errors, only: amplitude_noise, line_errors, line_errors_of, pole_deviation
+  use bw_model, only: add_line, model_type, rows_of_stretches, white_lines
+  use bw_price, only: line_price
+  implicit none (type, external)
+  private
+  public :: windows_of
+
+  integer, parameter :: most_steps = 6
+  real(dp), parameter :: untold(4) = [0.0_dp, 0.0_dp, huge(1.0_dp), huge(1.0_dp)]  !! what a window says that does not tell
+  real(dp), parameter, public :: window_start(6) = [0.0_dp, 0.5_dp, 0.0_dp, 0.25_dp, 0.5_dp, 0.75_dp]
+  real(dp), parameter, public :: window_end(6) = [0.5_dp, 1.0_dp, 0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
+
+contains
+
+  function windows_of(model, lines, false_alarm) result(windows)
+    !! Frequency [periods per step], decay [per step] and their bounds of lines that overlap, all fitted to each window, (4, windows,
+    !! lines). Where a window does not tell, its bounds are huge.
+    type(model_type), intent(in) :: model
+    type(line_type), intent(in) :: lines(:)
+    real(dp), intent(in) :: false_alarm          !! that noise alone is taken for a line in a window
+    real(dp) :: windows(4, size(window_start), size(lines))
+    integer :: rows(2, 0:ubound(model%stretches, 2)), whole(2, 0:1), own(2, 0:1), b, i, k, n
+    real(dp), allocatable :: white(:, :), place(:)
+    type(line_type) :: of_white(size(lines))
+    windows = spread(spread(untold, 2, size(windows, 2)), 3, size(lines))
+    rows = rows_of_stretches(model)
+    b = maxloc(rows(2, 1:) - rows(1, 1:), dim=1)
+    n = rows(2, b) - rows(1, b) + 1
+    whole = reshape([1, 0, 1, n], [2, 2])
+    white = model%white(rows(1, b):rows(2, b), :)
+    if (allocated(model%place)) place = model%place(rows(1, b):rows(2, b))
+    of_white = white_lines(model, lines)
+    do k = 1, size(lines)
+      of_white(k)%amplitude = of_white(k)%amplitude(:, [b, b + 1])
+      call add_line(whole, of_white(k), 1.0_dp, white, place)
+    end do
+    do i = 1, size(window_start)
+      own = whole
+      own(:, 1) = [1 + int(window_start(i)*n), int(window_end(i)*n)]
+      if (own(2, 1) - own(1, 1) < 6*size(lines) + 16) cycle
+      windows(:, i, :) = in_window(own)
+    end do
+
+  contains
+
+    function in_window(own) result(window)
+      !! What a window says of those lines that stand out in it.
+      integer, intent(in) :: own(:, 0:)
+      real(dp) :: window(4, size(lines)), deviation(2), noise
+      type(line_type) :: moved(size(lines))
+      type(band_type) :: band
+      type(reduced_type), allocatable :: reduced(:)
+      type(line_errors) :: errors
+      integer, allocatable :: gaps(:)
+      real(dp) :: since, least
+      integer :: j
+      least = line_price(false_alarm, own(2, 1) - own(1, 1) + 1, 2*size(white, 2))
+      do j = 1, size(lines)
+        since = own(1, 1) - 1
+        if (allocated(place)) since = place(own(1, 1)) - place(1)
+        moved(j)%pole = pole_at(of_white(j), since + (own(2, 1) - own(1, 1))/2)
+        moved(j)%steady = lines(j)%steady
+        allocate (moved(j)%courses(0))
+      end do
+      gaps = pack(model%gaps, model%gaps >= rows(1, b)) - rows(1, b) + 1
+      band = band_around(moved, own, gaps, place)
+      call fill_rows(white, band)
+      call fit_band(band, .false., most_steps, moved, reduced)
+      errors = line_errors_of(moved, reduced)
+      window = spread(untold, 2, size(lines))
+      do j = 1, size(lines)
+        noise = amplitude_noise(errors, 1, j)
+        if (.not. sum(reduced(1)%linear_part(2*j - 1:2*j, :)**2) > noise**2*least) cycle
+        deviation = pole_deviation(errors, j, 0.0_dp)
+        if (.not. all(deviation < huge(1.0_dp))) cycle
+        window(:, j) = [moved(j)%pole%im/(2*pi), -moved(j)%pole%re, deviation(2)/(2*pi), deviation(1)]
+      end do
+    end function in_window
+
+  end function windows_of
+
+end module bw_line_windows

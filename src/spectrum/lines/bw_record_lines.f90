@@ -1,0 +1,225 @@
+module bw_record_lines
+  !! The lines of a record in SI, with all that is known of their errors, and what was looked at and is no line: what the rest
+  !! of the program takes from this folder.
+  use bw_belief, only: believed_line, undetermined
+  use bw_found_lines, only: found_lines
+  use bw_kinds, only: dp
+  use bw_line_windows, only: window_start
+  use bw_missing, only: missing
+  use bw_model, only: add_line
+  use bw_noise, only: gain_of
+  use bw_polar_intervals, only: length_error, phase_error
+  use bw_quantile, only: normal_quantile
+  use bw_samples, only: place_of, samples_type, span_of
+  implicit none (type, external)
+  private
+  public :: fitted_history, lines_in_si, noise_level
+
+  real(dp), parameter :: two_pi = 2*acos(-1.0_dp)
+  real(dp), parameter :: same_place = 0.5_dp     !! bins between candidates that are one
+
+  character(*), parameter, public :: status_words(*) = [character(10) :: 'line', 'close_pair', 'harmonic', 'drifting', 'at_edge']
+    !! bit by bit, 1, 2, 4, …; `line` is one that is none of the others
+  character(*), parameter, public :: reason_words(*) = [character(12) :: 'not_needed', 'noise_colour']
+    !! by number, from 1
+  character(*), parameter, public :: reason_texts(*) = [character(64) :: &
+    'as much is explained without it, but for noise', &
+    'a driven motion, or the colour of noise, explains it as well']
+
+  type, public :: rejected_candidate
+    !! A place in the spectrum that was looked at, and is no line.
+    real(dp) :: angular_frequency = 0             !! rad/s
+    real(dp) :: ordinate = 0                      !! what it takes off half the squares over the noise's level
+    integer :: reason = 0                         !! place among `reason_words`
+  end type rejected_candidate
+
+  type, public :: record_lines
+    !! Lines by ascending frequency: sensor s moves as Re A_s e^(−δt + iβt). An error is half the width of the interval at the
+    !! confidence asked for, a bound the Cramér–Rao standard deviation in the noise found.
+    real(dp), allocatable :: angular_frequency(:), angular_frequency_error(:), angular_frequency_bound(:)   !! β, rad/s, (lines)
+    real(dp), allocatable :: decay_rate(:), decay_rate_error(:), decay_rate_bound(:)      !! δ, 1/s; negative grows, (lines)
+    complex(dp), allocatable :: amplitude(:, :)   !! A at the first blow, in the sensor's SI unit, (sensors, lines)
+    real(dp), allocatable :: amplitude_error(:, :), amplitude_bound(:, :)                 !! of |A|, (sensors, lines)
+    real(dp), allocatable :: amplitude_noise(:, :)
+      !! standard deviation of the real part of A, and of its imaginary part, at known β and δ, (sensors, lines)
+    complex(dp), allocatable :: noise_correlation(:, :, :)
+      !! of these parts at each pair of sensors, (sensors, sensors, lines); allocated where sensors share noise
+    logical, allocatable :: own(:)                !! the sensor is neither constant nor a multiple of one before it, (sensors)
+    real(dp), allocatable :: phase_error(:, :), phase_bound(:, :)                         !! of arg A, rad, (sensors, lines)
+    real(dp), allocatable :: drift(:), drift_bound(:)
+      !! change of β from the blow to the last sample, or over three decay times where these are shorter, rad/s, (lines)
+    real(dp), allocatable :: windows(:, :, :)
+      !! β and δ and their bounds in each half and quarter of the record by itself, `missing` where that does not tell,
+      !! (4, windows, lines)
+    integer, allocatable :: status(:)             !! sum of bits of `status_words`, (lines)
+    type(rejected_candidate), allocatable :: rejected(:)
+    real(dp), allocatable :: noise_deviation(:)   !! of what the lines leave of each sensor, (sensors)
+    real(dp) :: quantile = 1                      !! of the errors: standard deviations of a normal number
+    real(dp), allocatable :: blow(:)              !! times of the blows since the first sample, s, (blows)
+    logical :: driven = .false.                   !! the motion is no free decay, and has no lines
+    integer :: left_out = 0                       !! weaker lines that are not among these
+    logical :: converged = .true.                 !! .false.: the search was ended before no move paid any more
+  end type record_lines
+
+contains
+
+  pure function lines_in_si(samples, found, believed, confidence, most) result(lines)
+    !! The strongest lines, from periods and e-folds per step to SI.
+    type(samples_type), intent(in) :: samples     !! their step counts
+    type(found_lines), intent(in) :: found
+    type(believed_line), intent(in) :: believed(:)
+    real(dp), intent(in) :: confidence            !! of the intervals, 0 … 1
+    integer, intent(in) :: most                   !! lines
+    type(record_lines) :: lines
+    integer, allocatable :: chosen(:)
+    real(dp) :: turn, rate
+    integer :: i
+    chosen = strongest(believed, most)
+    lines%quantile = normal_quantile((1 + confidence)/2)
+    rate = 1/samples%step
+    turn = two_pi/samples%step
+    lines%left_out = size(believed) - size(chosen)
+    lines%converged = found%outcome%converged
+    lines%driven = found%outcome%driven
+    lines%blow = samples%step*[(place_of(samples, found%model%stretches(1, i)), i=1, ubound(found%model%stretches, 2))]
+    lines%angular_frequency = turn*believed(chosen)%frequency
+    lines%angular_frequency_error = told(believed(chosen)%frequency_error, turn)
+    lines%angular_frequency_bound = told(believed(chosen)%frequency_bound, turn)
+    lines%decay_rate = rate*believed(chosen)%decay
+    lines%decay_rate_error = told(believed(chosen)%decay_error, rate)
+    lines%decay_rate_bound = told(believed(chosen)%decay_bound, rate)
+    lines%drift = turn*believed(chosen)%drift
+    lines%drift_bound = told(believed(chosen)%drift_bound, turn)
+    lines%status = merge(2*believed(chosen)%status, 1, believed(chosen)%status > 0)
+    associate (sensors => size(found%distinct%place), n => size(chosen))
+      allocate (lines%amplitude(sensors, n), lines%amplitude_bound(sensors, n), lines%phase_bound(sensors, n), &
+                lines%amplitude_noise(sensors, n))
+      allocate (lines%windows(4, size(window_start), n))
+    end associate
+    do i = 1, size(chosen)
+      associate (line => believed(chosen(i)))
+        lines%amplitude(:, i) = line%amplitude
+        lines%amplitude_bound(:, i) = told(line%amplitude_bound, 1.0_dp)
+        lines%amplitude_noise(:, i) = line%amplitude_noise
+        lines%phase_bound(:, i) = line%phase_bound
+        lines%windows(:, :, i) = windows_in_si(line%windows, turn, rate)
+      end associate
+    end do
+    lines%amplitude_error = length_error(abs(lines%amplitude), lines%amplitude_bound, lines%phase_bound*abs(lines%amplitude), &
+      & lines%quantile)
+    lines%phase_error = phase_error(lines%phase_bound, lines%quantile, confidence)
+    if (any([(allocated(believed(i)%noise_correlation), i=1, size(believed))])) &
+      & lines%noise_correlation = reshape([(believed(chosen(i))%noise_correlation, i=1, size(chosen))], &
+      & [size(found%distinct%place), size(found%distinct%place), size(chosen)])
+    lines%own = [(any(found%distinct%kept == i), i=1, size(found%distinct%place))]
+    lines%rejected = candidates_in_si(found, same_place*two_pi/span_of(samples), rate)
+    associate (distinct => found%distinct)
+      lines%noise_deviation = merge(0.0_dp, abs(distinct%factor)*found%deviation(max(1, distinct%place)), distinct%place == 0)
+    end associate
+  end function lines_in_si
+
+  elemental real(dp) function told(deviation, unit)
+    !! A deviation in another unit; `missing` where the record does not tell.
+    real(dp), intent(in) :: deviation, unit
+    told = missing
+    if (deviation < undetermined/100) told = unit*deviation
+  end function told
+
+  pure function candidates_in_si(found, apart, rate) result(candidates)
+    !! Those that stand out most come first; what was rejected twice stands there once.
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: apart                 !! rad per step, between candidates that are not one
+    real(dp), intent(in) :: rate                  !! steps per second
+    type(rejected_candidate), allocatable :: candidates(:)
+    logical :: again(size(found%outcome%poles))
+    integer :: i, best
+    associate (omega => found%outcome%poles%im, gain => found%outcome%gains)
+      again = [(any(abs(omega(i + 1:) - omega(i)) < apart) .or. any(abs(found%model%lines%pole%im - omega(i)) < apart) &
+        & .or. .not. omega(i) > apart .or. .not. gain(i) > 1, i=1, size(omega))]
+      allocate (candidates(0))
+      do i = 1, count(.not. again)
+        best = maxloc(gain, dim=1, mask=.not. again)
+        again(best) = .true.
+        candidates = [candidates, rejected_candidate(rate*omega(best), gain(best)/2, merge(2, 1, found%outcome%driven))]
+      end do
+    end associate
+  end function candidates_in_si
+
+  pure function windows_in_si(windows, turn, rate) result(converted)
+    !! Frequencies and decays of parts of the record; those whose bound is huge do not exist.
+    real(dp), intent(in) :: windows(:, :)         !! (4, windows)
+    real(dp), intent(in) :: turn, rate
+    real(dp) :: converted(size(windows, 1), size(windows, 2))
+    integer :: w
+    converted = missing
+    do w = 1, size(windows, 2)
+      if (windows(3, w) < 1 .and. windows(4, w) < 1) converted([1, 3], w) = turn*windows([1, 3], w)
+      if (windows(3, w) < 1 .and. windows(4, w) < 1) converted([2, 4], w) = rate*windows([2, 4], w)
+    end do
+  end function windows_in_si
+
+  pure function strongest(believed, most) result(chosen)
+    !! The places of the lines of largest amplitude, all sensors together, in their order.
+    type(believed_line), intent(in) :: believed(:)
+    integer, intent(in) :: most
+    integer, allocatable :: chosen(:)
+    real(dp) :: strength(size(believed))
+    integer :: i
+    strength = [(norm2(abs(believed(i)%amplitude)), i=1, size(believed))]
+    chosen = pack([(i, i=1, size(believed))], [(count(strength > strength(i)) < most, i=1, size(believed))])
+  end function strongest
+
+  function fitted_history(samples, found, s) result(history)
+    !! What the lines, an offset and a slope make of one sensor, at all samples of the record.
+    type(samples_type), intent(in) :: samples     !! of the record as it was; their values do not count
+    type(found_lines), intent(in) :: found
+    integer, intent(in) :: s
+    real(dp), allocatable :: history(:)
+    real(dp), allocatable :: motion(:, :)
+    integer :: k, b, n, own
+    allocate (history(samples%count), source=found%distinct%constant(s))
+    own = found%distinct%place(s)
+    if (own == 0) return
+    allocate (motion(samples%count, size(found%distinct%kept)), source=0.0_dp)
+    associate (model => found%model)
+      do k = 1, size(model%lines)
+        call add_line(model%stretches, model%lines(k), 1.0_dp, motion, model%place)
+      end do
+      do b = 0, ubound(model%stretches, 2)
+        do n = model%stretches(1, b), model%stretches(2, b)
+          motion(n, own) = motion(n, own) + model%still(1, own, b) &
+            & + model%still(2, own, b)*(place_of(samples, n) - place_of(samples, model%stretches(1, b)))
+        end do
+      end do
+    end associate
+    history = found%distinct%factor(s)*motion(:, own)
+  end function fitted_history
+
+  pure real(dp) function noise_level(samples, found, frequency, s) result(level)
+    !! The standard deviation that white noise would have which is as strong as a sensor's noise at a frequency.
+    type(samples_type), intent(in) :: samples
+    type(found_lines), intent(in) :: found
+    real(dp), intent(in) :: frequency             !! Hz
+    integer, intent(in) :: s
+    real(dp) :: power, share
+    integer :: c, own, bin
+    level = 0
+    own = found%distinct%place(s)
+    if (own == 0) return
+    associate (model => found%model)
+      power = 0
+      do c = 1, size(found%distinct%kept)
+        share = merge(1.0_dp, 0.0_dp, c == own)
+        if (allocated(model%noise%mixing)) share = model%noise%unmixing(c, own)
+        power = power + (share/abs(gain_of(model%noise%filter(:model%noise%order(c), c), &
+          & cmplx(0, two_pi*frequency*samples%step, dp))))**2
+      end do
+      if (allocated(model%level)) then
+        bin = max(1, min(size(model%level, 1), nint(2*frequency*samples%step*size(model%level, 1))))
+        power = power*model%level(bin, own)
+      end if
+      level = abs(found%distinct%factor(s))*sqrt(power)
+    end associate
+  end function noise_level
+
+end module bw_record_lines

@@ -1,0 +1,99 @@
+module bw_noise
+  !! The noise of a record: what makes it white and independent, and what that does to lines.
+  !!
+  !! Sensors y, mixed into components c = yM where they share noise, pass a prediction-error filter each. The filter looks ahead,
+  !! so that it takes the last samples of a stretch and none behind a blow. An exponential e^(zm) passes it unchanged but for the
+  !! factor H(z) = Σ h_i e^(zi).
+  use bw_kinds, only: dp
+  use bw_lapack, only: dgemm
+  use bw_line, only: line_type
+  implicit none (type, external)
+  private
+  public :: amplitude_of, gain_of, mixed, whiten, white_amplitude
+
+  type, public :: noise_type
+    real(dp), allocatable :: filter(:, :)    !! h of each component, over the deviation of its prediction error, (0:p, S)
+    integer, allocatable :: order(:)         !! (S)
+    integer :: lost = 0                      !! the highest order: samples at the end of each stretch that tell nothing
+    real(dp), allocatable :: mixing(:, :)    !! M, (S, S); not allocated: each sensor is a component
+    real(dp), allocatable :: unmixing(:, :)  !! its inverse
+    real(dp) :: cost = 0                     !! −2 ln L of the residual that it was judged by, and the price of its coefficients
+  end type noise_type
+
+contains
+
+  function mixed(noise, residual) result(components)
+    !! The components of residuals, (N, S).
+    type(noise_type), intent(in) :: noise
+    real(dp), intent(in) :: residual(:, :)
+    real(dp), allocatable :: components(:, :)
+    integer :: n, sensors
+    if (.not. allocated(noise%mixing)) then
+      components = residual
+      return
+    end if
+    n = size(residual, 1)
+    sensors = size(residual, 2)
+    allocate (components(n, sensors))
+    call dgemm('N', 'N', n, sensors, sensors, 1.0_dp, residual, n, noise%mixing, sensors, 0.0_dp, components, n)
+  end function mixed
+
+  pure subroutine whiten(filter, values)
+    !! Turn the values of one component into prediction errors in their memory; the last ones are 0.
+    real(dp), intent(in) :: filter(0:)       !! h
+    real(dp), intent(inout) :: values(:)
+    integer, parameter :: at_once = 1024     !! values that a processor's cache holds
+    real(dp) :: part(at_once)
+    integer :: first, last, i, n, p
+    n = size(values)
+    p = ubound(filter, 1)
+    do first = 1, n - p, at_once
+      last = min(n - p, first + at_once - 1)
+      part(:last - first + 1) = filter(0)*values(first:last)
+      do i = 1, p
+        part(:last - first + 1) = part(:last - first + 1) + filter(i)*values(first + i:last + i)
+      end do
+      values(first:last) = part(:last - first + 1)
+    end do
+    values(max(1, n - p + 1):) = 0
+  end subroutine whiten
+
+  pure complex(dp) function gain_of(filter, pole) result(gain)
+    !! The factor H(z) of an exponential.
+    real(dp), intent(in) :: filter(0:)
+    complex(dp), intent(in) :: pole
+    complex(dp) :: step
+    integer :: i
+    step = exp(pole)
+    gain = 0
+    do i = ubound(filter, 1), 0, -1
+      gain = gain*step + filter(i)
+    end do
+  end function gain_of
+
+  pure function white_amplitude(noise, line) result(amplitude)
+    !! What a line's amplitudes are in the white components, (S, stretches).
+    type(noise_type), intent(in) :: noise
+    type(line_type), intent(in) :: line
+    complex(dp) :: amplitude(size(line%amplitude, 1), size(line%amplitude, 2))
+    integer :: c
+    amplitude = line%amplitude
+    if (allocated(noise%mixing)) amplitude = matmul(transpose(noise%mixing), amplitude)
+    do c = 1, size(amplitude, 1)
+      amplitude(c, :) = gain_of(noise%filter(:noise%order(c), c), line%pole)*amplitude(c, :)
+    end do
+  end function white_amplitude
+
+  pure function amplitude_of(noise, pole, white) result(amplitude)
+    !! The amplitudes at the sensors of a line that has these in the white components, (S, stretches).
+    type(noise_type), intent(in) :: noise
+    complex(dp), intent(in) :: pole, white(:, :)
+    complex(dp) :: amplitude(size(white, 1), size(white, 2))
+    integer :: c
+    do c = 1, size(white, 1)
+      amplitude(c, :) = white(c, :)/gain_of(noise%filter(:noise%order(c), c), pole)
+    end do
+    if (allocated(noise%mixing)) amplitude = matmul(transpose(noise%unmixing), amplitude)
+  end function amplitude_of
+
+end module bw_noise

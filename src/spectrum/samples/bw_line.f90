@@ -1,0 +1,141 @@
+module bw_line
+  !! One mode of a record: a pole that all sensors share, and an amplitude at each sensor after each blow.
+  !!
+  !! After a blow, m steps long, sensor s moves as Re A_s e^(zm + Σκψ(m)). The pole z = −δ + iω is that at the blow. A mode that
+  !! drifts has courses: ψ(m) = 2(m − (1 − e^(−gm))/g)/g is m² at first, and its slope comes to rest after 1/g steps, so that the
+  !! pole moves from z to z + 2κ/g. A frequency that follows the square of an amplitude does so with g = 2δ.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: bend_of, find_wave, life_of, limited, pole_at, psi, psi_bend, psi_by_rate, psi_slope
+
+  integer, parameter :: table = 64            !! samples between two exponentials that are computed anew
+  real(dp), parameter :: highest = 250        !! logarithm of a factor, whose square with powers of time is a number
+  real(dp), parameter, public :: pi = acos(-1.0_dp)
+
+  type, public :: course_type
+    real(dp) :: rate = 0                      !! g, per step; 0: ψ = m² all along
+    complex(dp) :: bend = 0                   !! κ, per step²
+    logical :: held = .false.                 !! the rate is not fitted
+  end type course_type
+
+  type, public :: line_type
+    complex(dp) :: pole = 0                   !! z, per step
+    type(course_type), allocatable :: courses(:)
+    logical :: steady = .false.               !! a tone that does not decay, and was there before the first blow
+    complex(dp), allocatable :: amplitude(:, :)  !! A at the first sample after each blow, (S, stretches)
+  end type line_type
+
+contains
+
+  elemental real(dp) function psi(rate, m)
+    !! The course ψ(m).
+    real(dp), intent(in) :: rate, m
+    real(dp) :: x
+    x = rate*m
+    if (abs(x) < 1.0e-3_dp) then
+      psi = m*m*(1 - x/3*(1 - x/4*(1 - x/5)))
+    else
+      psi = 2*(m - (1 - exp(-x))/rate)/rate
+    end if
+  end function psi
+
+  elemental real(dp) function psi_slope(rate, m)
+    !! Its slope.
+    real(dp), intent(in) :: rate, m
+    real(dp) :: x
+    x = rate*m
+    if (abs(x) < 1.0e-3_dp) then
+      psi_slope = 2*m*(1 - x/2*(1 - x/3))
+    else
+      psi_slope = 2*(1 - exp(-x))/rate
+    end if
+  end function psi_slope
+
+  elemental real(dp) function psi_bend(rate, m)
+    !! Its second derivative.
+    real(dp), intent(in) :: rate, m
+    psi_bend = 2*exp(-rate*m)
+  end function psi_bend
+
+  pure function psi_by_rate(rate, m) result(slopes)
+    !! The slope of ψ by the rate, and its first and second derivative by m.
+    real(dp), intent(in) :: rate, m
+    real(dp) :: slopes(0:2), x, fall
+    x = rate*m
+    fall = exp(-x)
+    if (abs(x) < 1.0e-2_dp) then
+      slopes(0) = -m**3/3*(1 - x/2*(1 - 0.3_dp*x))
+      slopes(1) = -m**2*(1 - 2*x/3*(1 - 0.375_dp*x))
+    else
+      slopes(0) = 2*(2*(1 - fall) - x - x*fall)/rate**3
+      slopes(1) = 2*(fall + x*fall - 1)/rate**2
+    end if
+    slopes(2) = -2*m*fall
+  end function psi_by_rate
+
+  pure complex(dp) function bend_of(line, m)
+    !! What the courses add to the exponent m steps after a blow.
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: m
+    integer :: c
+    bend_of = 0
+    do c = 1, size(line%courses)
+      bend_of = bend_of + line%courses(c)%bend*psi(line%courses(c)%rate, m)
+    end do
+  end function bend_of
+
+  pure complex(dp) function pole_at(line, m)
+    !! The pole m steps after a blow.
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: m
+    integer :: c
+    pole_at = line%pole
+    do c = 1, size(line%courses)
+      pole_at = pole_at + line%courses(c)%bend*psi_slope(line%courses(c)%rate, m)
+    end do
+  end function pole_at
+
+  pure real(dp) function life_of(line, folds, longest)
+    !! Steps within which a line falls by so many e-folds, at most `longest`.
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: folds, longest
+    real(dp) :: slowest
+    slowest = min(-line%pole%re, -real(pole_at(line, longest), dp))
+    life_of = longest
+    if (slowest*longest > folds) life_of = folds/slowest
+  end function life_of
+
+  pure subroutine find_wave(line, from, place, wave)
+    !! Find the exponential of a line `from`, `from` + 1, … steps after a blow, or at these places after it.
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: from
+    real(dp), intent(in), optional :: place(:)   !! uneven times, from which `from` is taken off
+    complex(dp), intent(out) :: wave(0:)
+    complex(dp) :: fine(0:table - 1), coarse
+    integer :: n, last
+    if (present(place)) then
+      do n = 0, size(wave) - 1
+        wave(n) = limited(line%pole*(place(n + 1) - from) + bend_of(line, place(n + 1) - from))
+      end do
+    else if (size(line%courses) > 0) then
+      do n = 0, size(wave) - 1
+        wave(n) = limited(line%pole*(from + n) + bend_of(line, from + n))
+      end do
+    else
+      fine = [(exp(line%pole*n), n=0, table - 1)]
+      do n = 0, size(wave) - 1, table
+        last = min(size(wave), n + table) - 1
+        coarse = limited(line%pole*(from + n))
+        wave(n:last) = coarse*fine(:last - n)
+      end do
+    end if
+  end subroutine find_wave
+
+  elemental complex(dp) function limited(exponent)
+    !! e^x; what overflows is cut off.
+    complex(dp), intent(in) :: exponent
+    limited = exp(cmplx(max(-highest, min(highest, exponent%re)), exponent%im, dp))
+  end function limited
+
+end module bw_line

@@ -1,0 +1,195 @@
+module bw_decay_bank
+  !! Where a line is missing: the likelihood ratio of one more line, over frequency and decay.
+  !!
+  !! A line e^(−δm) of any amplitude and phase takes 2 (|F|²E − Re F²P*)/(E² − |P|²) off the squares of white samples w, with
+  !! F(ω) = Σ w e^(−δm − iωm), E = Σ e^(−2δm) and P = Σ e^(−2δm − 2iωm): one transform for each δ = 0, 1/T, 2/T, 4/T, … A line that
+  !! dies early is as visible as one that lasts.
+  use bw_fourier, only: real_fourier
+  use bw_kinds, only: dp
+  use bw_line, only: pi
+  use bw_model, only: model_type, rows_of_stretches, steps_between
+  use bw_order, only: local_maxima
+  use bw_uneven_fourier, only: uneven_transform
+  implicit none (type, external)
+  private
+  public :: find_candidates
+
+  real(dp), parameter :: folds = 7               !! e-folds after which a decay's exponential is taken for 0
+  real(dp), parameter :: highest_decay = 0.5_dp  !! per step
+  real(dp), parameter :: edge = 1.5_dp           !! bins of 0 and of half the sampling rate, where a line is an offset
+  real(dp), parameter :: clear = 16              !! ! tuned: times what a stronger line's skirts may be
+  real(dp), parameter :: mirrored = 20           !! widths from 0 and half the sampling rate, within which a line meets its mirror image
+  integer, parameter :: most = 24                !! candidates at a time
+  integer, parameter :: fewest = 8               !! samples that tell a line
+
+  type, public :: candidate_type
+    real(dp) :: gain = 0                         !! fall of the squares
+    complex(dp) :: pole = 0
+  end type candidate_type
+
+contains
+
+  subroutine find_candidates(model, least, most_at_once, candidates)
+    !! Find places where a line gains more than `least`, the largest gain first; none is a skirt of another.
+    type(model_type), intent(inout) :: model     !! its plans of transforms
+    real(dp), intent(in) :: least
+    integer, intent(in) :: most_at_once
+    type(candidate_type), allocatable, intent(out) :: candidates(:)
+    type(candidate_type), allocatable :: all_of(:)
+    real(dp), allocatable :: gain(:)
+    integer, allocatable :: places(:)
+    real(dp) :: decay, span
+    integer :: i, best
+    allocate (all_of(0), candidates(0), places(0))
+    span = longest(model)
+    if (span < fewest) return
+    decay = 0
+    do
+      if (allocated(model%place)) then
+        call find_uneven_gains(model, decay, gain)
+      else
+        call find_gains(model, decay, gain)
+      end if
+      places = local_maxima(gain, least)
+      all_of = [all_of, [(candidate_type(gain(places(i) + 1), cmplx(-decay, pi*places(i)/(size(gain) - 1), dp)), &
+        & i=1, size(places))]]
+      decay = max(2*decay, 1/span)
+      if (decay > highest_decay .or. folds/decay < 8) exit
+    end do
+    do while (size(all_of) > 0 .and. size(candidates) < min(most, most_at_once))
+      best = maxloc(all_of%gain, dim=1)
+      candidates = [candidates, all_of(best)]
+      associate (top => candidates(size(candidates)))
+        all_of = pack(all_of, all_of%gain > clear*skirt(top, all_of%pole))
+      end associate
+    end do
+
+  contains
+
+    elemental real(dp) function skirt(top, pole)
+      !! How much a line seems to gain at other poles.
+      type(candidate_type), intent(in) :: top
+      complex(dp), intent(in) :: pole
+      real(dp) :: width, away
+      width = max(-top%pole%re, -pole%re, 2/span)
+      away = abs(pole%im - top%pole%im)
+      skirt = top%gain
+      if (away > 4*width) skirt = top%gain*(width/away)**2
+    end function skirt
+
+  end subroutine find_candidates
+
+  pure real(dp) function longest(model)
+    !! Steps of the longest stretch after a blow.
+    type(model_type), intent(in) :: model
+    integer :: rows(2, 0:ubound(model%stretches, 2)), b
+    rows = rows_of_stretches(model)
+    longest = maxval([(steps_between(model, rows(1, b), rows(2, b)), b=1, ubound(rows, 2))])
+  end function longest
+
+  subroutine find_gains(model, decay, gain)
+    !! Find what lines of a decay gain at frequencies from 0 to half the sampling rate, (bins).
+    type(model_type), intent(inout) :: model
+    real(dp), intent(in) :: decay
+    real(dp), allocatable, intent(out) :: gain(:)
+    real(dp), allocatable :: fall(:), own(:)
+    complex(dp), allocatable :: pseudo(:)        !! P/(E² − |P|²) near 0 and half the sampling rate, and 0 elsewhere
+    integer :: rows(2, 0:ubound(model%stretches, 2)), length, b, s, n, k, low
+    real(dp) :: energy
+    rows = rows_of_stretches(model)
+    n = ceiling(longest(model))
+    if (decay*n > folds) n = ceiling(folds/decay)
+    length = fast_length(2*n)
+    low = min(length/4, ceiling(edge*length/n))
+    allocate (gain(length/2 + 1), own(length/2 + 1), source=0.0_dp)
+    allocate (pseudo(length/2 + 1), source=(0.0_dp, 0.0_dp))
+    fall = exp(-decay*[(real(k, dp), k=0, n - 1)])
+    call model%fourier%prepare(length)
+    do b = 1, ubound(rows, 2)
+      k = min(n, rows(2, b) - rows(1, b) + 1)
+      if (k < 4) cycle
+      energy = sum(fall(:k)**2)
+      call find_weights(k)
+      do s = 1, size(model%white, 2)
+        model%fourier%samples(:k) = fall(:k)*model%white(rows(1, b):rows(1, b) + k - 1, s)
+        model%fourier%samples(k + 1:) = 0
+        call model%fourier%transform()
+        associate (f => model%fourier%spectrum)
+          gain = gain + 2*((f%re**2 + f%im**2)*own - (f%re**2 - f%im**2)*pseudo%re - 2*f%re*f%im*pseudo%im)
+        end associate
+      end do
+    end do
+    gain(:low) = 0
+    gain(size(gain) - low + 1:) = 0
+
+  contains
+
+    subroutine find_weights(count)
+      !! E and P of so many samples, both over E² − |P|².
+      integer, intent(in) :: count
+      complex(dp) :: p
+      real(dp) :: omega
+      integer :: j
+      own = 1/energy
+      pseudo = 0
+      j = ceiling(edge*length/count)             ! offset and slope of so short a stretch are no line
+      own(:min(j, size(own))) = 0
+      do j = j + 1, size(own) - low
+        omega = 2*pi*(j - 1)/length
+        if (min(omega, pi - omega) > mirrored*max(decay, 1.0_dp/count)) cycle
+        p = (1 - exp(cmplx(-2*decay*count, -2*omega*count, dp)))/(1 - exp(cmplx(-2*decay, -2*omega, dp)))
+        own(j) = energy/(energy**2 - abs(p)**2)
+        pseudo(j) = p/(energy**2 - abs(p)**2)
+      end do
+    end subroutine find_weights
+
+  end subroutine find_gains
+
+  subroutine find_uneven_gains(model, decay, gain)
+    !! The same at uneven times, from the blow on, over the local power of the noise.
+    type(model_type), intent(inout) :: model
+    real(dp), intent(in) :: decay
+    real(dp), allocatable, intent(out) :: gain(:)
+    real(dp), allocatable :: fall(:), place(:)
+    complex(dp), allocatable :: spectrum(:)
+    integer :: length, s, k, low, bins
+    associate (first => model%stretches(1, 1), last => model%stretches(2, 1))
+      place = model%place(first:last) - model%place(first)
+      length = fast_length(2*ceiling(longest(model)))
+      low = ceiling(edge*length/longest(model))
+      fall = exp(-decay*place)
+      bins = size(model%level, 1)
+      allocate (gain(length/2 + 1), source=0.0_dp)
+      allocate (spectrum(0:length/2))
+      do s = 1, size(model%white, 2)
+        call uneven_transform(place, fall*model%white(first:last, s), length, model%fourier, spectrum)
+        do k = low, length/2
+          gain(k + 1) = gain(k + 1) + 2*abs(spectrum(k))**2/model%level(max(1, min(bins, nint(real(k, dp)*2*bins/length))), s)
+        end do
+      end do
+      gain = gain/sum(fall**2)
+    end associate
+  end subroutine find_uneven_gains
+
+  pure integer function fast_length(least) result(length)
+    !! The least number of at least so many samples whose only prime factors are 2, 3 and 5, and that is even.
+    integer, intent(in) :: least
+    integer :: rest
+    length = least + modulo(least, 2)
+    do
+      rest = length
+      do while (modulo(rest, 2) == 0)
+        rest = rest/2
+      end do
+      do while (modulo(rest, 3) == 0)
+        rest = rest/3
+      end do
+      do while (modulo(rest, 5) == 0)
+        rest = rest/5
+      end do
+      if (rest == 1) return
+      length = length + 2
+    end do
+  end function fast_length
+
+end module bw_decay_bank

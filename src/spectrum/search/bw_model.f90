@@ -1,0 +1,353 @@
+module bw_model
+  !! What is known of a record while lines are searched for: where its stretches are, its lines, its noise, and what is left of it.
+  use bw_autoregression, only: autoregression, burg, robust_levels
+  use bw_fourier, only: real_fourier
+  use bw_kinds, only: dp
+  use bw_lapack, only: dgemm, dsyev
+  use bw_line, only: find_wave, life_of, line_type, pi
+  use bw_noise, only: amplitude_of, gain_of, noise_type, white_amplitude, whiten
+  use bw_samples, only: place_of, samples_type, valid_runs
+  use bw_uneven_noise, only: find_levels
+  implicit none (type, external)
+  private
+  public :: add_line, colour_at, cost_of, exchange_lines, find_left, renew, rows_of_stretches, steps_between, white_lines
+
+  real(dp), parameter :: gone = 40               !! e-folds after which a line is not computed any more
+  integer, parameter :: highest_order = 64       !! ! tuned: of a noise's autoregression
+  integer, parameter :: samples_per_order = 10   !! ! tuned: fewer do not tell of so high an order
+  real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own: a copy that was rounded tells no more
+  integer, parameter :: chunk = 2048             !! rows that are mixed at once
+
+  type, public :: model_type
+    integer, allocatable :: stretches(:, :)      !! first and last sample: before any blow, and after each, (2, 0:B)
+    type(line_type), allocatable :: lines(:)
+    real(dp), allocatable :: still(:, :, :)      !! offset at a stretch's first sample and slope per step, (2, S, 0:B)
+    type(noise_type) :: noise
+    real(dp), allocatable :: place(:)            !! times of uneven samples, in steps, (N); their noise is white but for `level`
+    real(dp), allocatable :: level(:, :)         !! of uneven samples: power of the noise over its mean, (bins, S)
+    integer, allocatable :: gaps(:)              !! rows without a prediction error: a sample from there to `lost` later is not valid
+    real(dp), allocatable :: white(:, :)         !! prediction errors of what is left, over their deviation; 0 where there is none, (N, S)
+    type(real_fourier) :: fourier
+  end type model_type
+
+contains
+
+  pure function rows_of_stretches(model) result(rows)
+    !! First and last sample of each stretch whose prediction error is known, (2, 0:B).
+    type(model_type), intent(in) :: model
+    integer :: rows(2, 0:ubound(model%stretches, 2))
+    rows = model%stretches
+    rows(2, :) = rows(2, :) - model%noise%lost
+  end function rows_of_stretches
+
+  pure real(dp) function cost_of(model) result(cost)
+    !! −2 ln L of what is left but for what the noise's own level costs.
+    type(model_type), intent(in) :: model
+    integer :: s
+    cost = 0
+    do s = 1, size(model%white, 2)
+      cost = cost + dot_product(model%white(:, s), model%white(:, s))
+    end do
+  end function cost_of
+
+  pure function white_lines(model, lines) result(white)
+    !! The lines with the amplitudes that they have in the white components.
+    type(model_type), intent(in) :: model
+    type(line_type), intent(in) :: lines(:)
+    type(line_type) :: white(size(lines))
+    integer :: k
+    white = lines
+    do k = 1, size(lines)
+      white(k)%amplitude = white_amplitude(model%noise, lines(k))
+    end do
+  end function white_lines
+
+  pure subroutine exchange_lines(model, old, new)
+    !! Put the white samples of some lines back, and take those of others off.
+    type(model_type), intent(inout) :: model
+    type(line_type), intent(in) :: old(:), new(:)   !! in the white components
+    integer :: k, rows(2, 0:ubound(model%stretches, 2))
+    rows = rows_of_stretches(model)
+    do k = 1, size(old)
+      call add_line(rows, old(k), 1.0_dp, model%white, model%place)
+    end do
+    do k = 1, size(new)
+      call add_line(rows, new(k), -1.0_dp, model%white, model%place)
+    end do
+    model%white(model%gaps, :) = 0
+  end subroutine exchange_lines
+
+  pure real(dp) function steps_between(model, first, last)
+    !! The length of a part of the record, in steps.
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: first, last           !! samples
+    steps_between = last - first + 1
+    if (allocated(model%place) .and. last > first) steps_between = model%place(last) - model%place(first) + 1
+  end function steps_between
+
+  pure real(dp) function colour_at(model, frequency) result(colour)
+    !! The noise's power near a frequency over what its prediction makes of it: 1 but for uneven samples.
+    type(model_type), intent(in) :: model
+    real(dp), intent(in) :: frequency            !! rad per step
+    colour = 1
+    if (.not. allocated(model%level)) return
+    associate (bins => size(model%level, 1))
+      colour = maxval(model%level(max(1, min(bins, nint(frequency/pi*bins))), :))
+    end associate
+  end function colour_at
+
+  pure subroutine add_line(rows, line, factor, values, place)
+    !! Add a line times a factor to values of all sensors.
+    integer, intent(in) :: rows(:, 0:)           !! of the stretches
+    type(line_type), intent(in) :: line
+    real(dp), intent(in) :: factor
+    real(dp), intent(inout) :: values(:, :)
+    real(dp), intent(in), optional :: place(:)   !! times of uneven samples
+    complex(dp), allocatable :: wave(:)
+    integer :: b, n, first
+    do b = merge(0, 1, line%steady), ubound(rows, 2)
+      first = rows(1, b)
+      n = rows(2, b) - first + 1
+      if (n < 1) cycle
+      if (present(place)) then
+        allocate (wave(n))
+        call find_wave(line, place(first), place(first:first + n - 1), wave)
+      else
+        n = ceiling(life_of(line, gone, real(n, dp)))
+        allocate (wave(n))
+        call find_wave(line, 0.0_dp, wave=wave)
+      end if
+      call add_parts(wave%re, wave%im, factor*line%amplitude(:, b + 1), values(first:first + n - 1, :))
+      deallocate (wave)
+    end do
+  end subroutine add_line
+
+  pure subroutine add_parts(re, im, amplitude, values)
+    !! Add a wave, times an amplitude at each sensor.
+    real(dp), contiguous, intent(in) :: re(:), im(:)
+    complex(dp), intent(in) :: amplitude(:)
+    real(dp), intent(inout) :: values(:, :)
+    integer :: s
+    do s = 1, size(values, 2)
+      values(:, s) = values(:, s) + amplitude(s)%re*re - amplitude(s)%im*im
+    end do
+  end subroutine add_parts
+
+  pure subroutine find_left(samples, model, left)
+    !! What the lines leave of the samples, offset and slope not taken off; 0 where a sample is not valid.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    real(dp), intent(out) :: left(:, :)
+    integer :: s, k
+    do s = 1, size(left, 2)
+      left(:, s) = samples%value(:samples%count, s)
+    end do
+    do k = 1, size(model%lines)
+      call add_line(model%stretches, model%lines(k), -1.0_dp, left, model%place)
+    end do
+    call clear_invalid(samples, left)
+  end subroutine find_left
+
+  subroutine renew(samples, price, robust, model, highest)
+    !! Find what is left of the samples anew, its offset and slope, its noise, and its prediction errors. While lines are left in it,
+    !! the noise is found in a way that they do not disturb; its cost then means nothing.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: price                !! of a coefficient
+    logical, intent(in) :: robust
+    type(model_type), intent(inout) :: model
+    integer, intent(in), optional :: highest     !! order of the noise; usual if absent
+    type(autoregression) :: noise(size(samples%value, 2))
+    integer :: s, c, order
+    real(dp) :: scale
+    if (.not. allocated(model%white)) allocate (model%white(samples%count, size(samples%value, 2)))
+    call find_left(samples, model, model%white)
+    call take_still(samples, model)
+    call clear_invalid(samples, model%white)
+    order = highest_order
+    if (present(highest)) order = highest
+    order = min(order, samples%count/samples_per_order)
+    if (allocated(samples%place) .and. .not. present(highest)) order = 0   ! as if even, colour alone is told well enough
+    if (allocated(samples%place) .and. .not. allocated(model%place)) model%place = samples%place
+    if (allocated(samples%place)) call find_levels(samples%place, model%white, model%fourier, model%level)
+    do s = 1, size(noise)
+      noise(s) = judged(s)
+    end do
+    model%noise%cost = sum(noise%cost)
+    if (allocated(model%noise%mixing)) deallocate (model%noise%mixing, model%noise%unmixing)
+    if (.not. robust .and. size(noise) > 1) call try_mixing(samples, price, order, noise, model)
+    model%noise%order = [(ubound(noise(s)%predictor, 1), s=1, size(noise))]
+    model%noise%lost = maxval(model%noise%order)
+    if (allocated(model%noise%filter)) deallocate (model%noise%filter)
+    allocate (model%noise%filter(0:model%noise%lost, size(noise)), source=0.0_dp)
+    do s = 1, size(noise)
+      scale = 1/sqrt(noise(s)%variance)
+      do c = 0, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, c), last => model%stretches(2, c))
+          if (last >= first) call whiten(noise(s)%predictor, model%white(first:last, s))
+          model%white(max(first, last - model%noise%lost + 1):last, s) = 0
+        end associate
+      end do
+      model%white(:, s) = model%white(:, s)*scale
+      model%noise%filter(:model%noise%order(s), s) = noise(s)%predictor*scale
+    end do
+    model%gaps = gaps_of(samples, model%noise%lost)
+    model%white(model%gaps, :) = 0
+
+  contains
+
+    function judged(s) result(own)
+      integer, intent(in) :: s
+      type(autoregression) :: own
+      if (robust .and. allocated(model%place)) then
+        allocate (own%predictor(0:0), source=1.0_dp)   ! lines have not lifted the level's medians
+        own%variance = max(sum(model%level(:, s))/size(model%level, 1), tiny(1.0_dp))
+        model%level(:, s) = model%level(:, s)/own%variance
+      else if (robust) then
+        call robust_levels(model%white(:, s), price, model%fourier, own)
+      else
+        call burg(model%white(:, s), all_runs(samples, model), order, price, own)
+        if (allocated(model%place)) model%level(:, s) = model%level(:, s)/own%variance
+      end if
+    end function judged
+
+  end subroutine renew
+
+  pure subroutine clear_invalid(samples, values)
+    !! Put 0 where a sample is not valid.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(inout) :: values(:, :)
+    integer :: s
+    if (.not. allocated(samples%valid)) return
+    do s = 1, size(values, 2)
+      where (.not. samples%valid) values(:, s) = 0
+    end do
+  end subroutine clear_invalid
+
+  pure function gaps_of(samples, lost) result(gaps)
+    !! Rows from which to `lost` later there is a sample that is not valid.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: lost
+    integer, allocatable :: gaps(:)
+    logical, allocatable :: is_gap(:)
+    integer :: n
+    allocate (gaps(0))
+    if (.not. allocated(samples%valid)) return
+    allocate (is_gap(samples%count), source=.false.)
+    do n = 1, samples%count
+      if (.not. samples%valid(n)) is_gap(max(1, n - lost):n) = .true.
+    end do
+    gaps = pack([(n, n=1, samples%count)], is_gap)
+  end function gaps_of
+
+  pure function all_runs(samples, model) result(runs)
+    !! The runs of valid samples in all stretches.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(in) :: model
+    integer, allocatable :: runs(:, :)
+    integer :: b
+    allocate (runs(2, 0))
+    do b = 0, ubound(model%stretches, 2)
+      if (model%stretches(2, b) < model%stretches(1, b)) cycle
+      call append_runs(valid_runs(samples, model%stretches(1, b), model%stretches(2, b)), runs)
+    end do
+  end function all_runs
+
+  pure subroutine append_runs(own, runs)
+    !! Add runs behind others.
+    integer, intent(in) :: own(:, :)
+    integer, allocatable, intent(inout) :: runs(:, :)
+    integer :: more(2, size(runs, 2) + size(own, 2))
+    more(:, :size(runs, 2)) = runs
+    more(:, size(runs, 2) + 1:) = own
+    runs = more
+  end subroutine append_runs
+
+  pure subroutine take_still(samples, model)
+    !! Take offset and slope of each stretch off what is left, by least squares over its valid samples.
+    type(samples_type), intent(in) :: samples
+    type(model_type), intent(inout) :: model
+    real(dp) :: weight(samples%count), u(samples%count), middle, slope
+    integer :: s, b, i
+    weight = 1
+    if (allocated(samples%valid)) weight = merge(1.0_dp, 0.0_dp, samples%valid)
+    do b = 0, ubound(model%stretches, 2)
+      associate (first => model%stretches(1, b), last => model%stretches(2, b))
+        if (last < first) cycle
+        associate (w => weight(first:last), n => max(1.0_dp, sum(weight(first:last))))
+          u(first:last) = [(place_of(samples, i) - place_of(samples, first), i=first, last)]
+          middle = sum(w*u(first:last))/n
+          u(first:last) = u(first:last) - middle
+          do s = 1, size(model%white, 2)
+            associate (x => model%white(first:last, s))
+              slope = sum(w*u(first:last)*x)/max(1.0_dp, sum(w*u(first:last)**2))
+              model%still(:, s, b) = [sum(w*x)/n - slope*middle, slope]
+              x = x - sum(w*x)/n - slope*u(first:last)
+            end associate
+          end do
+        end associate
+      end associate
+    end do
+  end subroutine take_still
+
+  subroutine try_mixing(samples, price, order, noise, model)
+    !! Mix the sensors into the principal components of their prediction errors, where these have the lower cost.
+    type(samples_type), intent(in) :: samples
+    real(dp), intent(in) :: price
+    integer, intent(in) :: order
+    type(autoregression), intent(inout) :: noise(:)
+    type(model_type), intent(inout) :: model
+    type(autoregression) :: own(size(noise))
+    real(dp), dimension(size(noise), size(noise)) :: correlation, vectors
+    real(dp) :: values(size(noise)), work(64*size(noise)), cost
+    real(dp), allocatable :: error(:, :)
+    integer :: s, sensors, info, b, n
+    sensors = size(noise)
+    n = samples%count
+    allocate (error(n, sensors))
+    do s = 1, sensors
+      error(:, s) = model%white(:, s)
+      do b = 0, ubound(model%stretches, 2)
+        associate (first => model%stretches(1, b), last => model%stretches(2, b))
+          if (last >= first) call whiten(noise(s)%predictor, error(first:last, s))
+        end associate
+      end do
+      error(gaps_of(samples, maxval([(ubound(noise(b)%predictor, 1), b=1, sensors)])), s) = 0
+      error(:, s) = error(:, s)/norm2(error(:, s))
+    end do
+    call dgemm('T', 'N', sensors, sensors, n, 1.0_dp, error, n, error, n, 0.0_dp, correlation, sensors)
+    vectors = correlation
+    call dsyev('V', 'U', sensors, vectors, sensors, values, work, size(work), info)
+    cost = 0.5_dp*sensors*(sensors - 1)*price
+    if (n*sum(log(max(values, 1.0e-12_dp))) + cost > 0) return
+    deallocate (error)
+    model%noise%mixing = spread(1/sqrt(noise%variance), 2, sensors)*vectors
+    model%noise%unmixing = transpose(vectors)*spread(sqrt(noise%variance), 1, sensors)
+    call mix(model%noise%mixing, model%white)
+    do s = 1, sensors
+      call burg(model%white(:, s), all_runs(samples, model), order, price, own(s))
+      own(s)%variance = max(own(s)%variance, least_share)
+    end do
+    cost = cost + sum(own%cost) + n*sum(log(noise%variance))
+    if (cost < model%noise%cost) then
+      model%noise%cost = cost
+      noise = own
+    else
+      call mix(model%noise%unmixing, model%white)
+      deallocate (model%noise%mixing, model%noise%unmixing)
+    end if
+  end subroutine try_mixing
+
+  subroutine mix(matrix, values)
+    !! Replace rows of values by their products with a matrix.
+    real(dp), intent(in) :: matrix(:, :)
+    real(dp), intent(inout) :: values(:, :)
+    real(dp) :: part(chunk, size(matrix, 1))
+    integer :: first, n
+    do first = 1, size(values, 1), chunk
+      n = min(chunk, size(values, 1) - first + 1)
+      part(:n, :) = values(first:first + n - 1, :)
+      values(first:first + n - 1, :) = matmul(part(:n, :), matrix)
+    end do
+  end subroutine mix
+
+end module bw_model

@@ -1,0 +1,52 @@
+module bw_price
+  !! What an unknown must take off −2 ln L to be taken up: noise alone passes it, anywhere, with the probability `false_alarm`.
+  use bw_kinds, only: dp
+  implicit none (type, external)
+  private
+  public :: chi_squared, line_price
+
+contains
+
+  pure real(dp) function line_price(false_alarm, samples, amplitudes)
+    !! Of a line with so many real amplitudes, anywhere in frequency and decay. The gain is a field of χ² over both: how often such a
+    !! field exceeds x is, for high x, its tail at one place times x/2 for each independent place (Adler and Taylor, 2007), of which
+    !! there is about one for each sample.
+    real(dp), intent(in) :: false_alarm
+    integer, intent(in) :: samples, amplitudes
+    integer :: i
+    line_price = chi_squared(false_alarm/samples, amplitudes)
+    do i = 1, 4
+      line_price = chi_squared(false_alarm/(samples*line_price/2), amplitudes)
+    end do
+  end function line_price
+
+  pure real(dp) function chi_squared(chance, freedom) result(x)
+    !! The sum of so many squared normal numbers, an even number, that is passed with this probability.
+    real(dp), intent(in) :: chance
+    integer, intent(in) :: freedom
+    real(dp) :: low, high, term, logarithm, total
+    integer :: i, k
+    low = 0
+    high = 10*(freedom - log(chance)) + 10
+    do i = 1, 60
+      x = (low + high)/2
+      logarithm = -x/2                           ! e^(−x/2) Σ (x/2)^k/k!, from the largest term on
+      total = 0
+      term = 1
+      do k = 1, freedom/2
+        total = total + term
+        term = term*(x/2)/k
+        if (total < 1.0e200_dp) cycle
+        logarithm = logarithm + log(total)
+        term = term/total
+        total = 1
+      end do
+      if (logarithm + log(total) > log(chance)) then
+        low = x
+      else
+        high = x
+      end if
+    end do
+  end function chi_squared
+
+end module bw_price

@@ -1,0 +1,160 @@
+module bw_refit
+  !! Some lines of a model fitted again, others beside them kept; and taken up if that lowers the cost of the whole record.
+  use bw_band, only: band_around, band_type, fill_rows, line_columns, still_columns
+  use bw_band_fit, only: amplitudes_of, fit_band, reduced_type, squares_left
+  use bw_kinds, only: dp
+  use bw_line, only: line_type, pi
+  use bw_model, only: cost_of, exchange_lines, model_type, rows_of_stretches, steps_between, white_lines
+  use bw_noise, only: amplitude_of
+  implicit none (type, external)
+  private
+  public :: accept, cluster_of, near, overlaps, refit, refit_all, span_of_model
+
+  real(dp), parameter :: reach = 6               !! ! tuned: decays within which lines are fitted together
+  real(dp), parameter :: bins_apart = 12         !! ! tuned: of 1/T, within which too
+  integer, parameter :: most_sweeps = 6
+  real(dp), parameter :: low = 24                !! periods of a line in the longest stretch, so that it is no offset
+
+  type, public :: refit_type
+    !! Lines instead of others.
+    logical, allocatable :: old(:)               !! which lines of the model they replace
+    type(line_type), allocatable :: lines(:)
+    real(dp), allocatable :: still(:, :, :)      !! white offset and slope that are taken off too, (2, S, 0:B)
+    type(reduced_type), allocatable :: reduced(:)
+    real(dp) :: gain = 0                         !! fall of the squares in the band
+  end type refit_type
+
+contains
+
+  pure real(dp) function span_of_model(model)
+    !! Steps of the longest stretch.
+    type(model_type), intent(in) :: model
+    integer :: b
+    span_of_model = maxval([(steps_between(model, model%stretches(1, b), model%stretches(2, b)), b=0, ubound(model%stretches, 2))])
+  end function span_of_model
+
+  elemental logical function overlaps(pole, other, span)
+    !! Whether two lines are fitted together.
+    complex(dp), intent(in) :: pole, other
+    real(dp), intent(in) :: span                 !! samples
+    overlaps = abs(pole%im - other%im) < reach*(abs(pole%re) + abs(other%re)) + 2*pi*bins_apart/span
+  end function overlaps
+
+  pure function near(model, pole) result(are)
+    !! Which lines overlap with one at a pole.
+    type(model_type), intent(in) :: model
+    complex(dp), intent(in) :: pole
+    logical :: are(size(model%lines))
+    are = overlaps(model%lines%pole, pole, span_of_model(model))
+  end function near
+
+  subroutine refit(model, old, start, most_steps, found, window)
+    !! Fit lines that replace some of the model's, from where they start. The model does not change.
+    type(model_type), intent(in) :: model
+    logical, intent(in) :: old(:)                !! lines that are replaced
+    type(line_type), intent(in) :: start(:)
+    integer, intent(in) :: most_steps
+    type(refit_type), intent(out) :: found
+    integer, intent(in), optional :: window      !! samples after each blow that are looked at; all if absent
+    type(line_type), allocatable :: white(:)
+    type(band_type) :: band
+    real(dp), allocatable :: columns(:, :, :)
+    real(dp) :: before
+    logical :: with_still
+    integer :: p, k, s, rows(2, 0:ubound(model%stretches, 2)), stretches
+    rows = rows_of_stretches(model)
+    if (present(window)) rows(2, :) = min(rows(2, :), rows(1, :) + window - 1)
+    stretches = ubound(rows, 2) + 1
+    found%old = old
+    found%lines = start
+    white = white_lines(model, pack(model%lines, old))
+    band = band_around([white, start], rows, model%gaps, model%place)
+    call fill_rows(model%white, band)
+    before = 0
+    do p = 1, size(band%part)
+      associate (part => band%part(p))
+        before = before + sum(part%rows**2)
+        do k = 1, size(white)
+          columns = line_columns(band, part, white(k), 0)
+          do s = 1, size(part%rows, 2)
+            associate (a => white(k)%amplitude(s, part%stretch + 1))
+              part%rows(:, s) = part%rows(:, s) + a%re*columns(:, 1, 1) + a%im*columns(:, 2, 1)
+            end associate
+          end do
+        end do
+      end associate
+    end do
+    with_still = minval(start%pole%im)*span_of_model(model) < 2*pi*low
+    call fit_band(band, with_still, most_steps, found%lines, found%reduced)
+    found%gain = before - squares_left(found%reduced)
+    do k = 1, size(start)
+      found%lines(k)%amplitude = amplitude_of(model%noise, found%lines(k)%pole, amplitudes_of(found%reduced, k, stretches))
+      associate (line => found%lines(k), step => steps_between(model, model%stretches(1, 0), model%stretches(1, 1)) - 1)
+        if (line%steady .and. all(band%part%stretch > 0)) line%amplitude(:, 1) = line%amplitude(:, 2)*exp(-line%pole*step)
+      end associate
+    end do
+  end subroutine refit
+
+  subroutine accept(found, need, model, gain)
+    !! Put fitted lines in the place of others if the squares of the whole record fall by more than `need`; else gain is 0.
+    type(refit_type), intent(in) :: found
+    real(dp), intent(in) :: need
+    type(model_type), intent(inout) :: model
+    real(dp), intent(out) :: gain
+    type(line_type), allocatable :: white_old(:), white_new(:)
+    real(dp) :: before
+    white_old = white_lines(model, pack(model%lines, found%old))
+    white_new = white_lines(model, found%lines)
+    before = cost_of(model)
+    call exchange_lines(model, white_old, white_new)
+    gain = before - cost_of(model)
+    if (gain > need) then
+      model%lines = [pack(model%lines, .not. found%old), found%lines]
+    else
+      call exchange_lines(model, white_new, white_old)
+      gain = 0
+    end if
+  end subroutine accept
+
+  subroutine refit_all(most_steps, rest, model)
+    !! Refit all lines, those that overlap together, until the squares fall by less than `rest`.
+    integer, intent(in) :: most_steps
+    real(dp), intent(in) :: rest
+    type(model_type), intent(inout) :: model
+    logical :: done(size(model%lines)), own(size(model%lines))
+    type(refit_type) :: found
+    real(dp) :: gain, total
+    integer :: sweep
+    do sweep = 1, most_sweeps
+      done = .false.
+      total = 0
+      do while (.not. all(done))
+        own = cluster_of(model, findloc(done, .false., dim=1))
+        call refit(model, own, pack(model%lines, own), most_steps, found)
+        call accept(found, 0.0_dp, model, gain)
+        done = done .or. own
+        if (gain > 0) done = [pack(done, .not. own), pack(done, own)]
+        total = total + gain
+      end do
+      if (total < rest) exit
+    end do
+  end subroutine refit_all
+
+  pure function cluster_of(model, first) result(own)
+    !! All lines that overlap with one, directly or through others.
+    type(model_type), intent(in) :: model
+    integer, intent(in) :: first
+    logical :: own(size(model%lines))
+    integer :: k, before
+    own = .false.
+    own(first) = .true.
+    do
+      before = count(own)
+      do k = 1, size(own)
+        if (own(k)) own = own .or. near(model, model%lines(k)%pole)
+      end do
+      if (count(own) == before) exit
+    end do
+  end function cluster_of
+
+end module bw_refit
