@@ -14,7 +14,7 @@ SURE = 3.0  # standard deviations of a difference that is more than noise
 WORDS = """\
 ## Lines in noise
 
-Made by `bench/records.sh` ([bench/](../bench/README.md#records) says how). Each tool is given the same seeded records of lines
+**These are the numbers of the search of 0.1.** Made by `bench/records.sh` ([bench/](../bench/README.md#records) says how). Each tool is given the same seeded records of lines
 in noise, 512 samples each. The error is the mean square error of the frequencies, and of the decays, over the Cramér–Rao bound
 of the record; no unbiased estimate has less than 1. Lines further away than a bin, or than five bounds, are missed, and are not
 in the error. What each is told beyond the record: {told}.

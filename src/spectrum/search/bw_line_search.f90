@@ -25,6 +25,7 @@ module bw_line_search
   integer, parameter :: most_lines = 60
   integer, parameter :: many_lines = 24           !! ! tuned: so many may be parts of a driven motion
   integer, parameter :: most_colour = 1024        !! order of noise alone, which a driven beam's motion is
+  integer, parameter :: least_colour = 8          !! of that in a record that is large
   integer, parameter :: most_rounds = 4
   integer, parameter :: most_additions = 12       !! rounds in which lines are added, since a blow may come and go
   real(dp), parameter :: at_rest = 1              !! fall of −2 ln L in a sweep over all lines, after which they stay
@@ -57,7 +58,7 @@ contains
     allocate (outcome%poles(0), outcome%gains(0))
     call find_blows(samples, false_alarm, blows)
     call start_model(samples, blows, model)
-    call renew(samples, order_price(samples), .false., model, most_colour)
+    call renew(samples, order_price(samples), .false., model, most_orders(samples, most_colour, 1))
     alone = min(model%noise%cost, cost_of_shared_motion(samples))
     call add_first_lines(samples, false_alarm, alone, model, outcome, monitor)
     if (outcome%driven) return
@@ -150,8 +151,16 @@ contains
     do s = 1, size(x, 2)
       x(:, s) = samples%value(:n, s) - sum(samples%value(:n, s))/n
     end do
-    cost = vector_noise_cost(x, n/(10*size(x, 2)), order_price(samples))
+    cost = vector_noise_cost(x, most_orders(samples, n/(10*size(x, 2)), size(x, 2)), order_price(samples))
   end function cost_of_shared_motion
+
+  pure integer function most_orders(samples, highest, sensors) result(order)
+    !! As high an order of noise alone as takes about a second, each being predicted from so many sensors.
+    type(samples_type), intent(in) :: samples
+    integer, intent(in) :: highest, sensors
+    real(dp), parameter :: products = 5.0e8_dp
+    order = min(highest, max(least_colour, int(products/(real(size(samples%value), dp)*sensors))))
+  end function most_orders
 
   subroutine add_first_lines(samples, false_alarm, alone, model, outcome, monitor)
     !! Add lines while the noise is found in a way that they do not disturb. Where noise alone explains the record better than the lines
