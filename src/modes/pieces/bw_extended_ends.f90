@@ -1,13 +1,13 @@
 module bw_extended_ends
   !! `bw_piece_ends` in double-double: states at the outer end of the four motions of a piece, divided by the same binary64
   !! numbers, so that amplitudes keep their meaning.
-  use bw_double_double, only: dd, dd_pi, to_dd, to_quad, operator(+), operator(-), operator(*), operator(/)
+  use bw_double_double, only: dd, dd_pi, to_dd, operator(+), operator(-), operator(*), operator(/)
   use bw_kinds, only: dp, qp
   use bw_piece_waves, only: is_short, piece_frequency, piece_numbers, wave_numbers, wave_numbers_of
   use bw_short_piece, only: starts
   implicit none (type, external)
   private
-  public :: extended_ends, hinged_below
+  public :: extended_ends
 
   integer, parameter :: terms = 34           !! of the power series of motions, |z|h² ≤ ½, beyond the 32nd digit
   integer, parameter :: square_terms = 12    !! those of C and S, which are series in zh²
@@ -51,24 +51,6 @@ contains
       outer(:, i + 2) = [waves%z(i)*s*g, waves%y(i)*c*g, -(moment*waves%z(i)*s*g), load*c*g]
     end do
   end function extended_ends
-
-  pure integer function hinged_below(piece, frequency) result(number)
-    !! Modes of a piece with hinged ends below a frequency.
-    type(piece_numbers), intent(in) :: piece
-    type(piece_frequency), intent(in) :: frequency     !! as that of `extended_ends`
-    type(wave_numbers) :: waves
-    integer :: i
-    number = 0
-    if (is_short(piece, frequency)) then
-      if (piece%cut%hi*frequency%rho%hi > 1.0_dp) number = 1
-      return
-    end if
-    waves = wave_numbers_of(piece, frequency)
-    do i = 1, 2
-      if (waves%z(i)%hi < 0.0_dp) cycle
-      number = number + int(to_quad(waves%p(i)*piece%half)*(2.0_qp/to_quad(dd_pi))) + (i - 1)
-    end do
-  end function hinged_below
 
   pure subroutine find_c_and_s(z, p, half, c, s)
     !! C and S at the end, over cosh √(−z)h where z < 0.

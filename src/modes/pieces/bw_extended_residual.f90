@@ -5,7 +5,7 @@ module bw_extended_residual
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
   use bw_extended_ends, only: extended_ends
   use bw_kinds, only: dp
-  use bw_mode_probe, only: left_vector, mode_probe, piece_system, set_frequency, weigh
+  use bw_mode_probe, only: mode_probe, piece_system, set_frequency, weigh, works_on
   implicit none (type, external)
   private
   public :: find_drive, refine
@@ -34,7 +34,7 @@ contains
     call set_frequency(system, lambda, probe)
     call find_drive(system, probe)
     call weigh(system, probe)
-    lambda = lambda + sum(left_vector(probe)*probe%drive)/probe%mass
+    lambda = lambda + sum(works_on(probe, probe))/probe%mass
   end subroutine correct
 
   pure subroutine find_drive(system, probe)

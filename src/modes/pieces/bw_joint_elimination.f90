@@ -30,6 +30,7 @@ module bw_joint_elimination
     real(dp), allocatable :: state(:, :, :)      !! v, ψ, M and N of the free motions at the outer end, (4, 2, n)
     real(dp), allocatable :: next(:, :, :)       !! the free motions' shares by the amplitudes of the next piece, (4, 2, n)
     real(dp), allocatable :: share(:, :)         !! and by the right sides, (2, n)
+    real(dp), allocatable :: second(:)           !! the first's share by the second's, (n)
   end type elimination
 
 contains
@@ -38,6 +39,7 @@ contains
     integer, intent(in) :: n                     !! pieces
     type(elimination), intent(out) :: factors
     allocate (factors%free(4, 2, n), factors%forced(4, n), factors%state(4, 2, n), factors%next(4, 2, n), factors%share(2, n))
+    allocate (factors%second(n))
   end subroutine size_elimination
 
   pure subroutine eliminate(root, loads, ends, right, factors)
@@ -69,7 +71,7 @@ contains
         call set_tip(loads(n), right(:, n), forced, row)
         call eliminate_shares(2, row)
       end if
-      call keep_shares(row, factors%next(:, :, i), factors%share(:, i))
+      call keep_shares(row, factors%next(:, :, i), factors%share(:, i), factors%second(i))
     end do
   end subroutine eliminate
 
@@ -220,17 +222,18 @@ contains
     end do
   end subroutine eliminate_shares
 
-  pure subroutine keep_shares(row, next, share)
-    !! Shares = share − Σ next·(amplitudes of the next piece), from the triangle.
+  pure subroutine keep_shares(row, next, share, second)
+    !! Shares = share − Σ next·(amplitudes of the next piece), from the triangle; the first less `second` times the second.
     real(dp), intent(in) :: row(width, 4)
-    real(dp), intent(out) :: next(4, 2), share(2)
+    real(dp), intent(out) :: next(4, 2), share(2), second
     real(dp) :: factor
     factor = 1.0_dp/row(2, 2)
     next(:, 2) = row(3:6, 2)*factor
     share(2) = row(7, 2)*factor
     factor = 1.0_dp/row(1, 1)
-    next(:, 1) = (row(3:6, 1) - row(2, 1)*next(:, 2))*factor
-    share(1) = (row(7, 1) - row(2, 1)*share(2))*factor
+    next(:, 1) = row(3:6, 1)*factor
+    share(1) = row(7, 1)*factor
+    second = row(2, 1)*factor
   end subroutine keep_shares
 
   pure subroutine solve(factors, ends, amplitude)
@@ -242,8 +245,8 @@ contains
     integer :: i
     next = 0.0_dp                                ! beyond the tip there is nothing
     do i = size(amplitude, 2), 1, -1
-      share(1) = factors%share(1, i) - sum(factors%next(:, 1, i)*next)
       share(2) = factors%share(2, i) - sum(factors%next(:, 2, i)*next)
+      share(1) = factors%share(1, i) - sum(factors%next(:, 1, i)*next) - factors%second(i)*share(2)
       next = factors%forced(:, i) + share(1)*factors%free(:, 1, i) + share(2)*factors%free(:, 2, i)
       amplitude(:, i) = parity_shares(ends(i), next)
     end do

@@ -1,48 +1,235 @@
 module bw_mode_cluster
-  !! Modes at one frequency, as far as binary128 can tell: any orthonormal motions that span them are its modes. So are modes at
-  !! rest, which move the beam as a whole.
-  use bw_double_double, only: dd, to_quad, operator(*)
-  use bw_extended_probe, only: count_at, extended_probe, hold_root, improve, keep, start
+  !! Modes so near each other that inverse iteration mixes them, and modes at rest.
+  !!
+  !! The space that neighbouring modes span is known to the last digit where each of them is not. Inverse iteration with as many
+  !! drives as modes finds it, and the method of Rayleigh and Ritz takes it apart: by Green's identity (bw_mode_probe) what motion
+  !! b fails at the joints does work on motion a, H_ab = ⟨a, (λ̂ − λ)b⟩ with λ̂ that of each mode. Residuals are in double-double,
+  !! so that H tells modes apart that differ by 1e-20 of λ, though motions are in binary64. Nearer ones are a cluster: any
+  !! orthonormal motions that span it are its modes.
+  use bw_double_double, only: dd, operator(+), operator(-), operator(*), operator(/)
   use bw_extended_residual, only: find_drive
-  use bw_kinds, only: dp, qp
-  use bw_mode_probe, only: mode_probe, set_frequency, weigh
+  use bw_kinds, only: dp
+  use bw_lapack, only: dsyev
+  use bw_mode_probe, only: improve_drive, mode_probe, piece_system, probe_at, probe_for, respond, set_frequency, start_bodies, &
+    weigh, works_on
   use bw_piece_beam, only: joint_position, piece_beam
-  use bw_piece_overlap, only: mass_product, piece_modes
+  use bw_piece_products, only: part_of, piece_product
   implicit none (type, external)
   private
-  public :: find_cluster, find_resting, keep_alone, take
-
-  real(dp), parameter :: beside = 1.0e-15_dp       !! distance from a cluster at which its motions are found, of λ
+  public :: find_resting, find_together, polish
 
   type, public :: mode_cluster
     integer :: first = 0, last = -1                !! numbers of the modes
-    type(piece_modes) :: modes
+    type(mode_probe), allocatable :: mode(:)       !! where each of them is, (first:last)
   end type mode_cluster
 
 contains
 
-  pure subroutine find_resting(probe, beam, first, last, cluster)
-    !! Modes of which it is known that λ = 0: the beam moves as a whole, or turns about its centre of mass or what holds it.
-    type(extended_probe), intent(inout) :: probe   !! open
-    type(piece_beam), intent(in) :: beam
-    integer, intent(in) :: first, last             !! their numbers
-    type(mode_cluster), intent(inout) :: cluster
-    integer :: i, n
-    call count_at(probe, dd(), n)
-    call open_cluster(probe, first, last, dd(), cluster)
-    associate (motion => probe%divided(probe%parts)%stiffness%motion, divided => probe%divided(probe%parts)%system%beam)
-      if (moves_freely(beam)) then
-        motion(1, :) = 1.0_qp
-        motion(2, :) = 0.0_qp
-        call keep(probe, cluster%modes, 1)
-        if (first == last) return
-      end if
-      motion(2, :) = 1.0_qp
-      do i = 0, ubound(motion, 2)
-        motion(1, i) = to_quad(joint_position(divided, i)) - pivot_of(beam)
+  subroutine find_together(system, x, apart, probe, lambda)
+    !! Modes that no count tells apart, all at one frequency.
+    type(piece_system), intent(in) :: system
+    type(dd), intent(in) :: x                      !! beside them
+    real(dp), intent(in) :: apart                  !! as that of `polish`
+    type(mode_probe), intent(out) :: probe(:)
+    type(dd), intent(out) :: lambda(:)
+    integer, parameter :: most_rounds = 40
+    type(dd) :: before(size(lambda))
+    integer :: a, round
+    do a = 1, size(probe)
+      probe(a) = probe_for(system)
+      call set_frequency(system, x, probe(a))
+      call start_bodies(a, probe(a))
+    end do
+    do round = 1, most_rounds
+      before = lambda
+      call take_apart(system, x, probe, lambda)
+      if (maxval(abs(gap(lambda, before))) < apart) exit
+    end do
+  end subroutine find_together
+
+  subroutine take_apart(system, x, probe, lambda)
+    !! One inverse iteration with every drive, and the modes of the space that the motions span.
+    type(piece_system), intent(in) :: system
+    type(dd), intent(in) :: x                      !! frequency of the iteration
+    type(mode_probe), intent(inout) :: probe(:)
+    type(dd), intent(out) :: lambda(:)             !! ascending
+    real(dp) :: h(size(probe), size(probe)), theta(size(probe)), work(4*size(probe))
+    integer :: a, b, info
+    do a = 1, size(probe)
+      call probe_at(system, x, probe(a))
+      call respond(system, probe(a))
+      call orthogonalize(system, probe(:a))
+    end do
+    do a = 1, size(probe)
+      call find_drive(system, probe(a))
+      call weigh(system, probe(a))
+    end do
+    do b = 1, size(probe)
+      do a = 1, size(probe)
+        h(a, b) = sum(works_on(probe(a), probe(b)))
       end do
-      call keep(probe, cluster%modes, last - first + 1)
-    end associate
+    end do
+    h = 0.5_dp*(h + transpose(h))                  ! they differ by the square of the residuals
+    call dsyev('V', 'U', size(h, 1), h, size(h, 1), theta, work, size(work), info)
+    if (info /= 0) theta = 0.0_dp                  ! of what is no number: the counts of modes tell
+    call mix(system, h, probe)
+    do a = 1, size(probe)
+      lambda(a) = x + theta(a)
+      call improve_drive(probe(a))
+    end do
+  end subroutine take_apart
+
+  subroutine polish(system, apart, probe, lambda)
+    !! Neighbours once more, each at its own frequency, and none with a share of another.
+    type(piece_system), intent(in) :: system
+    real(dp), intent(in) :: apart
+      !! distance in λ from which modes have frequencies of their own: within it motions at one frequency serve for all
+    type(mode_probe), intent(inout) :: probe(:)
+    type(dd), intent(inout) :: lambda(:)
+    integer, parameter :: rounds = 4               ! shares shrink by their own size
+    integer :: first, last, round
+    do round = 1, rounds
+      last = 0
+      do while (last < size(probe))
+        first = last + 1
+        do last = first, size(probe) - 1
+          if (gap(lambda(last + 1), lambda(last)) > apart) exit
+        end do
+        call take_apart(system, lambda(first) + (-2.0_dp*gap(lambda(last), lambda(first))), probe(first:last), lambda(first:last))
+        call purify(system, lambda, first, last, probe)
+      end do
+    end do
+    do first = 1, size(probe)
+      call set_frequency(system, lambda(first), probe(first))
+    end do
+  end subroutine polish
+
+  pure subroutine purify(system, lambda, first, last, probe)
+    !! Take from some motions what they have of the others, as their residuals tell.
+    type(piece_system), intent(in) :: system
+    type(dd), intent(in) :: lambda(:)
+    integer, intent(in) :: first, last             !! of those
+    type(mode_probe), intent(inout) :: probe(:)
+    real(dp) :: share(size(probe))
+    integer :: a, b
+    share = 0.0_dp
+    do a = first, last
+      call find_drive(system, probe(a))
+      do b = 1, size(probe)
+        if (b >= first .and. b <= last) cycle
+        share(b) = sum(works_on(probe(b), probe(a)))/(gap(lambda(b), probe(a)%frequency%lambda)*probe(b)%mass)
+      end do
+      do b = 1, size(probe)
+        call add(probe(b), -share(b), probe(a))
+      end do
+      call find_drive(system, probe(a))
+      call weigh(system, probe(a))
+      call improve_drive(probe(a))
+    end do
+  end subroutine purify
+
+  elemental real(dp) function gap(a, b)
+    !! a − b.
+    type(dd), intent(in) :: a, b
+    type(dd) :: difference
+    difference = a - b
+    gap = difference%hi
+  end function gap
+
+  pure subroutine mix(system, share, probe)
+    !! Motions as sums of others at the same frequency.
+    type(piece_system), intent(in) :: system
+    real(dp), intent(in) :: share(:, :)
+    type(mode_probe), intent(inout) :: probe(:)
+    type(mode_probe) :: given(size(probe))
+    integer :: a, b
+    given = probe
+    do a = 1, size(probe)
+      call multiply(share(a, a), probe(a))
+      do b = 1, size(probe)
+        if (b /= a) call add(given(b), share(b, a), probe(a))
+      end do
+      call weigh(system, probe(a))
+    end do
+  end subroutine mix
+
+  pure subroutine multiply(factor, probe)
+    real(dp), intent(in) :: factor
+    type(mode_probe), intent(inout) :: probe
+    probe%amplitude = factor*probe%amplitude
+    probe%drive = factor*probe%drive
+    probe%motion = factor*probe%motion
+  end subroutine multiply
+
+  pure subroutine add(other, share, probe)
+    !! Add a share of another motion.
+    type(mode_probe), intent(in) :: other
+    real(dp), intent(in) :: share
+    type(mode_probe), intent(inout) :: probe
+    probe%amplitude = probe%amplitude + share*other%amplitude
+    probe%drive = probe%drive + share*other%drive
+    probe%motion = probe%motion + share*other%motion
+  end subroutine add
+
+  pure subroutine orthogonalize(system, probe)
+    !! Take what motions before the last have from it; mass 1.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe(:)
+    integer, parameter :: rounds = 2
+    integer :: b, n, round
+    n = size(probe)
+    do round = 1, rounds
+      do b = 1, n - 1
+        call add(probe(b), -mass_product(system, probe(n), probe(b)), probe(n))
+      end do
+      call weigh(system, probe(n))
+      call multiply(1.0_dp/sqrt(mass_product(system, probe(n), probe(n))), probe(n))
+    end do
+    call weigh(system, probe(n))
+  end subroutine orthogonalize
+
+  pure real(dp) function mass_product(system, one, other) result(product)
+    !! Of two motions by all mass and inertia.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(in) :: one, other
+    integer :: i
+    product = 0.0_dp
+    do i = 1, size(system%piece)
+      associate (piece => system%piece(i), joint => system%beam%joint(i))
+        product = product + piece_product(piece, part_of(piece, one%frequency, one%amplitude(:, i)), &
+                                          part_of(piece, other%frequency, other%amplitude(:, i))) &
+          + joint%mass%hi*one%motion(1, i)*other%motion(1, i) + joint%inertia%hi*one%motion(2, i)*other%motion(2, i)
+      end associate
+    end do
+  end function mass_product
+
+  pure subroutine find_resting(system, first, last, cluster)
+    !! Modes of which it is known that λ = 0: the beam moves as a whole, or turns about its centre of mass or what holds it.
+    type(piece_system), intent(in) :: system       !! of pieces that are short at rest
+    integer, intent(in) :: first, last             !! their numbers
+    type(mode_cluster), intent(out) :: cluster
+    type(dd) :: middle, pivot
+    integer :: i, k
+    logical :: turns
+    cluster%first = first
+    cluster%last = last
+    allocate (cluster%mode(first:last))
+    pivot = pivot_of(system%beam)
+    do k = first, last
+      associate (probe => cluster%mode(k))
+        probe = probe_for(system)
+        call set_frequency(system, dd(), probe)
+        probe%amplitude = 0.0_dp
+        turns = k > first .or. .not. moves_freely(system%beam)
+        do i = 1, size(system%piece)
+          middle = joint_position(system%beam, i) - system%piece(i)%half - pivot
+          probe%amplitude(1, i) = merge(middle%hi, 1.0_dp, turns)/probe%frequency%unit(1)
+          if (turns) probe%amplitude(3, i) = 1.0_dp/probe%frequency%unit(2)
+        end do
+        probe%drive = 0.0_dp
+        call weigh(system, probe)
+      end associate
+    end do
   end subroutine find_resting
 
   pure logical function moves_freely(beam)
@@ -52,123 +239,22 @@ contains
                           .or. any(beam%joint%stiffness%hi > 0.0_dp))
   end function moves_freely
 
-  pure real(qp) function pivot_of(beam) result(pivot)
+  pure type(dd) function pivot_of(beam) result(pivot)
     !! Where a beam that turns freely does not move: where it is held, else its centre of mass.
     type(piece_beam), intent(in) :: beam
-    real(qp) :: outer, mass
+    type(dd) :: outer, mass, own
     integer :: i
-    pivot = 0.0_qp
     if (beam%root%holds_deflection .or. beam%root%stiffness%hi > 0.0_dp) return
-    mass = 0.0_qp
     do i = 1, size(beam%piece)
-      outer = to_quad(joint_position(beam, i))
-      associate (own => to_quad(beam%piece(i)%mass*beam%piece(i)%length), body => to_quad(beam%joint(i)%mass))
-        pivot = pivot + own*(outer - 0.5_qp*to_quad(beam%piece(i)%length)) + body*outer
-        mass = mass + own + body
-      end associate
+      outer = joint_position(beam, i)
+      own = beam%piece(i)%mass*beam%piece(i)%length
+      pivot = pivot + own*(outer - beam%piece(i)%length*0.5_dp) + beam%joint(i)%mass*outer
+      mass = mass + own + beam%joint(i)%mass
     end do
     pivot = pivot/mass
     do i = 1, size(beam%piece)
-      if (beam%joint(i)%stiffness%hi > 0.0_dp) pivot = to_quad(joint_position(beam, i))
+      if (beam%joint(i)%stiffness%hi > 0.0_dp) pivot = joint_position(beam, i)
     end do
   end function pivot_of
-
-  pure subroutine open_cluster(probe, first, last, lambda, cluster)
-    !! Room for modes.
-    type(extended_probe), intent(in) :: probe
-    integer, intent(in) :: first, last
-    type(dd), intent(in) :: lambda
-    type(mode_cluster), intent(inout) :: cluster
-    integer :: n, i
-    cluster%first = first
-    cluster%last = last
-    n = size(probe%divided(1)%system%piece)
-    associate (modes => cluster%modes)
-      modes = piece_modes(system=probe%divided(1)%system, lambda=[(lambda, i=first, last)])
-      allocate (modes%amplitude(4, n, last - first + 1), modes%deflection(n, last - first + 1), modes%turning(n, last - first + 1))
-    end associate
-  end subroutine open_cluster
-
-  pure subroutine keep_alone(probe, k, lambda, cluster)
-    !! The joints' motion as the one mode of a cluster.
-    type(extended_probe), intent(in) :: probe
-    integer, intent(in) :: k
-    type(dd), intent(in) :: lambda
-    type(mode_cluster), intent(inout) :: cluster
-    call open_cluster(probe, k, k, lambda, cluster)
-    call keep(probe, cluster%modes, 1)
-  end subroutine keep_alone
-
-  subroutine find_cluster(probe, first, last, lambda, cluster)
-    !! Orthonormal motions of modes at one frequency, from beside it: those before do not excite the next.
-    type(extended_probe), intent(inout) :: probe   !! open
-    integer, intent(in) :: first, last             !! numbers of the modes
-    type(dd), intent(in) :: lambda
-    type(mode_cluster), intent(inout) :: cluster
-    integer, parameter :: rounds = 5
-    real(qp), allocatable :: motions(:, :, :), forces(:, :, :)
-    real(dp) :: correction
-    integer :: i, j, n, round
-    call count_at(probe, lambda*(1.0_dp + beside), n)
-    call open_cluster(probe, first, last, lambda, cluster)
-    associate (motion => probe%divided(probe%parts)%stiffness%motion)
-      allocate (motions(2, size(motion, 2), last - first + 1), forces(2, size(motion, 2), last - first + 1))
-      do i = 1, last - first + 1
-        call start(probe, i)
-        do round = 1, rounds
-          call hold_root(probe%divided(probe%parts)%system, probe%force)
-          do j = 1, i - 1
-            probe%force = probe%force - forces(:, :, j)*(sum(probe%force*motions(:, :, j))/sum(forces(:, :, j)*motions(:, :, j)))
-          end do
-          call improve(probe, correction)
-        end do
-        motions(:, :, i) = motion
-        forces(:, :, i) = probe%force
-        call keep(probe, cluster%modes, i)
-        call orthogonalize(cluster%modes, i)
-      end do
-    end associate
-  end subroutine find_cluster
-
-  pure subroutine orthogonalize(modes, i)
-    !! Take what modes before mode i have from it; mass 1.
-    type(piece_modes), intent(inout) :: modes
-    integer, intent(in) :: i
-    integer, parameter :: rounds = 2
-    integer :: j, round
-    do round = 1, rounds
-      call add(modes, i, 1.0_dp/sqrt(mass_product(modes, i, modes, i)) - 1.0_dp, i)
-      do j = 1, i - 1
-        call add(modes, i, -mass_product(modes, i, modes, j), j)
-      end do
-    end do
-  end subroutine orthogonalize
-
-  pure subroutine add(modes, i, share, j)
-    !! Add a share of mode j to mode i.
-    type(piece_modes), intent(inout) :: modes
-    integer, intent(in) :: i, j
-    real(dp), intent(in) :: share
-    modes%amplitude(:, :, i) = modes%amplitude(:, :, i) + share*modes%amplitude(:, :, j)
-    modes%deflection(:, i) = modes%deflection(:, i) + share*modes%deflection(:, j)
-    modes%turning(:, i) = modes%turning(:, i) + share*modes%turning(:, j)
-  end subroutine add
-
-  pure subroutine take(cluster, k, probe)
-    !! Put a probe where mode k is.
-    type(mode_cluster), intent(in) :: cluster
-    integer, intent(in) :: k                       !! of the cluster
-    type(mode_probe), intent(inout) :: probe
-    associate (modes => cluster%modes, i => k - cluster%first + 1)
-      call set_frequency(modes%system, modes%lambda(i), probe)
-      probe%amplitude = modes%amplitude(:, :, i)
-      probe%drive = 0.0_dp
-      call weigh(modes%system, probe)            ! the root's motion
-      probe%motion(1, 1:) = modes%deflection(:, i)
-      probe%motion(2, 1:) = modes%turning(:, i)
-      call find_drive(modes%system, probe)
-      call weigh(modes%system, probe)
-    end associate
-  end subroutine take
 
 end module bw_mode_cluster

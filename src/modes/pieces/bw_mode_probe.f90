@@ -20,7 +20,7 @@ module bw_mode_probe
   implicit none (type, external)
   private
   public :: system_of, probe_for, start_anew, start_bodies, set_frequency, probe_at, count_below, improve
-  public :: improve_drive, keep_in_range, weigh, left_vector
+  public :: improve_drive, keep_in_range, respond, weigh, works_on
 
   type, public :: piece_system
     !! A beam with what its pieces' waves depend on.
@@ -209,14 +209,21 @@ contains
     real(dp), intent(out) :: correction
     real(dp), intent(out) :: mixture               !! the same as if all joints called for it alike: that of two modes may cancel
     real(dp) :: works(3, 2, 0:size(probe%ends))
-    call solve(probe%factors, probe%ends, probe%amplitude)
-    call keep_in_range(probe)
-    call weigh(system, probe)
-    works = left_vector(probe)*probe%drive
+    call respond(system, probe)
+    works = works_on(probe, probe)
     correction = sum(works)/probe%mass
     mixture = sum(abs(works))/probe%mass
     call improve_drive(probe)
   end subroutine improve
+
+  pure subroutine respond(system, probe)
+    !! The motions that the drive of a probe excites.
+    type(piece_system), intent(in) :: system
+    type(mode_probe), intent(inout) :: probe
+    call solve(probe%factors, probe%ends, probe%amplitude)
+    call keep_in_range(probe)
+    call weigh(system, probe)
+  end subroutine respond
 
   pure subroutine keep_in_range(probe)
     !! Make a motion smaller, and its drive, whose mass would overflow: one beside an immense mass.
@@ -249,20 +256,21 @@ contains
     probe%drive(1, :, [0, n]) = 0.0_dp
   end subroutine improve_drive
 
-  pure function left_vector(probe) result(left)
-    !! What each drive does work on in the motion of a probe, in the drives' units: forces on deflections, jumps on forces.
-    type(mode_probe), intent(in) :: probe
-    real(dp) :: left(3, 2, 0:size(probe%ends))
+  pure function works_on(probe, driven) result(works)
+    !! What each drive of a probe does work on in the motion of another: forces on deflections, jumps on forces.
+    type(mode_probe), intent(in) :: probe, driven
+    real(dp) :: works(3, 2, 0:size(probe%ends))
     integer :: j, n
     n = size(probe%ends)
     do j = 1, 2
-      left(1, j, :) = -probe%before(j, :)*probe%jump(j, 1, :)
-      left(2, j, :) = probe%motion(j, :)*probe%unit(5 - j, :)
-      left(3, j, :) = -probe%after(j, :)*probe%jump(j, 2, :)
-      left(3, j, n) = probe%before(j, n)*probe%jump(j, 2, n)
+      works(1, j, :) = -probe%before(j, :)*driven%jump(j, 1, :)
+      works(2, j, :) = probe%motion(j, :)*driven%unit(5 - j, :)
+      works(3, j, :) = -probe%after(j, :)*driven%jump(j, 2, :)
+      works(3, j, n) = probe%before(j, n)*driven%jump(j, 2, n)
     end do
-    left(1, :, [0, n]) = 0.0_dp
-  end function left_vector
+    works(1, :, [0, n]) = 0.0_dp
+    works = works*driven%drive
+  end function works_on
 
   pure subroutine weigh(system, probe)
     !! The modal mass of a motion, and what it does at the joints.

@@ -5,9 +5,8 @@ module bw_mode_search
   !! tells which it is, and which others are so near that they show in its motion. A bracket of two counts closes in on the
   !! mode that is asked for, whatever inverse iteration was drawn to meanwhile: none is missed and none is found twice.
   use bw_double_double, only: dd, to_dd, operator(+), operator(-), operator(*)
-  use bw_extended_modes, only: extended_search, find_at_rest, find_extended
   use bw_kinds, only: dp
-  use bw_mode_cluster, only: take
+  use bw_mode_cluster, only: find_resting, find_together, mode_cluster, polish
   use bw_mode_brackets, only: closed_to, counted, inside, middle, mode_bracket, open_for, width
   use bw_mode_probe, only: count_below, improve, mode_probe, piece_system, probe_at, probe_for, start_anew, &
     start_bodies, system_of
@@ -32,7 +31,8 @@ module bw_mode_search
   real(dp), parameter :: three_digits = 3.0e-4_dp
     !! likewise: motions are off by about as much, and by some times more where another mode is near
   real(dp), parameter :: nearby = 0.6_dp         !! likewise: a motion from so far is about that of the mode (tuned)
-  real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here binary64 does not tell motions apart
+  real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here inverse iteration mixes motions
+  real(dp), parameter :: together = 1.0e-11_dp     !! likewise: up to here the same frequency serves for the motions of modes
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
 
   type, public :: mode_search
@@ -44,7 +44,7 @@ module bw_mode_search
     type(mode_bracket) :: bracket
     integer :: growing = 0                         !! modes of λ < 0: out of plane sections may be turned away by the spin
     integer :: resting = 0                         !! modes of λ = 0
-    type(extended_search) :: extended              !! of modes that binary64 does not tell apart
+    type(mode_cluster) :: cluster                  !! the group that was found last
     logical :: possible = .true.                   !! false: the spin bends the beam in so many waves that no mode is looked for
     logical :: roughly = .false.                   !! three digits will do
     real(dp), allocatable :: any_drive(:, :, :)    !! one that no mode escapes
@@ -87,18 +87,18 @@ contains
     found = search%possible
     if (.not. found) return
     alone = .false.
-    if (k < search%extended%cluster%first .or. k > search%extended%cluster%last) then
+    if (k < search%cluster%first .or. k > search%cluster%last) then
       if (k > search%growing .and. k <= search%growing + search%resting) then
-        call find_at_rest(search%extended, search%system%beam, search%growing + 1, search%growing + search%resting)
+        call find_resting(search%system, search%growing + 1, search%growing + search%resting, search%cluster)
       else
         call locate(search, k, lambda, alone, found)
         alone = alone .and. found
         if (alone) alone = is_apart(search, k, lambda)
-        if (.not. alone) call find_extended(search%extended, search%system%beam, k, lambda, closest*mode_distance(k, lambda), found)
+        if (.not. alone) call find_group(search, k, lambda, found)
       end if
     end if
     if (.not. found) return
-    if (.not. alone) call take(search%extended%cluster, k, search%probe)
+    if (.not. alone) search%probe = search%cluster%mode(k)
     if (.not. alone) lambda = search%probe%frequency%lambda
     search%last = k
     search%last_lambda = lambda
@@ -143,7 +143,7 @@ contains
         if (mod(strays, 4) == 0) call start_bodies(i, search%probe)
       else if (final) then
         call enclose(search, k, lambda, alone)
-        found = alone
+        found = alone .or. width(search%bracket) < 3.0_dp*rounding*mode_distance(k, x)
         if (found) return
         call start_bodies(i, search%probe)
         x = middle(search%bracket)
@@ -220,6 +220,61 @@ contains
       is_apart = counted_at(search, k, edge, k - 1)
     end if
   end function is_apart
+
+  subroutine find_group(search, k, guess, found)
+    !! Mode k with all modes that are near it, or near one of these.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: guess                  !! about its λ
+    logical, intent(out) :: found
+    type(mode_cluster) :: group
+    type(dd), allocatable :: lambda(:)
+    real(dp) :: apart
+    logical :: alone
+    integer :: j, last
+    group%first = beyond_gap(search, k, guess, -merged*mode_distance(k, guess)) + 1
+    group%last = beyond_gap(search, k, guess, merged*mode_distance(k, guess))
+    apart = together*mode_distance(k, guess)
+    found = group%first > 0 .and. group%first <= k .and. k <= group%last
+    if (.not. found) return
+    allocate (group%mode(group%first:group%last), lambda(group%first:group%last))
+    j = group%first
+    do while (j <= group%last)
+      call locate(search, j, lambda(j), alone, found)
+      if (.not. found) return
+      last = j
+      if (alone) then
+        group%mode(j) = search%probe
+      else
+        associate (low => search%bracket%low, high => search%bracket%high(search%bracket%highs))
+          last = high%below
+          found = low%below == j - 1 .and. last <= group%last
+          if (.not. found) return
+          call find_together(search%system, low%lambda + (-width(search%bracket)), apart, group%mode(j:last), lambda(j:last))
+        end associate
+      end if
+      j = last + 1
+    end do
+    call polish(search%system, apart, group%mode, lambda)
+    search%cluster = group
+  end subroutine find_group
+
+  integer function beyond_gap(search, k, guess, step) result(below)
+    !! Modes below the first gap on one side of a frequency; −1 where none is.
+    type(mode_search), intent(inout) :: search
+    integer, intent(in) :: k
+    type(dd), intent(in) :: guess
+    real(dp), intent(in) :: step                   !! its width, below 0 towards lower frequencies
+    integer, parameter :: most = 40
+    integer :: i, next
+    call look(search, k, guess + step, below)
+    do i = 2, most
+      call look(search, k, guess + i*step, next)
+      if (next == below) return
+      below = next
+    end do
+    below = -1
+  end function beyond_gap
 
   logical function counted_at(search, k, x, below)
     !! So many modes lie below a frequency.

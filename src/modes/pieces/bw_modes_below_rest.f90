@@ -1,11 +1,10 @@
 module bw_modes_below_rest
   !! Modes of a beam of pieces whose λ is below 0: out of plane the spin may turn sections away.
   use bw_double_double, only: operator(*)
-  use bw_extended_stiffness, only: extended_stiffness, find_stiffness, size_stiffness
   use bw_kinds, only: dp
-  use bw_mode_probe, only: piece_system, system_of
+  use bw_mode_probe, only: count_below, mode_probe, piece_system, probe_at, probe_for, system_of
   use bw_piece_beam, only: cut_all, piece_beam
-  use bw_piece_waves, only: frequency_at, parts_at_rest
+  use bw_piece_waves, only: parts_at_rest
   implicit none (type, external)
   private
   public :: growing_modes, may_grow
@@ -18,13 +17,14 @@ contains
     logical, intent(in) :: floats                  !! nothing holds its deflection
     type(piece_beam) :: fine
     type(piece_system) :: system
-    type(extended_stiffness) :: stiffness
+    type(mode_probe) :: probe
+    real(dp) :: regular
     fine = cut_all(beam, parts_at_rest(beam))
     if (floats) fine%root%holds_deflection = .true.
     system = system_of(fine)
-    call size_stiffness(size(system%piece), stiffness)
-    call find_stiffness(system, frequency_at(fine, beam%spin_squared*(-1.0e-24_dp)), stiffness)
-    number = stiffness%below
+    probe = probe_for(system)
+    call probe_at(system, beam%spin_squared*(-1.0e-24_dp), probe)
+    call count_below(system, probe, number, regular)
   end function growing_modes
 
   pure logical function may_grow(beam)

@@ -14,7 +14,7 @@ module bw_piece_waves
   use bw_piece_beam, only: piece_beam, uniform_piece
   implicit none (type, external)
   private
-  public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, is_uncounted, parts_at_rest, circular
+  public :: frequency_at, numbers_of, find_waves, wave_numbers_of, is_short, parts_at_rest, circular
 
   real(dp), parameter :: short_square = 0.5_dp
     !! |z|h² up to which a piece is short: half of it turns no wave by more than 0.7 rad
@@ -127,13 +127,6 @@ contains
     type(piece_frequency), intent(in) :: frequency
     is_short = largest_square(piece, frequency)*piece%half%hi**2 <= short_square
   end function is_short
-
-  pure logical function is_uncounted(piece, frequency)
-    !! More modes of the piece lie below the frequency than are counted.
-    type(piece_numbers), intent(in) :: piece
-    type(piece_frequency), intent(in) :: frequency
-    is_uncounted = sqrt(largest_square(piece, frequency))*piece%half%hi > most_quarters
-  end function is_uncounted
 
   pure real(dp) function largest_square(piece, frequency) result(bound)
     !! A bound of |z|: of the roots of z² − bz + c, real or not.

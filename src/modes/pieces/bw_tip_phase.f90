@@ -50,6 +50,7 @@ contains
     integer :: n
     n = size(probe%ends)
     probe%factors%share(:, n) = share
+    probe%factors%second(n) = 0.0_dp
     call solve(probe%factors, probe%ends, probe%amplitude)
     tip = matmul(probe%factors%state(:, :, n), share)
     probe%drive(2, :, n) = [(tip(4) + probe%loads(n)%deflection*tip(1))/probe%unit(4, n), &
