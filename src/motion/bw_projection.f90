@@ -244,7 +244,7 @@ contains
     class(mode_set), intent(in) :: after
     type(place_type), intent(in) :: place
     type(lack_type), intent(inout) :: lack
-    real(dp), parameter :: likely = 2.0_dp       ! tuned: as that of bw_truncation_error
+    real(dp), parameter :: likely = 2.0_dp       ! tuned: nearly as that of bw_truncation_error
     real(dp) :: blow(after%count), near(after%count), size_of(2)
     lack%settled = count(after%beta_squared%hi <= 0.5_dp*place%square)
     near = (place%square + spin(source))/max(0.5_dp*place%square, place%square - after%beta_squared%hi)
