@@ -93,7 +93,8 @@ contains
     type(case_motion), intent(in) :: motion
     integer :: samples(2)
     first = 1
-    if (motion%ending /= case_done) return
+    if (motion%ending /= case_done .or. .not. allocated(motion%timeline%segments)) return
+    if (size(motion%timeline%segments) == 0) return       ! modes were not found
     samples = samples_of_segment(motion, size(motion%timeline%segments), &
                                  time_grid_of(scene%response%duration, scene%response%samples, motion%units%time))
     first = samples(1)
