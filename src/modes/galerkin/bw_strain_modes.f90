@@ -454,7 +454,7 @@ contains
       if (info /= 0 .or. gain <= 0.0_dp) return
       before = s
       s = dot_product(x, matmul(elastic, x))/gain
-      if (abs(s - before) >= 0.5_dp*rounding) return
+      if (.not. abs(s - before) < 0.5_dp*rounding) return
       rounding = abs(s - before)
     end do
   end subroutine find_critical_square

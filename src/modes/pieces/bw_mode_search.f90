@@ -32,7 +32,7 @@ module bw_mode_search
     !! likewise: motions are off by about as much, and by some times more where another mode is near
   real(dp), parameter :: nearby = 0.6_dp         !! likewise: a motion from so far is about that of the mode (tuned)
   real(dp), parameter :: merged = 1.0e-3_dp        !! likewise: up to here inverse iteration mixes motions
-  real(dp), parameter :: together = 1.0e-11_dp     !! ! tuned: likewise, up to here one frequency serves for the motions
+  real(dp), parameter :: together = 1.0e-11_dp     !! tuned: likewise, up to here one frequency serves for the motions
   real(dp), parameter :: closest = 1.0e-9_dp       !! likewise: the width of brackets that are not halved any more
 
   type, public :: mode_search

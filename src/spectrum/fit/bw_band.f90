@@ -12,9 +12,9 @@ module bw_band
   private
   public :: band_around, fill_rows, holds, line_columns, still_columns
 
-  integer, parameter :: sums_per_bin = 32    !! ! tuned: loses (π/32)²/3 of the information at the edge of the band
-  integer, parameter :: ample = 1024         !! ! tuned: sums that tell enough of a broad line
-  integer, parameter :: fewest_per_bin = 8   !! ! tuned: loses 5 % at the edge of so broad a band
+  integer, parameter :: sums_per_bin = 32    !! tuned: loses (π/32)²/3 of the information at the edge of the band
+  integer, parameter :: ample = 1024         !! tuned: sums that tell enough of a broad line
+  integer, parameter :: fewest_per_bin = 8   !! tuned: loses 5 % at the edge of so broad a band
   real(dp), parameter :: seen = 0.5_dp       !! of the frequencies whose sums over blocks differ
   real(dp), parameter :: folds = 9           !! e-folds after which a line tells nothing more
   integer, parameter :: series = 8           !! powers of time within a block, in which a drift is expanded

@@ -14,10 +14,10 @@ module bw_band_fit
   private
   public :: amplitudes_of, fit_band, free_of, reduce, slope_place, slopes_of, squares_left, unknown_place
 
-  real(dp), parameter :: converged = 1.0e-3_dp   !! ! tuned: fall of the squares that a step promises, of the noise's variance
+  real(dp), parameter :: converged = 1.0e-3_dp   !! tuned: fall of the squares that a step promises, of the noise's variance
   real(dp), parameter :: most_growth = 2         !! logarithm over a stretch: what decays freely does not grow
   integer, parameter :: most_halvings = 4
-  real(dp), parameter :: longest = 0.7_dp        !! ! tuned: step of a pole, of its width
+  real(dp), parameter :: longest = 0.7_dp        !! tuned: step of a pole, of its width
 
   type, public :: reduced_type
     !! The fit of one stretch.

@@ -12,8 +12,8 @@ module bw_autoregression
   public :: burg, robust_levels, running_median
 
   real(dp), parameter :: least_part = 1.0e-14_dp  !! of the variance, that a predictor leaves
-  integer, parameter :: patience = 24             !! ! tuned: orders without a gain after which Burg's recursion ends
-  integer, parameter :: robust_order = 24         !! ! tuned: of the first guess, which smooth levels need
+  integer, parameter :: patience = 24             !! tuned: orders without a gain after which Burg's recursion ends
+  integer, parameter :: robust_order = 24         !! tuned: of the first guess, which smooth levels need
 
   type, public :: autoregression
     !! Noise of one sensor.
@@ -134,7 +134,7 @@ contains
     fourier%samples(:) = window*x
     call fourier%transform()
     power = abs(fourier%spectrum)**2/sum(window**2)
-    half = max(12, nint(1.5_dp*sqrt(real(n, dp))))  ! ! tuned: bins, more than lines fill
+    half = max(12, nint(1.5_dp*sqrt(real(n, dp))))  ! tuned: bins, more than lines fill
     level = running_median(power(min(3, size(power)):), half)/log(2.0_dp)
     do p = 0, robust_order                        ! the level's transform: correlations
       lag(p) = 0

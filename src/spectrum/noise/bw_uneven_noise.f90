@@ -22,7 +22,7 @@ contains
     length = 2*ceiling((place(size(place)) + 1)/2)
     window = sin(acos(-1.0_dp)*place/length)**2
     allocate (spectrum(0:length/2), level(length/2, size(residual, 2)))
-    half = max(12, nint(1.5_dp*sqrt(real(length, dp))))  ! ! tuned: bins, more than lines fill
+    half = max(12, nint(1.5_dp*sqrt(real(length, dp))))  ! tuned: bins, more than lines fill
     do s = 1, size(residual, 2)
       call uneven_transform(place, window*residual(:, s), length, fourier, spectrum)
       level(:, s) = running_median(abs(spectrum(1:))**2/sum(window**2), half)/log(2.0_dp)

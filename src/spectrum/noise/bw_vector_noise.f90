@@ -9,7 +9,7 @@ module bw_vector_noise
   private
   public :: vector_noise_cost
 
-  integer, parameter :: patience = 8             !! ! tuned: orders without a gain after which the lattice ends
+  integer, parameter :: patience = 8             !! tuned: orders without a gain after which the lattice ends
   real(dp), parameter :: least_part = 1.0e-13_dp !! of the variances, that an error keeps
 
 contains

@@ -23,15 +23,15 @@ module bw_line_search
   public :: find_lines
 
   integer, parameter :: most_lines = 60
-  integer, parameter :: many_lines = 24           !! ! tuned: so many may be parts of a driven motion
+  integer, parameter :: many_lines = 24           !! tuned: so many may be parts of a driven motion
   integer, parameter :: most_colour = 1024        !! order of noise alone, which a driven beam's motion is
   integer, parameter :: least_colour = 8          !! of that in a record that is large
   integer, parameter :: most_rounds = 4
   integer, parameter :: most_additions = 12       !! rounds in which lines are added, since a blow may come and go
   real(dp), parameter :: at_rest = 1              !! fall of −2 ln L in a sweep over all lines, after which they stay
-  real(dp), parameter :: same_shape = 0.8_dp      !! ! tuned: cosine between the shapes of a line and of what its drift leaves
+  real(dp), parameter :: same_shape = 0.8_dp      !! tuned: cosine between the shapes of a line and of what its drift leaves
   integer, parameter :: first_window = 64         !! part of the longest stretch in which a drifting line is looked at first
-  real(dp), parameter :: promised = 0.5_dp        !! ! tuned: part of what a candidate seems to gain, that it gains beside those before
+  real(dp), parameter :: promised = 0.5_dp        !! tuned: part of what a candidate seems to gain, that it gains beside those before
   integer, parameter :: first_steps = 8, trial_steps = 5, all_steps = 10
 
   type, public :: outcome_type

@@ -13,8 +13,8 @@ module bw_model
   public :: add_line, colour_at, cost_of, exchange_lines, find_left, renew, rows_of_stretches, steps_between, white_lines
 
   real(dp), parameter :: gone = 40               !! e-folds after which a line is not computed any more
-  integer, parameter :: highest_order = 64       !! ! tuned: of a noise's autoregression
-  integer, parameter :: samples_per_order = 10   !! ! tuned: fewer do not tell of so high an order
+  integer, parameter :: highest_order = 64       !! tuned: of a noise's autoregression
+  integer, parameter :: samples_per_order = 10   !! tuned: fewer do not tell of so high an order
   real(dp), parameter :: least_share = 1.0e-3_dp !! of a sensor's noise that is its own: a copy that was rounded tells no more
   integer, parameter :: chunk = 2048             !! rows that are mixed at once
 

@@ -10,8 +10,8 @@ module bw_refit
   private
   public :: accept, cluster_of, near, overlaps, refit, refit_all, span_of_model
 
-  real(dp), parameter :: reach = 6               !! ! tuned: decays within which lines are fitted together
-  real(dp), parameter :: bins_apart = 12         !! ! tuned: of 1/T, within which too
+  real(dp), parameter :: reach = 6               !! tuned: decays within which lines are fitted together
+  real(dp), parameter :: bins_apart = 12         !! tuned: of 1/T, within which too
   integer, parameter :: most_sweeps = 6
   real(dp), parameter :: low = 24                !! periods of a line in the longest stretch, so that it is no offset
 
