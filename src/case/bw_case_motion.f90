@@ -77,7 +77,7 @@ contains
       mass = pieces%beam%joint(pieces%struck)%mass%hi
     end associate
     energy = 0.0_dp
-    if (mass > 0.0_dp) energy = 0.5_dp*force**2/mass
+    if (mass > 0.0_dp) energy = 0.5_dp*force*(force/mass)
   end function energy_of_blow
 
   subroutine follow_motion(scene, motion, monitor, modes_cache)

@@ -119,12 +119,14 @@ contains
     waves(n)%from_tip = returned(joined(beam%joint(n), lambda, -shift, waves(n)%state), 3, 4, .true.)
     do i = n - 1, 1, -1
       waves(i)%from_tip = passed(waves(i)%state, joined(beam%joint(i), lambda, -shift, &
-        with_returned(waves(i + 1), carried(waves(i + 1), waves(i + 1)%length, waves(i + 1)%from_tip), .true.), -1.0_dp), .true.)
+        unit_motions(with_returned(waves(i + 1), carried(waves(i + 1), waves(i + 1)%length, waves(i + 1)%from_tip), .true.)), &
+        -1.0_dp), .true.)
     end do
     waves(1)%from_root = returned(held(beam%root, waves(1)%state), 1, 2, .false.)
     do i = 2, n
       waves(i)%from_root = passed(waves(i)%state, joined(beam%joint(i - 1), lambda, -shift, &
-        with_returned(waves(i - 1), carried(waves(i - 1), waves(i - 1)%length, waves(i - 1)%from_root), .false.)), .false.)
+        unit_motions(with_returned(waves(i - 1), carried(waves(i - 1), waves(i - 1)%length, waves(i - 1)%from_root), .false.))), &
+        .false.)
     end do
   end subroutine find_waves
 
@@ -167,6 +169,18 @@ contains
     outer(3, :) = inner(3, :) + way*(joint%turning_stiffness%hi - joint%inertia%hi*square)*inner(2, :)
     outer(4, :) = inner(4, :) + way*(joint%stiffness%hi - joint%mass%hi*lambda)*inner(1, :)
   end function joined
+
+  pure function unit_motions(states) result(unit)
+    !! Two states with their combinations in their place of which v, ψ are 1, 0 and 0, 1: what a joint adds to M and the shear force,
+    !! however much, then stands in one number of each.
+    complex(dp), intent(in) :: states(4, 2)
+    complex(dp) :: unit(4, 2), motions(2, 2), turned(2, 4)
+    motions = transpose(states(:2, :))
+    turned = transpose(states)
+    call solve(motions, turned)
+    unit = transpose(turned)
+    unit(:2, :) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])   ! to the last digit
+  end function unit_motions
 
   pure function held(root, state) result(conditions)
     !! What is 0 at the root, in the first two rows.

@@ -12,6 +12,7 @@ module bw_projection
   !! Units of bw_segment.
   use bw_double_double, only: accurate_sum, dd
   use bw_kinds, only: dp
+  use bw_missing, only: missing
   use bw_modal_flow, only: left_beyond
   use bw_mode_set, only: configuration_type, first_numbers, mode_set, mode_source
   use bw_monitor, only: monitor_type, stops
@@ -239,13 +240,19 @@ contains
   end subroutine add_far
 
   pure subroutine find_doubt(source, after, place, lack)
-    !! How far the modes after may be off by what those beyond all that are looked at would hand on.
+    !! How far the modes after may be off by what those beyond all that are looked at would hand on: not known where none of these
+    !! swings.
     class(mode_source), intent(in) :: source
     class(mode_set), intent(in) :: after
     type(place_type), intent(in) :: place
     type(lack_type), intent(inout) :: lack
     real(dp), parameter :: likely = 2.0_dp       ! tuned: nearly as that of bw_truncation_error
     real(dp) :: blow(after%count), near(after%count), size_of(2)
+    if (place%square <= 0.0_dp) then
+      lack%settled = 0
+      lack%energy = missing
+      return
+    end if
     lack%settled = count(after%beta_squared%hi <= 0.5_dp*place%square)
     near = (place%square + spin(source))/max(0.5_dp*place%square, place%square - after%beta_squared%hi)
     size_of = sqrt(2.0_dp*place%missing_energy*[place%mobility, place%turning_mobility])

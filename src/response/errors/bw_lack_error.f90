@@ -3,10 +3,11 @@ module bw_lack_error
   !! finite number of modes before the capture leaves them, and others of which there is a bound. Amplitudes add up to the bound;
   !! what they come to at a sample is estimated as in bw_truncation_error.
   use bw_kinds, only: dp
+  use bw_missing, only: is_missing
   use bw_mode_set, only: curvatures, mode_set
   use bw_mode_survey, only: mode_survey, point_sums
   use bw_segment, only: lack_type
-  use bw_truncation_error, only: likely, rate_likely, spread_of_samples
+  use bw_truncation_error, only: likely, no_bound, rate_likely, spread_of_samples
   implicit none (type, external)
   private
   public :: find_lack
@@ -34,6 +35,10 @@ contains
     if (allocated(lack%rate)) call add(1.0_dp, lack%rate, lack%q)
     if (allocated(lack%rate_doubt)) call add(lack%likely, lack%rate_doubt, lack%q_doubt)
     if (lack%settled >= count) return
+    if (is_missing(lack%energy)) then
+      error = unknown()
+      return
+    end if
     middle = 0.0_dp
     middle_rate = 0.0_dp
     do b = 1, survey%bins
@@ -51,6 +56,10 @@ contains
     error%displacement = error%displacement + min(1.0_dp, likely*part)*sqrt(2.0_dp*lack%energy*middle)
     error%rate = error%rate + rate_likely*times*sqrt(lack%energy*middle_rate)
   contains
+    pure type(lack_error) function unknown()
+      allocate (unknown%bound(size(part)), unknown%displacement(size(part)), unknown%rate(size(part)), source=no_bound)
+    end function unknown
+
     subroutine add(weight, rate, q)
       !! One of the two differences.
       real(dp), intent(in) :: weight, rate(:)
@@ -58,6 +67,10 @@ contains
       type(mode_survey) :: own
       type(point_sums) :: sums(size(part))
       real(dp) :: none(size(rate))
+      if (maxval(rate) >= no_bound .or. minval(rate) <= -no_bound) then
+        error = unknown()
+        return
+      end if
       call own%start(survey%quantity, survey%points, survey%stretch, [count])
       none = 0.0_dp
       if (present(q)) then

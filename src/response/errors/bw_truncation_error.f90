@@ -166,7 +166,7 @@ contains
       integer :: i
       taken = 0.0_dp
       do i = 1, b
-        taken = taken + [survey%at(:, i)%share, 2.0_dp*survey%bin(i)%energy/force**2]/(survey%bin(i)%mean_square + shift)
+        taken = taken + [survey%at(:, i)%share, (2.0_dp*survey%bin(i)%energy/force)/force]/(survey%bin(i)%mean_square + shift)
       end do
     end function taken
   end function bound_of_blow
