@@ -3,9 +3,10 @@ module bw_flexibility
   !! is, β² = −s², where no mode is in the way. As a sum over all modes it is ΣΦ_k(ξ)²/(M_k(β_k² + s²)), so that it tells what
   !! modes that are not summed add to it. Without tension.
   !!
-  !! Waves at such a frequency decay from where they start, outwards or inwards. What comes back of outward ones from all that lies
-  !! beyond a point, and of inward ones from all that lies between it and the root, are two matrices, which are carried from piece
-  !! to piece: only decaying exponentials appear, whatever the pieces' lengths. Without dimensions, as the beam.
+  !! What lies beyond a point leaves it two independent states, and so does what lies between it and the root. Pairs of such states
+  !! are carried from joint to joint: across a piece that is shorter than its waves by the powers of its length, across others by
+  !! waves that decay from where they start, so that neither differences of nearly equal numbers appear nor exponentials that
+  !! grow. Without dimensions, as the beam.
   !!
   !! **Limit**: pieces are uniform. Of a beam that tapers the flexibility is at most that of uniform pieces which are nowhere stiffer
   !! or heavier, so that a bound follows from these; it is not made here.
@@ -17,11 +18,12 @@ module bw_flexibility
   public :: mean_square_curvature, mean_square_shape, moment_stiffness, point_flexibility
 
   type :: piece_waves
-    !! Two waves that decay outwards, and two that decay inwards.
+    !! Two waves that decay outwards, and two that decay inwards; a state is v, ψ, M and shear force.
     complex(dp) :: decay(2)                      !! κ, Re κ > 0
-    complex(dp) :: state(4, 4)                   !! v, ψ, M and shear force of each wave where it is 1
-    complex(dp) :: from_tip(2, 2)                !! inward waves at the outer end, of outward ones there
-    complex(dp) :: from_root(2, 2)               !! outward waves at the inner end, of inward ones there
+    complex(dp) :: state(4, 4)                   !! of each wave where it is 1
+    real(dp) :: slope(4, 4)                      !! derivative along the piece of a state, of the state
+    complex(dp) :: from_tip(4, 2)                !! two states at the outer end, as the tip allows them
+    complex(dp) :: from_root(4, 2)               !! two at the inner end, as the root does
     real(dp) :: length
   end type piece_waves
 
@@ -88,13 +90,13 @@ contains
       i = min(count(ends < xi(p)) + 1, size(ends))
       outer = max(0.0_dp, ends(i) - xi(p))
       inner = max(0.0_dp, waves(i)%length - outer)
-      beyond = with_returned(waves(i), carried(waves(i), outer, waves(i)%from_tip), .true.)
+      beyond = across(waves(i), waves(i)%from_tip, -outer)
       sides(:, :2) = beyond
-      sides(:, 3:) = -with_returned(waves(i), carried(waves(i), inner, waves(i)%from_root), .false.)
+      sides(:, 3:) = -across(waves(i), waves(i)%from_root, inner)
       amplitude(:, 1) = cmplx(jump, 0.0_dp, dp)
       call solve(sides, amplitude)
       values(p) = real(sum(beyond(seen, :)*amplitude(:2, 1)))
-      if (abs(values(p)) <= rounding*sum(abs(waves(i)%state(seen, :2)*amplitude(:2, 1)))) values(p) = 0.0_dp   ! as M at a free end
+      if (abs(values(p)) <= rounding*sum(abs(beyond(seen, :)*amplitude(:2, 1)))) values(p) = 0.0_dp   ! as M at a free end
     end do
   end function point_response
 
@@ -103,6 +105,7 @@ contains
     type(piece_beam), intent(in) :: beam
     real(dp), intent(in) :: shift
     type(piece_waves), intent(out) :: waves(:)
+    complex(dp), parameter :: unit(4, 2) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, 0.0_dp], [4, 2])
     real(dp) :: lambda, rho
     integer :: i, n
     n = size(waves)
@@ -116,22 +119,20 @@ contains
     do i = 1, n
       call find_pairs(beam%piece(i), lambda, rho, waves(i))
     end do
-    waves(n)%from_tip = returned(joined(beam%joint(n), lambda, -shift, waves(n)%state), 3, 4, .true.)
+    waves(n)%from_tip = joined(beam%joint(n), lambda, -shift, unit, -1.0_dp)
     do i = n - 1, 1, -1
-      waves(i)%from_tip = passed(waves(i)%state, joined(beam%joint(i), lambda, -shift, &
-        unit_motions(with_returned(waves(i + 1), carried(waves(i + 1), waves(i + 1)%length, waves(i + 1)%from_tip), .true.)), &
-        -1.0_dp), .true.)
+      waves(i)%from_tip = joined(beam%joint(i), lambda, -shift, &
+                                 unit_motions(across(waves(i + 1), waves(i + 1)%from_tip, -waves(i + 1)%length)), -1.0_dp)
     end do
-    waves(1)%from_root = returned(held(beam%root, waves(1)%state), 1, 2, .false.)
+    waves(1)%from_root = held(beam%root)
     do i = 2, n
-      waves(i)%from_root = passed(waves(i)%state, joined(beam%joint(i - 1), lambda, -shift, &
-        unit_motions(with_returned(waves(i - 1), carried(waves(i - 1), waves(i - 1)%length, waves(i - 1)%from_root), .false.))), &
-        .false.)
+      waves(i)%from_root = joined(beam%joint(i - 1), lambda, -shift, &
+                                  unit_motions(across(waves(i - 1), waves(i - 1)%from_root, waves(i - 1)%length)))
     end do
   end subroutine find_waves
 
   pure subroutine find_pairs(piece, lambda, rho, waves)
-    !! e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, M = Bψ', N' = −mλv.
+    !! e^(κx): Bκ⁴ + (R + smλB)κ² − mλ(1 − sR) = 0, R = ρI ρ; v' = ψ + sN, Bψ' = M, M' = −Rψ − N, N' = −mλv.
     type(uniform_piece), intent(in) :: piece
     real(dp), intent(in) :: lambda, rho
     type(piece_waves), intent(inout) :: waves
@@ -151,6 +152,13 @@ contains
       waves%state(2, :) = turn
       waves%state(3, :) = stiffness*kappa*turn
       waves%state(4, :) = force
+      waves%slope = 0.0_dp
+      waves%slope(1, 2) = 1.0_dp
+      waves%slope(1, 4) = compliance
+      waves%slope(2, 3) = 1.0_dp/stiffness
+      waves%slope(3, 2) = -piece%rotary%hi*rho
+      waves%slope(3, 4) = -1.0_dp
+      waves%slope(4, 1) = -mass*lambda
     end associate
     waves%length = piece%length%hi
   end subroutine find_pairs
@@ -182,64 +190,46 @@ contains
     unit(:2, :) = reshape([1.0_dp, 0.0_dp, 0.0_dp, 1.0_dp], [2, 2])   ! to the last digit
   end function unit_motions
 
-  pure function held(root, state) result(conditions)
-    !! What is 0 at the root, in the first two rows.
+  pure function held(root) result(states)
+    !! Two independent states that a root allows.
     type(beam_root), intent(in) :: root
-    complex(dp), intent(in) :: state(4, 4)
-    complex(dp) :: conditions(4, 4)
-    conditions = state
-    if (.not. root%holds_deflection) conditions(1, :) = state(4, :) - root%stiffness%hi*state(1, :)
-    if (.not. root%holds_turning) conditions(2, :) = state(3, :) - root%turning_stiffness%hi*state(2, :)
+    complex(dp) :: states(4, 2)
+    states = 0.0_dp
+    states(4, 1) = 1.0_dp
+    if (.not. root%holds_deflection) states([1, 4], 1) = [1.0_dp, root%stiffness%hi]
+    states(3, 2) = 1.0_dp
+    if (.not. root%holds_turning) states([2, 3], 2) = [1.0_dp, root%turning_stiffness%hi]
   end function held
 
-  pure function returned(conditions, first, last, outward) result(back)
-    !! What comes back where two rows of a state are 0.
-    complex(dp), intent(in) :: conditions(4, 4)
-    integer, intent(in) :: first, last           !! these rows
-    logical, intent(in) :: outward               !! of outward waves, else of inward ones
-    complex(dp) :: back(2, 2), system(2, 2)
-    system = conditions(first:last, merge(3, 1, outward):merge(4, 2, outward))
-    back = -conditions(first:last, merge(1, 3, outward):merge(2, 4, outward))
-    call solve(system, back)
-  end function returned
-
-  pure function passed(state, known, outward) result(back)
-    !! What comes back of a piece's waves from where its state is known but for two amplitudes.
-    complex(dp), intent(in) :: state(4, 4)
-    complex(dp), intent(in) :: known(4, 2)
-    logical, intent(in) :: outward               !! of outward waves, else of inward ones
-    complex(dp) :: back(2, 2), system(4, 4), amplitude(4, 2), going(2, 2), coming(2, 2)
-    system = state
-    amplitude = known
-    call solve(system, amplitude)
-    going = transpose(amplitude(merge(1, 3, outward):merge(2, 4, outward), :))
-    coming = transpose(amplitude(merge(3, 1, outward):merge(4, 2, outward), :))
-    call solve(going, coming)
-    back = transpose(coming)
-  end function passed
-
-  pure function carried(waves, length, returning) result(back)
-    !! What comes back, seen from a way inside of the piece.
+  pure function across(waves, states, way) result(there)
+    !! Two states of a piece, seen from a place that lies so far outwards, or inwards where the way is negative.
     type(piece_waves), intent(in) :: waves
-    real(dp), intent(in) :: length               !! of the way
-    complex(dp), intent(in) :: returning(2, 2)
-    complex(dp) :: back(2, 2), left(2)
-    left = exp(-waves%decay*length)
-    back = spread(left, 2, 2)*returning*spread(left, 1, 2)
-  end function carried
-
-  pure function with_returned(waves, back, outward) result(state)
-    !! The state of each of two waves with what comes back of it.
-    type(piece_waves), intent(in) :: waves
-    complex(dp), intent(in) :: back(2, 2)
-    logical, intent(in) :: outward               !! the two are outward waves, else inward ones
-    complex(dp) :: state(4, 2)
-    if (outward) then
-      state = waves%state(:, :2) + matmul(waves%state(:, 3:), back)
-    else
-      state = waves%state(:, 3:) + matmul(waves%state(:, :2), back)
+    complex(dp), intent(in) :: states(4, 2)
+    real(dp), intent(in) :: way
+    integer, parameter :: powers = 24            !! of less than 1, over their factorials
+    complex(dp) :: there(4, 2), term(4, 2), amplitude(4, 2), system(4, 4), going(2, 2), coming(2, 2), left(2)
+    integer :: i, from, to
+    there = states
+    if (maxval(abs(waves%decay))*abs(way) < 1.0_dp) then
+      term = states
+      do i = 1, powers
+        term = matmul(waves%slope, term)*(way/i)
+        there = there + term
+      end do
+      return
     end if
-  end function with_returned
+    from = merge(1, 3, way < 0.0_dp)             ! the first of the two waves that decay towards where the states are
+    to = 4 - from
+    system = waves%state
+    amplitude = states
+    call solve(system, amplitude)
+    going = transpose(amplitude(from:from + 1, :))
+    coming = transpose(amplitude(to:to + 1, :))
+    call solve(going, coming)
+    left = exp(-waves%decay*abs(way))
+    coming = spread(left, 2, 2)*transpose(coming)*spread(left, 1, 2)
+    there = waves%state(:, from:from + 1) + matmul(waves%state(:, to:to + 1), coming)
+  end function across
 
   pure subroutine solve(system, right)
     !! Solve a few equations, each over its largest coefficient.
