@@ -3,6 +3,7 @@
 The true frequencies are those of the closed forms of a cantilever with a mass at its tip, solved here.
 """
 
+import re
 import signal
 import time
 
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 import results
 from ring_downs import as_text
+from scipy.optimize import brentq
 from workplace import SECONDS, namelist
 
 LENGTH, DENSITY, HEIGHT, WIDTH = 0.6, 2700.0, 0.006, 0.03  # an aluminium beam
@@ -295,6 +297,33 @@ def test_a_wrong_model_is_told_so_with_what_would_mend_it(here):
     mends = here.beamwave("run", "given.nml").stdout.split("With an effect that the model leaves out")[1:]
     assert len(mends) == 2  # one for each repeat
     assert all("a mass at the tip (body%mass = 0.0" in mended and "explains the lines" in mended for mended in mends)
+
+
+def test_two_effects_at_once_are_found_where_neither_explains_the_lines(here):
+    """A root that turns and a mass at the tip: of a shape a (cos − cosh) + b sin + c sinh, which the root ties to its slope."""
+    turning, stiffness = 2e3, MODULUS * WIDTH * HEIGHT**3 / 12
+
+    def equation(alpha):
+        a, c, s, ch, sh = turning * LENGTH / stiffness / (2 * alpha), np.cos(alpha), np.sin(alpha), np.cosh(alpha), np.sinh(alpha)
+        moment = np.array([a * (c + ch) - s, a * (c + ch) + sh])
+        shear = np.array([-a * (s - sh) - c, -a * (s - sh) + ch]) / alpha
+        moved = np.array([-a * (c - ch) + s, -a * (c - ch) + sh])
+        tip = shear + RATIO * moved
+        return moment[0] * tip[1] - moment[1] * tip[0]
+
+    grid = np.linspace(0.5, 12, 4000)
+    signs = np.sign([equation(alpha) for alpha in grid])
+    roots = [brentq(equation, grid[i], grid[i + 1]) for i in np.flatnonzero(np.diff(signs))[:4]]
+    here.write("ring.csv", ring_down(21, np.sqrt(MODULUS * HEIGHT**2 / 12 / DENSITY) * (np.array(roots) / LENGTH) ** 2))
+    here.write("ring.nml", scene_of("ring.csv", beam={**BEAM, "youngs_modulus": MODULUS}))
+    advice = here.beamwave("run", "ring.nml").stdout.split("With an effect that the model leaves out")[1].splitlines()[1:]
+    both = next(line for line in advice if "a root that turns" in line and "a mass at the tip" in line)
+    assert both.endswith("explains the lines")
+    assert float(re.search(r"body%mass = (\S+) kg", both)[1]) == pytest.approx(MASS, rel=0.01)
+    assert float(re.search(r"rotational_stiffness = (\S+) N", both)[1]) == pytest.approx(turning, rel=0.01)
+    alone = [line for line in advice if line.split("%   ")[-1].startswith(("a root that turns (", "a mass at the tip ("))]
+    assert len(alone) == 2
+    assert not any("explains the lines" in line for line in alone)
 
 
 def test_as_many_unknowns_as_lines_do_not_hide_a_misfit(here):

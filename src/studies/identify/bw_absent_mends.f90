@@ -21,43 +21,83 @@ module bw_absent_mends
     type(identify_par), allocatable :: unknowns(:)   !! that came with it
     real(dp), allocatable :: values(:)           !! what they were fitted to
     type(fit_type) :: fit
+    integer, private :: candidate = 0
   end type mend_type
+
+  real(dp), parameter, public :: helpful = 0.9_dp  !! chosen: of τ; what leaves more mends nothing
 
 contains
 
   subroutine find_mends(measured, found, mends)
-    !! All effects that can be put in, those that leave least first.
+    !! All effects that can be put in, those that leave least first. Where none explains the lines, also two of those that take most
+    !! off the misfit, if the two take more off it than either.
     type(measured_scene), intent(in) :: measured(:)
     type(identification), intent(in) :: found    !! without them
     type(mend_type), allocatable, intent(out) :: mends(:)
+    integer, parameter :: most_combined = 4
     type(candidate_type), allocatable :: candidates(:)
     type(measured_scene), allocatable :: variant(:)
+    type(mend_type), allocatable :: single(:)
     type(mend_type) :: mend
     logical :: possible
-    integer :: i
+    integer :: i, j
     allocate (mends(0))
     call list_candidates(measured(1)%scene, candidates)
     do i = 1, size(candidates)
       call put_in(candidates(i), measured, variant, possible)
       if (.not. possible) cycle
-      call fit_again(candidates(i), variant, found, mend)
+      call fit_again(candidates(i), variant, found, found%fit, measured, mend)
+      mend%candidate = i
       if (mend%fit%freedom > 0) call insert(mends, mend)       ! else nothing tests it
+    end do
+    single = mends(:min(size(mends), most_combined))
+    if (any(single%fit%scatter <= 0.0_dp)) return
+    do i = 1, size(single)
+      do j = i + 1, size(single)
+        if (single(j)%fit%scatter > helpful*found%fit%scatter) exit
+        call fit_two(measured, candidates(single(i)%candidate), candidates(single(j)%candidate), single(i), found, mend, possible)
+        if (.not. possible .or. mend%fit%freedom < 1) cycle
+        if (mend%fit%scatter <= helpful*single(i)%fit%scatter) call insert(mends, mend)
+      end do
     end do
   end subroutine find_mends
 
-  subroutine fit_again(candidate, variant, found, mend)
-    !! The fit with an effect; lines that are no modes without it are none with it.
+  subroutine fit_two(measured, first, second, one, found, mend, possible)
+    !! The fit with two effects, from that with the first.
+    type(measured_scene), intent(in) :: measured(:)
+    type(candidate_type), intent(in) :: first, second
+    type(mend_type), intent(in) :: one           !! with the first
+    type(identification), intent(in) :: found
+    type(mend_type), intent(out) :: mend
+    logical, intent(out) :: possible
+    type(candidate_type), allocatable :: further(:)
+    type(measured_scene), allocatable :: variant(:), both(:)
+    integer :: k
+    call put_in(first, measured, variant, possible)
+    call list_candidates(variant(1)%scene, further)            ! a body has another number where there is one more
+    k = findloc(further%effect, second%effect, dim=1)
+    possible = possible .and. k > 0
+    if (possible) call put_in(further(k), variant, both, possible)
+    if (.not. possible) return
+    call fit_again(further(k), both, found, one%fit, measured, mend)
+    mend%effect = one%effect//' and '//mend%effect
+  end subroutine fit_two
+
+  subroutine fit_again(candidate, variant, found, before, measured, mend)
+    !! The fit with one more effect; lines that are no modes without any are none with it.
     type(candidate_type), intent(in) :: candidate
     type(measured_scene), intent(in) :: variant(:)
     type(identification), intent(in) :: found
+    type(fit_type), intent(in) :: before         !! without this effect
+    type(measured_scene), intent(in) :: measured(:)            !! without any
     type(mend_type), intent(out) :: mend
     type(fit_problem) :: problem
     type(beam_state), allocatable :: states(:)
     type(fit_type), allocatable :: others(:)
     real(dp), allocatable :: near(:)             ! where it is the model without the effect, at its fit
-    integer, allocatable :: added(:)             ! its unknowns, the last ones of the first scene
+    integer, allocatable :: added(:)             ! unknowns of all effects, the last ones of the first scene
     logical :: thorough
-    integer :: i, n
+    integer :: i, n, last
     call states_of(variant, states)
     n = 0
     do i = 1, size(states)
@@ -66,12 +106,12 @@ contains
     end do
     problem = problem_of(states, all_unknowns(variant))
     thorough = count(candidate%unknown /= '') > 1 .and. .not. allocated(variant(1)%scene%stiffening)     ! there modes are dear
-    n = size(variant(1)%scene%unknowns) - count(candidate%unknown /= '')
-    added = [(i, i=n + 1, size(variant(1)%scene%unknowns))]
-    near = [candidate%neutral(:size(added))]
-    if (allocated(found%values)) near = [found%values(:n), near, found%values(n + 1:)]
-    near = position_in(problem%unknowns, near)
+    last = size(variant(1)%scene%unknowns)
+    n = last - count(candidate%unknown /= '')
+    near = position_in(problem%unknowns(n + 1:last), candidate%neutral(:last - n))
+    if (allocated(before%v)) near = [before%v(:n), near, before%v(n + 1:)]
     call fit_beam(problem, 0.0_dp, thorough, mend%fit, others, near)
+    added = [(i, i=size(measured(1)%scene%unknowns) + 1, last)]
     mend%effect = trim(candidate%effect)
     mend%unknowns = problem%unknowns(added)
     mend%values = value_at(mend%unknowns, mend%fit%v(added))

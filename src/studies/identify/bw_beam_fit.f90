@@ -1,6 +1,5 @@
 module bw_beam_fit
   !! The unknowns that fit the lines best, from several starts, and any other place that fits as well.
-  use bw_fit_escapes, only: fit_with_one_held, fit_without_lines
   use bw_fit_problem, only: fit_problem
   use bw_fit_search, only: add_fit, first_scatter, fit_type, is_near, place, polish, search, settle, unlikely
   use bw_fit_starts, only: choose_starts
@@ -11,7 +10,6 @@ module bw_beam_fit
 
   integer, parameter :: searched = 4             !! starts from which is searched: those that cost least at once
   integer, parameter :: searched_on = 12         !! where what is found from these is in doubt
-  integer, parameter :: most_escapes = 3         !! from fits that noise does not explain
 
 contains
 
@@ -41,7 +39,6 @@ contains
       if (i == searched .or. all(fits(:n - 1)%price > fits(n)%price)) call settle(problem, fits, fit)
       if (.not. (is_doubtful(fit) .and. thorough)) exit
     end do
-    if (thorough) call escape(problem, fits, fit)
     call find_others(problem, fits, fit, as_good, others)
     call place(problem, fit)
     problem%scatter = fit%scatter
@@ -52,24 +49,6 @@ contains
     type(fit_type), intent(in) :: fit
     is_doubtful = fit%tail < unlikely .or. (fit%spare < 1 .and. any(fit%mode_of == 0))
   end function is_doubtful
-
-  subroutine escape(problem, fits, fit)
-    !! Look further from a fit in doubt, as long as that brings a better one.
-    type(fit_problem), intent(inout) :: problem
-    type(fit_type), allocatable, intent(inout) :: fits(:)
-    type(fit_type), intent(inout) :: fit
-    real(dp), parameter :: better = 0.1_dp       !! of the price
-    real(dp) :: price
-    integer :: i
-    do i = 1, most_escapes
-      if (.not. is_doubtful(fit)) return
-      price = minval(fits%price)
-      call fit_with_one_held(problem, fit, fits)
-      call fit_without_lines(problem, fit, fits)
-      call settle(problem, fits, fit)
-      if (.not. minval(fits%price) < price - better) return
-    end do
-  end subroutine escape
 
   subroutine refit_from(problem, v, fit)
     !! The fit from a place that was found to be better than it.

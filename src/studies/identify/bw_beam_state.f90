@@ -44,7 +44,6 @@ module bw_beam_state
   type, public :: beam_state
     type(measured_lines) :: lines
     logical, allocatable :: is_harmonic(:)       !! lines that are known to be no modes, (lines)
-    logical, allocatable :: foreign(:)           !! lines that are taken for no modes on trial, (lines)
     real(dp), allocatable :: chance(:)           !! that a line is no mode, before any beam is asked, (lines)
     integer, allocatable :: mode_of(:)           !! the mode that each line is taken for; 0: none, (lines)
     integer :: most_modes = 0                    !! as many as the scene counts
@@ -73,7 +72,7 @@ contains
     state%concerned = unknowns%group > 0
     state%most_modes = scene%modes%before
     allocate (state%mode_of(size(lines%frequency)), source=0)
-    allocate (state%foreign(size(lines%frequency)), state%is_harmonic(size(lines%frequency)), source=.false.)
+    allocate (state%is_harmonic(size(lines%frequency)), source=.false.)
     state%chance = foreign_chance(lines%frequency, lines%deviation, lines%decay, lines%decay_deviation, lines%strength)
     call with_unknowns(scene, unknowns, state%varied)
     call scene_with(state%varied, unknowns%start, state%one, error)

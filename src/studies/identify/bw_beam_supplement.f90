@@ -196,6 +196,7 @@ contains
         call note_misfit(misfit, case_text(set, c), notes)
         if (.not. misfit%tail < unlikely) cycle
         found%fit%mode_of = state%mode_of
+        found%fit%misfit_type = misfit
         call find_mends(set%measured(c:c), found, mends)
         call report_mends(mends, misfit%scatter, lines)
       end associate

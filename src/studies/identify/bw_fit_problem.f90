@@ -37,7 +37,6 @@ module bw_fit_problem
     procedure :: match
     procedure :: minimise
     procedure :: find_derivatives
-    procedure :: frequency_rows
     procedure :: values => values_of_problem
   end type fit_problem
 
@@ -240,7 +239,7 @@ contains
         end do
         records(i)%line = frequency
         records(i)%deviation = state%lines%deviation/frequency
-        records(i)%foreign = state%foreign .or. state%is_harmonic .or. records(i)%deviation > vague
+        records(i)%foreign = state%is_harmonic .or. records(i)%deviation > vague
         records(i)%chance = state%chance
         records(i)%mode = modes%frequency
         if (.not. modes%found) records(i)%mode = -records(i)%mode
@@ -251,7 +250,7 @@ contains
       records(i)%line = self%states(i)%lines%frequency
       records(i)%deviation = records(i)%line
       records(i)%mode = records(i)%line
-      records(i)%foreign = self%states(i)%foreign
+      records(i)%foreign = self%states(i)%is_harmonic
       records(i)%chance = self%states(i)%chance
     end do
     band%width = 1 + log(max(high/low, 1.0_dp))
@@ -285,7 +284,6 @@ contains
     logical, intent(in) :: quick                 !! to a thousandth of the sum, else to all digits
     real(dp), parameter :: rough = 1.0e-4_dp, fine = 1.0e-9_dp
     real(dp) :: v(size(self%free))
-    integer :: evaluations
     v = self%v(self%free)
     if (size(v) == 0 .or. self%count() == 0) then
       allocate (residuals(self%count()))
@@ -293,7 +291,7 @@ contains
       return
     end if
     self%roughly = quick .and. is_coarse(self, self%scatter)
-    call least_squares(self, self%count(), model_accuracy, merge(rough, fine, quick), v, residuals, evaluations)
+    call least_squares(self, self%count(), model_accuracy, merge(rough, fine, quick), v, residuals)
     self%roughly = .false.
     self%v(self%free) = v
   end subroutine minimise
@@ -329,19 +327,5 @@ contains
       jacobian(:, i) = (up - down)/(high - v(i))
     end do
   end subroutine find_derivatives
-
-  pure function frequency_rows(self) result(row)
-    !! The residuals that are those of frequencies.
-    class(fit_problem), intent(in) :: self
-    integer, allocatable :: row(:)
-    integer :: i, k, n, last
-    allocate (row(0))
-    last = 0
-    do i = 1, size(self%states)
-      n = counted(self%states(i)%mode_of)
-      row = [row, [(last + k, k=1, n)]]
-      last = last + merge(2, 1, self%fits_decay)*n
-    end do
-  end function frequency_rows
 
 end module bw_fit_problem

@@ -1,6 +1,6 @@
 module bw_foreign_lines
   !! How probable it is, before any beam is asked, that a line is no mode of it: a few are; more of those that do not decay as
-  !! the others do, of those at a multiple of the mains' frequency, and of those at a multiple of a far stronger line.
+  !! the others do, and of those at a multiple of a far stronger line.
   !!
   !! What bends a sensor's or a clamp's answer makes weak multiples of a strong line. A weak line is one of them with
   !! probability π, and then is normally distributed about the nearest multiple of the strong line's frequency g, with the
@@ -15,9 +15,6 @@ module bw_foreign_lines
   real(dp), parameter :: pi = acos(-1.0_dp)
   real(dp), parameter, public :: usual_chance = 0.05_dp  !! chosen: few lines are foreign
   real(dp), parameter :: steady_odds = 25.0_dp   !! chosen: half of foreign lines are driven and do not decay; of modes one in 50
-  real(dp), parameter :: hums = 0.3_dp           !! chosen: share of foreign lines that are a hum
-  real(dp), parameter :: mains(2) = [50.0_dp, 60.0_dp]   !! Hz
-  real(dp), parameter :: wander = 5.0e-4_dp      !! of the mains' frequency
   real(dp), parameter :: weaker = 0.01_dp        !! chosen: of a line, that its multiples are
 
 contains
@@ -33,7 +30,6 @@ contains
     usual = median(decay/frequency)*frequency
     odds = usual_chance/(1 - usual_chance)
     where (decay + 2*decay_deviation < usual/20) odds = odds*steady_odds
-    where (decay - 3*decay_deviation < usual/5) odds = odds*mains_odds(frequency/(2*pi), deviation/(2*pi))
     if (present(strength)) odds = odds + multiple_odds(frequency, deviation, strength)
     chance = odds/(1 + odds)
   end function foreign_chance
@@ -71,17 +67,6 @@ contains
     width = hypot(deviation, times*strong_deviation)
     if (sqrt(2*pi)*width < strong) ratio = strong/(sqrt(2*pi)*width)*exp(-0.5_dp*((frequency - times*strong)/width)**2)
   end function multiple_ratio
-
-  elemental real(dp) function mains_odds(frequency, deviation) result(odds)
-    !! How much more probable it is that a foreign line is here than that a mode is, which may be anywhere.
-    real(dp), intent(in) :: frequency, deviation !! Hz
-    real(dp) :: width
-    odds = 1
-    width = max(2*deviation, wander*frequency)
-    if (frequency < minval(mains) - width) return
-    if (all(abs(frequency - mains*max(1, nint(frequency/mains))) > width)) return
-    odds = max(1.0_dp, hums/sum(2*width/mains))
-  end function mains_odds
 
   pure real(dp) function median(values)
     !! The middle one in the order of size; the lower one of two; 0 of none.

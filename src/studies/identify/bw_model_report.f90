@@ -1,6 +1,6 @@
 module bw_model_report
   !! The printed report of a beam held against its record, and of what was identified.
-  use bw_absent_mends, only: mend_type
+  use bw_absent_mends, only: helpful, mend_type
   use bw_columns, only: right
   use bw_fit_problem, only: value_at
   use bw_fit_search, only: misfit_type, unlikely
@@ -225,29 +225,28 @@ contains
     type(mend_type), intent(in) :: mends(:)      !! those that leave least first
     real(dp), intent(in) :: scatter              !! τ without them
     type(text_builder), intent(inout) :: lines
-    real(dp), parameter :: hardly = 0.9_dp       !! chosen: of τ; what leaves more mends nothing
-    integer :: i, helpful
-    helpful = count(mends%fit%scatter < hardly*scatter)
-    if (helpful > 0) call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, '// &
+    integer :: i, helping
+    helping = count(mends%fit%scatter < helpful*scatter)
+    if (helping > 0) call lines%append_line('  With an effect that the model leaves out, or another value, and fitted again, '// &
                                             'frequencies would be off by')
-    do i = 1, helpful
+    do i = 1, helping
       call lines%append(right(shortest(100*mends(i)%fit%scatter, 2), 10)//' %   '//mends(i)%effect//sizes_text(mends(i)))
       if (mends(i)%fit%scatter <= 0.0_dp) call lines%append('; explains the lines')
       call lines%append_line('')
     end do
-    if (helpful < size(mends)) call lines%append_line('  '//useless_text(size(mends), helpful))
+    if (helping < size(mends)) call lines%append_line('  '//useless_text(size(mends), helping))
     if (count(mends%fit%scatter <= 0.0_dp) > 1) call lines%append_line( &
       '  Several of them explain the lines: these alone do not tell which it is')
   end subroutine report_mends
 
-  pure function useless_text(tried, helpful) result(text)
+  pure function useless_text(tried, helping) result(text)
     !! How many effects and values were tried in vain.
-    integer, intent(in) :: tried, helpful
+    integer, intent(in) :: tried, helping
     character(:), allocatable :: text
-    if (helpful == 0) then
+    if (helping == 0) then
       text = 'No effect that the model leaves out, and no other value, mends that; tried: '//text_of(tried)
     else
-      text = 'Others that were tried, and mend nothing: '//text_of(tried - helpful)
+      text = 'Others that were tried, and mend nothing: '//text_of(tried - helping)
     end if
   end function useless_text
 
